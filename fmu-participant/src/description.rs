@@ -46,6 +46,8 @@ pub struct ModelDescription {
     pub keeps_states: bool,
     /// A state can be turned into bytes and back.
     pub serialises: bool,
+    /// Its communication steps may differ in length.
+    pub varies_step: bool,
     /// Its variables with numbers, in the order of the file.
     pub variables: Vec<Variable>,
 }
@@ -93,6 +95,7 @@ impl ModelDescription {
             identifier,
             keeps_states,
             serialises: keeps_states && flag(about, serialises),
+            varies_step: flag(about, "canHandleVariableCommunicationStepSize"),
             variables: Reader::new(root, version).variables(root)?,
         })
     }
@@ -116,21 +119,21 @@ fn version(root: Node<'_, '_>) -> Result<Version, String> {
 struct Reader<'a> {
     version: Version,
     units: BTreeMap<&'a str, Unit>,
-    /// Units of declared types.
-    types: BTreeMap<&'a str, &'a str>,
+    /// Declared types, whose attributes hold for variables that do not have their own.
+    types: BTreeMap<&'a str, Node<'a, 'a>>,
     /// Values of structural parameters, by reference: sizes of arrays.
     sizes: BTreeMap<u32, usize>,
 }
 
 impl<'a> Reader<'a> {
-    fn new(root: Node<'a, '_>, version: Version) -> Self {
+    fn new(root: Node<'a, 'a>, version: Version) -> Self {
         let units = children(root, "UnitDefinitions").map(|unit| (of(unit, "name"), unit_of(unit)));
         let types = children(root, "TypeDefinitions").filter_map(|one| {
-            let with_unit = match version {
-                Version::Two => child(one, "Real")?,
+            let typed = match version {
+                Version::Two => one.first_element_child()?,
                 Version::Three => one,
             };
-            Some((of(one, "name"), with_unit.attribute("unit")?))
+            Some((of(one, "name"), typed))
         });
         let sizes = children(root, "ModelVariables")
             .filter(|one| of(*one, "causality") == "structuralParameter")
@@ -138,7 +141,7 @@ impl<'a> Reader<'a> {
         Self { version, units: units.collect(), types: types.collect(), sizes: sizes.collect() }
     }
 
-    fn variables(&self, root: Node<'a, '_>) -> Result<Vec<Variable>, String> {
+    fn variables(&self, root: Node<'a, 'a>) -> Result<Vec<Variable>, String> {
         let mut variables = Vec::new();
         for node in children(root, "ModelVariables") {
             let name = of(node, "name");
@@ -149,7 +152,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A variable whose values are numbers.
-    fn variable(&self, node: Node<'a, '_>) -> Result<Option<Variable>, String> {
+    fn variable(&self, node: Node<'a, 'a>) -> Result<Option<Variable>, String> {
         let (kind, typed) = match self.version {
             Version::Two => match node.children().find_map(|one| Some((two(one)?, one))) {
                 Some(found) => found,
@@ -168,7 +171,7 @@ impl<'a> Reader<'a> {
             "independent" => return Ok(None),
             _ => Causality::Inner,
         };
-        let start = start(typed.attribute("start").unwrap_or_default())?;
+        let start = start(typed.attribute("start").unwrap_or_default(), kind)?;
         Ok(Some(Variable {
             reference: reference(node)?,
             kind,
@@ -203,17 +206,22 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn unit(&self, typed: Node<'a, '_>) -> Unit {
-        let declared = || self.types.get(of(typed, "declaredType")).copied();
-        let mut unit = match typed.attribute("unit").or_else(declared) {
+    fn unit(&self, typed: Node<'a, 'a>) -> Unit {
+        let mut unit = match self.attribute(typed, "unit") {
             None => Unit::named(""),
             Some(name) => self.units.get(name).cloned().unwrap_or_else(|| Unit::named(name)),
         };
         // A difference, such as a temperature rise in degrees Celsius.
-        if flag(typed, "relativeQuantity") {
+        if matches!(self.attribute(typed, "relativeQuantity"), Some("true" | "1")) {
             unit.offset = 0.0;
         }
         unit
+    }
+
+    /// An attribute of a variable, or of its declared type.
+    fn attribute(&self, typed: Node<'a, 'a>, key: &str) -> Option<&'a str> {
+        let declared = || self.types.get(of(typed, "declaredType"))?.attribute(key);
+        typed.attribute(key).or_else(declared)
     }
 }
 
@@ -233,11 +241,22 @@ fn unit_of(node: Node<'_, '_>) -> Unit {
 }
 
 /// Values at the start: one, or those of an array with spaces between.
-fn start(text: &str) -> Result<Vec<f64>, String> {
-    let value = |word: &str| match word {
-        "true" => Ok(1.0),
-        "false" => Ok(0.0),
-        word => word.parse().map_err(|_| format!("that starts at {word:?}, which is no number")),
+fn start(text: &str, kind: Kind) -> Result<Vec<f64>, String> {
+    let value = |word: &str| {
+        let value = match word {
+            "true" => 1.0,
+            "false" => 0.0,
+            word => {
+                word.parse().map_err(|_| format!("that starts at {word:?}, which is no number"))?
+            }
+        };
+        match kind.range() {
+            // One of 64 bits is rounded, which nobody but a help text sees.
+            Some([least, most]) if !kind.is_long() && !(least..=most).contains(&value) => {
+                Err(format!("that starts at {word}, which is not between {least} and {most}"))
+            }
+            _ => Ok(value),
+        }
     };
     let words: Vec<&str> = text.split_whitespace().take(LARGEST_ARRAY).collect();
     words.into_iter().map(value).collect()
@@ -348,6 +367,43 @@ mod tests {
         assert!(!g.settable && g.start == [-9.81]);
     }
 
+    /// FMI 2.0.4 §2.2.7 and 3.0 §2.4.5: the attributes of a declared type hold where the variable has none.
+    #[test]
+    fn attributes_of_a_declared_type_are_inherited() {
+        let units = r#"<UnitDefinitions><Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit></UnitDefinitions>"#;
+        let three = THREE
+            .replace("</UnitDefinitions>", r#"<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit></UnitDefinitions>"#)
+            .replace(
+                r#"unit="kN"/></Type"#,
+                r#"unit="kN"/><Float64Type name="Rise" unit="degC" relativeQuantity="true"/></Type"#,
+            );
+        let two = TWO.replace(
+            "<ModelVariables>",
+            &format!(
+                r#"{units}<TypeDefinitions><SimpleType name="Rise"><Real unit="degC" relativeQuantity="true"/></SimpleType></TypeDefinitions><ModelVariables>"#
+            ),
+        );
+        for own in ["", r#" relativeQuantity="false""#] {
+            let three =
+                three.replace(r#"name="x""#, &format!(r#"name="x" declaredType="Rise"{own}"#));
+            let two = two.replace(r#"unit="m""#, &format!(r#"declaredType="Rise"{own}"#));
+            for (text, name) in [(&three, "x"), (&two, "h")] {
+                let read = ModelDescription::parse(text).unwrap();
+                let unit = &read.find(name).unwrap().unit;
+                let expected = if own.is_empty() { 0.018 } else { 273.168 };
+                assert_eq!((unit.name.as_str(), unit.to_si(0.018)), ("degC", expected), "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn steps_vary_where_the_fmu_says_so() {
+        let three =
+            THREE.replace("canGet", r#"canHandleVariableCommunicationStepSize="true" canGet"#);
+        let varies = |text: &str| ModelDescription::parse(text).unwrap().varies_step;
+        assert_eq!((varies(THREE), varies(TWO), varies(&three)), (false, false, true));
+    }
+
     #[test]
     fn what_is_wrong_is_named() {
         let wrong = |text: &str| ModelDescription::parse(text).unwrap_err();
@@ -358,6 +414,8 @@ mod tests {
         assert!(wrong(&THREE.replace("start=\"2\"", "start=\"99999999999\"")).contains("`y` with"));
         assert!(wrong(&THREE.replace("start=\"3\"", "start=\"0\"")).contains("without values"));
         assert!(wrong(&THREE.replace("\"1 2 3\"", "\"1 2 x\"")).contains("`x` that starts at"));
+        let said = wrong(&TWO.replace(r#"Real start="-9.81""#, r#"Integer start="3000000000""#));
+        assert!(said.contains("`g` that starts at 3000000000, which is not between"), "{said}");
         let entity = format!("<!DOCTYPE a [<!ENTITY e 'x'>]>{TWO}");
         assert!(wrong(&entity).contains("is no model description"));
     }

@@ -20,6 +20,8 @@ use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
+/// Relative difference of window lengths that is rounding: times are counted up from 0.
+const ROUNDING: f64 = 1e-9;
 /// The largest state that is read back [byte].
 const LARGEST_STATE: u64 = 1 << 36;
 
@@ -56,6 +58,10 @@ pub struct Running {
     state: Option<Kept>,
     /// The FMU has gone on from the accepted state.
     moved: bool,
+    /// Its communication steps may differ in length.
+    varies_step: bool,
+    /// Length of the first step [s].
+    first_step: Option<f64>,
     trial: Answer,
     accepted: Answer,
     /// The state of the last accepted step could not be kept.
@@ -92,6 +98,8 @@ impl Running {
             figures: figures.to_vec(),
             state,
             moved: false,
+            varies_step: description.varies_step,
+            first_step: None,
             accepted: trial.clone(),
             trial,
             late: None,
@@ -115,6 +123,17 @@ impl Running {
         self.slave.get_mut().return_to(state).map_err(failed)?;
         self.moved = false;
         Ok(())
+    }
+
+    /// Refuses a step of another length than the first one, of an FMU that has steps of one length.
+    fn check_length(&mut self, length: f64) -> Result<(), StepError> {
+        let first = *self.first_step.get_or_insert(length);
+        match self.varies_step || (length - first).abs() <= ROUNDING * first {
+            true => Ok(()),
+            false => Err(StepError::NoSolution(format!(
+                "the FMU takes steps of one length, {first} s, and none of {length} s (canHandleVariableCommunicationStepSize)"
+            ))),
+        }
     }
 
     /// Sets the inputs; the power received through densities, if there are any.
@@ -258,6 +277,7 @@ impl Model for Running {
         if let Some(fault) = self.late.take() {
             return Err(failed(fault));
         }
+        self.check_length(step.duration())?;
         self.go_back()?;
         let heat_received = self.set(inputs)?;
         self.moved = true;

@@ -59,7 +59,7 @@ impl Fmu {
     }
 
     fn model(&self) -> ModelSpec {
-        let ModelDescription { name, words, keeps_states, .. } = &self.description;
+        let ModelDescription { name, words, keeps_states, varies_step, .. } = &self.description;
         let words = if words.is_empty() { name } else { words };
         let fields = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
         ModelSpec {
@@ -69,6 +69,7 @@ impl Fmu {
             steady: false,
             transient: true,
             rewinds: *keeps_states,
+            varies_step: *varies_step,
             consumes: fields(self.wiring.takes.iter().map(|take| take.spec.name).collect()),
             provides: fields(self.wiring.gives.iter().map(|give| give.spec.name).collect()),
             keys: Vec::new(),

@@ -35,6 +35,31 @@ impl Kind {
     pub fn is_real(self) -> bool {
         matches!(self, Self::Float64 | Self::Float32)
     }
+
+    /// Values are integers of 64 bits, of which a double does not have all.
+    #[must_use]
+    pub fn is_long(self) -> bool {
+        matches!(self, Self::Int64 | Self::UInt64)
+    }
+
+    /// The least and the largest whole number that a value can be, of 64 bits those that a double has exactly; `None`
+    /// for a real number, and for true or false.
+    #[must_use]
+    pub fn range(self) -> Option<[f64; 2]> {
+        /// 2⁵³: doubles beyond it leave out whole numbers.
+        const EXACT: f64 = 9_007_199_254_740_992.0;
+        Some(match self {
+            Self::Float64 | Self::Float32 | Self::Boolean => return None,
+            Self::Int8 => [f64::from(i8::MIN), f64::from(i8::MAX)],
+            Self::UInt8 => [0.0, f64::from(u8::MAX)],
+            Self::Int16 => [f64::from(i16::MIN), f64::from(i16::MAX)],
+            Self::UInt16 => [0.0, f64::from(u16::MAX)],
+            Self::Int32 => [f64::from(i32::MIN), f64::from(i32::MAX)],
+            Self::UInt32 => [0.0, f64::from(u32::MAX)],
+            Self::Int64 => [-EXACT, EXACT],
+            Self::UInt64 => [0.0, EXACT],
+        })
+    }
 }
 
 /// What a variable is for.

@@ -37,6 +37,7 @@ fn model(name: &str, summary: &str) -> ModelSpec {
         steady: true,
         transient: true,
         rewinds: name != ONCE,
+        varies_step: true,
         consumes: names(&[&LEFT_VALUE]),
         provides: names(&[&RIGHT_VALUE]),
         keys: Vec::new(),

@@ -182,6 +182,7 @@ impl Lumped {
             steady: false,
             transient: true,
             rewinds: true,
+            varies_step: true,
             consumes: names(self.receives(name)),
             provides: names(self.sends(name)),
             keys: Vec::new(),

@@ -56,12 +56,20 @@ impl Windows {
             Self::Sequence(times) => Some(times.len() as u64),
             Self::Fixed { window, end } => {
                 let ratio = end / window;
-                let whole = ratio.round();
-                let count =
-                    if (ratio - whole).abs() <= ROUNDING * ratio { whole } else { ratio.ceil() };
+                let count = if is_whole(ratio) { ratio.round() } else { ratio.ceil() };
                 Some((count as u64).max(1))
             }
             Self::Open { .. } | Self::Adaptive { .. } => None,
+        }
+    }
+
+    /// The windows are known to have one length, but for rounding.
+    #[must_use]
+    pub fn are_equal(&self) -> bool {
+        match self {
+            Self::Fixed { window, end } => window >= end || is_whole(end / window),
+            Self::Adaptive { .. } => false,
+            Self::Steady | Self::Sequence(_) | Self::Open { .. } => true,
         }
     }
 
@@ -94,6 +102,11 @@ impl Windows {
     }
 }
 
+/// A number of windows without a remainder, but for rounding.
+fn is_whole(ratio: f64) -> bool {
+    (ratio - ratio.round()).abs() <= ROUNDING * ratio
+}
+
 /// The end of a window of about this length: the end of the run is met exactly, and the window
 /// before the last takes half of what is left rather than leave a crumb.
 fn adaptive_end(start: f64, length: f64, end: f64) -> f64 {
@@ -118,6 +131,7 @@ mod tests {
         assert_eq!(windows.interval(2, 0.0, 0.0).1, 0.3);
         let cut = Windows::Fixed { window: 0.4, end: 1.0 };
         assert_eq!(cut.count(), Some(3));
+        assert!(windows.are_equal() && !cut.are_equal());
         assert_eq!(cut.interval(2, 0.0, 0.0), (0.8, 1.0));
         assert_eq!(Windows::Fixed { window: 2.0, end: 1.0 }.count(), Some(1));
         let long = Windows::Fixed { window: 5.23e-05, end: 18647.8858082 };

@@ -113,7 +113,11 @@ fn well_formed_effect(bench: &Bench, said: &Description, effect: &EffectSpec) ->
 }
 
 fn known_fields(bench: &Bench, consumes: &[String], provides: &[String]) -> Result<(), Fault> {
-    match consumes.iter().chain(provides).find(|name| bench.subject.kind(name).is_none()) {
+    match consumes
+        .iter()
+        .chain(provides)
+        .find(|name| bench.subject.description.field_kind(name).is_none())
+    {
         Some(name) => broken(format!("the field `{name}` is in no table and not described")),
         None => Ok(()),
     }

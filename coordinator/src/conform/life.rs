@@ -11,9 +11,9 @@ pub(super) use answer::Answer;
 use super::fault::{Fault, broken, late};
 use super::given::Given;
 use super::setting::Setting;
-use super::subject::{Subject, kind};
+use super::subject::Subject;
 use contract::configuration::{Configuration, Layout};
-use contract::field::FieldKind;
+use contract::description::Description;
 use contract::grid::Grid;
 use contract::message::{
     Command, CommandKind, FIGURES, FieldHeader, GeometryTopic, OBSERVE, Reply, Status, Topic,
@@ -45,8 +45,7 @@ pub(super) struct Life {
     /// When its heartbeats were received.
     pub(super) beats: Vec<Instant>,
     role: String,
-    /// Fields that it describes itself.
-    fields: Vec<FieldKind>,
+    description: Description,
     patience: Duration,
     /// What was accepted last.
     accepted: Option<Step>,
@@ -121,7 +120,7 @@ impl Life {
             inputs,
             beats,
             role,
-            fields: subject.description.fields.clone(),
+            description: subject.description.clone(),
             patience,
             accepted: None,
             peers,
@@ -255,7 +254,7 @@ impl Life {
             (&mut self.observed, &configuration.observed),
         ] {
             for name in names {
-                let Some(kind) = kind(&self.fields, name) else {
+                let Some(kind) = self.description.field_kind(name) else {
                     return broken(format!("it provides `{name}`, which it does not describe"));
                 };
                 let grid = layout.grid_of(name).expect("the layout is checked");

@@ -1,7 +1,6 @@
 //! The participant under test.
 
 use contract::description::Description;
-use contract::field::{self, FieldKind};
 use run::programs::Program;
 use std::time::Duration;
 
@@ -15,17 +14,4 @@ pub(super) struct Subject {
     pub(super) description: Description,
     /// Longest wait for an answer.
     pub(super) patience: Duration,
-}
-
-impl Subject {
-    /// The kind of a field that it speaks of: of the table, or one that it describes.
-    pub(super) fn kind(&self, name: &str) -> Option<FieldKind> {
-        kind(&self.description.fields, name)
-    }
-}
-
-/// The kind of a field: of the table, or of those that a participant describes.
-pub(super) fn kind(described: &[FieldKind], name: &str) -> Option<FieldKind> {
-    let own = || described.iter().find(|kind| kind.name == name).cloned();
-    field::find(name).map(field::FieldSpec::kind).or_else(own)
 }

@@ -37,7 +37,7 @@ fn write(f: &mut String, about: &About<'_>, of: &Variables, manifest: &Manifest)
     )?;
     let states = of.rewinds;
     let internal = of.window.map(|window| format!(r#" fixedInternalStepSize="{window:e}""#));
-    let serial = of.algebraic;
+    let (serial, varies) = (of.algebraic, of.varies_step);
     let may = format!(
         r#"modelIdentifier="{identifier}" needsExecutionTool="false" canBeInstantiatedOnlyOncePerProcess="false" canGetAndSetFMUState="{states}" canSerializeFMUState="{serial}""#
     );
@@ -46,7 +46,7 @@ fn write(f: &mut String, about: &About<'_>, of: &Variables, manifest: &Manifest)
     }
     writeln!(
         f,
-        r#"  <CoSimulation {may} canHandleVariableCommunicationStepSize="true"{}/>"#,
+        r#"  <CoSimulation {may} canHandleVariableCommunicationStepSize="{varies}"{}/>"#,
         internal.unwrap_or_default()
     )?;
     units(f, of)?;

@@ -1,5 +1,6 @@
 //! Inputs and outputs of the FMU of a plan, or of a surrogate.
 
+use contract::description::ModelSpec;
 use contract::figure::FigureSpec;
 use coupling::windows::Windows;
 use run::format::{number, stem_and_unit};
@@ -28,6 +29,8 @@ pub(super) struct Variables {
     pub(super) window: Option<f64>,
     /// States can be kept and returned to.
     pub(super) rewinds: bool,
+    /// Steps may differ in length.
+    pub(super) varies_step: bool,
     /// Outputs follow from the inputs alone: it is for model exchange too, and its states are a few bytes.
     pub(super) algebraic: bool,
 }
@@ -56,7 +59,8 @@ impl Variables {
                 Windows::Open { window } => window,
                 _ => None,
             },
-            rewinds: rewinds(plan),
+            rewinds: every_model(plan, |model| model.rewinds) && !moves(plan),
+            varies_step: every_model(plan, |model| model.varies_step),
             algebraic: false,
         }
     }
@@ -75,6 +79,7 @@ impl Variables {
             outputs: document.figures.iter().map(fitted).collect(),
             window: None,
             rewinds: true,
+            varies_step: true,
             algebraic: true,
         }
     }
@@ -119,12 +124,16 @@ fn middle(document: &Document) -> Vec<f64> {
     at
 }
 
-/// Every participant can go back, and no grid moves.
-fn rewinds(plan: &Plan) -> bool {
-    plan.participants.iter_enumerated().all(|(index, one)| {
+fn every_model(plan: &Plan, can: impl Fn(&ModelSpec) -> bool) -> bool {
+    plan.participants.iter().all(|one| {
         let model = one.description.models.iter().find(|m| m.name == one.configuration.model);
-        let moves =
-            one.estimate.iter().any(|layout| plan.travelling(index, layout).next().is_some());
-        model.is_some_and(|model| model.rewinds) && !moves
+        model.is_some_and(&can)
+    })
+}
+
+/// A grid moves.
+fn moves(plan: &Plan) -> bool {
+    plan.participants.iter_enumerated().any(|(index, one)| {
+        one.estimate.iter().any(|layout| plan.travelling(index, layout).next().is_some())
     })
 }

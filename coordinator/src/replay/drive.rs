@@ -439,11 +439,8 @@ impl<'a> Driver<'a> {
 
     /// Bytes of a sample of each topic.
     fn samples(&self, topics: &Topics) -> Vec<u64> {
-        let own = |name: &str| self.recorded.description.fields.iter().find(|f| f.name == name);
-        let components = |name: &str| match contract::field::find(name) {
-            Some(spec) => spec.components,
-            None => own(name).map_or(1, |kind| kind.components),
-        };
+        let kind = |name: &str| self.recorded.description.field_kind(name);
+        let components = |name: &str| kind(name).map_or(1, |kind| kind.components);
         let all = topics.inputs.iter().chain(&topics.outputs);
         let fields = all.map(|t| sample_bytes(t.grid.points(), components(&t.field)));
         let geometry = |name: &String| self.layout.grids.iter().find(|grid| grid.name == *name);

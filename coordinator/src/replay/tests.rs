@@ -26,6 +26,7 @@ fn description() -> Description {
         steady: true,
         transient: true,
         rewinds: true,
+        varies_step: true,
         consumes: Vec::new(),
         provides: vec!["lower_temperature".to_owned()],
         keys: vec![KeySpec::number("thermal.depth", "a depth")],

@@ -57,6 +57,7 @@ fn spec() -> ModelSpec {
         steady: true,
         transient: true,
         rewinds: true,
+        varies_step: true,
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys: case::keys(),

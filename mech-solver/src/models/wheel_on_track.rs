@@ -89,6 +89,7 @@ fn spec() -> ModelSpec {
         steady: true,
         transient: true,
         rewinds: true,
+        varies_step: true,
         consumes: Vec::new(),
         provides: names(&[
             &field::PRESSURE,

@@ -166,10 +166,7 @@ fn volumes(layout: &Layout, configuration: &Configuration) -> Vec<Grid> {
 /// Every field that the program may ask for in this run.
 fn fields(description: &Description, configuration: &Configuration) -> Vec<FieldSpec> {
     let inputs = configuration.inputs.iter().map(|input| kept(&input.field));
-    let known = |name: &String| {
-        let own = || description.fields.iter().find(|f| f.name == *name).map(kept);
-        proto::field::find(name).copied().or_else(own)
-    };
+    let known = |name: &String| description.field_kind(name).as_ref().map(kept);
     let sent = configuration.outputs.iter().chain(&configuration.observed);
     inputs.chain(sent.filter_map(known)).collect()
 }

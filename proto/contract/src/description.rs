@@ -115,6 +115,13 @@ impl Description {
         Ok(())
     }
 
+    /// The kind of a field that it speaks of: of the table, or one of its own.
+    #[must_use]
+    pub fn field_kind(&self, name: &str) -> Option<FieldKind> {
+        let own = || self.fields.iter().find(|kind| kind.name == name).cloned();
+        crate::field::find(name).map(FieldSpec::kind).or_else(own)
+    }
+
     /// What no participant that describes itself like this can take; a solver's own checks follow.
     ///
     /// # Errors
@@ -188,6 +195,9 @@ pub struct ModelSpec {
     /// planned only where every window is solved once.
     #[serde(default = "always", skip_serializing_if = "Clone::clone")]
     pub rewinds: bool,
+    /// Its windows may differ in length. One whose may not is planned only where all are equal.
+    #[serde(default = "always", skip_serializing_if = "Clone::clone")]
+    pub varies_step: bool,
     /// Fields it always consumes, by name.
     pub consumes: Vec<String>,
     /// Fields it always can provide, by name.
@@ -515,6 +525,7 @@ mod tests {
             steady: true,
             transient,
             rewinds: true,
+            varies_step: true,
             consumes: Vec::new(),
             provides: vec!["pressure".to_owned()],
             keys: Vec::new(),

@@ -6,7 +6,6 @@ use super::ports::{InputPorts, OutputPorts};
 use super::pulse::{Activity, Voice};
 use crate::command_ports::CommandPorts;
 use crate::configuration::{Configuration, Refusal};
-use crate::field::{self, FieldKind};
 use crate::figure;
 use crate::grid::Grid;
 use crate::live::Live;
@@ -224,10 +223,7 @@ impl<'a> Server<'a> {
             return Err(CommandError::Protocol("Connect before Configure".to_owned()));
         };
         let description = self.solver.description();
-        let kind = |name: &str| -> Option<FieldKind> {
-            let own = || description.fields.iter().find(|f| f.name == name).cloned();
-            field::find(name).map(field::FieldSpec::kind).or_else(own)
-        };
+        let kind = |name: &str| description.field_kind(name);
         let (published, observed): (Vec<_>, Vec<_>) =
             topics.outputs.iter().cloned().partition(|t| configuration.outputs.contains(&t.field));
         let fields = configuration.inputs.iter().map(|i| i.field.clone());

@@ -84,6 +84,7 @@ impl Linear {
             steady: true,
             transient: true,
             rewinds: true,
+            varies_step: true,
             consumes: vec![self.receives().name.to_owned()],
             provides: vec![self.sends().name.to_owned()],
             keys: Vec::new(),

@@ -84,6 +84,7 @@ impl Moving {
             steady: false,
             transient: true,
             rewinds: true,
+            varies_step: true,
             consumes: vec![self.receives().name.to_owned()],
             provides,
             keys: Vec::new(),

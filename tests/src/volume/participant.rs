@@ -64,6 +64,7 @@ impl Solver for Block {
                 keys: Vec::new(),
                 accuracy: Accuracy::default(),
                 rewinds: true,
+                varies_step: true,
             }],
             effects: Vec::new(),
             keys: vec![

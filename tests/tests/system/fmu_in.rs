@@ -124,6 +124,48 @@ fn an_fmu_that_cannot_go_back_is_never_asked_to() {
     assert_eq!(history(&place), history(&other), "states that are kept change nothing");
 }
 
+/// One whose steps have one length is refused windows that differ: at `check` where the case says so, at the window where
+/// whoever drives the run does.
+#[test]
+fn an_fmu_with_steps_of_one_length_is_asked_for_no_other() {
+    let fixed = ["canHandleVariableCommunicationStepSize=\"true\"", ""];
+    let clock = Fmu::make("space", "clock", &[], &fixed);
+    let check = |more: &[&str]| {
+        let place = Place::new();
+        let path = clock.alone("");
+        let words = [&["check", path.as_str()], more].concat();
+        let ended = place.start(&words).wait();
+        (ended.code, crate::harness::flat(&ended.stderr))
+    };
+    assert_eq!(check(&[]).0, Some(0), "{}", check(&[]).1);
+    for (set, key, what) in [
+        ("time.end=0.3", "time.end", "the last window is cut at time.end"),
+        ("time.control=adaptive", "time.control", "the lengths of adaptive windows differ"),
+    ] {
+        let (code, said) = check(&["--set", set]);
+        assert!(code == Some(2) && said.contains(key) && said.contains(what), "{set}: {said}");
+        assert!(said.contains("`co-simulation` solves windows of one length only"), "{said}");
+    }
+    let other = Fmu::make("space", "clock", &[], &[]);
+    let place = Place::new();
+    let ended = place.start(&["check", &other.alone(""), "--set", "time.end=0.3"]).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+
+    let place = Place::new();
+    let lines = "{\"do\":\"step\",\"end\":0.1}\n{\"do\":\"step\",\"end\":0.2}\n{\"do\":\"step\",\"end\":0.25}\n";
+    let input = clock.folder.path().join("lines");
+    fs::write(&input, lines).unwrap();
+    let mut drive = place.command(&["drive", &clock.alone("")]);
+    drive.stdin(fs::File::open(&input).unwrap());
+    let ended = place.launch(drive).wait();
+    let answers: Vec<Value> =
+        ended.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(answers[2]["window"], 1, "{}", ended.stdout);
+    let words = "the FMU takes steps of one length, 0.1 s, and none of 0.0";
+    assert_eq!(answers[3]["kind"], "no-answer", "{}", ended.stdout);
+    assert!(answers[3]["error"].as_str().unwrap().contains(words), "{}", ended.stdout);
+}
+
 /// Runs the model that goes wrong in the third window; what was told.
 fn troubled(how: u32) -> Ended {
     let trouble = Fmu::make("trouble", "clock", &[], &[]);

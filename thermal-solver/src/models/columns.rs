@@ -40,6 +40,7 @@ pub fn spec() -> ModelSpec {
         steady: true,
         transient: true,
         rewinds: true,
+        varies_step: true,
         consumes,
         provides,
         keys: vec![resolution(), wake(), section_key()],

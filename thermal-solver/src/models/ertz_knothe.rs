@@ -48,6 +48,7 @@ pub fn spec() -> ModelSpec {
         steady: true,
         transient: false,
         rewinds: true,
+        varies_step: true,
         consumes,
         provides,
         keys: vec![section_key()],

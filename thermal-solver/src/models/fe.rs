@@ -46,6 +46,7 @@ pub fn spec() -> ModelSpec {
         steady: true,
         transient: true,
         rewinds: true,
+        varies_step: true,
         consumes,
         provides,
         keys: own,

@@ -36,6 +36,7 @@ pub fn spec() -> ModelSpec {
         steady: false,
         transient: true,
         rewinds: true,
+        varies_step: true,
         consumes,
         provides,
         keys: vec![section_key()],

@@ -47,6 +47,7 @@ pub fn spec() -> ModelSpec {
         steady: true,
         transient: true,
         rewinds: true,
+        varies_step: true,
         consumes: consumes.into_iter().chain([field::GAP.name.to_owned()]).collect(),
         provides,
         keys: ends::keys(),

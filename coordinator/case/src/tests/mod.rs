@@ -53,6 +53,7 @@ fn model(name: &str, transient: bool, keys: Vec<KeySpec>) -> ModelSpec {
         steady: name != "moving-source",
         transient,
         rewinds: true,
+        varies_step: true,
         consumes: Vec::new(),
         provides: vec!["pressure".to_owned()],
         keys,

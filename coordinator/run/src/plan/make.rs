@@ -5,7 +5,7 @@ use super::expected;
 use super::figures;
 use super::live;
 use super::mapping;
-use super::rewind::cannot_rewind;
+use super::rewind::{cannot_rewind, cannot_vary};
 use super::route::{self, Candidate};
 use super::threads;
 use super::volume;
@@ -221,6 +221,8 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
     refuse(case, unused_tolerances(case, &fields, scheme.scheme))?;
     refuse(case, cannot_go_back(case, &fields, scheme.scheme))?;
     refuse(case, cannot_rewind(case, running.iter(), scheme.scheme))?;
+    let windows = windows(case.timing, case.histories.as_ref());
+    refuse(case, cannot_vary(case, running.iter(), &windows))?;
     let idle = case.idle.iter().map(|role| {
         let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
         let effects = description.into_iter().flat_map(|d| &d.effects);
@@ -237,7 +239,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         skips: case.timing == (Timing::Sequence { skip: true }),
         title: case.title.clone(),
         mode: case.timing.mode(),
-        windows: windows(case.timing, case.histories.as_ref()),
+        windows,
         scheme,
         implicit: Implicit {
             threads: threads::of_coordinator(case.limits.threads),
@@ -443,7 +445,10 @@ async fn estimate_one(
             Ok(())
         }
         Estimate::Refused(refusal) => {
-            let problem = case.problem_at(&refusal.key, refusal.reason, refusal.fix);
+            // What is not expected of a value may be why the case cannot be.
+            let unexpected = plan.warnings.iter().map(ToString::to_string);
+            let fix = std::iter::once(refusal.fix).chain(unexpected).collect::<Vec<_>>().join("; ");
+            let problem = case.problem_at(&refusal.key, refusal.reason, fix);
             Err(case.report(vec![problem]).expect("there is a problem").into())
         }
     }

@@ -1,8 +1,9 @@
-//! Participants that cannot solve a window again, and what would ask them to.
+//! Participants that cannot solve a window again, or only windows of one length, and what would ask them to.
 
 use super::route::Candidate;
 use case::{Case, Control, Problem, Timing};
 use coupling::settings::Scheme;
+use coupling::windows::Windows;
 
 /// Every participant that would have to solve a window more than once, and cannot.
 pub(super) fn cannot_rewind<'a>(
@@ -29,4 +30,30 @@ pub(super) fn cannot_rewind<'a>(
         case.problem_at(&key, reason, format!("{fix}, or choose a model that can go back"))
     };
     running.filter(|one| !one.model.rewinds).map(problem).collect()
+}
+
+/// Every participant whose windows would differ in length, and may not.
+pub(super) fn cannot_vary<'a>(
+    case: &Case,
+    running: impl Iterator<Item = &'a Candidate<'a>>,
+    windows: &Windows,
+) -> Vec<Problem> {
+    let (key, what, fix) = match windows {
+        Windows::Adaptive { .. } => {
+            ("time.control", "the lengths of adaptive windows differ", "remove time.control")
+        }
+        fixed if !fixed.are_equal() => (
+            "time.end",
+            "the last window is cut at time.end",
+            "let time.end be a multiple of time.window",
+        ),
+        _ => return Vec::new(),
+    };
+    let problem = |one: &Candidate<'_>| {
+        let (role, model) = (&one.role, &one.model.name);
+        let reason =
+            format!("{role}.model `{model}` solves windows of one length only, and {what}");
+        case.problem_at(key, reason, format!("{fix}, or choose another model"))
+    };
+    running.filter(|one| !one.model.varies_step).map(problem).collect()
 }

@@ -4,7 +4,6 @@
 use super::contents::{Effect, Field};
 use case::{Case, OutputFields};
 use contract::description::{Description, EffectSpec, ModelSpec};
-use contract::field::{self, FieldKind};
 use coupling::ParticipantIndex;
 use coupling::settings::Scheme;
 use typed_index_collections::TiSlice;
@@ -64,11 +63,6 @@ impl<'a> Candidate<'a> {
         let effects = self.effects(case).flat_map(|effect| &effect.provides);
         self.model.provides.iter().chain(effects).map(String::as_str).collect()
     }
-
-    fn kind(&self, name: &str) -> Option<FieldKind> {
-        let own = || self.description.fields.iter().find(|f| f.name == name).cloned();
-        field::find(name).map(field::FieldSpec::kind).or_else(own)
-    }
 }
 
 /// Candidates in the order in which data flows; those in a loop keep the order of the case.
@@ -95,7 +89,7 @@ pub(super) fn fields(
     let mut fields: Vec<Field> = Vec::new();
     for (producer, one) in participants.iter_enumerated() {
         for name in one.provides(case) {
-            if let Some(kind) = one.kind(name)
+            if let Some(kind) = one.description.field_kind(name)
                 && fields.iter().all(|f| f.kind.name != name)
             {
                 let wanted = wanted(&case.output.fields, name);

@@ -126,6 +126,8 @@ class Model:
     """What is known of its errors: `refinement` and `simplifications`, see docs/write-a-solver.md."""
     rewinds: bool = True
     """It can solve a window more than once, always from the accepted state."""
+    varies_step: bool = True
+    """Its windows may differ in length."""
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
