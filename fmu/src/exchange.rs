@@ -96,12 +96,8 @@ lists! {
 /// The time now.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetTime(instance: *mut Component, time: f64) -> Status {
-    let set = |instance: &mut Instance| {
-        instance.set_time(time);
-        Ok(())
-    };
     // SAFETY: the host passes its instance.
-    unsafe { exchanging(instance, "fmi3SetTime", set) }
+    unsafe { exchanging(instance, "fmi3SetTime", |instance| instance.set_time(time)) }
 }
 
 /// No discrete state changes, and no event comes.

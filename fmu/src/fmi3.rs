@@ -11,6 +11,7 @@ use super::host::{Component, ERROR, LogMessage, Logger, OK, Status, list, put, t
 use super::instance::{Instance, State};
 use std::ffi::{c_char, c_void};
 use std::path::Path;
+use std::sync::Mutex;
 
 /// The version of the standard.
 #[unsafe(no_mangle)]
@@ -82,7 +83,10 @@ unsafe fn instantiate(
         false => Ok(instance),
     });
     match made {
-        Ok(instance) => Box::into_raw(Box::new(Component { instance, exchange, logger })),
+        Ok(instance) => {
+            let instance = Mutex::new(instance);
+            Box::into_raw(Box::new(Component { instance, exchange, logger }))
+        }
         Err(error) => {
             logger.error(&error);
             std::ptr::null_mut()
@@ -115,12 +119,8 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode(
     _stop_defined: bool,
     _stop: f64,
 ) -> Status {
-    let begin = |instance: &mut Instance| {
-        instance.set_time(start);
-        Ok::<_, Fault>(())
-    };
     // SAFETY: the host passes its instance.
-    unsafe { with(instance, begin) }
+    unsafe { with(instance, |instance| instance.set_time(start)) }
 }
 
 /// Starts the run.
@@ -215,14 +215,14 @@ pub unsafe extern "C" fn fmi3DoStep(
         put([event_needed, terminate, early], false);
         put([last], start);
     }
-    let end = start + duration;
-    // SAFETY: the host passes its instance.
-    let status = unsafe { with(instance, |instance| instance.step(end)) };
-    if status == OK {
+    let step = |instance: &mut Instance| {
+        let end = instance.step(start, duration)?;
         // SAFETY: the host passes a place, or null.
         unsafe { put([last], end) };
-    }
-    status
+        Ok::<_, Fault>(())
+    };
+    // SAFETY: the host passes its instance.
+    unsafe { with(instance, step) }
 }
 
 /// Keeps the state of an instance.
@@ -270,19 +270,23 @@ pub unsafe extern "C" fn fmi3SetFMUState(instance: *mut Component, state: *const
 /// Forgets a state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeFMUState(
-    _instance: *mut Component,
+    instance: *mut Component,
     state: *mut *mut State,
 ) -> Status {
-    if !state.is_null() {
-        // SAFETY: the host passes a place; what is in it was given by `fmi3GetFMUState`.
-        unsafe {
-            if !(*state).is_null() {
-                drop(Box::from_raw(*state));
-                *state = std::ptr::null_mut();
+    let free = |_: &mut Instance| {
+        if !state.is_null() {
+            // SAFETY: the host passes a place; what is in it was given by `fmi3GetFMUState`.
+            unsafe {
+                if !(*state).is_null() {
+                    drop(Box::from_raw(*state));
+                    *state = std::ptr::null_mut();
+                }
             }
         }
-    }
-    OK
+        Ok::<_, Fault>(())
+    };
+    // SAFETY: the host passes its instance.
+    unsafe { with(instance, free) }
 }
 
 /// How many bytes a state of a surrogate has.

@@ -4,6 +4,7 @@ use super::child::Fault;
 use super::instance::Instance;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::slice;
+use std::sync::Mutex;
 
 /// What a function has done: [`OK`], [`WARNING`] or [`ERROR`], as the standard numbers them.
 pub type Status = c_int;
@@ -21,8 +22,8 @@ pub type LogMessage =
 /// An instance, and whom it tells what.
 #[derive(Debug)]
 pub struct Component {
-    /// The instance.
-    pub instance: Instance,
+    /// The instance. One call at a time has it: FMI forbids others, and they get an error.
+    pub instance: Mutex<Instance>,
     /// It is for model exchange.
     pub exchange: bool,
     /// Whom it tells.
@@ -69,15 +70,20 @@ pub unsafe fn text<'a>(text: *const c_char) -> Option<&'a str> {
 /// Does something with an instance that a host has passed.
 ///
 /// # Safety
-/// `instance` is null or what `fmi3InstantiateCoSimulation` or `fmi3InstantiateModelExchange` gave, and nobody else
-/// uses it now.
+/// `instance` is null or what `fmi3InstantiateCoSimulation` or `fmi3InstantiateModelExchange` gave, and is not freed
+/// before this returns.
 pub unsafe fn with<D: Done, E: Message>(
     instance: *mut Component,
     act: impl FnOnce(&mut Instance) -> Result<D, E>,
 ) -> Status {
     // SAFETY: as the caller promises.
-    let Some(component) = (unsafe { instance.as_mut() }) else { return ERROR };
-    match act(&mut component.instance) {
+    let Some(component) = (unsafe { instance.as_ref() }) else { return ERROR };
+    let Ok(mut instance) = component.instance.try_lock() else {
+        return component.logger.error("another call of this instance has not returned yet");
+    };
+    let acted = act(&mut instance);
+    drop(instance);
+    match acted {
         Ok(done) => match done.remark() {
             Some(remark) => component.logger.say(WARNING, c"logStatusWarning", &remark),
             None => OK,

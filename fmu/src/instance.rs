@@ -3,10 +3,9 @@
 use super::child::{Coordinator, Fault};
 use super::evaluator::Evaluator;
 use super::manifest::{Manifest, Of, Variable};
-use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What gives the outputs, with the values of all variables.
 #[derive(Debug)]
@@ -17,11 +16,18 @@ pub struct Instance {
     values: Values,
 }
 
+/// The coordinator of a run, which its states refer to as well.
+type SharedCoordinator = Arc<Mutex<Coordinator>>;
+
+fn lock(coordinator: &Mutex<Coordinator>) -> MutexGuard<'_, Coordinator> {
+    coordinator.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// What gives the outputs.
 #[derive(Debug)]
 enum Source {
     /// The run of a case; absent before it is started.
-    Run(Option<Rc<RefCell<Coordinator>>>),
+    Run(Option<SharedCoordinator>),
     /// A surrogate, which has no state: outputs are those of the inputs at any time.
     Surrogate(Box<Evaluator>),
 }
@@ -42,14 +48,14 @@ struct Values {
 pub struct State {
     values: Values,
     /// The coordinator that keeps it, and its number there; absent: before the first window.
-    kept: Option<(Rc<RefCell<Coordinator>>, u64)>,
+    kept: Option<(SharedCoordinator, u64)>,
 }
 
 impl Drop for State {
     fn drop(&mut self) {
         if let Some((coordinator, number)) = &self.kept {
             // Of a run that has ended all states are gone.
-            let _ = coordinator.borrow_mut().free(*number);
+            let _ = lock(coordinator).free(*number);
         }
     }
 }
@@ -87,9 +93,16 @@ impl Instance {
         self.values = Values::first(&self.manifest);
     }
 
-    /// The time now [s].
-    pub fn set_time(&mut self, time: f64) {
+    /// Sets the time [s].
+    ///
+    /// # Errors
+    /// It is not finite.
+    pub fn set_time(&mut self, time: f64) -> Result<(), String> {
+        if !time.is_finite() {
+            return Err(format!("the time is {time}, not a finite number"));
+        }
         self.values.time = time;
+        Ok(())
     }
 
     /// Starts the run of a case, so that what is wrong with it comes to light before its first window.
@@ -101,7 +114,7 @@ impl Instance {
     }
 
     /// The run of a case, which is started where there is none yet; `None` for a surrogate.
-    fn running(&mut self) -> Result<Option<Rc<RefCell<Coordinator>>>, Fault> {
+    fn running(&mut self) -> Result<Option<SharedCoordinator>, Fault> {
         let (Source::Run(run), Of::Case { options, programs }) =
             (&mut self.source, &self.manifest.of)
         else {
@@ -110,7 +123,7 @@ impl Instance {
         if run.is_none() {
             let outputs = self.manifest.outputs.len();
             let started = Coordinator::start(&self.resources, (options, programs), outputs)?;
-            *run = Some(Rc::new(RefCell::new(started)));
+            *run = Some(Arc::new(Mutex::new(started)));
         }
         Ok(run.clone())
     }
@@ -160,14 +173,22 @@ impl Instance {
         }
     }
 
-    /// Solves the window from the time of the instance to another one [s]; of a surrogate only the time changes.
+    /// Solves the window from the time of the instance to `start + duration` [s]; of a surrogate only the time changes.
+    /// Returns the new time.
     ///
     /// # Errors
-    /// The window has no answer, or the run has ended.
-    pub fn step(&mut self, end: f64) -> Result<(), Fault> {
+    /// The times are not finite, the window has no answer, or the run has ended.
+    pub fn step(&mut self, start: f64, duration: f64) -> Result<f64, Fault> {
+        let end = start + duration;
+        // The coordinator would take such an end, which JSON does not have, for one that is not given.
+        if !end.is_finite() {
+            let error =
+                format!("a step of {duration} s at {start} s does not end at a finite time");
+            return Err(Fault { error, ended: false });
+        }
         let Some(coordinator) = self.running()? else {
             self.values.time = end;
-            return Ok(());
+            return Ok(end);
         };
         let keys = self.manifest.inputs.iter().map(|input| input.key.as_str());
         let set: BTreeMap<&str, f64> = keys.zip(self.values.inputs.iter().copied()).collect();
@@ -175,9 +196,9 @@ impl Instance {
             let error = format!("`{key}` is {value}, not a finite number");
             return Err(Fault { error, ended: false });
         }
-        self.values.outputs = coordinator.borrow_mut().step(&set, end)?;
+        self.values.outputs = lock(&coordinator).step(&set, end)?;
         (self.values.time, self.values.known) = (end, true);
-        Ok(())
+        Ok(end)
     }
 
     /// Keeps the state.
@@ -189,8 +210,8 @@ impl Instance {
         // Before its first window a run has no state that another start would not give.
         let kept = match &self.source {
             Source::Run(Some(coordinator)) if self.values.known => {
-                let number = coordinator.borrow_mut().save()?;
-                Some((Rc::clone(coordinator), number))
+                let number = lock(coordinator).save()?;
+                Some((Arc::clone(coordinator), number))
             }
             _ => None,
         };
@@ -205,8 +226,8 @@ impl Instance {
         if let Source::Run(run) = &mut self.source {
             match &state.kept {
                 Some((coordinator, number)) => {
-                    coordinator.borrow_mut().restore(*number)?;
-                    *run = Some(Rc::clone(coordinator));
+                    lock(coordinator).restore(*number)?;
+                    *run = Some(Arc::clone(coordinator));
                 }
                 None if self.values.known => *run = None,
                 None => {}

@@ -10,6 +10,7 @@ import signal
 import stat
 import subprocess
 import sys
+import threading
 import time
 import zipfile
 from pathlib import Path
@@ -223,6 +224,54 @@ def test_what_is_wrong_reaches_the_log_of_the_host(steady, tmp_path):
     with pytest.raises(FMICallException):
         step(fmu, references, 2)
     assert "has ended" in log[-1][1]
+    fmu.freeInstance()
+
+
+def test_a_step_to_no_time_is_refused(steady, tmp_path):
+    """NaN and infinity are no end of a window; the instance goes on from where it was."""
+    expected = plain(tmp_path, "mech.resolution=10")
+    fmu, references = instance(steady, tmp_path / "unpacked")
+    log = []
+    begin(fmu, log)
+    for start, length in [(0.0, math.nan), (0.0, math.inf), (math.nan, STEP), (-math.inf, STEP)]:
+        with pytest.raises(FMICallException) as refused:
+            fmu.doStep(start, length)
+        assert refused.value.status == 3 and "does not end at a finite time" in log[-1][1], log
+    assert math.isnan(fmu.getFloat64([references["contact.creep_force_x_n"]])[0]), "no window was solved"
+    same(step(fmu, references, 0), expected[0], ["contact.creep_force_x_n"] * 21)
+    fmu.reset()
+    with pytest.raises(FMICallException):
+        fmu.enterInitializationMode(startTime=math.nan)
+    assert "the time is NaN, not a finite number" in log[-1][1]
+    fmu.freeInstance()
+
+
+def test_a_call_from_a_second_thread_is_an_error(steady, tmp_path):
+    fmu, references = instance(steady, tmp_path / "unpacked")
+    log = []
+    begin(fmu, log)
+    refused = 0
+
+    def insist(k):
+        while True:
+            try:
+                return fmu.doStep(k * STEP, STEP)
+            except FMICallException:
+                pass
+
+    for k in range(4):
+        stepping = threading.Thread(target=insist, args=(k,))
+        stepping.start()
+        while stepping.is_alive():
+            try:
+                fmu.getFloat64([references[LOAD]])
+            except FMICallException as error:
+                assert error.status == 3
+                refused += 1
+        stepping.join()
+    assert refused > 0
+    assert {message for _, message in log} == {"another call of this instance has not returned yet"}
+    assert math.isfinite(fmu.getFloat64([references["contact.creep_force_x_n"]])[0])
     fmu.freeInstance()
 
 
