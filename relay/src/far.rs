@@ -11,6 +11,7 @@ use crate::fabric::{Certificates, Fabric};
 use crate::greet::answer;
 use crate::hail::End;
 use crate::key::Key;
+use crate::routes::Components;
 use contract::description::Description;
 use offer::Offer;
 use run::programs::Program;
@@ -61,10 +62,11 @@ pub fn serve(far: Far) -> Result<(), FarError> {
     let fabric = Fabric::listen(&far.endpoint, &far.certificates)
         .map_err(|error| FarError(error.to_string()))?;
     let calls = fabric.calls().map_err(|error| FarError(error.to_string()))?;
+    let components = Components::described(&description);
     let role = description.role;
     tracing::info!("listening on {}: {} plays {role}", far.endpoint, program.name());
-    let offer = Arc::new(Offer { program, role, key: far.key, silence: far.silence });
-    let (talking, runs) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0)));
+    let offer = Arc::new(Offer { program, role, components, key: far.key, silence: far.silence });
+    let (talking, runs) = (Arc::new(()), Arc::new(AtomicUsize::new(0)));
     let mut threads = Vec::new();
     while signals::received().is_none() && !(far.once && runs.load(Ordering::SeqCst) > 0) {
         let (name, hello) = match calls.arrived.recv_timeout(LOOK) {
@@ -73,10 +75,10 @@ pub fn serve(far: Far) -> Result<(), FarError> {
             Err(RecvTimeoutError::Disconnected) => break,
         };
         threads.retain(|thread: &std::thread::JoinHandle<()>| !thread.is_finished());
-        if talking.load(Ordering::SeqCst) >= CONVERSATIONS {
+        let Some(slot) = slot(&talking) else {
             tracing::warn!("a call is not answered: there are {CONVERSATIONS} conversations");
             continue;
-        }
+        };
         let wire = match fabric.wire(&name, End::Far) {
             Ok(wire) => wire,
             Err(error) => {
@@ -84,9 +86,10 @@ pub fn serve(far: Far) -> Result<(), FarError> {
                 continue;
             }
         };
-        let (offer, talking, runs) = (Arc::clone(&offer), Arc::clone(&talking), Arc::clone(&runs));
-        talking.fetch_add(1, Ordering::SeqCst);
+        let (offer, runs) = (Arc::clone(&offer), Arc::clone(&runs));
         threads.push(std::thread::spawn(move || {
+            // Held until the thread ends, by a panic too.
+            let _slot = slot;
             match answer(wire, &hello, &offer.key, GREETING) {
                 Ok(line) => {
                     if session::talk(line, &offer) {
@@ -95,13 +98,17 @@ pub fn serve(far: Far) -> Result<(), FarError> {
                 }
                 Err(error) => tracing::warn!("a call is refused: {error}"),
             }
-            talking.fetch_sub(1, Ordering::SeqCst);
         }));
     }
     for thread in threads {
         let _ = thread.join();
     }
     Ok(())
+}
+
+/// The place of a conversation, which is free again when it is dropped; `None` if all are taken.
+fn slot(talking: &Arc<()>) -> Option<Arc<()>> {
+    (Arc::strong_count(talking) <= CONVERSATIONS).then(|| Arc::clone(talking))
 }
 
 /// What the program says of itself, which is checked before anybody calls.
@@ -111,4 +118,26 @@ fn describe(program: &Program) -> Result<Description, FarError> {
     let described = described.map_err(|error| FarError(error.to_string()))?;
     described.check().map_err(|fault| FarError(format!("{}: {fault}", program.name())))?;
     Ok(described)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_conversation_that_panics_leaves_its_slot() {
+        let talking = Arc::new(());
+        for _ in 0..2 * CONVERSATIONS {
+            let slot = slot(&talking).unwrap();
+            let thread = std::thread::spawn(move || {
+                let _slot = slot;
+                panic!("as a conversation may");
+            });
+            assert!(thread.join().is_err());
+        }
+        let all: Vec<_> = (0..CONVERSATIONS).map(|_| slot(&talking).unwrap()).collect();
+        assert!(slot(&talking).is_none());
+        drop(all);
+        assert!(slot(&talking).is_some());
+    }
 }

@@ -3,10 +3,13 @@
 use crate::frame::Frame;
 use crate::line::{Fault, SHORT, Sending};
 use crate::pack::{Packing, Unpackable, pack, unpack};
-use contract::field::{self, GEOMETRY};
+use contract::configuration::Configuration;
+use contract::description::Description;
+use contract::field::{self, FieldKind, FieldSpec, GEOMETRY};
 use contract::grid::Grid;
 use contract::message::{FieldHeader, Topics};
 use proto::transport::{Endpoint, FieldReader, FieldWriter, TransportError};
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// By how much a grid may outgrow what was announced.
@@ -31,12 +34,37 @@ pub(crate) struct Routes {
     pub(crate) deadline: f64,
 }
 
-fn values(name: &str, grid: &Grid) -> usize {
-    grid.points() * field::find(name).map_or(1, |spec| spec.components as usize)
+/// Components of the fields that a participant sends and receives, by name: those of its description and of its
+/// configuration.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Components(BTreeMap<String, usize>);
+
+impl Components {
+    /// Those of the table, and of a participant's own fields.
+    pub(crate) fn described(description: &Description) -> Self {
+        Self::of(field::TABLE.iter().map(FieldSpec::kind).chain(description.fields.clone()))
+    }
+
+    /// Adds the fields that other participants describe and this one receives, from the body of `Configure`. A body that
+    /// is none is the participant's to refuse.
+    pub(crate) fn configured(&mut self, body: &[u8]) {
+        if let Ok(configuration) = serde_json::from_slice::<Configuration>(body) {
+            self.0.extend(Self::of(configuration.inputs.into_iter().map(|input| input.field)).0);
+        }
+    }
+
+    fn of(kinds: impl Iterator<Item = FieldKind>) -> Self {
+        Self(kinds.map(|kind| (kind.name, kind.components as usize)).collect())
+    }
+
+    fn values(&self, name: &str, grid: &Grid) -> usize {
+        grid.points().saturating_mul(self.0.get(name).copied().unwrap_or(1))
+    }
 }
 
 impl Routes {
-    pub(crate) fn of(topics: &Topics) -> Self {
+    pub(crate) fn of(topics: &Topics, components: &Components) -> Self {
+        let values = |name: &str, grid: &Grid| components.values(name, grid);
         let mut routes = Self { deadline: topics.deadline, ..Self::default() };
         for topic in &topics.outputs {
             let (service, values) = (topic.service.clone(), values(&topic.field, &topic.grid));
@@ -182,8 +210,10 @@ impl Writers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use contract::configuration::{Input, Mode};
     use contract::grid::Structured;
     use contract::message::{GeometryTopic, Topic};
+    use contract::params::Params;
 
     fn topic(field: &str, service: &str, geometry: Option<&str>) -> Topic {
         let grid = Grid::structured("g", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 10, 10));
@@ -207,7 +237,8 @@ mod tests {
             }],
             ..Topics::default()
         };
-        let routes = Routes::of(&topics);
+        let components = Components::of(std::iter::empty());
+        let routes = Routes::of(&topics, &components);
         let names = |routes: &[Route]| -> Vec<String> {
             routes.iter().map(|route| route.service.clone()).collect()
         };
@@ -216,7 +247,44 @@ mod tests {
         assert_eq!(names(&routes.outward), ["field/thermal/x", "geometry/thermal/g"]);
         let far = Routes::far(&topics);
         assert_eq!((far.outputs[0].subscribers, far.geometry[0].subscribers), (2, 1));
-        assert_eq!(names(&Routes::of(&far).inward), inward);
+        assert_eq!(names(&Routes::of(&far, &components).inward), inward);
         assert_eq!(routes.longest(), SHORT + 100 * GROWTH * 8);
+    }
+
+    /// A participant's own fields have the components that it, or their producer, describes.
+    #[test]
+    fn vectors_that_are_in_no_table_have_all_their_components() {
+        let kind = |name: &str| FieldKind {
+            name: name.to_owned(),
+            components: 3,
+            ..FieldSpec::kind(field::find("pressure").unwrap())
+        };
+        let mut components = Components::of([kind("own")].into_iter());
+        let input = Input {
+            field: kind("other"),
+            producer: "left".to_owned(),
+            grid: None,
+            moves: false,
+            peak: None,
+        };
+        let configuration = Configuration {
+            role: "right".to_owned(),
+            model: "linear".to_owned(),
+            mode: Mode::Transient,
+            case: Params::default(),
+            histories: None,
+            inputs: vec![input],
+            outputs: vec!["own".to_owned()],
+            observed: Vec::new(),
+            threads: 1,
+        };
+        components.configured(&serde_json::to_vec(&configuration).unwrap());
+        let topics = Topics {
+            inputs: vec![topic("other", "field/left/other", None)],
+            outputs: vec![topic("own", "field/right/own", None)],
+            ..Topics::default()
+        };
+        let routes = Routes::of(&topics, &components);
+        assert_eq!((routes.inward[0].values, routes.outward[0].values), (300, 300));
     }
 }

@@ -5,11 +5,12 @@
 //! heartbeat, and leaves when it does not want to wait any longer; with it goes the participant.
 
 use super::guard::Guard;
+use super::offer::Offer;
 use super::place::Place;
 use crate::frame::Frame;
 use crate::line::{Fault, Incoming, Sending};
 use crate::pack::Packing;
-use crate::routes::{ForwardError, Readers, Routes, SampleError, Writers};
+use crate::routes::{Components, ForwardError, Readers, Routes, SampleError, Writers};
 use contract::message::{Command, CommandKind, Reply, StateFile, Status, Topics};
 use contract::text::one_line;
 use coupling::ParticipantIndex;
@@ -17,7 +18,6 @@ use proto::transport::TransportError;
 use run::deadlines::Deadlines;
 use run::error::RunError;
 use run::peers::{COORDINATOR, EndsFirst, Peers, Phase, Seat, Stopped};
-use run::programs::Program;
 use run::progress::{Progress, Work};
 use run::supervise::Exit;
 use std::fs::File;
@@ -109,12 +109,12 @@ type ToAndFro<'a> = (&'a Arc<Sending>, &'a mut Incoming, &'a Guard);
 
 /// Takes part until the end at home finishes or leaves.
 pub(super) fn run(
-    program: &Program,
-    role: &str,
+    offer: &Offer,
     (sending, messages, guard): ToAndFro<'_>,
     packing: Packing,
 ) -> Result<(), Over> {
-    let seat = Seat { role: role.to_owned(), program: program.clone(), attach: false };
+    let Offer { program, role, components, .. } = offer;
+    let seat = Seat { role: role.clone(), program: program.clone(), attach: false };
     let mut peers = Peers::start(&[seat], DEADLINES, None)?;
     guard.end_with_it(peers.end_first());
     peers.show_on(&(Rc::new(ToHome(Arc::clone(sending))) as Rc<dyn Progress>));
@@ -130,6 +130,7 @@ pub(super) fn run(
         messages,
         guard,
         packing,
+        components: components.clone(),
         ports: None,
         place,
         moves: false,
@@ -154,6 +155,7 @@ struct Run<'a> {
     messages: &'a mut Incoming,
     guard: &'a Guard,
     packing: Packing,
+    components: Components,
     ports: Option<(Readers, Writers)>,
     place: Place,
     /// It answers every `Accept`.
@@ -253,7 +255,10 @@ impl Run<'_> {
         body: &[u8],
     ) -> Result<(Vec<u8>, Option<Topics>), Over> {
         let body = match kind {
-            Some(CommandKind::Configure) => self.place.configuration(body),
+            Some(CommandKind::Configure) => {
+                self.components.configured(body);
+                self.place.configuration(body)
+            }
             Some(CommandKind::Connect) => {
                 let Ok(topics) = serde_json::from_slice::<Topics>(body) else {
                     return Ok((body.to_vec(), None));
@@ -278,7 +283,7 @@ impl Run<'_> {
     }
 
     fn open(&mut self, topics: &Topics) -> Result<(), Over> {
-        let routes = Routes::of(topics);
+        let routes = Routes::of(topics, &self.components);
         let endpoint = self.peers.endpoint();
         self.ports = None;
         let writers = Writers::open(endpoint, &routes.inward, true)?;

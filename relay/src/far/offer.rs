@@ -1,6 +1,7 @@
 //! What every conversation of the far end has in common.
 
 use crate::key::Key;
+use crate::routes::Components;
 use run::programs::Program;
 use std::time::Duration;
 
@@ -10,6 +11,8 @@ pub(super) struct Offer {
     pub(super) program: Program,
     /// The role that it plays.
     pub(super) role: String,
+    /// Components of its fields.
+    pub(super) components: Components,
     /// The key that both ends have.
     pub(super) key: Key,
     /// Without a sign of life for so long, the link is lost.

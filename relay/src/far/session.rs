@@ -112,7 +112,7 @@ impl Session<'_> {
                 Frame::Join { packing } => {
                     self.run = Some(Course::Begun);
                     let line = (&self.sending, &mut self.messages, &self.guard);
-                    run(&self.offer.program, &self.offer.role, line, packing)?;
+                    run(self.offer, line, packing)?;
                     self.run = Some(Course::Finished);
                 }
                 Frame::Bye => return Ok(()),

@@ -79,10 +79,10 @@ impl Kept {
         })
     }
 
-    /// Leaves, as was to be expected.
+    /// Leaves, as was to be expected. The far end closes the line when it has read so; nobody keeps it then.
     pub(super) fn close(self) {
-        let _ = self.sending.send(&Frame::Bye);
         drop(self.keeper);
+        let _ = self.sending.send(&Frame::Bye);
         drop(self.fabric);
     }
 }

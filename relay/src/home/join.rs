@@ -6,10 +6,11 @@ use super::seat::Seat;
 use super::serve::Server;
 use super::{Home, HomeError};
 use crate::frame::Frame;
-use proto::run_dir::{CoordinatorWatch, RunDir};
+use proto::run_dir::RunDir;
 use std::io::Write;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 /// From one look at the coordinator to the next.
@@ -25,7 +26,8 @@ pub fn join(home: &Home, folder: &Path, role: &str) -> Result<(), HomeError> {
     let watch = run.watch().map_err(HomeError::of)?;
     // Declared first: whatever ends the process, ports close before the run's folder is left.
     let membership: Membership = Arc::new(Mutex::new(Some(run)));
-    follow(watch, Arc::clone(&membership));
+    let finished = Arc::new(Mutex::new(false));
+    follow(move || watch.is_alive(), Arc::clone(&membership), Arc::clone(&finished));
     let mut kept = Kept::open(home, &membership)?;
     let description = kept.description()?;
     if description.role != role {
@@ -43,7 +45,8 @@ pub fn join(home: &Home, folder: &Path, role: &str) -> Result<(), HomeError> {
     let (seat, heart) = Seat::open(&info, role).map_err(HomeError::of)?;
     *kept.ears.lock().unwrap_or_else(PoisonError::into_inner) = Some(heart);
     let mut server = Server::new(seat, &mut kept, description, home.packing);
-    let served = server.serve();
+    // The coordinator ends after the reply to `Finish`, which is no fault any more.
+    let served = server.serve(|| *finished.lock().unwrap_or_else(PoisonError::into_inner) = true);
     drop(server);
     // Its ports belong to the node, which closes after them.
     *kept.ears.lock().unwrap_or_else(PoisonError::into_inner) = None;
@@ -52,13 +55,34 @@ pub fn join(home: &Home, folder: &Path, role: &str) -> Result<(), HomeError> {
     Ok(())
 }
 
-/// Ends the process when the coordinator is dead, whatever is waited for.
-fn follow(coordinator: CoordinatorWatch, membership: Membership) {
+/// Ends the process when the coordinator is dead, whatever is waited for, until the run is finished.
+fn follow(
+    is_alive: impl Fn() -> bool + Send + 'static,
+    membership: Membership,
+    finished: Arc<Mutex<bool>>,
+) -> JoinHandle<()> {
     std::thread::spawn(move || {
-        while coordinator.is_alive() {
+        while is_alive() {
             std::thread::sleep(LOOK);
+        }
+        // Held until the process ends: the run is not finished meanwhile.
+        let finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+        if *finished {
+            return;
         }
         let _ = writeln!(std::io::stderr(), "error: the coordinator has ended; this run is over");
         leave(&membership, 1);
-    });
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a run that is not finished this would end the process of the test.
+    #[test]
+    fn a_coordinator_that_ends_after_the_run_is_no_fault() {
+        let finished = Arc::new(Mutex::new(true));
+        follow(|| false, Membership::default(), finished).join().unwrap();
+    }
 }

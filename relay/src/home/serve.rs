@@ -6,7 +6,7 @@ use super::files::{pieces, send_files};
 use super::seat::Seat;
 use crate::frame::Frame;
 use crate::pack::Packing;
-use crate::routes::{Readers, Routes, Writers};
+use crate::routes::{Components, Readers, Routes, Writers};
 use contract::description::Description;
 use contract::message::{
     Command, CommandKind, Failure, OutputFile, Reply, StateFile, Status, Topics,
@@ -47,6 +47,7 @@ enum Dealt {
 pub(super) struct Server<'a> {
     kept: &'a mut Kept,
     description: Description,
+    components: Components,
     packing: Packing,
     ports: Option<Ports>,
     saving: Option<Saving>,
@@ -63,11 +64,21 @@ impl<'a> Server<'a> {
         description: Description,
         packing: Packing,
     ) -> Self {
-        Self { kept, description, packing, ports: None, saving: None, kept_back: 0, seat }
+        let components = Components::described(&description);
+        Self {
+            kept,
+            description,
+            components,
+            packing,
+            ports: None,
+            saving: None,
+            kept_back: 0,
+            seat,
+        }
     }
 
-    /// Until the run is finished.
-    pub(super) fn serve(&mut self) -> Result<(), HomeError> {
+    /// Until the run is finished, which is told before the coordinator learns it.
+    pub(super) fn serve(&mut self, finished: impl Fn()) -> Result<(), HomeError> {
         loop {
             let message = self.seat.command().map_err(HomeError::of)?;
             let (command, body) = (*message.header(), message.body().to_vec());
@@ -77,8 +88,12 @@ impl<'a> Server<'a> {
             let done = |reply: &Reply| reply.status == Status::Done as u32;
             let leaves = match dealt {
                 Dealt::Answered(reply, body) => {
+                    let leaves = kind == Some(CommandKind::Finish) && done(&reply);
+                    if leaves {
+                        finished();
+                    }
                     self.seat.reply(&reply, &body).map_err(HomeError::of)?;
-                    kind == Some(CommandKind::Finish) && done(&reply)
+                    leaves
                 }
                 Dealt::Silently => false,
             };
@@ -135,6 +150,7 @@ impl<'a> Server<'a> {
     ) -> Result<Result<Vec<u8>, String>, HomeError> {
         match kind {
             Some(CommandKind::Configure) => {
+                self.components.configured(&body);
                 let sent = send_files(&self.kept.sending, &self.description, &body);
                 Ok(sent.map(|()| body).map_err(|error| error.words))
             }
@@ -171,7 +187,7 @@ impl<'a> Server<'a> {
 
     /// Opens the ports of the run.
     fn connect(&mut self, topics: &Topics) -> Result<(), String> {
-        let routes = Routes::of(topics);
+        let routes = Routes::of(topics, &self.components);
         let endpoint = &self.seat.endpoint;
         let failed = |error: proto::transport::TransportError| error.to_string();
         self.ports = None;
