@@ -8,6 +8,7 @@ use proto::bodies::{self, Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
 use proto::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use proto::field::{FRICTION_POWER, LOWER_TEMPERATURE, UPPER_TEMPERATURE};
+use proto::figure::FigureSpec;
 use proto::grid::{Grid, Shape, Structured};
 use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
@@ -54,6 +55,7 @@ impl Solver for ShortColumns {
                 steady: true,
                 transient: false,
                 rewinds: true,
+                varies_step: true,
                 consumes: names(&["friction_power"]),
                 provides: names(&["lower_temperature", "upper_temperature"]),
                 keys: Vec::new(),
@@ -74,7 +76,12 @@ impl Solver for ShortColumns {
             }],
             keys,
             fields: Vec::new(),
-            figures: Vec::new(),
+            figures: vec![
+                FigureSpec::new("temperature.*.max_rise_k", "K", "temperature rise")
+                    .on("*", "")
+                    .headline()
+                    .rank(1),
+            ],
             diagrams: Vec::new(),
             renamed: Vec::new(),
         }
@@ -98,7 +105,7 @@ impl Solver for ShortColumns {
         let scale = [scale(UPPER)?, scale(LOWER)?];
         // Not known while planning.
         let Some(grid) = configuration.input_grid(FRICTION_POWER.name) else {
-            return Ok(Box::new(Strips { scale, plane: None, layout: Layout::default() }));
+            return Ok(Box::new(Strips { bodies, scale, plane: None, layout: Layout::default() }));
         };
         let Shape::Structured(plane) = &grid.shape else {
             let fix = "name a model whose grid is structured";
@@ -117,12 +124,13 @@ impl Solver for ShortColumns {
             memory_bytes: 8 * (plane.ni + plane.points()) as u64,
             ..Layout::default()
         };
-        Ok(Box::new(Strips { scale, plane: Some(*plane), layout }))
+        Ok(Box::new(Strips { bodies, scale, plane: Some(*plane), layout }))
     }
 }
 
 /// A checked configuration.
 struct Strips {
+    bodies: Bodies,
     /// 1/(β√(πV)) of the upper and the lower body [K m^1.5/W].
     scale: [f64; 2],
     plane: Option<Structured>,
@@ -142,6 +150,7 @@ impl Setup for Strips {
             root(upstream + 0.5) - root(upstream - 0.5)
         };
         Ok(Box::new(Running {
+            bodies: self.bodies,
             shape: (0..plane.ni).map(rise).collect(),
             scale: self.scale,
             columns: plane.ni,
@@ -154,6 +163,7 @@ impl Setup for Strips {
 
 /// A model that runs: what it has solved, and what of that was accepted.
 struct Running {
+    bodies: Bodies,
     /// ∫ dx'/(2√(x' − x)) over the element itself, the next one upstream, and so on [√m].
     shape: Vec<f64>,
     scale: [f64; 2],
@@ -210,7 +220,10 @@ impl Model for Running {
     }
 
     fn summary(&self) -> serde_json::Value {
-        serde_json::json!({})
+        let peak = self.accepted.iter().copied().fold(0.0, f64::max);
+        let rise = |body: usize| serde_json::json!({"max_rise_k": self.scale[body] * peak});
+        let [upper, lower] = &self.bodies.0;
+        serde_json::json!({"temperature": {upper: rise(UPPER), lower: rise(LOWER)}})
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {

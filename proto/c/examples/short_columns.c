@@ -42,14 +42,18 @@ static const char *const DESCRIPTION = COSIM_JSON({
          "required": true, "above": 0, "help": "specific heat"},
         {"path": "materials.*.conductivity", "type": "quantity", "unit": "W/(m K)",
          "required": true, "above": 0, "help": "conductivity"}
-    ]
+    ],
+    "figures": [{"key": "temperature.*.max_rise_k", "unit": "K", "words": "temperature rise", "line": "*",
+                 "headline": true, "rank": 1}]
 });
 
 struct columns {
     cosim_grid grid; /* of the flux and of both temperatures */
-    double scale[2]; /* 1/(beta sqrt(pi V)) of each body, in the order of SURFACE [K m^1.5/W] */
+    char name[2][32]; /* names of the bodies, in the order of SURFACE */
+    double scale[2];  /* 1/(beta sqrt(pi V)) of each body, in that order [K m^1.5/W] */
     double *shape;   /* int dx'/(2 sqrt(x' - x)) over the element itself, the next one upstream, ... [sqrt(m)] */
     double *trial, *accepted; /* the sums over the elements upstream [W/m^1.5] */
+    char summary[256];
 };
 
 static const char *describe(void *user)
@@ -58,7 +62,7 @@ static const char *describe(void *user)
     return DESCRIPTION;
 }
 
-static int read_scale(const cosim_configuration *told, int body, double *scale)
+static int read_body(const cosim_configuration *told, int body, char kept[32], double *scale)
 {
     static const char *const PROPERTY[] = {"density", "specific_heat", "conductivity"};
     char key[256];
@@ -66,6 +70,7 @@ static int read_scale(const cosim_configuration *told, int body, double *scale)
     const char *name = cosim_body_name(told, body);
     if (!name || cosim_case_number(told, "motion.speed", &product))
         return COSIM_REFUSED;
+    snprintf(kept, 32, "%s", name);
     snprintf(key, sizeof key, "bodies.%s.material", name);
     const char *material = cosim_case_text(told, key);
     if (!material)
@@ -84,7 +89,7 @@ static int read_scale(const cosim_configuration *told, int body, double *scale)
 static int configure(void *user, const cosim_configuration *told, cosim_layout *layout)
 {
     struct columns *c = user;
-    if (read_scale(told, COSIM_LOWER, &c->scale[0]) || read_scale(told, COSIM_UPPER, &c->scale[1]))
+    if (read_body(told, COSIM_LOWER, c->name[0], &c->scale[0]) || read_body(told, COSIM_UPPER, c->name[1], &c->scale[1]))
         return COSIM_REFUSED;
     if (!cosim_input_grid(told, "friction_power", &c->grid))
         return COSIM_OK; /* while planning */
@@ -173,8 +178,14 @@ static int restore(void *user, cosim_blob *blob)
 
 static const char *summary(void *user)
 {
-    (void)user;
-    return "{}";
+    struct columns *c = user;
+    double peak = 0.0;
+    for (size_t n = 0; n < c->grid.points; n++)
+        peak = fmax(peak, c->accepted[n]);
+    snprintf(c->summary, sizeof c->summary,
+             "{\"temperature\": {\"%s\": {\"max_rise_k\": %.17g}, \"%s\": {\"max_rise_k\": %.17g}}}",
+             c->name[0], c->scale[0] * peak, c->name[1], c->scale[1] * peak);
+    return c->summary;
 }
 
 static void destroy(void *user)

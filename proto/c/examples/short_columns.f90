@@ -12,6 +12,7 @@ module short_columns_callbacks
 
    type :: columns
       type(cosim_grid) :: grid             ! of the flux and of both temperatures
+      character(len=32) :: name(2)         ! of the lower and the upper body
       real(c_double) :: scale(2)           ! 1/(beta sqrt(pi V)) of the lower and the upper body [K m^1.5/W]
       real(c_double), allocatable :: shape(:) ! int dx'/(2 sqrt(x' - x)) over the element itself, the next upstream, ... [sqrt(m)]
       real(c_double), allocatable :: trial(:, :) ! the sums over the elements upstream [W/m^1.5]
@@ -19,7 +20,7 @@ module short_columns_callbacks
    end type
 
    character(len=*), parameter :: SURFACE(2) = ['lower_temperature', 'upper_temperature']
-   character(kind=c_char), allocatable, target, save :: description(:)
+   character(kind=c_char), allocatable, target, save :: description(:), summary_text(:)
 
 contains
 
@@ -35,6 +36,7 @@ contains
       all%observe = c_funloc(observe)
       all%save = c_funloc(save_state)
       all%restore = c_funloc(restore_state)
+      all%summary = c_funloc(summary)
    end function
 
    function description_text() result(text)
@@ -53,7 +55,9 @@ contains
          quantity('motion.speed', 'm/s', 'rolling speed')//', '// &
          quantity('materials.*.density', 'kg/m3', 'density')//', '// &
          quantity('materials.*.specific_heat', 'J/(kg K)', 'specific heat')//', '// &
-         quantity('materials.*.conductivity', 'W/(m K)', 'conductivity')//']}'
+         quantity('materials.*.conductivity', 'W/(m K)', 'conductivity')//'], "figures": [{'// &
+         '"key": "temperature.*.max_rise_k", "unit": "K", "words": "temperature rise", "line": "*", '// &
+         '"headline": true, "rank": 1}]}'
    end function
 
    pure function quantity(path, unit, help) result(text)
@@ -76,9 +80,10 @@ contains
       text = c_loc(description)
    end function
 
-   function read_scale(told, body, scale) result(status)
+   function read_body(told, body, kept, scale) result(status)
       type(c_ptr), intent(in) :: told
       integer(c_int), intent(in) :: body
+      character(len=32), intent(out) :: kept
       real(c_double), intent(out) :: scale
       integer(c_int) :: status
       character(len=*), parameter :: PROPERTY(3) = ['density      ', 'specific_heat', 'conductivity ']
@@ -90,6 +95,7 @@ contains
       scale = 0
       status = COSIM_REFUSED
       name = words_of(cosim_body_name(told, body))
+      kept = name
       if (name == '') return
       material = words_of(cosim_case_text(told, c_text('bodies.'//name//'.material')))
       if (material == '') return
@@ -109,8 +115,8 @@ contains
       integer :: body
 
       call c_f_pointer(user, c)
-      status = read_scale(told, COSIM_LOWER, c%scale(1))
-      if (status == COSIM_OK) status = read_scale(told, COSIM_UPPER, c%scale(2))
+      status = read_body(told, COSIM_LOWER, c%name(1), c%scale(1))
+      if (status == COSIM_OK) status = read_body(told, COSIM_UPPER, c%name(2), c%scale(2))
       if (status /= COSIM_OK) return
       if (.not. cosim_input_grid(told, c_text('friction_power'), c%grid)) return ! while planning
       if (c%grid%kind /= COSIM_STRUCTURED) then
@@ -200,6 +206,21 @@ contains
       type(columns), pointer :: c
       call c_f_pointer(user, c)
       status = write_out(c, c%accepted, outputs)
+   end function
+
+   function summary(user) bind(c) result(text)
+      type(c_ptr), value :: user
+      type(c_ptr) :: text
+      type(columns), pointer :: c
+      character(len=256) :: words
+      integer :: body
+
+      call c_f_pointer(user, c)
+      write (words, '(a, 2(a, es24.16, :, a))') '{"temperature": {', &
+         ('"'//trim(c%name(body))//'": {"max_rise_k": ', c%scale(body)*maxval(c%accepted), &
+          merge('}, ', '}}}', body == 1), body=1, 2)
+      summary_text = letters(trim(words))
+      text = c_loc(summary_text)
    end function
 
    function save_state(user, blob) bind(c) result(status)

@@ -31,8 +31,9 @@ class SpreadColumns(ShortColumns):
         shares = np.array_split(flux.reshape(self.grid.shape.nj, -1), ALL.Get_size())
         ALL.bcast(("solve", None))
         computed = share(self.abel, shares)
+        self.sums = np.concatenate(computed)
         for name in outputs:
-            outputs[name] = self.scale[name] * np.concatenate(computed).ravel()
+            outputs[name] = self.scale[name] * self.sums.ravel()
         return StepReport(work=len(computed), heat_received=self.grid.integrate(flux))
 
 

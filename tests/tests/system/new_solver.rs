@@ -25,8 +25,13 @@ fn conforms(command: &[&str]) -> Vec<f64> {
     let place = Place::new();
     let command = format!("thermal.command={command:?}");
     let sets = ["--set", "thermal.model=short", "--set", &command, "--set", "output.fields=all"];
-    place.summary(&case("wheel-rail.toml"), &sets);
-    place.field("thermal_passage_000000.vti", "rail_temperature")
+    let summary = place.summary(&case("wheel-rail.toml"), &sets);
+    let rail = place.field("thermal_passage_000000.vti", "rail_temperature");
+    // Its figure is the largest value of the field, and stands on a line of the terminal.
+    let largest = rail.iter().copied().fold(0.0, f64::max);
+    let figure = summary["temperature"]["rail"]["max_rise_k"].as_f64().unwrap();
+    assert!((figure / largest - 1.0).abs() < 1e-12, "{figure} K, {largest} K: digits of a text");
+    rail
 }
 
 /// Writes a solver and makes it; its program.
@@ -58,7 +63,8 @@ fn in_every_language_they_conform_and_are_alike() {
         "{said}"
     );
     let script = folder.path().join("my_strips/my_strips.py").display().to_string();
-    assert!(std::fs::read_to_string(&script).unwrap().contains("class MyStrips(Solver)"));
+    let source = std::fs::read_to_string(&script).unwrap();
+    assert!(source.contains("class MyStrips(Solver)") && source.contains("name = \"my-strips\""));
     let python = conforms(&[&interpreter().display().to_string(), &script]);
 
     assert_alike(&python, &conforms(&[&made(folder.path(), "in_c", "c")]));
