@@ -43,7 +43,7 @@ def test_figures_are_attributes_and_have_units(results):
     assert "rail" in dir(results.temperature)
     with pytest.raises(AttributeError, match=r"no `rial` in the summary\.temperature"):
         _ = results.temperature.rial
-    assert "temperature rise" in repr(results) and results.status == "completed"
+    assert "  rail temperature rise: " in repr(results) and results.status == "completed"
 
 
 def test_a_run_is_driven_window_by_window(tmp_path):
@@ -252,10 +252,18 @@ def test_a_sweep_has_columns(tmp_path):
     )
     assert np.all(np.diff(sweep["temperature.rail.max_rise_k"]) > 0.0)
     assert sweep["motion.traction_coefficient"].tolist() == [0.1, 0.3] and sweep.report.exists()
-    assert (
-        sweep.frame().shape[0] == 2
-        and sweep.plot("contact.creepage_xi", "contact.creep_force_x_n").get_xlabel()
-    )
+    assert sweep.frame().shape[0] == 2
+    axes = sweep.plot("motion.traction_coefficient", "temperature.rail.max_rise_k")
+    assert axes.get_xlabel() == "motion.traction_coefficient"
+    assert axes.get_ylabel() == "rail temperature rise [K]"
+    axes = sweep.plot("contact.creepage_xi", "contact.creep_force_x_n")
+    assert axes.get_ylabel() == "creep force x [N]"
+
+
+def test_a_package_that_is_missing_is_named_with_its_extra(results, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with pytest.raises(ModuleNotFoundError, match=r"pip install 'cosim-participant\[frames\]'"):
+        results["pressure"].to_xarray()
 
 
 def test_errors_are_what_the_coordinator_says(tmp_path):

@@ -214,6 +214,15 @@ def test_a_layout_says_what_it_is_asked_for_and_nothing_else():
             dataclasses.replace(full, **wrong).check()
 
 
+def test_text_that_is_not_utf8_travels_with_escapes():
+    """Python reads a file name of another encoding with surrogates, which JSON refuses."""
+    name = b"gr\xf6sse.csv".decode("utf-8", "surrogateescape")
+    assert json.loads(to_json({"error": f"no file {name}"})) == {"error": r"no file gr\udcf6sse.csv"}
+    refusal = Refusal("bodies.rail.profile", f"{name} is not there", "name another file")
+    to_json(refusal.to_json()).decode("utf-8")
+    assert refusal.to_json()["reason"] == r"gr\udcf6sse.csv is not there"
+
+
 @pytest.mark.parametrize("kind", ["structured", "quadrilaterals"])
 def test_a_geometry_reads_back(kind):
     vertices = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]])

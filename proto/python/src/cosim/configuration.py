@@ -30,7 +30,12 @@ class Refusal(Exception):
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
-        return {"key": self.key, "reason": self.reason, "fix": self.fix}
+        return {"key": utf8(self.key), "reason": utf8(self.reason), "fix": utf8(self.fix)}
+
+
+def utf8(text: str) -> str:
+    """The text with escapes for what UTF-8 does not have, as in names of files of another encoding."""
+    return text.encode(errors="backslashreplace").decode()
 
 
 class Case:

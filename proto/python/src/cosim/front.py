@@ -22,7 +22,8 @@ from typing import TYPE_CHECKING, Any
 
 from . import pictures
 from .command import call, case_file, remove_with, results_folder, settings, toml
-from .results import Results, Section, table
+from .progress import needs
+from .results import Results, Section, label, table
 from .series import Array
 
 if TYPE_CHECKING:
@@ -105,13 +106,14 @@ class Study:
 
     def frame(self) -> pandas.DataFrame:
         """The same as a data frame; needs pandas."""
-        import pandas  # noqa: PLC0415
+        with needs("frames"):
+            import pandas  # noqa: PLC0415
 
         return pandas.read_csv(self.folder / f"{self.name}.csv")
 
     def plot(self, x: str, y: str, axes: Axes | None = None) -> Axes:
         """A picture of a column over another one; needs matplotlib."""
-        return pictures.curve(self, x, y, axes)
+        return pictures.curve(self, x, y, (label(x), label(y)), axes)
 
     def __repr__(self) -> str:
         return f"<{self.name} of {self.document.get('case')}: {self.folder}>"

@@ -100,7 +100,7 @@ class Heart:
 
     def report(self, done: int, of: int, what: str) -> None:
         """So much of the command that is worked on is done."""
-        word = what.encode()[:31]
+        word = what.encode(errors="backslashreplace")[:31]
         self._shared.tell(ProgressReport(self._sequence, done, of, word))
 
     def idle_after(self, command: int) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .progress import needs
 from .series import Field
 
 if TYPE_CHECKING:
@@ -28,7 +29,8 @@ def new_axes(axes: Axes | None) -> Axes:
     """The axes given, or those of a new figure; needs matplotlib."""
     if axes is not None:
         return axes
-    from matplotlib import pyplot  # noqa: PLC0415
+    with needs("plots"):
+        from matplotlib import pyplot  # noqa: PLC0415
 
     return pyplot.subplots(constrained_layout=True)[1]
 
@@ -110,11 +112,13 @@ def depth_profile(section: Field, axes: Axes | None = None, label: str | None = 
     return axes
 
 
-def curve(study: Study, x: str, y: str, axes: Axes | None = None) -> Axes:
+def curve(
+    study: Study, x: str, y: str, labels: tuple[str, str], axes: Axes | None = None
+) -> Axes:
     """A column of a study over another one, such as a force over a creepage."""
     axes = new_axes(axes)
     order = np.argsort(study[x])
     axes.plot(study[x][order], study[y][order], marker="o", markersize=3)
-    axes.set(xlabel=x, ylabel=y)
+    axes.set(xlabel=labels[0], ylabel=labels[1])
     axes.locator_params(axis="x", nbins=6)
     return axes

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 FORM = {"COSIM_PROGRESS": "json"}
@@ -52,3 +54,13 @@ def bar() -> Bar | None:
     except ImportError:
         return None
     return Bar(tqdm)
+
+
+@contextmanager
+def needs(extra: str) -> Iterator[None]:
+    """Says how a package that is imported here is installed, if it is not there."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        fix = f"pip install 'cosim-participant[{extra}]'"
+        raise ModuleNotFoundError(f"{error.msg}; {fix}", name=error.name) from None

@@ -15,6 +15,7 @@ import numpy as np
 
 from . import pictures
 from .command import call
+from .progress import needs
 from .series import Array, Field, Fields
 
 if TYPE_CHECKING:
@@ -91,20 +92,42 @@ def described() -> list[dict[str, Any]]:
     return figures
 
 
-def description(key: str) -> dict[str, Any] | None:
-    """What is said of a key of a summary.
+def named(pattern: str, key: str) -> list[str] | None:
+    """The names that stand in a key for each `*` of a pattern; None for a key of another pattern.
 
-    `*` and `#` of a description stand for any name and any place in a list.
+    `#` of a pattern stands for any place in a list.
     """
-    parts = key.split(".")
+    parts, given = pattern.split("."), key.split(".")
+    pairs = list(zip(parts, given))
+    fits = all(p in ("*", q) or (p == "#" and q.isdigit()) for p, q in pairs)
+    names = [q for p, q in pairs if p == "*"]
+    return names if fits and len(parts) == len(given) else None
+
+
+def description(key: str) -> dict[str, Any] | None:
+    """What is said of a key of a summary, in words with the name of the body."""
     for figure in described():
-        pattern = figure["key"].split(".")
-        pairs = zip(pattern, parts)
-        if len(pattern) == len(parts) and all(
-            p in ("*", q) or (p == "#" and q.isdigit()) for p, q in pairs
-        ):
-            return figure
+        names = named(figure["key"], key)
+        if names is not None:
+            return {**figure, "words": " ".join([*names, figure["words"]])}
     return None
+
+
+@functools.cache
+def keys() -> list[dict[str, Any]]:
+    """Every key that a case may have."""
+    known: list[dict[str, Any]] = json.loads(call(["keys", "--json"], progress=False))
+    return known
+
+
+def label(name: str) -> str:
+    """A column of a study as axes name it: the words of a figure, or the key of a case, with the
+    unit."""
+    said = description(name)
+    words = name if said is None else said["words"]
+    fitting = (key for key in keys() if named(key["path"], name) is not None)
+    unit = said["unit"] if said is not None else next(fitting, {}).get("unit", "1")
+    return words if unit == "1" else f"{words} [{unit}]"
 
 
 class Results:
@@ -156,7 +179,8 @@ class Results:
 
     def history_frame(self) -> pandas.DataFrame:
         """The same as a data frame; needs pandas."""
-        import pandas  # noqa: PLC0415
+        with needs("frames"):
+            import pandas  # noqa: PLC0415
 
         return pandas.read_csv(self.folder / "history.csv")
 

@@ -15,6 +15,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from .progress import needs
+
 if TYPE_CHECKING:
     import xarray
 
@@ -59,7 +61,8 @@ class Field:
 
     def to_xarray(self) -> xarray.DataArray:
         """The field with its coordinates; needs xarray."""
-        import xarray  # noqa: PLC0415
+        with needs("frames"):
+            import xarray  # noqa: PLC0415
 
         axes = [*self.axes, *(("component",) if self.values.ndim == 3 else ())]
         places: dict[str, Any] = {

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .configuration import Configuration, Histories, Refusal
+from .configuration import Configuration, Histories, Refusal, utf8
 from .fields import TABLE
 from .geometry import GeometryError, GeometryPorts, GeometryTopic
 from .grids import Array, Grid
@@ -381,18 +381,20 @@ def understood(read: Any, value: Any) -> Any:
 
 
 def to_json(value: Any) -> bytes:
-    """JSON of plain values and numpy's; numbers that are not finite become null."""
+    """JSON of plain values and numpy's; numbers that are not finite become null, texts UTF-8."""
     return json.dumps(plain(value), allow_nan=False).encode()
 
 
 def plain(value: Any) -> Any:
     """The value in Python's own types."""
     if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
+        return {utf8(str(key)): plain(entry) for key, entry in value.items()}
     if isinstance(value, np.generic | np.ndarray):
         return plain(value.tolist())
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]
+    if isinstance(value, str):
+        return utf8(value)
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -206,6 +206,11 @@ class Solver:
         return {}
 
     @classmethod
+    def title(cls) -> str:
+        """Its name, or that of its class."""
+        return cls.name or cls.__name__
+
+    @classmethod
     def description(cls) -> dict[str, Any]:
         """What `--describe` prints. Raises `ValueError` for names that cannot travel."""
         check_name("role", cls.role)
@@ -213,7 +218,7 @@ class Solver:
             check_dotted("field", kind.name)
         return {
             "protocol": PROTOCOL_VERSION,
-            "name": cls.name or cls.__name__,
+            "name": cls.title(),
             "version": cls.version,
             "role": cls.role,
             "standalone": cls.standalone,
@@ -234,7 +239,7 @@ def admit(solver: Solver, configuration: Configuration) -> None:
     if model is None:
         raise Refusal(
             f"{role}.model",
-            f"`{configuration.model}` is not a model of {solver.name}",
+            f"`{configuration.model}` is not a model of {solver.title()}",
             f"write one of: {', '.join(models)}",
         )
     if not (model.steady if configuration.is_steady else model.transient):
@@ -247,7 +252,7 @@ def admit(solver: Solver, configuration: Configuration) -> None:
         if name not in effects:
             raise Refusal(
                 f"effects.{name}",
-                f"{solver.name} has no such effect",
+                f"{solver.title()} has no such effect",
                 f"remove it; known are: {', '.join(effects)}",
             )
         if model.name not in effects[name].models:
