@@ -1,5 +1,6 @@
 //! A case on a command line, and what is changed of it.
 
+use crate::scenes;
 use case::{Alone, RawCase, judge_alone};
 use clap::Args;
 use run::error::RunError;
@@ -20,6 +21,33 @@ pub(crate) struct CaseArguments {
     pub(crate) unset: Vec<String>,
 }
 
+/// Reads a case file. Where there is none of that name, one that is like it is named.
+///
+/// # Errors
+/// [`RunError::Usage`] if it cannot be read, or is no case.
+pub(crate) fn read_case(path: &Path) -> Result<RawCase, RunError> {
+    if path != Path::new("-")
+        && !path.exists()
+        && let Some(fix) = path.to_str().and_then(meant)
+    {
+        let shown = path.display();
+        return Err(RunError::Usage(format!("{shown}: there is no such file; {fix}")));
+    }
+    Ok(RawCase::read(path)?)
+}
+
+/// What is meant by a name without an ending, or by that of a scene.
+fn meant(name: &str) -> Option<String> {
+    let files = [format!("{name}.toml"), format!("cases/{name}.toml")];
+    if let Some(file) = files.iter().find(|file| Path::new(file).is_file()) {
+        return Some(format!("did you mean {file}?"));
+    }
+    let new = || {
+        format!("`coordinator new mine --scene {name}` writes the case of that scene as mine.toml")
+    };
+    scenes::text(name).is_some().then(new)
+}
+
 impl CaseArguments {
     /// The file as messages name it.
     pub(crate) fn shown(&self) -> String {
@@ -34,7 +62,7 @@ impl CaseArguments {
     pub(crate) fn read(&self) -> Result<RawCase, RunError> {
         // It may be a pipe that nobody writes to.
         let reading = signals::end_at_once();
-        let mut raw = RawCase::read(&self.case)?;
+        let mut raw = read_case(&self.case)?;
         drop(reading);
         raw.apply(&self.set, &self.unset)?;
         Ok(raw)

@@ -20,6 +20,7 @@ pub(crate) mod richardson;
 pub(crate) mod spent;
 pub(crate) mod table;
 
+use crate::case_arguments::read_case;
 use case::RawCase;
 use run::error::RunError;
 use run::perform::{self, RunStart};
@@ -80,7 +81,7 @@ fn read(case: &Path) -> Result<RawCase, RunError> {
     }
     // A pipe that nobody writes to. Otherwise a signal ends the study in order, with what it keeps.
     let reading = (case == Path::new("-")).then(signals::end_at_once);
-    let raw = RawCase::read(case)?;
+    let raw = read_case(case)?;
     drop(reading);
     known.insert(case.to_owned(), raw.clone());
     Ok(raw)

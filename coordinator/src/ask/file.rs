@@ -31,6 +31,12 @@ pub(super) fn read(path: &Path, figures: &[String]) -> Result<Surrogate, RunErro
 /// [`RunError::Usage`] if it is no surrogate; the file system.
 pub(crate) fn document(path: &Path) -> Result<Document, RunError> {
     let file = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
+    if path.is_dir() && !file.exists() {
+        let folder = path.display();
+        return Err(RunError::Usage(format!(
+            "{folder}: this sweep has no surrogate; run: coordinator fit {folder}"
+        )));
+    }
     let fix = "write it again by `coordinator fit DIR`";
     let refuse = |why: &str| RunError::Usage(format!("{}: {why}; {fix}", file.display()));
     let document = Document::read(&bytes(&file)?).map_err(|fault| refuse(&fault.to_string()))?;

@@ -6,6 +6,7 @@
 use super::given::{self, Given};
 use super::recorded::Recorded;
 use super::request::Request;
+use crate::case_arguments::read_case;
 use crate::scenes::{self, FIRST};
 use case::RawCase;
 use contract::configuration::{Configuration, Mode};
@@ -114,7 +115,7 @@ pub(super) fn all(
     recorded: Option<&Recorded>,
 ) -> Result<Settings, RunError> {
     let mut raw = match &request.case {
-        Some(file) => RawCase::read(file)?,
+        Some(file) => read_case(file)?,
         None => RawCase::parse(FIRST, scenes::text(FIRST).expect("it is built in"))?,
     };
     raw.apply(&request.set, &request.unset)?;

@@ -45,7 +45,7 @@ pub(crate) fn main(asked: &Arguments) -> Result<(), RunError> {
     }
     print(&text(&survey, path))?;
     if let Some(details) = &survey.details {
-        print(&details_text(details, wanted.window.is_none()))?;
+        print(&details_text(&survey, details, wanted.window.is_none()))?;
     }
     survey.damage.as_ref().map_or(Ok(()), damaged)
 }

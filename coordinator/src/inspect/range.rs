@@ -49,6 +49,20 @@ impl Range {
         }
     }
 
+    /// The range with 0 for an end that is rounding beside the other one.
+    #[must_use]
+    pub(crate) fn without_rounding(self) -> Self {
+        let size = |value: Option<f64>| value.unwrap_or(0.0).abs();
+        let least = f64::EPSILON * size(self.min).max(size(self.max));
+        let whole = |value: f64| if value.abs() < least { 0.0 } else { value };
+        Self {
+            min: self.min.map(whole),
+            max: self.max.map(whole),
+            mean: self.mean.map(whole),
+            ..self
+        }
+    }
+
     /// The range of both; the mean is over equally many values of each.
     #[must_use]
     pub(crate) fn and(self, other: Self, samples_so_far: u64) -> Self {
@@ -80,6 +94,8 @@ mod tests {
         let range = Range::of(&values);
         assert_eq!((range.min, range.max, range.mean), (Some(0.0), Some(20.0), Some(10.0)));
         assert_eq!(Range::of(&[]), Range::default());
+        let rise = Range::of(&[8.4948e-289, 1e-3, 226.0]).without_rounding();
+        assert_eq!((rise.min, rise.max), (Some(0.0), Some(226.0)));
         let broken = Range::of(&[1.0, f64::NAN, -3.0]);
         assert_eq!((broken.min, broken.max, broken.mean), (Some(-3.0), Some(1.0), Some(-1.0)));
         assert_eq!(broken.first_non_finite, Some(1));

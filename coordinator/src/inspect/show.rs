@@ -32,7 +32,7 @@ pub(crate) fn text(survey: &Survey, path: &Path) -> String {
     participants(&mut out, survey);
     coupling(&mut out, survey);
     if !survey.fields.is_empty() {
-        fields(&mut out, &survey.fields);
+        fields(&mut out, survey);
     }
     out
 }
@@ -80,7 +80,7 @@ fn coupling(out: &mut String, survey: &Survey) {
         let _ = writeln!(
             out,
             "  residual      {} {residual:.3e} in the last iteration",
-            one_line(field)
+            one_line(&shown(survey, field))
         );
     }
     if let Some(imbalance) = survey.energy_imbalance {
@@ -89,8 +89,20 @@ fn coupling(out: &mut String, survey: &Survey) {
     }
 }
 
-fn fields(out: &mut String, fields: &[FieldSurvey]) {
-    let short = |field: &FieldSurvey| field.topic.trim_start_matches("field/").to_owned();
+/// A topic or a field as the case names it: `thermal/rail_temperature` for `thermal/lower_temperature`.
+fn shown(survey: &Survey, topic: &str) -> String {
+    let (path, name) = match topic.rfind('/') {
+        Some(slash) => topic.split_at(slash + 1),
+        None => ("", topic),
+    };
+    let name = survey.bodies.as_ref().map_or_else(|| name.to_owned(), |bodies| bodies.shown(name));
+    format!("{path}{name}")
+}
+
+fn fields(out: &mut String, survey: &Survey) {
+    let fields = &survey.fields;
+    let short =
+        |field: &FieldSurvey| shown(survey, &field.topic).trim_start_matches("field/").to_owned();
     let wide = fields.iter().map(|f| short(f).len()).max().unwrap_or(0).max(5);
     let _ = writeln!(
         out,
@@ -98,7 +110,7 @@ fn fields(out: &mut String, fields: &[FieldSurvey]) {
         "field", "unit", "values", "samples", "bytes", "min", "mean", "max"
     );
     for field in fields {
-        let Range { min, max, mean, first_non_finite } = field.range;
+        let Range { min, max, mean, first_non_finite } = field.range.without_rounding();
         let _ = writeln!(
             out,
             "  {:wide$} {:>6} {:>9} {:>8} {:>10} {} {} {}",
@@ -123,7 +135,7 @@ fn fields(out: &mut String, fields: &[FieldSurvey]) {
 
 /// Iterations and samples one by one.
 #[must_use]
-pub(crate) fn details_text(details: &Details, fields_only: bool) -> String {
+pub(crate) fn details_text(survey: &Survey, details: &Details, fields_only: bool) -> String {
     let mut out = String::new();
     if !fields_only && !details.iterations.is_empty() {
         let _ = writeln!(
@@ -157,28 +169,28 @@ pub(crate) fn details_text(details: &Details, fields_only: bool) -> String {
         out += "\n  the recording has no such sample\n";
         return out;
     }
-    let wide = details.samples.iter().map(|s| s.topic.len()).max().unwrap_or(0).max(5);
+    let topics: Vec<_> = details.samples.iter().map(|one| shown(survey, &one.topic)).collect();
+    let wide = topics.iter().map(String::len).max().unwrap_or(0).max(5);
     let _ = writeln!(
         out,
         "\n  {:wide$} {:>7} {:>9} {:>8} {:>12} {:>12} {:>12} {:>12}",
         "topic", "window", "iteration", "sample", "at [s]", "min", "mean", "max"
     );
-    for one in &details.samples {
-        let bad = one
-            .range
+    for (one, topic) in details.samples.iter().zip(&topics) {
+        let range = one.range.without_rounding();
+        let bad = range
             .first_non_finite
             .map_or_else(String::new, |index| format!("  NOT FINITE at index {index}"));
         let _ = writeln!(
             out,
-            "  {:wide$} {:>7} {:>9} {:>8} {:>12.6} {} {} {}{bad}",
-            one.topic,
+            "  {topic:wide$} {:>7} {:>9} {:>8} {:>12.6} {} {} {}{bad}",
             one.window,
             one.iteration,
             one.sequence,
             one.at_s,
-            number(one.range.min),
-            number(one.range.mean),
-            number(one.range.max)
+            number(range.min),
+            number(range.mean),
+            number(range.max)
         );
     }
     out

@@ -1,6 +1,8 @@
 //! One pass over a recording.
 
 use super::Range;
+use contract::bodies::Bodies;
+use contract::configuration::Configuration;
 use contract::grid::{Shape, Structured};
 use contract::message::{CommandKind, FieldHeader};
 use proto::recording::{End, Event, Item, Iteration, Recording};
@@ -34,10 +36,13 @@ impl Wanted {
         self.window.is_none_or(|wanted| wanted == window)
     }
 
-    fn has_field(&self, service: &str, header: &FieldHeader) -> bool {
-        self.field
-            .as_deref()
-            .is_none_or(|wanted| header.name.as_str() == wanted || service.ends_with(wanted))
+    /// A field is named as the contract or as the case has it.
+    fn has_field(&self, service: &str, header: &FieldHeader, bodies: Option<&Bodies>) -> bool {
+        self.field.as_deref().is_none_or(|wanted| {
+            let named = bodies.map(|bodies| bodies.named(wanted));
+            let name = header.name.as_str();
+            name == wanted || named.as_deref() == Some(name) || service.ends_with(wanted)
+        })
     }
 }
 
@@ -48,6 +53,9 @@ pub(crate) struct Survey {
     pub case: String,
     /// Name and version of the program that wrote it.
     pub writer: String,
+    /// Names of the upper and the lower body, as soon as a participant is given a case that has them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<Bodies>,
     /// Coupling scheme.
     pub scheme: String,
     /// How iterates were chosen.
@@ -236,7 +244,14 @@ impl<'a> Taken<'a> {
                 let one = &mut self.survey.participants[usize::from(participant)];
                 match CommandKind::from_number(command.kind) {
                     Some(CommandKind::Solve) => one.solves += 1,
-                    Some(CommandKind::Configure) => one.model = model(&body),
+                    Some(CommandKind::Configure) => {
+                        // What is damaged there is an error of the reader.
+                        if let Ok(given) = serde_json::from_slice::<Configuration>(&body) {
+                            one.model = given.model;
+                            let bodies = || Bodies::read(&given.case).ok();
+                            self.survey.bodies = self.survey.bodies.take().or_else(bodies);
+                        }
+                    }
                     _ => {}
                 }
             }
@@ -303,7 +318,7 @@ impl<'a> Taken<'a> {
         field.bytes += size_of_val(values) as u64;
         if let Some(details) = &mut self.survey.details
             && self.wanted.has_window(header.window)
-            && self.wanted.has_field(service, header)
+            && self.wanted.has_field(service, header, self.survey.bodies.as_ref())
             && self.wanted.samples()
         {
             details.samples.push(SampleSurvey {
@@ -322,11 +337,4 @@ impl<'a> Taken<'a> {
             one.states += 1;
         }
     }
-}
-
-/// The model in a configuration.
-fn model(configuration: &[u8]) -> String {
-    let parsed: Option<serde_json::Value> = serde_json::from_slice(configuration).ok();
-    let model = parsed.as_ref().and_then(|value| value["model"].as_str());
-    model.unwrap_or_default().to_owned()
 }

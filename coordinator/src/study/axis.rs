@@ -4,7 +4,7 @@ use super::range;
 use serde::{Deserialize, Serialize};
 
 /// How values are written.
-const FORM: &str = "KEY=A,B,C, or KEY=FROM..TO/COUNT like motion.speed=10..50/5, or KEY=FROM..TO/COUNTlog, or /COUNTcheb";
+const FORM: &str = "KEY=A,B,C, or KEY=FROM..TO/COUNT like motion.speed=10..50/5 or load.normal_force=40kN..90kN/3, or KEY=FROM..TO/COUNTlog, or /COUNTcheb";
 
 /// A key and the values it takes, one run after the other.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

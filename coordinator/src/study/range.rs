@@ -1,6 +1,7 @@
 //! Values between two ends: `FROM..TO/COUNT`, evenly, `FROM..TO/COUNTlog`, in a constant ratio, or
 //! `FROM..TO/COUNTcheb`, denser towards the ends as polynomials through them need it: the extrema of a Chebyshev
-//! polynomial (Trefethen, Approximation Theory and Approximation Practice, 2013, ch. 2).
+//! polynomial (Trefethen, Approximation Theory and Approximation Practice, 2013, ch. 2). Ends with a unit have it both:
+//! `40kN..90kN/3`.
 
 /// Most values.
 const MOST: u32 = 100_000;
@@ -24,10 +25,12 @@ enum Spacing {
 }
 
 fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
-    let (Some(from), Some(to)) = (number(from), number(to)) else {
-        return Err("has an end that is no number (a range has SI numbers)".to_owned());
+    let (Some((from, unit)), Some((to, other))) = (quantity(from), quantity(to)) else {
+        return Err("has an end that is no number".to_owned());
     };
+    if unit != other {
+        return Err("has ends with different units".to_owned());
+    }
     let spacings = [("log", Spacing::Log), ("cheb", Spacing::Chebyshev)];
     let spaced = spacings.iter().find_map(|(word, one)| Some((count.strip_suffix(word)?, *one)));
     let (count, spacing) = spaced.unwrap_or((count, Spacing::Even));
@@ -51,9 +54,20 @@ fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
         };
         // As written by hand: without what rounding adds.
         let short: f64 = format!("{value:.12e}").parse().unwrap_or(value);
-        format!("{short:?}")
+        let space = if unit.is_empty() { "" } else { " " };
+        format!("{short:?}{space}{unit}")
     };
     Ok((0..count).map(value).collect())
+}
+
+/// A finite number and the unit behind it, which may be empty.
+fn quantity(text: &str) -> Option<(f64, &str)> {
+    let text = text.trim();
+    let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
+    let parts = ends.map(|end| text.split_at(end));
+    let number = |(number, unit): (&str, &'_ str)| Some((number.parse::<f64>().ok()?, unit.len()));
+    let (value, unit) = parts.into_iter().find_map(number)?;
+    value.is_finite().then(|| (value, text[text.len() - unit..].trim()))
 }
 
 #[cfg(test)]
@@ -72,10 +86,15 @@ mod tests {
             some(&["0.0", "0.2928932188135", "1.0", "1.707106781187", "2.0"])
         );
         assert_eq!(of("-1..-4/3log"), some(&["-1.0", "-2.0", "-4.0"]));
+        assert_eq!(of("40kN..90kN/3"), some(&["40.0 kN", "65.0 kN", "90.0 kN"]));
+        assert_eq!(of("36 km/h..72 km/h/2"), some(&["36.0 km/h", "72.0 km/h"]));
+        assert_eq!(of("1e3N..4e3 N/3log"), some(&["1000.0 N", "2000.0 N", "4000.0 N"]));
         assert_eq!(of("up/down,left"), None);
         for (wrong, why) in [
             ("1..x/3", "no number"),
             ("1..inf/3", "no number"),
+            ("1 kN..2e3/3", "different units"),
+            ("1 kN..2000 N/3", "different units"),
             ("1..2/1", "has 1 values"),
             ("1..2/2.5", "no whole number"),
             ("-1..2/4log", "without a ratio"),

@@ -58,12 +58,20 @@ fn every_scene_makes_a_case_without_errors() {
 fn a_new_case_runs_and_nothing_is_replaced() {
     let place = Place::new();
     assert!(run_in(&place, &["new", "mine"], "").status.success());
+    // Keys are explained as the models of the scene read them: not as one that expands bodies, or explicit elements.
+    let made = std::fs::read_to_string(place.out().join("mine.toml")).unwrap();
+    for other in ["of bodies that expand", "steady rolling hardly depends on it"] {
+        assert!(!made.contains(other), "{made}");
+    }
     let ran = run_in(&place, &["run", "mine.toml", "--set", "mech.resolution=8", "--json"], "");
     assert!(ran.status.success(), "{}", text(&ran.stderr));
     assert!(text(&ran.stdout).contains("\"case\": \"mine\""));
     for (arguments, told) in [
         (&["new", "mine"][..], "is there already"),
         (&["new", "other", "--scene", "nowhere"], "no such scene"),
+        (&["run", "mine"], "mine: there is no such file; did you mean mine.toml?"),
+        (&["check", "wheel-rail"], "coordinator new mine --scene wheel-rail"),
+        (&["ask", "."], ".: this sweep has no surrogate; run: coordinator fit ."),
         (&["new", "a/b"], "letters, digits"),
     ] {
         let refused = run_in(&place, arguments, "");

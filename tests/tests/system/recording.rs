@@ -294,6 +294,23 @@ fn a_failed_run_leaves_a_recording_that_reads() {
     assert!(shown.stdout.contains("FAILED") && shown.stdout.contains("NOT FINITE"));
 }
 
+/// Fields have the names of the case's bodies, in a listing and as an option.
+#[test]
+fn fields_are_inspected_by_the_names_of_the_case() {
+    let place = Place::new();
+    let more = ["--record", "--set", "mech.resolution=8"];
+    assert_eq!(place.run(&case("falling-friction.toml"), &more).code, Some(0));
+    let recording = place.out().join("recording.mcap").display().to_string();
+    let shown =
+        |more: &[&str]| place.start(&[&["inspect", &recording], more].concat()).wait().stdout;
+    let listed = shown(&[]);
+    assert!(listed.contains("thermal/rail_temperature"), "{listed}");
+    assert!(!listed.contains("lower_") && !listed.contains("upper_"), "{listed}");
+    let samples = shown(&["--field", "rail_temperature"]);
+    assert!(samples.contains("field/thermal/rail_temperature "), "{samples}");
+    assert_eq!(samples, shown(&["--field", "lower_temperature"]));
+}
+
 /// A disk that is full in mid-run ends the run in order, and what was written before reads.
 #[test]
 fn a_full_disk_ends_the_run_in_order() {
