@@ -390,7 +390,7 @@ mod tests {
             for (text, name) in [(&three, "x"), (&two, "h")] {
                 let read = ModelDescription::parse(text).unwrap();
                 let unit = &read.find(name).unwrap().unit;
-                let expected = if own.is_empty() { 0.018 } else { 273.168 };
+                let expected = if own.is_empty() { 0.018 } else { 0.018 + 273.15 };
                 assert_eq!((unit.name.as_str(), unit.to_si(0.018)), ("degC", expected), "{text}");
             }
         }
