@@ -13,6 +13,7 @@ use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::peers::COORDINATOR;
 use crate::programs::Program;
+use crate::warnings::Warning;
 use case::schema::WELL_KNOWN_ROLES;
 use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
 use contract::configuration::{Configuration, Estimate, Input, Layout};
@@ -446,7 +447,10 @@ async fn estimate_one(
         }
         Estimate::Refused(refusal) => {
             // What is not expected of a value may be why the case cannot be.
-            let unexpected = plan.warnings.iter().map(ToString::to_string);
+            let unexpected = plan.warnings.iter().filter_map(|warning| match warning {
+                Warning::Value(implausible) => Some(implausible.to_string()),
+                Warning::Remark(_) => None,
+            });
             let fix = std::iter::once(refusal.fix).chain(unexpected).collect::<Vec<_>>().join("; ");
             let problem = case.problem_at(&refusal.key, refusal.reason, fix);
             Err(case.report(vec![problem]).expect("there is a problem").into())
