@@ -19,8 +19,8 @@ use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepRepo
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
-/// More bytes are no state of this model.
-const MOST_BYTES: usize = 4 << 30;
+/// Most bytes of a state of this model: 4 GiB, which a `usize` of 32 bits holds too.
+pub(super) const MOST_BYTES: usize = u32::MAX as usize;
 
 /// How a model follows values that vary.
 pub(super) struct Following {

@@ -25,7 +25,7 @@ use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::creeping::{Creeping, Crept, Instant};
-use super::steady::Following;
+use super::steady::{Following, MOST_BYTES};
 use crate::half_space::levels::{History, Motion, Solution};
 use crate::half_space::tangential::TangentialState;
 use crate::models::shortfall::Shortfall;
@@ -37,8 +37,6 @@ use std::io::{self, Read, Write};
 
 /// A rest of a mechanical step shorter than this share of it is rounding.
 const ROUNDING: f64 = 1e-9;
-/// More bytes are no state of this model.
-const MOST_BYTES: usize = 4 << 30;
 
 /// The model that runs.
 pub(super) struct Transient {
