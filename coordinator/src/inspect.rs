@@ -10,8 +10,9 @@ pub(crate) use range::Range;
 pub(crate) use show::{details_text, text};
 pub(crate) use survey::{Details, FieldSurvey, Survey, Wanted, survey};
 
+use contract::input_file::{self, InputFileError};
 use proto::recording::{Recording, RecordingError};
-use run::error::{Failure, RunError, file_failure};
+use run::error::{Failure, RunError, input_failure};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -24,12 +25,14 @@ pub(crate) type FileRecording = Recording<BufReader<File>>;
 /// # Errors
 /// There is no such file, or it is no recording.
 pub(crate) fn open(path: &Path) -> Result<FileRecording, RunError> {
-    let file = File::open(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => RunError::Usage(format!(
-            "there is no recording {}; `coordinator run CASE --record` writes one",
-            path.display()
-        )),
-        _ => file_failure(path, &error),
+    let file = input_file::open(path).map_err(|error| match error {
+        InputFileError::System(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            RunError::Usage(format!(
+                "there is no recording {}; `coordinator run CASE --record` writes one",
+                path.display()
+            ))
+        }
+        error => input_failure(path, &error),
     })?;
     Recording::open(BufReader::with_capacity(1 << 20, file)).map_err(|error| failed(path, &error))
 }

@@ -1,6 +1,7 @@
 //! The archive that an FMU is. It comes from outside: names lead to nowhere else, and its content is
 //! limited while it is unpacked, whatever it claims.
 
+use proto::input_file;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -27,7 +28,7 @@ impl Archive {
     /// It is not there, no archive, or has too many files.
     pub fn open(path: &Path) -> Result<Self, String> {
         let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        let file = File::open(path).map_err(|error| failed(&error))?;
+        let file = input_file::open(path).map_err(|error| failed(&error))?;
         let zip = ZipArchive::new(file).map_err(|error| failed(&error))?;
         match zip.len() {
             count if count > MOST_FILES => {

@@ -1,11 +1,18 @@
-//! Values over a temperature, from the lines of a file, straight between them.
+//! Values over a coordinate, such as a temperature, from a table ([`proto::table`]), straight between its rows.
 
+use proto::bodies::ABSOLUTE;
+use proto::table::{Column, Reading, Table};
 use std::path::Path;
 
-/// Larger files are refused.
+/// Larger files are refused [byte].
 const MOST_BYTES: u64 = 1 << 24;
 
-/// `N` values at temperatures [K] that rise.
+/// The column of absolute temperatures.
+pub(crate) fn absolute_temperature() -> Column {
+    Column::new(&["temperature", "T"], "K").expected(100.0..=3000.0, ABSOLUTE)
+}
+
+/// `N` values at coordinates that rise.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Curve<const N: usize> {
     points: Vec<(f64, [f64; N])>,
@@ -14,32 +21,44 @@ pub(crate) struct Curve<const N: usize> {
 }
 
 impl<const N: usize> Curve<N> {
-    /// From a file of lines of a temperature and `N` values; `#` begins a comment. `check` says what values have to be.
+    /// Reads a file with a table of `columns`: the coordinate, and `N` values. `check` refuses values.
     ///
     /// # Errors
     /// What is wrong with the file, and in which line.
     pub(crate) fn read(
         path: &Path,
+        columns: &[Column],
         clamps: bool,
         check: impl Fn(&[f64; N]) -> Result<(), String>,
     ) -> Result<Self, String> {
-        let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-        if bytes > MOST_BYTES {
-            return Err(format!("has {bytes} bytes"));
-        }
-        Self::of(&std::fs::read(path).map_err(|error| error.to_string())?, clamps, check)
+        let table = Table::read(path, MOST_BYTES, Reading::NUMBERS);
+        Self::from_table(&table.map_err(|error| error.to_string())?, columns, clamps, check)
     }
 
-    /// The same from text.
+    /// Takes the columns of a table, as [`Curve::read`] does.
     ///
     /// # Errors
     /// What is wrong with it, and in which line.
-    pub(crate) fn of(
-        text: &[u8],
+    pub(crate) fn from_table(
+        table: &Table,
+        columns: &[Column],
         clamps: bool,
         check: impl Fn(&[f64; N]) -> Result<(), String>,
     ) -> Result<Self, String> {
-        Ok(Self { points: parse(text, check)?, clamps })
+        let found = table.columns(columns).map_err(|error| error.to_string())?;
+        let name = &columns[0].names[0];
+        table.check_rising(name, &found[0], false).map_err(|error| error.to_string())?;
+        let point = |row: usize| {
+            let values = std::array::from_fn(|k| found[k + 1][row]);
+            check(&values).map_err(|reason| format!("{reason} in line {}", table.line(row)))?;
+            Ok((found[0][row], values))
+        };
+        Ok(Self { points: (0..table.rows()).map(point).collect::<Result<_, String>>()?, clamps })
+    }
+
+    /// The coordinates of the rows.
+    pub(crate) fn coordinates(&self) -> impl Iterator<Item = f64> {
+        self.points.iter().map(|(at, _)| *at)
     }
 
     /// No value rises with the temperature.
@@ -69,74 +88,50 @@ impl<const N: usize> Curve<N> {
     }
 }
 
-fn parse<const N: usize>(
-    text: &[u8],
-    check: impl Fn(&[f64; N]) -> Result<(), String>,
-) -> Result<Vec<(f64, [f64; N])>, String> {
-    let text = std::str::from_utf8(text).map_err(|_| "is not text".to_owned())?;
-    let mut points: Vec<(f64, [f64; N])> = Vec::new();
-    for (line, number) in text.lines().zip(1..) {
-        let line = line.split('#').next().unwrap_or_default().trim();
-        if line.is_empty() {
-            continue;
-        }
-        let words: Vec<f64> = line
-            .split([',', ' ', '\t'])
-            .filter(|word| !word.is_empty())
-            .map_while(|word| word.parse().ok().filter(|value: &f64| value.is_finite()))
-            .collect();
-        let split = words.split_first().map(|(first, rest)| (*first, rest.try_into()));
-        let Some((temperature, Ok(values))) = split else {
-            return Err(format!("is not {} numbers in line {number}", N + 1));
-        };
-        check(&values).map_err(|reason| format!("{reason} in line {number}"))?;
-        if points.last().is_some_and(|(last, _)| temperature <= *last) {
-            return Err(format!("does not rise in line {number}"));
-        }
-        points.push((temperature, values));
-    }
-    if points.is_empty() { Err("has no line".to_owned()) } else { Ok(points) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn curve<const N: usize>(text: &[u8], clamps: bool) -> Result<Curve<N>, String> {
+    fn curve<const N: usize>(text: &str, clamps: bool) -> Result<Curve<N>, String> {
         let positive = |values: &[f64; N]| match values.iter().all(|value| *value > 0.0) {
             true => Ok(()),
             false => Err("has no value above 0".to_owned()),
         };
-        Curve::of(text, clamps, positive)
+        let table =
+            Table::parse(text.to_owned(), Reading::NUMBERS).map_err(|error| error.to_string())?;
+        let columns =
+            [Column::new(&["T"], "K"), Column::new(&["f"], "1"), Column::new(&["g"], "1")];
+        Curve::from_table(&table, &columns[..=N], clamps, positive)
     }
 
     #[test]
-    fn lines_and_ends() {
-        let of = |clamps| curve(b"# rise, f\n0, 0.5\n100 0.3\n200\t0.2 # hot\n", clamps).unwrap();
+    fn rows_and_ends() {
+        let of = |clamps| curve("# rise, f\n0, 0.5\n100, 0.3\n200,0.2 # hot\n", clamps).unwrap();
         assert_eq!(of(false).at(50.0), Some([0.4]));
         assert_eq!(of(false).at(200.0), Some([0.2]));
         assert_eq!((of(false).at(201.0), of(false).at(-1.0)), (None, None));
         assert_eq!((of(true).at(1e9), of(true).at(-1.0)), (Some([0.2]), Some([0.5])));
-        let two: Curve<2> = curve(b"0 1 1\n10 0.5 0.25\n", false).unwrap();
+        let two: Curve<2> = curve("0 1 1\n10 0.5 0.25\n", false).unwrap();
         assert_eq!(two.at(5.0), Some([0.75, 0.625]));
+        let named: Curve<1> = curve("f; T [°C]\n0,5; -273,15\n0,25; 26,85\n", false).unwrap();
+        assert_eq!(named.at(150.0), Some([0.375]));
         for (text, part) in [
-            ("", "no line"),
-            ("1,2\n1,2", "line 2"),
-            ("1", "2 numbers in line 1"),
-            ("0,0", "above 0"),
+            ("", "no rows"),
+            ("1,2\n1,2", "from line 1 to line 2"),
+            ("1", "1 columns and no header"),
+            ("0,0", "above 0 in line 1"),
         ] {
-            let error = curve::<1>(text.as_bytes(), false).unwrap_err();
+            let error = curve::<1>(text, false).unwrap_err();
             assert!(error.contains(part), "{text}: {error}");
         }
-        assert!(curve::<1>(&[0xff], false).unwrap_err().contains("text"));
     }
 
     proptest! {
-        /// Any bytes are read or refused.
+        /// Any text is read or refused.
         #[test]
-        fn any_bytes_are_read_or_refused(text in "[-0-9eEinfa.,; #\n]{0,200}") {
-            if let Ok(curve) = curve::<1>(text.as_bytes(), false) {
+        fn any_text_is_read_or_refused(text in "[-0-9eEinfa.,; #\n]{0,200}") {
+            if let Ok(curve) = curve::<1>(&text, false) {
                 prop_assert!(curve.points.windows(2).all(|pair| pair[0].0 < pair[1].0));
             }
         }

@@ -2,6 +2,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | `noise` | how far the points of measured profiles scatter |
 //! | [`models`] | the models by name, one module a fidelity level |
 //! | [`effects`] | the effects by name, one file an effect |
 //! | [`half_space`], [`conformal`] | boundary elements: normal, tangential and subsurface problems of half-spaces, and of curved surfaces |
@@ -42,6 +43,7 @@ pub mod half_space;
 mod keys;
 mod measures;
 pub mod models;
+mod noise;
 #[cfg(test)]
 mod quadrature;
 pub mod reference;

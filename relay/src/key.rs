@@ -1,7 +1,8 @@
 //! The key that both ends have: a file that nobody else can read, and nothing of which ever travels.
 
+use contract::input_file::{self, InputFileError};
 use ring::rand::{SecureRandom, SystemRandom};
-use std::fs::{File, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::{self, Read, Write};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::Path;
@@ -64,7 +65,10 @@ impl Key {
     pub fn read(path: &Path) -> Result<Self, KeyError> {
         let shown = path.display().to_string();
         let failed = |error| KeyError::File { path: shown.clone(), error };
-        let file = File::open(path).map_err(failed)?;
+        let file = input_file::open(path).map_err(|error| match error {
+            InputFileError::System(error) => failed(error),
+            error => failed(std::io::Error::other(error.to_string())),
+        })?;
         let mode = file.metadata().map_err(failed)?.mode() & 0o777;
         if mode & 0o077 != 0 {
             return Err(KeyError::Open { path: shown, mode });

@@ -316,14 +316,14 @@ fn what_a_table_says_beyond_its_lines() {
         run
     };
     let (_file, mut case) = tabled("293.15 50 419.5\n", json!({}));
-    case["effects"]["temperature_material"] = json!({"beyond": "clamp"});
+    case["effects"]["temperature_material"] = json!({"beyond": "hold"});
     let mut run = Run::new("fe", Mode::Steady, grid, case);
     run.advance(&heat, f64::INFINITY);
     assert!(difference(run.rail(), constant.rail()) < 1e-8);
     let (_file, case) = tabled("200 50 419.5\n400, 48, 450 \n", json!({}));
     let mut run = Run::new("fe", Mode::Steady, grid, case);
     let refused = run.try_solve(&heat, f64::INFINITY).unwrap_err().to_string();
-    assert!(refused.contains("beyond the table") && refused.contains("clamp"), "{refused}");
+    assert!(refused.contains("beyond the table") && refused.contains("hold"), "{refused}");
     let (_file, case) = tabled("300 50 419.5\n400, 48, 450 \n", json!({}));
     let mut given = configuration("fe", Mode::Steady, grid, case);
     given.case.0["effects"]["temperature_material"] = json!({});

@@ -2,11 +2,11 @@
 
 use super::example::{example, in_range, range, with_unit};
 use super::known::Known;
-use super::quantity::{QuantityError, parse_quantity};
 use super::schema::Shape;
-use super::suggest::{any_of, nearest};
 use super::tree::{Node, Origin, Value};
 use contract::description::{KeyKind, KeySpec};
+use contract::quantity::{QuantityError, parse_quantity};
+use contract::suggest::{any_of, nearest};
 use contract::text::check_line;
 use serde_json::{Number, Value as Json};
 use std::path::{Path, absolute};

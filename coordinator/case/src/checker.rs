@@ -1,6 +1,5 @@
 //! The state that all checks of a case share.
 
-use super::data_table::Columns;
 use super::diagnostics::Problem;
 use super::known::{Instance, Known, References, all_keys, expand};
 use super::live_key::LiveKey;
@@ -9,8 +8,21 @@ use super::selection::Selection;
 use super::tree::Node;
 use contract::description::{Description, KeyKind, KeySpec};
 use contract::params::Params;
+use contract::table::Table as DataTable;
 use serde_json::{Map, Value as Json};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// The columns of a table that a case refers to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Columns {
+    /// The file, and its table unless it is unusable, which is reported once.
+    pub(super) table: Option<(PathBuf, Option<DataTable>)>,
+    /// Values in SI units by key, in the order of the rows.
+    pub(super) values: BTreeMap<String, Vec<f64>>,
+    /// A key refers to a column that could not be read.
+    pub(super) incomplete: bool,
+}
 
 /// A case under check: what it says, what is known, and what has been found.
 pub(super) struct Checker<'a> {

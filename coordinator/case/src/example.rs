@@ -1,9 +1,9 @@
 //! A value that a key would accept, to show what to write.
 
-use super::quantity::parse_quantity;
 use super::quote::quoted;
 use super::schema::Shape;
 use contract::description::{KeyKind, KeySpec};
+use contract::quantity::parse_quantity;
 
 /// Magnitudes that people know, by unit; of those of one unit the first that is expected of a key.
 const FAMILIAR: &[(&str, &str)] = &[

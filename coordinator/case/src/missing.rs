@@ -5,8 +5,8 @@ use super::diagnostics::{Place, Problem};
 use super::example::example;
 use super::groups::{Alternative, Group, groups};
 use super::known::Instance;
-use super::suggest::{all_of, any_of};
 use super::tree::{Node, Origin};
+use contract::suggest::{all_of, any_of};
 use std::collections::BTreeMap;
 
 /// Something that a section lacks.

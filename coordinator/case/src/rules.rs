@@ -7,10 +7,10 @@ use super::example::{example, with_unit};
 use super::known::{Instance, all_keys};
 use super::schema::WELL_KNOWN_ROLES;
 use super::selection::Selection;
-use super::suggest::{all_of, any_of, nearest};
 use contract::bodies::{Bodies, TABLE, position_key};
 use contract::configuration::Mode;
 use contract::description::{KeyKind, ModelSpec};
+use contract::suggest::{all_of, any_of, nearest};
 use std::collections::BTreeSet;
 
 impl Checker<'_> {

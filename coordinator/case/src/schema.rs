@@ -18,6 +18,8 @@ pub const ROLE: &str = "ROLE";
 pub(super) const TIME: &str = "time.history";
 /// The column of distances, which the speed turns into times.
 pub(super) const DISTANCE: &str = "time.distance";
+/// What holds outside the times of a table.
+pub(super) const BEYOND: &str = "time.beyond";
 /// What becomes of a row of a sequence without an answer.
 pub(super) const ON_FAILURE: &str = "time.on_failure";
 
@@ -75,6 +77,12 @@ fn case_and_time() -> Vec<OwnKey> {
             .default_value("steady")),
         one(KeySpec::quantity(TIME, "s", "column of the times of a table").varies()),
         one(KeySpec::quantity(DISTANCE, "m", "column of the distances, instead of times").varies()),
+        one(KeySpec::choice(
+            BEYOND,
+            &["refuse", "hold"],
+            "what happens outside the times of the table: hold keeps the values of its first and its last row",
+        )
+        .default_value("refuse")),
         one(KeySpec::choice(
             ON_FAILURE,
             &["stop", "skip"],
@@ -196,9 +204,12 @@ fn tolerances(section: &str) -> impl Iterator<Item = OwnKey> {
         ("relative", &*relative),
         ("residual_relative", "largest residual over the first one of the window, in two-norms"),
     ];
-    measures
-        .map(|(name, help)| one(KeySpec::number(&format!("{section}.{name}"), help).above(0.0)))
-        .into_iter()
+    let why = "a residual as large as the values is none that has converged";
+    let key = |(name, help): (&str, &str)| {
+        let spec = KeySpec::number(&format!("{section}.{name}"), help).above(0.0);
+        one(if name == "absolute" { spec } else { spec.expected(0.0..=1.0, why) })
+    };
+    measures.map(key).into_iter()
 }
 
 fn mappings() -> Vec<OwnKey> {

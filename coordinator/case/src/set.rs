@@ -2,8 +2,8 @@
 
 use super::diagnostics::{Place, Problem, Problems};
 use super::raw::RawCase;
-use super::suggest::nearest;
 use super::tree::{Convert, Node, Origin, Table, TooDeep, Value};
+use contract::suggest::nearest;
 use toml::de::{DeTable, DeValue};
 
 /// Most parts of a dotted key.

@@ -5,6 +5,7 @@ use crate::program::Program;
 use crate::results::dir::shown;
 use case::Problems;
 use contract::configuration::Refusal;
+use contract::input_file::InputFileError;
 use coupling::NotConverged;
 use coupling::converge::Why;
 
@@ -162,6 +163,15 @@ pub fn file_failure(path: &std::path::Path, error: &std::io::Error) -> RunError 
     let when = format!("at {}", shown(path).display());
     let fix = "check the path, its permissions and the free space";
     machine_failure("the file system", &when, error, fix)
+}
+
+/// A file that a user names and that cannot be used.
+#[must_use]
+pub fn input_failure(path: &std::path::Path, error: &InputFileError) -> RunError {
+    match error {
+        InputFileError::System(error) => file_failure(path, error),
+        error => RunError::Usage(format!("{} {error}", shown(path).display())),
+    }
 }
 
 /// An error of a part of the machine.

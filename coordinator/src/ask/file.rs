@@ -3,10 +3,10 @@
 use crate::fit::FILE;
 use crate::study::output::Kept as _;
 use crate::sweep::Study;
-use run::error::{RunError, file_failure};
+use contract::input_file;
+use run::error::{RunError, file_failure, input_failure};
 use run::identity::Identity;
 use serde::Deserialize;
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 use surrogate::{Document, LONGEST, Surrogate};
@@ -60,9 +60,9 @@ fn is_of_another_sweep(document: &Document, folder: &Path) -> bool {
 /// No more of the file than a surrogate may have.
 fn bytes(file: &Path) -> Result<Vec<u8>, RunError> {
     let mut text = Vec::new();
-    let open =
-        File::open(file).and_then(|open| open.take(LONGEST as u64 + 1).read_to_end(&mut text));
-    open.map(|_| text).map_err(|error| file_failure(file, &error))
+    let open = input_file::open(file).map_err(|error| input_failure(file, &error))?;
+    let read = open.take(LONGEST as u64 + 1).read_to_end(&mut text);
+    read.map(|_| text).map_err(|error| file_failure(file, &error))
 }
 
 fn only(document: &Document, wanted: &[String]) -> Result<Document, RunError> {

@@ -3,36 +3,44 @@
 use super::file::place;
 use crate::fit::number;
 use crate::output::print;
+use case::parse_quantity;
+use contract::input_file::into_text;
+use contract::table::{Heading, Reading, Table, TableError};
 use run::error::{RunError, file_failure};
-use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read as _};
 use std::path::Path;
 use surrogate::Surrogate;
+
+/// Larger tables are refused [byte].
+const MOST_BYTES: u64 = 1 << 30;
 
 /// Prints the rows with the figures behind them. If one has no answer nothing is printed.
 ///
 /// # Errors
 /// [`RunError::Usage`] names the line that is no point of the surrogate; the file system.
 pub(super) fn answer(surrogate: &Surrogate, rows: &Path) -> Result<(), RunError> {
-    let mut reader =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(open(rows)?);
-    let wrong = |error: csv::Error| RunError::Usage(format!("--table {}: {error}", rows.display()));
-    let places = columns(surrogate, reader.headers().map_err(wrong)?)?;
+    let table = read(rows)?;
+    let headings = table.headings().unwrap_or_default();
+    let places = columns(surrogate, headings)?;
     let mut out = csv::Writer::from_writer(Vec::new());
     let keys = places.iter().map(|n| surrogate.keys()[*n].key.as_str());
     let figures = surrogate.figures().iter().map(|one| one.key.as_str());
     // A writer into memory does not fail.
     let _ = out.write_record(keys.chain(figures));
     let (mut at, mut room) = (vec![0.0; places.len()], surrogate.room());
-    let (mut row, mut digits) = (csv::StringRecord::new(), Digits::default());
-    while reader.read_record(&mut row).map_err(wrong)? {
+    let mut digits = Digits::default();
+    for row in 0..table.rows() {
         let named = |why: &dyn std::fmt::Display| {
-            let line = row.position().map_or(0, csv::Position::line);
+            let line = table.line(row);
             RunError::Usage(format!("--table {}: line {line}: {why}", rows.display()))
         };
-        for (n, text) in places.iter().zip(&row) {
+        for ((n, heading), text) in places.iter().zip(headings).zip(table.words(row)) {
             let key = &surrogate.keys()[*n];
-            at[*n] = number(&key.key, text, &key.unit).map_err(|error| named(&error))?;
+            at[*n] = match &heading.unit {
+                Some(unit) => parse_quantity(&format!("{text} {unit}"), &key.unit)
+                    .map_err(|error| named(&error))?,
+                None => number(&key.key, &text, &key.unit).map_err(|error| named(&error))?,
+            };
         }
         let values = surrogate.ask(&at, &mut room).map_err(|refused| named(&refused))?;
         for value in places.iter().map(|n| at[*n]).chain(values.iter().copied()) {
@@ -44,16 +52,31 @@ pub(super) fn answer(surrogate: &Surrogate, rows: &Path) -> Result<(), RunError>
     print(&String::from_utf8_lossy(&text))
 }
 
-fn open(rows: &Path) -> Result<Box<dyn Read>, RunError> {
-    if rows == Path::new("-") {
-        return Ok(Box::new(io::stdin().lock()));
+/// The table of a file, or of standard input.
+fn read(rows: &Path) -> Result<Table, RunError> {
+    let table = if rows == Path::new("-") {
+        let mut bytes = Vec::new();
+        let read = io::stdin().lock().take(MOST_BYTES).read_to_end(&mut bytes);
+        read.map_err(|error| file_failure(rows, &error))?;
+        into_text(bytes)
+            .map_err(TableError::File)
+            .and_then(|text| Table::parse(text, Reading::WORDS))
+    } else {
+        Table::read(rows, MOST_BYTES, Reading::WORDS)
+    };
+    let wrong =
+        |why: &dyn std::fmt::Display| RunError::Usage(format!("--table {}: {why}", rows.display()));
+    let table = table.map_err(|error| wrong(&error))?;
+    match table.headings().unwrap_or_default().iter().all(Heading::is_dotted_key) {
+        true => Ok(table),
+        false => Err(wrong(&"its first line is not a list of keys of a case")),
     }
-    File::open(rows).map(|file| Box::new(file) as _).map_err(|error| file_failure(rows, &error))
 }
 
 /// The key of each column; every key has one.
-fn columns(surrogate: &Surrogate, head: &csv::StringRecord) -> Result<Vec<usize>, RunError> {
-    let places = head.iter().map(|key| place(surrogate, key)).collect::<Result<Vec<_>, _>>()?;
+fn columns(surrogate: &Surrogate, head: &[Heading]) -> Result<Vec<usize>, RunError> {
+    let places = head.iter().map(|one| place(surrogate, &one.name));
+    let places = places.collect::<Result<Vec<_>, _>>()?;
     for (n, key) in surrogate.keys().iter().enumerate() {
         let columns = places.iter().filter(|place| **place == n).count();
         if columns != 1 {

@@ -5,10 +5,14 @@
 //! axis, named `FAMILY/VALUE`, and `{AXIS}` stands for the value in what it sets.
 
 use crate::study::Variant;
-use run::error::{RunError, file_failure};
+use contract::input_file::{self, InputFileError};
+use run::error::{RunError, input_failure};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+/// Larger files are refused [byte].
+const MOST_BYTES: u64 = 1 << 24;
 
 /// A study as its file has it.
 #[derive(Clone, Debug, Deserialize)]
@@ -356,11 +360,11 @@ impl Study {
     /// or refers to what it does not have.
     pub(crate) fn read(path: &Path) -> Result<Self, RunError> {
         let shown = path.display();
-        let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => {
+        let text = input_file::read_text(path, MOST_BYTES).map_err(|error| match error {
+            InputFileError::System(error) if error.kind() == std::io::ErrorKind::NotFound => {
                 RunError::Usage(format!("there is no study {shown}; name one: reproduce STUDY"))
             }
-            _ => file_failure(path, &error),
+            error => input_failure(path, &error),
         })?;
         toml::from_str(&text).map_err(|error| RunError::Usage(format!("{shown}: {error}")))
     }

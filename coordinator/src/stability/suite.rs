@@ -3,11 +3,15 @@
 
 use super::figure::PowerProduct;
 use crate::study::Variant;
+use contract::input_file;
 use run::error::RunError;
 use serde::Deserialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
+
+/// Larger files are refused [byte].
+const MOST_BYTES: u64 = 1 << 24;
 
 /// A suite that has been read.
 #[derive(Clone, Debug)]
@@ -265,7 +269,7 @@ impl Suite {
     /// [`RunError::Usage`] with file and line: the file or a case it names is missing, a key is
     /// unknown, missing or wrong, a name stands twice, or an edge is none of the values.
     pub(crate) fn read(path: &Path) -> Result<Self, RunError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = input_file::read_text(path, MOST_BYTES).map_err(|error| {
             let fix = "name a suite file, or leave it out in the root of the repository";
             RunError::Usage(format!("{}: {error}; {fix}", path.display()))
         })?;

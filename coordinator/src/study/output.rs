@@ -4,12 +4,15 @@ use super::folder::{StudyFolder, says_incomplete};
 use crate::output::print;
 use crate::report;
 use crate::report::page::Page;
+use contract::input_file;
 use contract::text::json;
-use run::error::{RunError, file_failure};
+use run::error::{RunError, input_failure};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::Path;
+
+/// Larger files are refused [byte].
+const MOST_BYTES: u64 = 1 << 30;
 
 /// Plain data that a study keeps in its folder. A key `schema` holds the version of its layout; with
 /// `complete = false` it is of a study that has not finished.
@@ -51,7 +54,7 @@ pub(crate) trait Kept: Serialize + DeserializeOwned {
 /// Those of [`Kept::read`].
 pub(crate) fn read_file<S: Kept>(folder: &Path) -> Result<S, RunError> {
     let path = folder.join(S::FILE);
-    let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+    let text = input_file::read(&path, MOST_BYTES).map_err(|error| input_failure(&path, &error))?;
     let refuse = |why: &dyn std::fmt::Display| {
         let fix = format!("run `coordinator {}` again", S::COMMAND);
         RunError::Usage(format!("{} contains no study: {why}; {fix}", path.display()))
@@ -162,7 +165,7 @@ mod tests {
     fn only_a_study_of_this_version_that_is_done_is_read() {
         let place = tempfile::tempdir().unwrap();
         let read = |text: &str| {
-            fs::write(place.path().join(Some::FILE), text).unwrap();
+            std::fs::write(place.path().join(Some::FILE), text).unwrap();
             Some::read(place.path()).map(|some| some.value).map_err(|error| error.to_string())
         };
         assert_eq!(read(r#"{"schema": 2, "value": 1.5}"#), Ok(1.5));

@@ -2,11 +2,15 @@
 
 use crate::study::axis::{Axis, combination, combinations};
 use clap::Args;
-use run::error::{RunError, file_failure};
+use contract::table::{Reading, Table, TableError};
+use run::error::{RunError, input_failure};
 use serde::{Deserialize, Serialize};
 use std::iter::StepBy;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+
+/// Larger tables are refused [byte].
+const MOST_BYTES: u64 = 1 << 28;
 
 /// The options.
 #[derive(Debug, Args)]
@@ -153,32 +157,50 @@ impl Design {
     }
 }
 
-/// The columns of a table.
+/// The columns of a table: a key in each cell of the first line, perhaps with the unit of the numbers below it.
 fn read(file: &Path) -> Result<Vec<Axis>, RunError> {
     let wrong = |why: String| RunError::Usage(format!("--table {}: {why}", file.display()));
-    let text = std::fs::read(file).map_err(|error| file_failure(file, &error))?;
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_reader(text.as_slice());
-    let head = reader.headers().map_err(|error| wrong(error.to_string()))?.clone();
-    let mut vary: Vec<Axis> =
-        head.iter().map(|key| Axis { key: key.to_owned(), values: Vec::new() }).collect();
-    for row in reader.records() {
-        let row = row.map_err(|error| wrong(error.to_string()))?;
-        for (one, value) in vary.iter_mut().zip(&row) {
-            if value.is_empty() {
-                let line = row.position().map_or(0, csv::Position::line);
-                return Err(wrong(format!("line {line} has no value for `{}`", one.key)));
-            }
-            one.values.push(value.to_owned());
+    let table = Table::read(file, MOST_BYTES, Reading::WORDS).map_err(|error| match error {
+        TableError::File(error) => input_failure(file, &error),
+        error => wrong(error.to_string()),
+    })?;
+    let headings = table.headings().unwrap_or_default();
+    let empty = |place: usize| {
+        let mut rows = 0..table.rows();
+        rows.all(|row| table.words(row).nth(place).is_none_or(|word| word.is_empty()))
+    };
+    let mut vary: Vec<Axis> = Vec::new();
+    for (place, heading) in headings.iter().enumerate() {
+        if heading.name.is_empty() && empty(place) {
+            continue;
         }
-    }
-    if vary.iter().any(|one| one.key.is_empty()) {
-        return Err(wrong("a column has no key in the first line".to_owned()));
-    }
-    if vary.first().is_none_or(|one| one.values.is_empty()) {
-        return Err(wrong("it has no rows below its first line of keys".to_owned()));
+        // Contents of a file that is no such table are not quoted.
+        if !heading.is_dotted_key() {
+            return Err(wrong(format!(
+                "column {} has no key of a case in its first line",
+                place + 1
+            )));
+        }
+        if vary.iter().any(|one| one.key == heading.name) {
+            return Err(wrong(format!("it has two columns `{}`", heading.name)));
+        }
+        let value = |row: usize| {
+            let word = table.words(row).nth(place).unwrap_or_default();
+            let at = |what: String| wrong(format!("line {} {what}", table.line(row)));
+            match &heading.unit {
+                _ if word.is_empty() => Err(at(format!("has no value for `{}`", heading.name))),
+                Some(unit) if word.parse::<f64>().is_ok() => Ok(format!("{word} {unit}")),
+                Some(unit) => {
+                    let name = &heading.name;
+                    Err(at(format!(
+                        "has no number for `{name} [{unit}]`, whose unit is in the first line"
+                    )))
+                }
+                None => Ok(word.into_owned()),
+            }
+        };
+        let values = (0..table.rows()).map(value).collect::<Result<_, _>>()?;
+        vary.push(Axis { key: heading.name.clone(), values });
     }
     Ok(vary)
 }
@@ -263,15 +285,23 @@ mod tests {
             read("motion.speed, load.normal_force\n# two\n20, 60 kN\n30,\"[1, 2]\"\n").unwrap();
         assert_eq!(vary[0].values, ["20", "30"]);
         assert_eq!(vary[1].values, ["60 kN", "[1, 2]"]);
+        let units =
+            read("\u{feff}motion.speed [km/h];load.normal_force;\r\n72,5;60 kN;\r\n").unwrap();
+        assert_eq!(units[0].values, ["72.5 km/h"]);
+        assert_eq!(units[1].values, ["60 kN"]);
         for (text, why) in [
-            ("a,b\n1\n", "with 1 fields"),
-            ("a,b\n1,\n", "line 2 has no value for `b`"),
-            ("a,\n1,2\n", "no key"),
-            ("a,b\n", "no rows"),
+            ("a.x,b.x\n1\n", "1 cells in line 2"),
+            ("a.x,b.x\n1,\n", "line 2 has no value for `b.x`"),
+            ("a.x,\n1,2\n", "column 2 has no key"),
+            ("a.x,a.x\n1,2\n", "two columns `a.x`"),
+            ("a.x [kN]\n60 kN\n", "line 2 has no number for `a.x [kN]`"),
+            ("a.x,b.x\n", "no rows"),
             ("", "no rows"),
         ] {
             let error = read(text).unwrap_err();
             assert!(error.contains(why), "{text}: {error}");
         }
+        let secret = read("root:*:20228:0\ndaemon:*:20228:0\n").unwrap_err();
+        assert!(!secret.contains("20228") && !secret.contains("root"), "{secret}");
     }
 }

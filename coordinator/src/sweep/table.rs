@@ -9,6 +9,7 @@ use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::sync::Arc;
 
@@ -46,13 +47,28 @@ pub(super) fn csv(study: &Study, out: &mut impl Write) -> io::Result<()> {
                 Cells::Numbers(of) => {
                     out.write_field(of(row).map(|value| value.to_string()).unwrap_or_default())?;
                 }
-                Cells::Failed => out.write_field(row.failed.as_deref().unwrap_or_default())?,
-                Cells::Values(key, values) => out.write_field(&values[row.at[*key]])?,
+                Cells::Failed => {
+                    out.write_field(&*inert(row.failed.as_deref().unwrap_or_default()))?;
+                }
+                Cells::Values(key, values) => out.write_field(&*inert(&values[row.at[*key]]))?,
             }
         }
         out.write_record(None::<&[u8]>)?;
     }
     out.flush()
+}
+
+/// A text that no spreadsheet program takes for a formula: one that begins as a formula does, and is no number,
+/// gets an apostrophe before it.
+fn inert(text: &str) -> Cow<'_, str> {
+    let number = || {
+        text.starts_with(['+', '-'])
+            && text[1..].starts_with(|c: char| c.is_ascii_digit() || c == '.')
+    };
+    match text.starts_with(['=', '@', '+', '-', '\t', '\r']) && !number() {
+        true => Cow::Owned(format!("'{text}")),
+        false => Cow::Borrowed(text),
+    }
 }
 
 /// Writes `sweep.parquet`: cells without a value are null, keys whose values are plain numbers are numbers.

@@ -24,6 +24,8 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::model::StepError;
+use proto::table::{Column, headings};
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// What the registry says of it.
@@ -48,7 +50,7 @@ fn keys() -> Vec<KeySpec> {
     vec![
         KeySpec::file(
             TABLE,
-            "lines of a coordinate, rising, and of a factor on the friction coefficient",
+            "table of a coordinate that rises from row to row, `y [m]`, `inclination [rad]` or `way [m]`, and a `factor` on the friction coefficient",
         )
         .required(),
         KeySpec::choice(
@@ -70,14 +72,6 @@ fn keys() -> Vec<KeySpec> {
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
     let path = case.text(TABLE)?;
-    let positive = |[factor]: &[f64; 1]| match *factor > 0.0 {
-        true => Ok(()),
-        false => Err("has no factor above 0".to_owned()),
-    };
-    let table = Curve::read(Path::new(path), true, positive).map_err(|reason| {
-        let fix = "give lines of two numbers, the coordinate rising";
-        Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
-    })?;
     let over = match case.text(OVER)? {
         "inclination" => Over::Inclination,
         "track" => Over::Track,
@@ -92,12 +86,47 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         )),
         (at == At::Patches).then_some(rail_place(AT, "patches with references", "elements")),
     ];
+    let refused = |reason: String| {
+        let fix = format!("give a table of {}", headings(&columns(over)));
+        Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
+    };
+    let positive = |[factor]: &[f64; 1]| match *factor > 0.0 {
+        true => Ok(()),
+        false => Err("has no factor above 0".to_owned()),
+    };
+    let table = Curve::read(Path::new(path), &columns(over), true, positive).map_err(refused)?;
+    let most = largest(over);
+    if let Some(outside) = table.coordinates().find(|at| at.abs() > most) {
+        let unit = &columns(over)[0].unit;
+        return Err(refused(format!(
+            "reaches {outside} {unit}, and {most} {unit} is the most; check the unit"
+        )));
+    }
     let bands = Bands { table, over, at };
     Ok(Terms {
         friction: FrictionLaw::of_factor(bands),
         needs: needs.into_iter().flatten().collect(),
         ..Terms::default()
     })
+}
+
+/// The columns of a table over a coordinate.
+fn columns(over: Over) -> [Column; 2] {
+    let coordinate = match over {
+        Over::Lateral => Column::new(&["y", "lateral"], "m"),
+        Over::Inclination => Column::new(&["inclination"], "rad"),
+        Over::Track => Column::new(&["way", "s"], "m"),
+    };
+    [coordinate, Column::new(&["factor"], "1")]
+}
+
+/// The largest magnitude of a coordinate: no contact is half a metre wide, no surface of a rail turned over.
+fn largest(over: Over) -> f64 {
+    match over {
+        Over::Lateral => 0.5,
+        Over::Inclination => PI,
+        Over::Track => f64::INFINITY,
+    }
 }
 
 /// What only a rail on a track has.

@@ -21,6 +21,7 @@ use crate::terms::{GapTerm, Kind, State, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
+use proto::table::{Reading, Table};
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -43,7 +44,7 @@ pub const EFFECT: Effect = Effect {
 const WAVES: usize = 400;
 /// A length fits into a period if it does so but for this part of itself.
 const WHOLE: f64 = 1e-9;
-/// Larger files are refused.
+/// Larger files are refused [byte].
 const MOST_BYTES: u64 = 1 << 28;
 
 const FILE: &str = "effects.roughness.file";
@@ -60,7 +61,11 @@ const WAVELENGTHS: [&str; 2] = ["effects.roughness.wavelength_x", "effects.rough
 fn keys() -> Vec<KeySpec> {
     const SOURCE: &str = "effects.roughness.source";
     vec![
-        KeySpec::file(FILE, "height map: rows of numbers, a row along x for each y").one_of(SOURCE),
+        KeySpec::file(
+            FILE,
+            "height map: a table of numbers without a header, a row along x for each y",
+        )
+        .one_of(SOURCE),
         KeySpec::quantity(SPACING, "m", "distance between the points of the height map").above(0.0),
         KeySpec::quantity(SCALE, "m", "height of the number 1 in the height map")
             .default_value(1.0)
@@ -132,12 +137,9 @@ fn read(configuration: &Configuration) -> Result<Roughness, Refusal> {
         let wrong = |reason: String| {
             Refusal::new(FILE, format!("`{path}` {reason}"), "give rows of numbers of equal length")
         };
-        let bytes = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?.len();
-        if bytes > MOST_BYTES {
-            return Err(wrong(format!("has {bytes} bytes")));
-        }
-        let text = std::fs::read(Path::new(path)).map_err(|error| wrong(error.to_string()))?;
-        let map = HeightMap::parse(&text, case.number(SPACING)?, case.number(SCALE)?);
+        let table = Table::read(Path::new(path), MOST_BYTES, Reading::NUMBERS);
+        let table = table.map_err(|error| wrong(error.to_string()))?;
+        let map = HeightMap::from_table(&table, case.number(SPACING)?, case.number(SCALE)?);
         return map.map(Roughness::Map).map_err(wrong);
     }
     if let Some(amplitude) = case.maybe_number(AMPLITUDE)? {
@@ -227,35 +229,18 @@ impl GapTerm for Roughness {
 }
 
 impl HeightMap {
-    /// Reads rows of numbers, separated by commas or blanks; `#` begins a comment. The error is what
-    /// is wrong, after the file's name.
-    fn parse(text: &[u8], spacing: f64, scale: f64) -> Result<Self, String> {
-        let text = std::str::from_utf8(text).map_err(|_| "is not text".to_owned())?;
-        let (mut columns, mut heights) = (0, Vec::new());
-        for (line, row) in text.lines().enumerate() {
-            let row = row.split('#').next().unwrap_or_default().trim();
-            if row.is_empty() {
-                continue;
+    /// Takes the numbers of a table without a header.
+    ///
+    /// # Errors
+    /// What is wrong with it, after the file's name.
+    fn from_table(table: &Table, spacing: f64, scale: f64) -> Result<Self, String> {
+        let (columns, mut heights) = table.matrix().map_err(|error| error.to_string())?;
+        heights.iter_mut().for_each(|height| *height *= scale);
+        match heights.iter().position(|height| !height.is_finite()) {
+            Some(at) => {
+                Err(format!("times the scale is not finite in line {}", table.line(at / columns)))
             }
-            let before = heights.len();
-            for word in row.split([',', ';', ' ', '\t']).filter(|word| !word.is_empty()) {
-                match word.parse::<f64>() {
-                    Ok(value) if (value * scale).is_finite() => heights.push(value * scale),
-                    _ => return Err(format!("has {word:?} in line {}", line + 1)),
-                }
-            }
-            let count = heights.len() - before;
-            if columns == 0 {
-                columns = count;
-            }
-            if count != columns {
-                let line = line + 1;
-                return Err(format!("has {count} numbers in line {line}, and {columns} before"));
-            }
-        }
-        match heights.len() {
-            0 => Err("has no numbers".to_owned()),
-            _ => Ok(Self { columns, spacing, heights }),
+            None => Ok(Self { columns, spacing, heights }),
         }
     }
 
@@ -372,23 +357,28 @@ mod tests {
 
     #[test]
     fn a_map_is_bilinear_and_periodic() {
-        let map = HeightMap::parse(b"# heights\n0, 1, 2\n3 4 5\n", 0.5, 2.0).unwrap();
+        let parse = |text: &str, spacing, scale| {
+            let table = Table::parse(text.to_owned(), Reading::NUMBERS);
+            HeightMap::from_table(&table.map_err(|error| error.to_string())?, spacing, scale)
+        };
+        let map = parse("# heights\n0, 1, 2\n3, 4, 5\n", 0.5, 2.0).unwrap();
         assert_eq!(map.height(0.5, 0.0), 2.0);
         assert_eq!(map.height(0.25, 0.25), 4.0);
         assert_eq!(map.height(0.5 + 1.5, 1.0), 2.0);
         assert_eq!(map.height(-0.5, 0.0), 4.0);
-        for (text, part) in [("", "no numbers"), ("1 2\n3", "line 2"), ("1 x", "\"x\" in line 1")] {
-            let error = HeightMap::parse(text.as_bytes(), 1.0, 1.0).unwrap_err();
+        for (text, part) in [("", "no rows"), ("1 2\n3", "line 2"), ("1 x", "column 2 of line 1")] {
+            let error = parse(text, 1.0, 1.0).unwrap_err();
             assert!(error.contains(part), "{error}");
         }
-        assert!(HeightMap::parse(b"1 inf", 1.0, 1.0).is_err());
-        assert!(HeightMap::parse(&[0xff], 1.0, 1.0).is_err());
+        assert!(parse("1 inf", 1.0, 1.0).is_err());
+        assert!(parse("1 1e300", 1.0, 1e300).unwrap_err().contains("not finite"));
     }
 
     proptest! {
         #[test]
-        fn any_bytes_and_any_place(bytes in prop::collection::vec(any::<u8>(), 0..100), x in -1e6f64..1e6) {
-            if let Ok(map) = HeightMap::parse(&bytes, 0.3, 1.0) {
+        fn any_text_and_any_place(text in "[-0-9eE.,; \n]{0,100}", x in -1e6f64..1e6) {
+            let table = Table::parse(text, Reading::NUMBERS);
+            if let Ok(map) = table.map_err(|_| String::new()).and_then(|table| HeightMap::from_table(&table, 0.3, 1.0)) {
                 prop_assert!(map.height(x, -x).is_finite());
             }
         }

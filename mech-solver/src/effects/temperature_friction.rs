@@ -31,6 +31,7 @@ use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::model::StepError;
 use proto::params::Params;
+use proto::table::{Column, headings};
 use std::path::Path;
 
 /// What the registry says of it.
@@ -55,6 +56,19 @@ const BEYOND: &str = "effects.temperature_friction.beyond";
 
 /// The surfaces whose temperatures count.
 const SURFACES: [FieldSpec; 2] = [field::UPPER_TEMPERATURE, field::LOWER_TEMPERATURE];
+/// The columns of a table.
+fn columns() -> [Column; 2] {
+    [
+        Column::new(&["temperature_rise", "rise"], "K")
+            .of_differences()
+            .expected(0.0..=3000.0, "steel melts below"),
+        Column::new(&["friction_coefficient", "f"], "1").expected(
+            0.0..=2.0,
+            "no dry friction of metals is larger; check the order of the columns",
+        ),
+    ]
+}
+
 fn keys() -> Vec<KeySpec> {
     const LAW: &str = "effects.temperature_friction.law";
     vec![
@@ -64,9 +78,9 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(DECAY, "K", "temperature rise at which 1/e of the fall is left")
             .default_value(200.0)
             .above(0.0),
-        KeySpec::file(TABLE, "lines of temperature rise [K] and friction coefficient, rising")
+        KeySpec::table(TABLE, &columns(), "friction over a temperature that rises from row to row")
             .one_of(LAW),
-        KeySpec::choice(BEYOND, &["refuse", "clamp"], "what happens beyond the table")
+        KeySpec::choice(BEYOND, &["refuse", "hold"], "what happens beyond the table")
             .default_value("refuse"),
     ]
 }
@@ -94,13 +108,14 @@ fn read(params: &Params) -> Result<TemperatureLaw, Refusal> {
     let case = CheckedParams::new(params, keys());
     if case.has(TABLE) {
         let path = case.text(TABLE)?;
-        let clamps = case.text(BEYOND)? == "clamp";
-        let curve = Curve::read(Path::new(path), clamps, |[friction]| match *friction > 0.0 {
-            true => Ok(()),
-            false => Err("has no friction coefficient above 0".to_owned()),
-        });
+        let clamps = case.text(BEYOND)? == "hold";
+        let curve =
+            Curve::read(Path::new(path), &columns(), clamps, |[friction]| match *friction > 0.0 {
+                true => Ok(()),
+                false => Err("has no friction coefficient above 0".to_owned()),
+            });
         return curve.map(TemperatureLaw::Table).map_err(|reason| {
-            let fix = "give lines of two numbers, temperature rising";
+            let fix = format!("give a table of {}", headings(&columns()));
             Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
         });
     }
@@ -134,7 +149,7 @@ impl FrictionFactor for TemperatureLaw {
             let friction = self.coefficient(coefficient, temperature).ok_or_else(|| {
                 StepError::NoSolution(format!(
                     "the contact temperature rise of {temperature:.1} K is beyond the table of \
-                     {TABLE}; extend it, or write {BEYOND} = \"clamp\""
+                     {TABLE}; extend it, or write {BEYOND} = \"hold\""
                 ))
             })?;
             *factor = friction / coefficient;
@@ -186,6 +201,7 @@ mod tests {
     use super::*;
     use proto::grid::Structured;
     use proto::model::Inputs;
+    use proto::table::{Reading, Table};
 
     fn state<'a>(inputs: &'a Surfaces, grid: &'a Structured) -> FrictionState<'a> {
         FrictionState {
@@ -208,7 +224,10 @@ mod tests {
     }
 
     fn table(lines: &[u8]) -> TemperatureLaw {
-        TemperatureLaw::Table(Curve::of(lines, false, |_| Ok(())).unwrap())
+        let table = Table::parse(String::from_utf8_lossy(lines).into_owned(), Reading::NUMBERS);
+        TemperatureLaw::Table(
+            Curve::from_table(&table.unwrap(), &columns(), false, |_| Ok(())).unwrap(),
+        )
     }
 
     struct Surfaces(proto::grid::Grid, Vec<f64>);

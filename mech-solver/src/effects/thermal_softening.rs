@@ -15,7 +15,7 @@
 //!
 //! Source: EN 1993-1-2:2005, table 3.1 (reduction factors of carbon steel).
 
-use crate::curve::Curve;
+use crate::curve::{Curve, absolute_temperature};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::softening::{LEAST_SHARE, Softening};
@@ -25,6 +25,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field;
 use proto::figure::{FigureSpec, Style};
+use proto::table::{Column, headings};
 use std::path::Path;
 
 /// What the registry says of it.
@@ -48,11 +49,19 @@ fn path(material: &str) -> String {
     format!("materials.{material}.{TABLE}")
 }
 
+/// The columns of a table.
+fn columns() -> [Column; 3] {
+    [
+        absolute_temperature(),
+        Column::new(&["youngs_modulus_share"], "1"),
+        Column::new(&["yield_stress_share"], "1"),
+    ]
+}
+
 fn keys() -> Vec<KeySpec> {
-    let help = "lines of temperature [K], share of Young's modulus and share of the yield stress, temperature rising";
     vec![
-        KeySpec::file(&path("*"), help),
-        KeySpec::choice(BEYOND, &["refuse", "clamp"], "what happens beyond a table")
+        KeySpec::table(&path("*"), &columns(), "shares that fall as the temperature rises"),
+        KeySpec::choice(BEYOND, &["refuse", "hold"], "what happens beyond a table")
             .default_value("refuse"),
         initial_temperature_key(),
     ]
@@ -71,7 +80,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let case = &configuration.case;
     let names = Bodies::read(case)?;
     let own = CheckedParams::new(case, keys());
-    let clamps = own.text(BEYOND)? == "clamp";
+    let clamps = own.text(BEYOND)? == "hold";
     let mut softening = [None, None];
     for (which, softening) in softening.iter_mut().enumerate() {
         let key = path(case.text(&names.key(which, "material"))?);
@@ -80,11 +89,12 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         }
         let file = own.text(&key)?;
         let refused = |reason: String| {
-            let fix = "give lines of temperature and two shares above 0 and 1 at most, temperature rising";
+            let fix =
+                format!("give a table of {}, shares above 0 and 1 at most", headings(&columns()));
             Refusal::new(&key, format!("`{file}` {reason}"), fix)
         };
         let initial = own.number(&names.key(which, "initial_temperature"))?;
-        let curve = Curve::read(Path::new(file), clamps, |shares| {
+        let curve = Curve::read(Path::new(file), &columns(), clamps, |shares| {
             match shares.iter().all(|share| *share > 0.0 && *share <= 1.0) {
                 true => Ok(()),
                 false => Err("has a share that is not above 0 and 1 at most".to_owned()),

@@ -61,6 +61,11 @@ impl Curve {
         self.y.len()
     }
 
+    /// The points that the curve passes [m].
+    pub(crate) fn passed(&self) -> Vec<[f64; 2]> {
+        self.y.iter().zip(&self.z).map(|(y, z)| [*y, *z]).collect()
+    }
+
     /// Places of the kinks [m].
     pub fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
         self.kinks.iter().map(|at| self.y[*at])

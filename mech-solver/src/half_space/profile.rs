@@ -1,24 +1,21 @@
 //! A measured lateral profile: heights over the lateral coordinate, from a file.
 //!
-//! The file is text with a header that names the columns y and z with their units, then one point a
-//! line with y rising; `#` begins a comment:
+//! The formats are those of [`crate::track::profile`]. Columns of numbers are taken as they stand, y to the left
+//! and z up, in either order of their rows; files of SIMPACK and Miniprof are turned into these axes. Here a
+//! profile is a height over y: one with upright flanks is refused.
 //!
-//! ```text
-//! # rail 3, km 12.4, left
-//! y [mm], z [mm]
-//! -36.0, -4.12
-//! -35.5, -3.87
-//! ```
-//!
-//! y points to the left and z up, as everywhere. Between the points lie natural cubic splines, whose
-//! curvature is continuous, as a contact needs it, and which end at kinks ([`super::curve`]).
+//! Between the points lie natural cubic splines, whose curvature is continuous, as a contact needs it, and which
+//! end at kinks ([`super::curve`]).
 
 use super::curve::Curve;
+use crate::track::profile::orientation::{Body, Heights, oriented};
+use crate::track::profile::{self, Format, columns, miniprof, simpack};
+use proto::input_file::{self, InputFileError};
 use std::path::Path;
 
 /// Fewest points of a profile.
 const FEWEST: usize = 4;
-/// Larger files are refused.
+/// Larger files are refused [byte].
 const MOST_BYTES: u64 = 64 << 20;
 
 /// A lateral profile z(y).
@@ -26,70 +23,64 @@ const MOST_BYTES: u64 = 64 << 20;
 pub struct Profile(Curve);
 
 /// Why a profile cannot be used.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum ProfileError {
     /// The file cannot be read.
-    #[error("cannot be read: {0}")]
-    File(String),
-    /// The header is not `y [unit], z [unit]`.
-    #[error("its header is not two columns `y [mm], z [mm]`, but {0:?}")]
-    Header(String),
-    /// A line is not two finite numbers.
-    #[error("line {line} is not two finite numbers")]
-    Line {
-        /// Number of the line, from 1.
-        line: u64,
-    },
+    #[error(transparent)]
+    File(#[from] InputFileError),
+    /// It is not of its format.
+    #[error(transparent)]
+    Format(#[from] profile::ProfileError),
     /// The lateral coordinates do not rise.
-    #[error("y does not rise at line {line}")]
+    #[error(
+        "is not a height over y: y does not rise at point {point}, y = {y:.4e} m; cut upright flanks off, or use the \
+         model wheel-on-track"
+    )]
     Order {
-        /// Number of the line, from 1.
-        line: u64,
+        /// Number of the point, from 1, in the order of rising y.
+        point: usize,
+        /// Its lateral coordinate [m].
+        y: f64,
     },
     /// Too few points.
-    #[error("it has {0} points, and a spline needs {FEWEST}")]
+    #[error("has {0} points, and a spline needs {FEWEST}")]
     Few(usize),
 }
 
 impl Profile {
-    /// Reads a file, and smooths it by no more than `tolerance` [m] at any point.
+    /// Reads the file of a body, and smooths it by no more than `tolerance` [m] at any point.
     ///
     /// # Errors
     /// The file cannot be read, is too large, or is not a profile.
-    pub fn read(path: &Path, tolerance: f64) -> Result<Self, ProfileError> {
-        let file_error = |error: std::io::Error| ProfileError::File(error.to_string());
-        let bytes = std::fs::metadata(path).map_err(file_error)?.len();
-        if bytes > MOST_BYTES {
-            return Err(ProfileError::File(format!("it has {bytes} bytes")));
-        }
-        Self::parse(&std::fs::read(path).map_err(file_error)?, tolerance)
+    pub fn read(path: &Path, body: Body, tolerance: f64) -> Result<Self, ProfileError> {
+        let text = input_file::read_text(path, MOST_BYTES)?;
+        let points = match Format::of(path) {
+            Format::Columns => columns::points(text)?,
+            Format::Simpack => oriented(simpack::points(&text)?.0, body, Heights::Down, false)?,
+            Format::Miniprof => oriented(miniprof::points(&text)?, body, Heights::Detected, true)?,
+        };
+        Self::through(points, tolerance)
     }
 
-    /// Reads the text of a file, and smooths as [`Profile::read`] does.
+    /// Reads a text of columns, and smooths as [`Profile::read`] does.
     ///
     /// # Errors
     /// It is not a profile.
-    pub fn parse(text: &[u8], tolerance: f64) -> Result<Self, ProfileError> {
-        let text = std::str::from_utf8(text)
-            .map_err(|error| ProfileError::File(format!("is not text: {error}")))?;
-        let lines = text
-            .lines()
-            .zip(1..)
-            .map(|(line, number)| (line.split('#').next().unwrap_or_default().trim(), number));
-        let mut lines = lines.filter(|(line, _)| !line.is_empty());
-        let units = units(lines.next().map_or("", |(line, _)| line))?;
-        let (mut y, mut z) = (Vec::<f64>::new(), Vec::new());
-        for (text, line) in lines {
-            let [at, height] = point(text, units).ok_or(ProfileError::Line { line })?;
-            if y.last().is_some_and(|last| at <= *last) {
-                return Err(ProfileError::Order { line });
-            }
-            y.push(at);
-            z.push(height);
+    pub fn parse(text: &str, tolerance: f64) -> Result<Self, ProfileError> {
+        Self::through(columns::points(text.to_owned())?, tolerance)
+    }
+
+    fn through(mut points: Vec<[f64; 2]>, tolerance: f64) -> Result<Self, ProfileError> {
+        if points.len() < FEWEST {
+            return Err(ProfileError::Few(points.len()));
         }
-        if y.len() < FEWEST {
-            return Err(ProfileError::Few(y.len()));
+        if points[0][0] > points[points.len() - 1][0] {
+            points.reverse();
         }
+        if let Some(at) = points.windows(2).position(|pair| pair[1][0] <= pair[0][0]) {
+            return Err(ProfileError::Order { point: at + 2, y: points[at + 1][0] });
+        }
+        let (y, z) = points.into_iter().map(|[y, z]| (y, z)).unzip();
         Ok(Self(Curve::new(y, z, tolerance)))
     }
 
@@ -118,34 +109,6 @@ impl Profile {
     }
 }
 
-/// Metres in the units of both columns.
-fn units(header: &str) -> Result<[f64; 2], ProfileError> {
-    let unit = |column: Option<&str>, name: &str| {
-        let text = column?.trim().strip_prefix(name)?.trim();
-        match text.strip_prefix('[')?.strip_suffix(']')?.trim() {
-            "m" => Some(1.0),
-            "mm" => Some(1e-3),
-            "um" | "µm" => Some(1e-6),
-            _ => None,
-        }
-    };
-    let mut columns = header.split(',');
-    match (unit(columns.next(), "y"), unit(columns.next(), "z"), columns.next()) {
-        (Some(y), Some(z), None) => Ok([y, z]),
-        _ => Err(ProfileError::Header(header.chars().take(80).collect())),
-    }
-}
-
-/// The two numbers of a line [m].
-fn point(text: &str, units: [f64; 2]) -> Option<[f64; 2]> {
-    let mut columns = text.split(',');
-    let (y, z) = (columns.next()?, columns.next()?);
-    let number = |text: &str| text.trim().parse::<f64>().ok();
-    let point = [number(y)? * units[0], number(z)? * units[1]];
-    let good = columns.next().is_none() && point.iter().all(|value| value.is_finite());
-    good.then_some(point)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,7 +127,7 @@ mod tests {
     fn converges_with_the_fourth_order() {
         let error = |count: usize| {
             let wave = |y: f64| (std::f64::consts::PI * y).sin();
-            let profile = Profile::parse(text(count, wave).as_bytes(), 0.0).unwrap();
+            let profile = Profile::parse(&text(count, wave), 0.0).unwrap();
             let at = |k: usize| (profile.height(k as f64 / 999.0) - wave(k as f64 / 999.0)).abs();
             (0..1000).map(at).fold(0.0, f64::max)
         };
@@ -174,7 +137,7 @@ mod tests {
 
     #[test]
     fn units_and_straight_ends() {
-        let profile = Profile::parse(b"y [mm], z [um]\n-1,-2\n0,0\n1,2\n3,6\n", 0.0).unwrap();
+        let profile = Profile::parse("y [mm], z [um]\n-1,-2\n0,0\n1,2\n3,6\n", 0.0).unwrap();
         assert_eq!(profile.range(), [-1e-3, 3e-3]);
         for y in [-2e-3, 0.5e-3, 5e-3] {
             assert!((profile.height(y) - 2e-3 * y).abs() < 1e-15);
@@ -184,22 +147,39 @@ mod tests {
 
     #[test]
     fn faults_name_the_line() {
-        let fault = |text: &str| Profile::parse(text.as_bytes(), 0.0).unwrap_err();
-        assert!(matches!(fault("y, z\n1,2\n"), ProfileError::Header(_)));
-        assert!(matches!(fault("y [mm], z [inch]\n1,2\n"), ProfileError::Header(_)));
-        assert_eq!(fault("y [m], z [m]\n0,1\n#\n1,x\n"), ProfileError::Line { line: 4 });
-        assert_eq!(fault("y [m], z [m]\n0,1,7\n"), ProfileError::Line { line: 2 });
-        assert_eq!(fault("y [m], z [m]\n0,1\n0,2\n"), ProfileError::Order { line: 3 });
-        assert_eq!(fault("y [m], z [m]\n0,1\n1,NaN\n"), ProfileError::Line { line: 3 });
-        assert_eq!(fault("y [m], z [m]\n0,1\n"), ProfileError::Few(1));
-        assert!(matches!(Profile::read(Path::new("nowhere.csv"), 0.0), Err(ProfileError::File(_))));
+        let fault = |text: &str| Profile::parse(text, 0.0).unwrap_err();
+        let said = |text: &str| fault(text).to_string();
+        assert!(said("y, z\n1,2\n").contains("names no unit of column `y`"));
+        assert!(said("y [mm], z [inch]\n1,2\n").contains("unknown unit `inch`"));
+        assert!(said("y [m], z [m]\n0,1\n#\n1,x\n").contains("column `z` of line 4"));
+        assert!(said("y [m], z [m]\n0,1,7\n").contains("3 cells in line 2"));
+        assert!(said("y [m], z [m]\n0,1\n1,NaN\n").contains("column `z` of line 3"));
+        let order = fault("y [m], z [m]\n0,1\n1,2\n1,3\n2,4\n");
+        assert!(matches!(order, ProfileError::Order { point: 3, .. }), "{order}");
+        assert!(matches!(fault("y [m], z [m]\n0,1\n"), ProfileError::Few(1)));
+        let nowhere = Profile::read(Path::new("nowhere.csv"), Body::Rail, 0.0);
+        assert!(matches!(nowhere, Err(ProfileError::File(_))));
+    }
+
+    /// In every dress that the model wheel-on-track takes.
+    #[test]
+    fn order_header_and_separators_are_free() {
+        let rising = Profile::parse("y [m], z [m]\n0,1\n1,2\n2,1\n3,0\n", 0.0).unwrap();
+        for text in [
+            "z [m]; y [m]\n0; 3\n1; 2\n2; 1\n1,0; 0\n",
+            "\u{feff}y,z\r\nm,m\r\n0,1\r\n1,2\r\n2,1\r\n3,0\r\n",
+            "3000 0\n2000 1000\n1000 2000\n0 1000\n",
+        ] {
+            let text = input_file::into_text(text.as_bytes().to_vec()).unwrap();
+            assert_eq!(Profile::parse(&text, 0.0).unwrap(), rising, "{text}");
+        }
     }
 
     proptest! {
-        /// Whatever the bytes, there is an answer, and a profile that was read is finite.
+        /// Whatever the text, there is an answer.
         #[test]
-        fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-            let _ = Profile::parse(&bytes, 0.0);
+        fn any_text(text in "[-0-9eEyzm.,; \\[\\]\t\n]{0,200}") {
+            let _ = Profile::parse(&text, 0.0);
         }
 
         #[test]
@@ -207,7 +187,7 @@ mod tests {
             let lines: String = values.iter().map(|(y, z)| format!("{y},{z}\n")).collect();
             let text = format!("y [mm], z [mm]\n{lines}");
             for tolerance in [0.0, 1e-3] {
-                if let Ok(profile) = Profile::parse(text.as_bytes(), tolerance) {
+                if let Ok(profile) = Profile::parse(&text, tolerance) {
                     let [first, last] = profile.range();
                     prop_assert!(profile.height(0.5 * (first + last)).is_finite());
                 }

@@ -434,6 +434,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             .chain(too_large)
             .chain(idle)
             .collect(),
+        warnings: case.footprint.gap.iter().flat_map(|gap| gap.warnings(&case.scene)).collect(),
         ..Layout::default()
     }
 }

@@ -141,6 +141,7 @@ fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
         solve_seconds: seconds,
         memory_bytes: bytes as u64,
         remarks: std::iter::once(size).chain(case.remarks.iter().cloned()).collect(),
+        warnings: case.warnings.clone(),
         ..Layout::default()
     }
 }

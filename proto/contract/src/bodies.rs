@@ -19,6 +19,9 @@ pub const POSITIONS: [&str; 2] = ["upper", "lower"];
 pub const UPPER: usize = 0;
 /// Index of the lower body, body 2, in a pair.
 pub const LOWER: usize = 1;
+/// Why an absolute temperature below 100 K is not expected.
+pub const ABSOLUTE: &str = "it is an absolute temperature; \"20 °C\" is 293.15 K";
+
 /// The initial temperature of a body of which the case says none [K].
 pub const INITIAL_TEMPERATURE: f64 = 293.15;
 
@@ -34,7 +37,7 @@ pub fn initial_temperature_key() -> KeySpec {
     let help = "initial temperature, over which temperatures are rises";
     KeySpec::quantity("bodies.*.initial_temperature", "K", help)
         .above(0.0)
-        .expected(100.0..=3000.0, "it is an absolute temperature; \"20 °C\" is 293.15 K")
+        .expected(100.0..=3000.0, ABSOLUTE)
         .default_value(INITIAL_TEMPERATURE)
 }
 

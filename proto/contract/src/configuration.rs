@@ -127,6 +127,9 @@ pub struct Layout {
     /// Remarks for `plan`, one line each: what the model makes of the case.
     #[serde(default)]
     pub remarks: Vec<String>,
+    /// What may not be meant in this case, in the words of a refusal. The case is run, and told so.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<Refusal>,
     /// What the model leaves out in this very case, besides what its description says.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<Simplification>,

@@ -11,6 +11,7 @@ use crate::figure::FigureSpec;
 use crate::grid::{check_dotted, check_name};
 use crate::plausible::Plausible;
 use crate::refusal::Refusal;
+use crate::table::{Column, headings};
 use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -284,6 +285,9 @@ pub struct KeySpec {
     /// What is expected of it; a case is run whose value is otherwise, and told so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible: Option<Plausible>,
+    /// The columns of the table that the key names, see [`crate::table`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub columns: Vec<Column>,
     /// One line for people.
     pub help: String,
 }
@@ -355,6 +359,7 @@ impl KeySpec {
             list: false,
             consumes: BTreeMap::new(),
             plausible: None,
+            columns: Vec::new(),
             help: help.to_owned(),
         }
     }
@@ -400,6 +405,13 @@ impl KeySpec {
     #[must_use]
     pub fn file(path: &str, help: &str) -> Self {
         Self::new(path, KeyKind::File, help)
+    }
+
+    /// A file that holds a table of these columns.
+    #[must_use]
+    pub fn table(path: &str, columns: &[Column], help: &str) -> Self {
+        let help = format!("table of {}: {help}", headings(columns));
+        Self { columns: columns.to_vec(), ..Self::new(path, KeyKind::File, &help) }
     }
 
     /// The name of a table under `table`.
@@ -488,12 +500,7 @@ impl KeySpec {
     /// Expected in this range of magnitudes, and why.
     #[must_use]
     pub fn expected(mut self, range: std::ops::RangeInclusive<f64>, why: &str) -> Self {
-        let (least, most) = (*range.start(), *range.end());
-        self.plausible = Some(Plausible {
-            least: (least > 0.0).then_some(least),
-            most: most.is_finite().then_some(most),
-            why: why.to_owned(),
-        });
+        self.plausible = Some(Plausible::within(range, why));
         self
     }
 

@@ -17,10 +17,13 @@
 //! | [`advice`] | what a participant thinks of effects in a scene |
 //! | [`accuracy`] | what a model says of its errors |
 //! | [`plausible`] | what is expected of a value |
+//! | [`unit`], [`quantity`] | units of measurement; a number with its unit |
+//! | [`input_file`], [`table`] | a file that a user names, read within limits; tables of numbers in one |
+//! | [`suggest`] | the nearest of the words that would have been right |
 //! | [`message`] | the fixed layouts of commands, replies and field headers |
 //! | [`text`] | text from outside: what may reach a terminal or a label |
 //!
-//! It knows no transport, no file and no process.
+//! It knows no transport and no process, and of files only those that a user names.
 
 pub mod accuracy;
 pub mod advice;
@@ -32,13 +35,18 @@ pub mod field;
 pub mod figure;
 pub mod grid;
 pub mod history;
+pub mod input_file;
 pub mod live;
 pub mod message;
 pub mod params;
 pub mod plausible;
+pub mod quantity;
 mod refusal;
 pub mod step;
+pub mod suggest;
+pub mod table;
 pub mod text;
+pub mod unit;
 
 /// Version of the contract. Raised whenever a layout, a command or the meaning of a key changes.
 pub const PROTOCOL_VERSION: u32 = 4;

@@ -17,6 +17,17 @@ pub struct Plausible {
 }
 
 impl Plausible {
+    /// Returns the bounds of a range of magnitudes; 0 and infinity are none.
+    #[must_use]
+    pub fn within(range: std::ops::RangeInclusive<f64>, why: &str) -> Self {
+        let (least, most) = (*range.start(), *range.end());
+        Self {
+            least: (least > 0.0).then_some(least),
+            most: most.is_finite().then_some(most),
+            why: why.to_owned(),
+        }
+    }
+
     /// The bound that a value is beyond, if it is.
     #[must_use]
     pub fn bound_passed(&self, value: f64) -> Option<f64> {

@@ -106,7 +106,7 @@ fn crates_use_only_those_below_them() {
 #[test]
 fn the_contract_is_plain_data() {
     let contract = &manifests()["contract"].code;
-    assert_eq!(contract.iter().collect::<Vec<_>>(), ["serde", "serde_json", "thiserror"]);
+    assert_eq!(contract.iter().collect::<Vec<_>>(), ["serde", "serde_json", "strsim", "thiserror"]);
 }
 
 #[test]

@@ -72,7 +72,7 @@ fn a_table_that_does_not_suit_is_refused() {
         assert_ne!(ended.code, Some(0));
         assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said}");
     };
-    refused("300 1 1\n674 0.5 0.5\n", &["beyond their softening_table", "clamp"]);
+    refused("300 1 1\n674 0.5 0.5\n", &["beyond their softening_table", "hold"]);
     refused(
         "300 0.5 1\n1500 0.6 1\n",
         &["rises with the temperature", "materials.steel.softening_table"],

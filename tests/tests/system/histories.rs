@@ -205,7 +205,7 @@ fn a_sequence_without_any_answer_has_failed() {
     assert_eq!(summary["coupling"]["rows_without_answer"], 2);
 }
 
-/// In a transient case values go in straight lines from row to row, and hold beyond the last.
+/// In a transient case values go in straight lines from row to row, and hold beyond the last if the case says so.
 #[test]
 fn a_transient_case_interpolates() {
     let data = Data::new("t [ms], Q [kN]\n0, 60\n1, 80\n2, 80\n");
@@ -220,6 +220,11 @@ fn a_transient_case_interpolates() {
         &load,
         &time,
     ];
+    let refused = Place::new().run(&case("wheel-rail.toml"), &sets(&set));
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    let told = "the rows are from 0 to 0.002 s, and the run is from 0 to 0.003 s";
+    assert!(refused.stderr.contains(told), "{}", refused.stderr);
+    let set = [&set[..], &["time.beyond=hold"]].concat();
     place.summary(&case("wheel-rail.toml"), &sets(&set));
     let found = rows(&place.out().join("history.csv"), &["end_s", "contact.normal_force_n"]);
     assert_eq!(found.len(), 12);
@@ -239,13 +244,60 @@ fn what_is_wrong_with_a_history_is_told() {
         assert_eq!(ended.code, Some(2), "{}", ended.stderr);
         assert!(ended.stderr.contains(text), "`{text}` is missing in:\n{}", ended.stderr);
     };
-    told(&[&good, "time.mode=sequence"], "-5000 N in row 2 is not above 0 N");
+    told(&[&good, "time.mode=sequence"], "-5000 N in line 3 is not above 0 N");
     let data = Data::new("t [s], Q [kN]\n1, 60\n0, 50\n");
     let (load, time) = (data.column("load.normal_force", "Q"), data.column("time.history", "t"));
     told(&[&load], "a steady case is one instant");
-    told(&[&load, &time, "time.mode=sequence"], "do not rise");
+    told(&[&load, &time, "time.mode=sequence"], "does not rise in column `t` from line 2 to line 3");
     told(&[&data.column("load.normal_force", "q"), "time.mode=sequence"], "did you mean `Q`?");
     told(&[&data.column("mech.resolution", "Q"), "time.mode=sequence"], "reads one number");
     let transient = ["time.mode=transient", "time.window=1 ms", "time.end=2 ms"];
     told(&[&[load.as_str()], &transient[..]].concat(), "time.history");
+}
+
+/// Tables as programs of vehicle dynamics write them give the same run; what is wrong with one is reported once.
+#[test]
+fn tables_of_other_programs_are_read() {
+    let plain = "t [s], v [km/h], Q [kN]\n0, 108, 60\n1, 90, 80.5\n";
+    let others = [
+        "\u{feff}Q;v;state;t\r\nkN;km/h;-;s\r\n60;108;run;0\r\n80,5;90;brake;1\r\n",
+        "t\tstate\tv [m/s]\tQ (kN)\n0\trun\t30,0\t60\n1\tbrake\t25\t80,5\n",
+    ];
+    let history = |text: &str| {
+        let data = Data::new(text);
+        let [time, speed, load] =
+            [("time.history", "t"), ("motion.speed", "v"), ("load.normal_force", "Q")]
+                .map(|(key, name)| data.column(key, name));
+        let set = ["mech.model=hertz-carter", "time.mode=sequence", &time, &speed, &load];
+        let place = Place::new();
+        place.summary(&case("wheel-rail.toml"), &sets(&set));
+        fs::read_to_string(place.out().join("history.csv")).unwrap()
+    };
+    let expected = history(plain);
+    for text in others {
+        assert_eq!(history(text), expected, "{text}");
+    }
+    let broken = Data::new("t,v,Q\n0,30,60\n1,25\n");
+    let set = ["time.mode=sequence", &broken.column("time.history", "t"), &broken.column("motion.speed", "v")]
+        .map(str::to_owned);
+    let set: Vec<&str> = set.iter().map(String::as_str).collect();
+    let ended = Place::new().run(&case("wheel-rail.toml"), &sets(&set));
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    assert_eq!(ended.stderr.matches("2 cells in line 3").count(), 1, "{}", ended.stderr);
+    assert!(ended.stderr.contains("1 error"), "{}", ended.stderr);
+}
+
+/// A unit in the header and another one in the case leave open which of them is meant.
+#[test]
+fn units_of_the_header_and_of_the_case_must_agree() {
+    let data = Data::new("t [s], v [km/h]\n0, 108\n");
+    let speed = |unit: &str| {
+        let column = format!("motion.speed={{file={:?},column=\"v\",unit=\"{unit}\"}}", data.file());
+        Place::new().run(&case("wheel-rail.toml"), &sets(&["time.mode=sequence", "mech.model=hertz-carter", &column]))
+    };
+    assert_eq!(speed("km/h").code, Some(0));
+    let ended = speed("m/s");
+    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
+    let told = "has the unit km/h in the header of column `v`, and the case says m/s";
+    assert!(ended.stderr.contains(told), "{}", ended.stderr);
 }

@@ -116,6 +116,6 @@ fn beyond_the_table() {
     let ended = place.run(&case("falling-friction.toml"), &more);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     assert!(ended.stderr.contains("beyond the table"), "{}", ended.stderr);
-    let clamped = run(&[&table, "effects.temperature_friction.beyond=clamp"]);
+    let clamped = run(&[&table, "effects.temperature_friction.beyond=hold"]);
     assert!((number(&clamped, "/contact/traction_coefficient") - 0.5).abs() < 0.02);
 }

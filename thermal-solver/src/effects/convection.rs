@@ -6,7 +6,7 @@
 use crate::models::names;
 use crate::situation::Situation;
 use proto::advice::Advice;
-use proto::bodies::INITIAL_TEMPERATURE;
+use proto::bodies::{ABSOLUTE, INITIAL_TEMPERATURE};
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
@@ -34,6 +34,7 @@ pub fn spec() -> EffectSpec {
                 .required()
                 .above(0.0),
             KeySpec::quantity(TEMPERATURE, "K", "temperature of the air")
+                .expected(100.0..=3000.0, ABSOLUTE)
                 .default_value(INITIAL_TEMPERATURE)
                 .at_least(0.0),
         ],

@@ -9,10 +9,12 @@ use crate::models::names;
 use crate::scene::Scene;
 use crate::situation::Situation;
 use proto::advice::Advice;
+use proto::bodies::ABSOLUTE;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
 use proto::params::Params;
+use proto::table::{Column, Reading, Table, headings};
 use std::path::Path;
 
 /// Name in the case file.
@@ -20,14 +22,26 @@ pub const NAME: &str = "temperature_material";
 
 const BEYOND: &str = "effects.temperature_material.beyond";
 const TABLE: &str = "thermal_table";
-/// Larger files are refused.
+/// Larger files are refused [byte].
 const MOST_BYTES: u64 = 1 << 24;
+
+/// The columns of a table.
+fn columns() -> [Column; 3] {
+    let absolute =
+        "temperatures are absolute, in K; a header `temperature [°C]` names another unit";
+    [
+        Column::new(&["temperature", "T"], "K").expected(100.0..=3000.0, ABSOLUTE),
+        Column::new(&["conductivity", "lambda"], "W/(m K)")
+            .expected(0.02..=430.0, "from foams to silver; check the order of the columns"),
+        Column::new(&["specific_heat", "c"], "J/(kg K)")
+            .expected(100.0..=1e4, "from lead to water; check the order of the columns"),
+    ]
+}
 
 /// The thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
-    let help = "lines of temperature [K], conductivity [W/(m K)] and specific heat [J/(kg K)], \
-                temperature rising";
+    let help = "properties over a temperature that rises from row to row";
     EffectSpec {
         figures: Vec::new(),
         name: NAME.to_owned(),
@@ -38,8 +52,8 @@ pub fn spec() -> EffectSpec {
         consumes: field_names(&[&field::FRICTION_POWER]),
         provides: Vec::new(),
         keys: vec![
-            KeySpec::file(&format!("materials.*.{TABLE}"), help),
-            KeySpec::choice(BEYOND, &["refuse", "clamp"], "what happens beyond a table")
+            KeySpec::table(&format!("materials.*.{TABLE}"), &columns(), help),
+            KeySpec::choice(BEYOND, &["refuse", "hold"], "what happens beyond a table")
                 .default_value("refuse"),
         ],
     }
@@ -47,7 +61,7 @@ pub fn spec() -> EffectSpec {
 
 /// The points of both bodies' materials, and whether what is beyond them counts as their ends.
 pub fn read(case: &Params, scene: &Scene) -> Result<([Vec<Point>; 2], bool), Refusal> {
-    let clamps = case.has(BEYOND) && case.text(BEYOND)? == "clamp";
+    let clamps = case.has(BEYOND) && case.text(BEYOND)? == "hold";
     let mut points = [Vec::new(), Vec::new()];
     for (body, points) in points.iter_mut().enumerate() {
         let material = case.text(&scene.names.key(body, "material"))?;
@@ -58,12 +72,14 @@ pub fn read(case: &Params, scene: &Scene) -> Result<([Vec<Point>; 2], bool), Ref
         let path = case.text(&key)?;
         let density = scene.materials[body].density;
         let refused = |reason: String| {
-            let fix =
-                "give lines of temperature, conductivity and specific heat, temperature rising";
+            let fix = format!("give a table of {}", headings(&columns()));
             Refusal::new(&key, format!("`{path}` {reason}"), fix)
         };
-        let bytes = read_bytes(Path::new(path)).map_err(refused)?;
-        *points = parse(&bytes, density).map_err(refused)?;
+        let table = Table::read(Path::new(path), MOST_BYTES, Reading::NUMBERS);
+        *points = table
+            .map_err(|error| error.to_string())
+            .and_then(|table| points_of(&table, density))
+            .map_err(refused)?;
         let initial = scene.initial_temperatures[body];
         let (first, last) = (points[0].temperature, points[points.len() - 1].temperature);
         if !clamps && !(first..=last).contains(&initial) {
@@ -75,45 +91,21 @@ pub fn read(case: &Params, scene: &Scene) -> Result<([Vec<Point>; 2], bool), Ref
     Ok((points, clamps))
 }
 
-fn read_bytes(path: &Path) -> Result<String, String> {
-    let length = std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?.len();
-    if length > MOST_BYTES {
-        return Err(format!("has {length} bytes, more than {MOST_BYTES}"));
-    }
-    std::fs::read_to_string(path).map_err(|error| format!("cannot be read: {error}"))
-}
-
-/// The points of a table; empty lines and those that begin with `#` say nothing.
+/// The points of a table.
 ///
 /// # Errors
 /// What is wrong with it, and where.
-pub fn parse(text: &str, density: f64) -> Result<Vec<Point>, String> {
-    let mut points: Vec<Point> = Vec::new();
-    for (number, line) in (1..).zip(text.lines()) {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
+fn points_of(table: &Table, density: f64) -> Result<Vec<Point>, String> {
+    let found = table.columns(&columns()).map_err(|error| error.to_string())?;
+    table.check_rising("temperature", &found[0], false).map_err(|error| error.to_string())?;
+    let point = |row: usize| {
+        let [temperature, conductivity, specific_heat] = [0, 1, 2].map(|k: usize| found[k][row]);
+        if ![temperature, conductivity, specific_heat].into_iter().all(|value| value > 0.0) {
+            return Err(format!("has a number in line {} that is not positive", table.line(row)));
         }
-        let words = line.split([',', ';', ' ', '\t']).filter(|word| !word.is_empty());
-        let numbers: Result<Vec<f64>, _> = words.map(str::parse).collect();
-        let Ok([temperature, conductivity, specific_heat]) =
-            numbers.unwrap_or_default().try_into().map(|three: [f64; 3]| three)
-        else {
-            return Err(format!("has no three numbers in line {number}"));
-        };
-        let positive = |value: f64| value.is_finite() && value > 0.0;
-        if ![temperature, conductivity, specific_heat].into_iter().all(positive) {
-            return Err(format!("has a number in line {number} that is not positive"));
-        }
-        if points.last().is_some_and(|last| last.temperature >= temperature) {
-            return Err(format!("does not rise in temperature in line {number}"));
-        }
-        points.push(Point { temperature, conductivity, capacity: density * specific_heat });
-    }
-    if points.is_empty() {
-        return Err("has no line".to_owned());
-    }
-    Ok(points)
+        Ok(Point { temperature, conductivity, capacity: density * specific_heat })
+    };
+    (0..table.rows()).map(point).collect()
 }
 
 /// Relative rise of the effusivity of carbon steel with the temperature, from 20 to 400 °C [1/K].
@@ -134,15 +126,24 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn points(text: &str, density: f64) -> Result<Vec<Point>, String> {
+        let table =
+            Table::parse(text.to_owned(), Reading::NUMBERS).map_err(|error| error.to_string())?;
+        points_of(&table, density)
+    }
+
     #[test]
-    fn tables_are_read_line_by_line() {
-        let points = parse("# T, lambda, c\n293, 50, 420\n\n800; 35 600\n", 2.0).unwrap();
-        assert_eq!(points.len(), 2);
-        assert_eq!((points[1].conductivity, points[1].capacity), (35.0, 1200.0));
-        let wrong = |text: &str| parse(text, 1.0).unwrap_err();
-        assert_eq!(wrong(""), "has no line");
-        assert_eq!(wrong("293 50"), "has no three numbers in line 1");
-        assert_eq!(wrong("293 50 4\n293 50 4"), "does not rise in temperature in line 2");
+    fn tables_are_read_by_their_header_or_in_order() {
+        let read = points("# T, lambda, c\n293; 50; 420\n\n800; 35; 600\n", 2.0).unwrap();
+        assert_eq!(read.len(), 2);
+        assert_eq!((read[1].conductivity, read[1].capacity), (35.0, 1200.0));
+        let named = points("c [kJ/(kg K)], lambda, T [°C]\n0.42, 50, 20\n", 2.0).unwrap();
+        assert_eq!((named[0].temperature, named[0].conductivity), (293.15, 50.0));
+        assert_eq!(named[0].capacity, 840.0);
+        let wrong = |text: &str| points(text, 1.0).unwrap_err();
+        assert_eq!(wrong(""), "has no rows");
+        assert!(wrong("293 50").contains("2 columns and no header"));
+        assert!(wrong("293 50 4\n293 50 4").contains("from line 1 to line 2"));
         assert_eq!(wrong("293 -50 4"), "has a number in line 1 that is not positive");
     }
 
@@ -150,7 +151,7 @@ mod tests {
         /// Any text is read or refused.
         #[test]
         fn any_text_is_read_or_refused(text in "[-0-9eEinfa.,; #\n]{0,200}") {
-            if let Ok(points) = parse(&text, 7850.0) {
+            if let Ok(points) = points(&text, 7850.0) {
                 prop_assert!(points.windows(2).all(|pair| pair[0].temperature < pair[1].temperature));
                 prop_assert!(points.iter().all(|point| point.capacity > 0.0));
             }

@@ -63,7 +63,7 @@ impl Nature {
         }
         Err(StepError::NoSolution(format!(
             "{beyond:.1} K is beyond the table of properties, which is from {} to {} K; extend it, or write \
-             effects.temperature_material.beyond = \"clamp\"",
+             effects.temperature_material.beyond = \"hold\"",
             first.temperature, last.temperature
         )))
     }

@@ -1,14 +1,18 @@
 //! What a recording says is the same on every machine: files that the case names travel with it,
 //! and no path does.
 
-use crate::error::{RunError, file_failure};
+use crate::error::{RunError, input_failure};
 use crate::plan::Plan;
 use contract::description::{Description, KeyKind};
+use contract::input_file;
 use contract::message::StateFile;
 use proto::recording::{CaseFile, FILES};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+
+/// Larger files are refused [byte].
+const MOST_BYTES: u64 = 4 << 30;
 
 /// The files that a plan's configurations name, with their contents.
 ///
@@ -22,7 +26,8 @@ pub fn case_files(plan: &Plan) -> Result<Vec<(CaseFile, Vec<u8>)>, RunError> {
         named.extend(named_files(&participant.description, &case));
     }
     let read = |(key, path): (String, PathBuf)| {
-        let content = std::fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+        let content =
+            input_file::read(&path, MOST_BYTES).map_err(|error| input_failure(&path, &error))?;
         Ok((CaseFile { attachment: attachment_name(&key), key }, content))
     };
     named.into_iter().map(read).collect()

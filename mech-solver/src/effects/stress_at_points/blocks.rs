@@ -5,6 +5,7 @@ use proto::bodies::{Bodies, LOWER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::{Places, Structured, check_name};
+use proto::table::{Column, Reading, Table, headings};
 use std::path::Path;
 
 /// Where the blocks stand in a case.
@@ -13,17 +14,21 @@ const TABLE: &str = "effects.stress_at_points";
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// More points than this are refused: their fields have 18 values each.
 const MOST_POINTS: usize = 1 << 23;
-/// Larger files are refused.
+/// Larger files are refused [byte].
 const MOST_BYTES: u64 = 1 << 30;
+
+/// The columns of a table of points.
+fn columns() -> [Column; 3] {
+    AXES.map(|axis| {
+        Column::new(&[axis], "m").expected(0.0..=1.0, "contacts are smaller; check the unit")
+    })
+}
 
 pub(super) fn keys() -> Vec<KeySpec> {
     let key = |name: &str| format!("{TABLE}.*.{name}");
     let mut keys = vec![
         KeySpec::text(&key("body"), "name of the body that the points of the block are in"),
-        KeySpec::file(
-            &key("file"),
-            "lines of x, y and z [m], in the place of x, y and z; a first line may name them",
-        ),
+        KeySpec::table(&key("file"), &columns(), "points, in the place of x, y and z"),
     ];
     for (axis, others) in
         AXES.into_iter().zip(["centres of all columns", "centres of all rows", ""])
@@ -134,7 +139,7 @@ fn block(name: &str, case: &CheckedParams<'_>, names: &Bodies) -> Result<Asked, 
             return Err(Refusal::new(&key(axis), reason, format!("remove it, or {file}")));
         }
         let path = case.text(&file)?;
-        let fix = format!("give lines of three numbers, {} in `{called}`", side(body));
+        let fix = format!("give a table of {}, {} in `{called}`", headings(&columns()), side(body));
         let points = from_file(Path::new(path), body)
             .map_err(|reason| Refusal::new(&file, format!("`{path}` {reason}"), fix))?;
         return Ok(Asked { name: name.to_owned(), body, points: AskedPoints::List(points) });
@@ -201,38 +206,23 @@ fn rising(key: &str, mut values: Vec<f64>) -> Result<Vec<f64>, Refusal> {
     }
 }
 
-/// Points of a file of lines of x, y and z; `#` begins a comment, and a first line may name the columns.
+/// Points of a table in a file.
 fn from_file(path: &Path, body: usize) -> Result<Vec<[f64; 3]>, String> {
-    let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-    if bytes > MOST_BYTES {
-        return Err(format!("has {bytes} bytes"));
-    }
-    parse(&std::fs::read_to_string(path).map_err(|error| error.to_string())?, body)
+    let table = Table::read(path, MOST_BYTES, Reading::NUMBERS);
+    points_of(&table.map_err(|error| error.to_string())?, body)
 }
 
-fn parse(text: &str, body: usize) -> Result<Vec<[f64; 3]>, String> {
-    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
-    let mut lines = lines.zip(1..).filter(|(line, _)| !line.is_empty()).peekable();
-    let letters = |line: &str| line.starts_with(|c: char| c.is_ascii_alphabetic() || c == '"');
-    lines.next_if(|(line, _)| letters(line));
-    let mut points = Vec::new();
-    for (line, number) in lines {
-        let words = line.split([',', ';', ' ', '\t']).filter(|word| !word.is_empty());
-        let values: Option<Vec<f64>> =
-            words.map(|word| word.parse().ok().filter(|value: &f64| value.is_finite())).collect();
-        let point = values.and_then(|values| <[f64; 3]>::try_from(values).ok());
-        let Some(point) = point else {
-            return Err(format!("is not three numbers in line {number}"));
-        };
-        if !inside(point[2], body) {
-            return Err(format!(
-                "has a point outside of the body, z = {} m, in line {number}",
-                point[2]
-            ));
+fn points_of(table: &Table, body: usize) -> Result<Vec<[f64; 3]>, String> {
+    let found = table.columns(&columns()).map_err(|error| error.to_string())?;
+    let point = |row: usize| {
+        let point = [0, 1, 2].map(|axis: usize| found[axis][row]);
+        let (z, line) = (point[2], table.line(row));
+        match inside(z, body) {
+            true => Ok(point),
+            false => Err(format!("has a point outside of the body, z = {z} m, in line {line}")),
         }
-        points.push(point);
-    }
-    if points.is_empty() { Err("has no point".to_owned()) } else { Ok(points) }
+    };
+    (0..table.rows()).map(point).collect()
 }
 
 #[cfg(test)]
@@ -242,13 +232,21 @@ mod tests {
 
     #[test]
     fn points_of_a_file() {
-        let text = "x [m], y [m], z [m]\n0, 1e-3, -2e-3 # first\n\n 1\t2  -3\n";
-        assert_eq!(parse(text, LOWER), Ok(vec![[0.0, 1e-3, -2e-3], [1.0, 2.0, -3.0]]));
+        let parse = |text: &str, body| {
+            let table = Table::parse(text.to_owned(), Reading::NUMBERS);
+            points_of(&table.map_err(|error| error.to_string())?, body)
+        };
+        let expected = Ok(vec![[0.0, 1e-3, -2e-3], [1.0, 2.0, -3.0]]);
+        let text = "x [m], y [m], z [m]\n0, 1e-3, -2e-3 # first\n\n 1, 2, -3\n";
+        assert_eq!(parse(text, LOWER), expected);
+        // Units and the order of the columns are those of the header.
+        assert_eq!(parse("z [mm]; y [mm]; x [m]\n-2; 1; 0\n-3000; 2000; 1\n", LOWER), expected);
         let wrong = |text: &str, body| parse(text, body).unwrap_err();
         assert!(wrong(text, UPPER).contains("z = -0.002 m, in line 2"));
-        assert!(wrong("1, 2\n", LOWER).contains("line 1"));
-        assert!(wrong("1 2 -3\nx y z\n", LOWER).contains("line 2"));
-        assert!(wrong("1 2 nan\n", LOWER).contains("line 1"));
-        assert!(wrong("x, y, z\n", LOWER).contains("no point"));
+        assert!(wrong("1, 2\n", LOWER).contains("2 columns"));
+        assert!(wrong("1 2 -3\nx y z\n", LOWER).contains("column 1 of line 2"));
+        assert!(wrong("1 2 nan\n", LOWER).contains("column 3 of line 1"));
+        assert!(wrong("x, y, z\n", LOWER).contains("no rows"));
+        assert!(wrong("x [s], y [mm], z [mm]\n1,2,-3\n", LOWER).contains("column `x` of line 1"));
     }
 }

@@ -9,9 +9,11 @@
 use crate::half_space::curve::Curve;
 use crate::half_space::extent::Fitted;
 use crate::half_space::patches::patches;
-use crate::half_space::profile::Profile;
+use crate::half_space::profile::{Profile, ProfileError};
 use crate::keys::CheckedParams;
+use crate::noise;
 use crate::scene::Scene;
+use crate::track::profile::orientation::Body;
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
@@ -37,7 +39,7 @@ pub(in crate::models) fn keys() -> Vec<KeySpec> {
     vec![
         KeySpec::file(
             &of(PROFILE),
-            "measured lateral profile of the body as it stands: y and z, z up",
+            "measured lateral profile of the body: a table of `y [mm]` and `z [mm]` as it stands, y to the left and z up, or a file of SIMPACK (.prw, .prr) or Miniprof (.whl, .ban)",
         ),
         KeySpec::quantity(&of(TOLERANCE), "m", smoothing).at_least(0.0),
         KeySpec::quantity(&of(LATERAL_SHIFT), "m", "lateral shift of a measured body, to the left")
@@ -96,7 +98,8 @@ impl Side {
         let scene_body = &scene.bodies[body];
         let up = if body == UPPER { 1.0 } else { -1.0 };
         let (profile, shift) = (key(PROFILE), case.number(&key(LATERAL_SHIFT))?);
-        let shape = match measured(case, &profile, &key(TOLERANCE))? {
+        let of = if body == UPPER { Body::Wheel } else { Body::Rail };
+        let shape = match measured(case, &profile, &key(TOLERANCE), of)? {
             Some(_) if scene_body.radius_y.is_finite() => {
                 let reason = format!("excludes `{}`", key("radius_y"));
                 return Err(Refusal::new(&profile, reason, "keep one of them"));
@@ -139,6 +142,7 @@ fn measured(
     case: &CheckedParams<'_>,
     key: &str,
     tolerance: &str,
+    body: Body,
 ) -> Result<Option<Profile>, Refusal> {
     let within = case.maybe_number(tolerance)?;
     if !case.has(key) {
@@ -152,11 +156,11 @@ fn measured(
         };
     }
     let path = case.text(key)?;
-    let wrong = |error| {
-        let fix = "see docs/theory/half-space.md for the format";
-        Refusal::new(key, format!("`{path}`: {error}"), fix)
+    let wrong = |error: ProfileError| {
+        let fix = "give a table of `y [mm]` and `z [mm]`, or a file of SIMPACK or Miniprof; docs/how-to/use-a-table.md has the format";
+        Refusal::new(key, format!("`{path}` {error}"), fix)
     };
-    Profile::read(Path::new(path), within.unwrap_or(0.0)).map(Some).map_err(wrong)
+    Profile::read(Path::new(path), body, within.unwrap_or(0.0)).map(Some).map_err(wrong)
 }
 
 /// The undeformed distance.
@@ -313,6 +317,19 @@ impl Gap {
             ));
         }
         remarks
+    }
+
+    /// Warnings of profiles whose noise the pressure shows.
+    pub(in crate::models) fn warnings(&self, scene: &Scene) -> Vec<Refusal> {
+        let modulus = scene.contact_compliance().recip();
+        let of = |(body, side): (usize, &Side)| match &side.shape {
+            Shape::Curvature(_) => None,
+            Shape::Profile(profile) => {
+                let tolerance = scene.names.key(body, TOLERANCE);
+                noise::warning(&side.key, &tolerance, &profile.curve().passed(), modulus)
+            }
+        };
+        self.sides.iter().enumerate().filter_map(of).collect()
     }
 
     /// Refuses a contact that is steep anywhere.

@@ -9,6 +9,7 @@ use super::keys::{
 use super::shape::surface;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
+use crate::noise;
 use crate::resolution::RESOLUTION;
 use crate::scene::{Material, SPEED, body_keys};
 use crate::simplified::flexibility::{self, Kind};
@@ -46,6 +47,8 @@ pub(super) struct Case {
     wheelset: Wheelset,
     pub(super) settings: Settings,
     pub(super) remarks: Vec<String>,
+    /// Warnings of the profiles.
+    pub(super) warnings: Vec<Refusal>,
 }
 
 /// What a window prescribes.
@@ -116,6 +119,12 @@ impl Case {
         let mut surface =
             |body: usize, of| surface(&case, &names, (body, of), nominal_radius, &mut remarks);
         let surfaces = [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?];
+        let modulus = (upper.compliance() + lower.compliance()).recip();
+        let noisy = |(body, surface): (usize, &Surface)| {
+            let [profile, tolerance] = ["profile", "profile_tolerance"].map(|name| names.key(body, name));
+            noise::warning(&profile, &tolerance, surface.constant()?.points(), modulus)
+        };
+        let warnings = [UPPER, LOWER].into_iter().zip(&surfaces).filter_map(noisy).collect();
         refuse_approximate(&settings, &surfaces)?;
         refuse_rough(&settings, &terms)?;
         if case.text(PATCH_SURFACE)? == "curved" {
@@ -135,6 +144,7 @@ impl Case {
             },
             settings,
             remarks,
+            warnings,
         })
     }
 

@@ -44,10 +44,20 @@ pub(super) fn keys() -> Vec<KeySpec> {
     [shape::keys(), track(), wheelset(), load(), elements()].concat()
 }
 
+/// Largest shift [m], turn [rad] or rate of these that is expected of a body on a track.
+fn of_unit(unit: &str) -> f64 {
+    match unit {
+        "m" => 0.1,
+        "1" => 0.2,
+        _ => 10.0,
+    }
+}
+
 fn track() -> Vec<KeySpec> {
     let deviation = |name: &str, unit: &str, help: &str| {
         KeySpec::quantity(&format!("track.deviation.{name}"), unit, help)
             .default_value(0.0)
+            .expected(0.0..=of_unit(unit), "a rail off its place by more is broken; check the unit")
             .varies()
     };
     vec![
@@ -56,14 +66,17 @@ fn track() -> Vec<KeySpec> {
             .default_value(1.435)
             .above(0.0),
         KeySpec::quantity(GAUGE_HEIGHT, "m", "how far below the top of the rail it is measured")
+            .expected(1e-3..=0.05, "from 10 to 16 mm on railways; check the unit")
             .default_value(0.014)
             .above(0.0),
         KeySpec::number(
             CANT,
             "inclination of the rails to the middle of the track [rad], 0.05 for 1:20; 0 if profiles are measured inclined",
         )
+        .expected(0.0..=0.2, "rails are inclined by 1:40 to 1:20; check the unit, which is rad")
         .default_value(0.0),
         KeySpec::quantity(CURVATURE, "1/m", "curvature of the line, positive to the left")
+            .expected(1e-6..=0.1, "the tightest curves of trams have 15 m; this is 1/R, not R")
             .default_value(0.0),
         deviation("y", "m", "shift of the rail off its place, to the left"),
         deviation("z", "m", "the same, up"),
@@ -78,10 +91,15 @@ fn wheelset() -> Vec<KeySpec> {
     let varying = |name: &str, unit: &str, help: &str| {
         KeySpec::quantity(&format!("wheelset.{name}"), unit, help).default_value(0.0).varies()
     };
+    let small = |name: &str, unit: &str, help: &str| {
+        let why = "a wheelset on the track is nearer to its place; check the unit";
+        varying(name, unit, help).expected(0.0..=of_unit(unit), why)
+    };
     vec![
         KeySpec::choice(SIDE, &["left", "right", "both"], "which wheel and rail, or both")
             .default_value("left"),
         KeySpec::quantity(FLANGE_BACK_DISTANCE, "m", "distance of the flange backs of the wheels")
+            .expected(0.4..=3.0, "somewhat less than the gauge; check the unit")
             .default_value(1.36)
             .above(0.0),
         KeySpec::quantity(
@@ -104,13 +122,13 @@ fn wheelset() -> Vec<KeySpec> {
             "1",
             "angle by which the wheelset has turned, rolling forward [rad], which matters for wheels that are not round",
         ),
-        varying("y", "m", "shift of the wheelset to the left"),
-        varying("roll", "1", "roll, from y to z [rad]; of both wheels under an axle load it is found"),
-        varying("yaw", "1", "yaw, from x to y [rad]"),
-        varying("lateral_velocity", "m/s", "velocity to the left"),
-        varying("vertical_velocity", "m/s", "velocity up"),
-        varying("roll_rate", "1/s", "rate of roll [rad/s]"),
-        varying("yaw_rate", "1/s", "rate of yaw [rad/s]"),
+        small("y", "m", "shift of the wheelset to the left"),
+        small("roll", "1", "roll, from y to z [rad]; of both wheels under an axle load it is found"),
+        small("yaw", "1", "yaw, from x to y [rad]"),
+        small("lateral_velocity", "m/s", "velocity to the left"),
+        small("vertical_velocity", "m/s", "velocity up"),
+        small("roll_rate", "1/s", "rate of roll [rad/s]"),
+        small("yaw_rate", "1/s", "rate of yaw [rad/s]"),
         KeySpec::quantity(
             ANGULAR_VELOCITY,
             "1/s",

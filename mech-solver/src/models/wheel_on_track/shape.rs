@@ -10,11 +10,12 @@ use crate::track::surface::Surface;
 use proto::bodies::Bodies;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
+use proto::input_file;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// Larger files are refused.
+/// Larger files are refused [byte].
 const MOST_BYTES: u64 = 64 << 20;
 
 /// Forms of irregularities.
@@ -31,8 +32,8 @@ pub(super) fn keys() -> Vec<KeySpec> {
     vec![
         KeySpec::file(
             "bodies.*.profile",
-            "profile of the wheel or the rail: .prw, .prr, Miniprof, or columns of y to the field side and z; or several at \
-             positions, of a body that varies: .slcw, .slcs, or .slices with lines of a position and a profile",
+            "profile of the wheel or the rail: .prw, .prr, Miniprof, or a table of `y [mm]`, to the field side, and `z [mm]`; or several at \
+             positions, of a body that varies: .slcw, .slcs, or .slices with a table of `position [m]` and `profile`",
         )
         .required(),
         KeySpec::quantity("bodies.*.profile_tolerance", "m", smoothing).at_least(0.0),
@@ -88,7 +89,11 @@ pub(super) fn surface(
     };
     let refused = |reason: String| {
         let reason = format!("{} {reason}", path.display());
-        Refusal::new(&key, reason, "give the profile of a wheel or a rail, in one of its formats")
+        Refusal::new(
+            &key,
+            reason,
+            "give the profile of a wheel or a rail, in one of its formats; docs/how-to/use-a-table.md has them",
+        )
     };
     let name = &names.0[body];
     let surface = match SliceFormat::of(path) {
@@ -150,11 +155,7 @@ fn described(outline: &Outline) -> String {
 
 /// The bytes of a file.
 fn bytes(path: &Path) -> Result<Vec<u8>, String> {
-    let bytes = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-    if bytes > MOST_BYTES {
-        return Err(format!("has {bytes} bytes, and no profile has"));
-    }
-    std::fs::read(path).map_err(|error| error.to_string())
+    input_file::read(path, MOST_BYTES).map_err(|error| error.to_string())
 }
 
 /// How the files of a body are taken.

@@ -6,8 +6,11 @@ use crate::track::outline::OutlineError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ProfileError {
     /// It is not text.
-    #[error("is not text: byte {0} is not UTF-8; save it as text")]
-    NotText(usize),
+    #[error("{0}")]
+    NotText(String),
+    /// It is not a table of points.
+    #[error("{0}")]
+    Table(String),
     /// A line is not what it should be.
     #[error("line {line} {what}")]
     Line {

@@ -66,10 +66,10 @@ impl Reading {
 pub fn read(text: &[u8], reading: &Reading) -> Result<Outline, ProfileError> {
     let text = decoded(text)?;
     let points = match reading.format {
-        Format::Miniprof => miniprof::points(text)?,
+        Format::Miniprof => miniprof::points(&text)?,
         Format::Columns => columns::points(text)?,
         Format::Simpack => {
-            let (points, is_wheel) = simpack::points(text)?;
+            let (points, is_wheel) = simpack::points(&text)?;
             match (reading.body, is_wheel) {
                 (Body::Rail, Some(true)) => return Err(ProfileError::OtherBody("wheel")),
                 (Body::Wheel, Some(false)) => return Err(ProfileError::OtherBody("rail")),

@@ -1,7 +1,7 @@
 //! Files that name profiles at positions: CONTACT's slices, `.slcs` of rails and `.slcw` of wheels, and columns, `.slices`.
 //!
-//! **Columns** are lines of a position and the name of a profile, from its folder, near which the surface is; positions are in m along the track or in rad
-//! round the wheel, or in the units of a header:
+//! **Columns** are a table ([`proto::table`]) of positions and names of profiles, from its folder, near which the surface is; positions are in m along the
+//! track or in rad round the wheel, or in the unit of a header:
 //!
 //! ```text
 //! position [mm], profile
@@ -22,6 +22,8 @@ use super::error::ProfileError;
 use super::orientation::Body;
 use super::text::{decoded, lines};
 use crate::track::slices::Along;
+use proto::table::{Column, Reading, Table, TableError};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Most slices of a file.
@@ -84,52 +86,27 @@ pub fn read_slices(
 ) -> Result<SliceList, ProfileError> {
     let text = decoded(text)?;
     match format {
-        SliceFormat::Contact => Groups { lines: lines(text, &['!', '%']), line: 0 }.list(body),
+        SliceFormat::Contact => Groups { lines: lines(&text, &['!', '%']), line: 0 }.list(body),
         SliceFormat::Columns => columns(text, body),
     }
 }
 
-/// Lines of a position and a name.
-fn columns(text: &str, body: Body) -> Result<SliceList, ProfileError> {
-    let (mut unit, mut slices) = (1.0, Vec::new());
-    for (at, (line, content)) in lines(text, &['#']).enumerate() {
-        if at == 0 && content.contains('[') {
-            unit = header(line, content, body)?;
-            continue;
-        }
-        let (position, name) =
-            content.split_once(|c: char| c.is_whitespace() || matches!(c, ',' | ';')).ok_or_else(
-                || ProfileError::line(line, "is not a position and the name of a profile"),
-            )?;
-        let at = unit * parsed(line, position)?;
-        let name = name.trim_start_matches([',', ';', ' ', '\t']).trim_matches(['"', '\'']);
-        slices.push(named(line, at, name)?);
-        if slices.len() > MOST_SLICES {
-            return Err(many(line));
-        }
+/// Rows of a position and a name.
+fn columns(text: String, body: Body) -> Result<SliceList, ProfileError> {
+    let wrong = |error: TableError| ProfileError::Table(error.to_string());
+    let table = Table::parse(text, Reading::NUMBERS).map_err(wrong)?;
+    let unit = if body == Body::Rail { "m" } else { "rad" };
+    let columns = [Column::new(&["position"], unit), Column::new(&["profile"], "1")];
+    let names = table.words_of(&columns, 1).map_err(wrong)?;
+    let positions = table.numbers_of(&columns, 0).map_err(wrong)?;
+    if table.rows() > MOST_SLICES {
+        return Err(many(table.line(MOST_SLICES)));
     }
-    Ok(SliceList { slices, along: Along::Near })
-}
-
-/// Metres or radians in the unit of a header.
-fn header(line: usize, content: &str, body: Body) -> Result<f64, ProfileError> {
-    let unit = content.split_once('[').and_then(|(_, rest)| rest.split(']').next());
-    match (unit.unwrap_or_default().trim(), body) {
-        ("m", Body::Rail) | ("rad", Body::Wheel) => Ok(1.0),
-        ("mm", Body::Rail) => Ok(1e-3),
-        ("deg", Body::Wheel) => Ok(1.0_f64.to_radians()),
-        (unit, Body::Rail) => {
-            let what =
-                format!("has `[{unit}]` for the unit of positions, which is m or mm along a rail");
-            Err(ProfileError::line(line, what))
-        }
-        (unit, Body::Wheel) => {
-            let what = format!(
-                "has `[{unit}]` for the unit of positions, which is rad or deg round a wheel"
-            );
-            Err(ProfileError::line(line, what))
-        }
-    }
+    let slice = |(row, (at, name)): (usize, (&f64, &Cow<'_, str>))| {
+        named(table.line(row), *at, name.trim_matches('\''))
+    };
+    let slices = positions.iter().zip(&names).enumerate().map(slice);
+    Ok(SliceList { slices: slices.collect::<Result<_, _>>()?, along: Along::Near })
 }
 
 /// A profile without features.
@@ -148,8 +125,7 @@ fn many(line: usize) -> ProfileError {
 /// A finite number; Fortran's exponents are known.
 fn parsed(line: usize, text: &str) -> Result<f64, ProfileError> {
     let number = text.replace(['d', 'D'], "e").parse::<f64>().ok().filter(|n| n.is_finite());
-    number
-        .ok_or_else(|| ProfileError::line(line, format!("has {text:?} where a number is expected")))
+    number.ok_or_else(|| ProfileError::line(line, "has no number where one is expected"))
 }
 
 /// Groups of values, each of which begins on a line of its own.
@@ -262,10 +238,8 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
         match way {
             "1" => Ok(Along::Through),
             "2" => Ok(Along::Near),
-            other => {
-                let what = format!(
-                    "has the interpolation {other:?}; it is 1, through the slices, or 2, near them"
-                );
+            _ => {
+                let what = "has another interpolation than 1, through the slices, or 2, near them";
                 Err(ProfileError::line(line, what))
             }
         }
@@ -320,15 +294,18 @@ mod tests {
     #[test]
     fn columns_name_profiles_at_positions() {
         let of = |text: &str, body| read_slices(text.as_bytes(), SliceFormat::Columns, body);
-        let list = of("# worn\nposition [mm], profile\n0, new.csv\n400; worn 2.csv\n", Body::Rail)
+        let list = of("# worn\nposition [mm], profile\n0, new.csv\n400, worn 2.csv\n", Body::Rail)
             .unwrap();
         assert_eq!(list.slices[1], named(4, 0.4, "worn 2.csv").unwrap());
+        let list = of("profile, position [deg]\n\"a, b.prw\", 90\n", Body::Wheel).unwrap();
+        assert_eq!(list.slices[0].file, "a, b.prw");
+        assert!((list.slices[0].at - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         let list = of("0 a.prw\n0.1\t\"b.prw\"\n", Body::Wheel).unwrap();
         assert_eq!((list.slices[1].at, list.slices[1].file.as_str()), (0.1, "b.prw"));
         for (text, what) in [
-            ("position [deg], profile\n", "line 1 has `[deg]`"),
-            ("0 a\nx b\n", "line 2 has \"x\" where a number"),
-            ("0\n", "line 1 is not a position and the name"),
+            ("position [deg], profile\n0, a\n", "column `position` of line 1"),
+            ("0 a\nx b\n", "no number in column 1 of line 2"),
+            ("0\n", "1 columns and no header"),
             ("0 \"\"\n", "line 1 names no profile"),
         ] {
             let error = of(text, Body::Rail).unwrap_err().to_string();
@@ -341,12 +318,12 @@ mod tests {
         for (from, to, what) in [
             (" 2 NSLC", " 2.5", "line 4 has 2.5 where a whole number from 0 to 10000"),
             (" 2 NSLC", " 3", "line 12 has features of the position 1,"),
-            (" 1 U_INTPOL", " 3 U_INTPOL", "line 6 has the interpolation \"3\""),
+            (" 1 U_INTPOL", " 3 U_INTPOL", "line 6 has another interpolation"),
             (" 1 U_INTPOL", " 1 2", "perturbations, which are not read"),
             (" 34 999", " -1 999", "line 12 leaves out features"),
             (" 34 999", "", "no features of every slice"),
             ("\n 1.0 0", "\n 1.1 0", "line 12 has features of the position 1.1"),
-            ("1000.", "x", "line 3 has \"x\" where a number"),
+            ("1000.", "x", "line 3 has no number"),
         ] {
             let text = RAIL.replacen(from, to, 1);
             let error = contact(&text, Body::Rail).unwrap_err().to_string();

@@ -82,10 +82,12 @@ fn units_shifts_and_bounds() {
 fn errors_name_the_line_and_what_would_do() {
     let columns = |text: &str, body| read(text.as_bytes(), &Reading::usual(Format::Columns, body));
     let wrong = columns("1 2\n3 x\n", Body::Rail).unwrap_err();
-    assert_eq!(wrong.to_string(), "line 2 is not two numbers, y and z");
-    let unit = columns("y [ft], z [mm]\n", Body::Rail).unwrap_err().to_string();
-    assert!(unit.contains("line 1") && unit.contains("units are m, mm, um and in"), "{unit}");
-    assert!(matches!(columns("", Body::Rail), Err(ProfileError::Missing("points"))));
+    assert_eq!(wrong.to_string(), "has no number in column 2 of line 2");
+    let unit = columns("y [ft], z [mm]\n1, 2\n", Body::Rail).unwrap_err().to_string();
+    assert!(unit.contains("column `y` of line 1") && unit.contains("unknown unit `ft`"), "{unit}");
+    let unitless = columns("y, z\n1, 2\n", Body::Rail).unwrap_err().to_string();
+    assert!(unitless.contains("write `y [mm]`"), "{unitless}");
+    assert_eq!(columns("", Body::Rail), Err(ProfileError::Table("has no rows".to_owned())));
     let metres = columns("-0.03 0.0\n0 0.001\n0.01 0.0\n0.03 0\n", Body::Rail).unwrap_err();
     assert!(matches!(metres, ProfileError::Size(_)));
     let wheel = wheel_s1002().unwrap();

@@ -1,6 +1,7 @@
 //! Lines and numbers of a text.
 
 use super::error::ProfileError;
+use proto::input_file::into_text;
 
 /// Lines without comments and without blanks around them, numbered from 1; empty ones are left out.
 pub(super) fn lines<'a>(
@@ -12,9 +13,9 @@ pub(super) fn lines<'a>(
     numbered.filter(|(_, line)| !line.is_empty())
 }
 
-/// The text of bytes.
-pub(super) fn decoded(bytes: &[u8]) -> Result<&str, ProfileError> {
-    std::str::from_utf8(bytes).map_err(|error| ProfileError::NotText(error.valid_up_to()))
+/// The text of bytes, without a byte order mark.
+pub(super) fn decoded(bytes: &[u8]) -> Result<String, ProfileError> {
+    into_text(bytes.to_vec()).map_err(|error| ProfileError::NotText(error.to_string()))
 }
 
 /// The numbers of a line, between blanks, commas, semicolons and quotes; `None` where something else stands.
@@ -28,5 +29,5 @@ pub(super) fn numbers(line: &str) -> Option<Vec<f64>> {
 pub(super) fn number(line: usize, key: &str, value: &str) -> Result<f64, ProfileError> {
     let value = value.trim();
     let found = value.parse::<f64>().ok().filter(|number| number.is_finite());
-    found.ok_or_else(|| ProfileError::line(line, format!("`{key}` is {value:?} and no number")))
+    found.ok_or_else(|| ProfileError::line(line, format!("has no number at `{key}`")))
 }

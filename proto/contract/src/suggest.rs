@@ -4,10 +4,8 @@
 const LONGEST: usize = 64;
 
 /// The candidate nearest to `word`, if one is near: about one slip in three letters.
-pub(super) fn nearest<'a>(
-    word: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
+#[must_use]
+pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if word.len() > LONGEST {
         return None;
     }
@@ -30,12 +28,14 @@ fn normal(word: &str) -> String {
 }
 
 /// "a, b or c".
-pub(super) fn any_of<S: AsRef<str>>(words: &[S]) -> String {
+#[must_use]
+pub fn any_of<S: AsRef<str>>(words: &[S]) -> String {
     join(words, "or")
 }
 
 /// "a, b and c".
-pub(super) fn all_of<S: AsRef<str>>(words: &[S]) -> String {
+#[must_use]
+pub fn all_of<S: AsRef<str>>(words: &[S]) -> String {
     join(words, "and")
 }
 

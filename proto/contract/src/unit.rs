@@ -5,7 +5,7 @@
 //! can be scaled by moving its exponent, without rounding.
 
 /// Exponents of m, kg, s, K, A, mol, cd, byte.
-pub(super) type Dimension = [i32; 8];
+pub(crate) type Dimension = [i32; 8];
 
 /// Deepest nesting of parentheses in a unit.
 const DEEPEST: u32 = 8;
@@ -14,21 +14,21 @@ const LARGEST_POWER: i32 = 9;
 
 /// A unit: its dimension, and its size in SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Unit {
-    pub(super) dimension: Dimension,
+pub(crate) struct Unit {
+    pub(crate) dimension: Dimension,
     /// Decimal exponent of the scale.
-    pub(super) ten: i32,
+    pub(crate) ten: i32,
     /// Numerator of the scale.
-    pub(super) num: f64,
+    pub(crate) num: f64,
     /// Denominator of the scale.
-    pub(super) den: f64,
+    pub(crate) den: f64,
     /// Degrees Celsius: the zero is at 273.15 K.
-    pub(super) celsius: bool,
+    pub(crate) celsius: bool,
 }
 
 /// Why a unit cannot be read.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum UnitError {
+pub(crate) enum UnitError {
     /// The symbol, and a known one that is near.
     Unknown(String, Option<String>),
     /// Not a product of powers of symbols.
@@ -65,7 +65,7 @@ impl Unit {
     }
 
     /// The quotient of two units.
-    pub(super) fn over(&self, other: &Self) -> Self {
+    pub(crate) fn over(&self, other: &Self) -> Self {
         self.times(&other.inverse())
     }
 
@@ -141,6 +141,7 @@ const SYMBOLS: &[Symbol] = &[
     symbol("Ohm", [2, 1, -3, 0, -2, 0, 0, 0], 0, true),
     symbol("Ω", [2, 1, -3, 0, -2, 0, 0, 0], 0, true),
     symbol("t", MASS, 3, false),
+    scaled("in", METRE, -4, 254.0, 1.0),
     scaled("min", TIME, 1, 6.0, 1.0),
     scaled("h", TIME, 2, 36.0, 1.0),
     symbol("%", NONE, -2, false),
@@ -160,7 +161,7 @@ const SYMBOLS: &[Symbol] = &[
 ];
 
 /// Prefixes and their decimal exponents; the two signs for micro are different characters.
-pub(super) const PREFIXES: &[(&str, i32)] = &[
+pub(crate) const PREFIXES: &[(&str, i32)] = &[
     ("f", -15),
     ("p", -12),
     ("n", -9),
@@ -206,7 +207,7 @@ fn unknown(name: &str) -> UnitError {
         return UnitError::Unknown(name.to_owned(), Some((*unit).to_owned()));
     }
     let other_case = words().find(|word| word.to_lowercase() == name.to_lowercase());
-    let near = other_case.or_else(|| super::suggest::nearest(name, words()));
+    let near = other_case.or_else(|| crate::suggest::nearest(name, words()));
     UnitError::Unknown(name.to_owned(), near.map(str::to_owned))
 }
 
@@ -220,7 +221,7 @@ pub fn si_exponents(unit: &str) -> Option<[i32; 7]> {
 
 /// Reads a unit: symbols with powers (`m^2`, `m2`, `m²`, `s^-1`), products (space, `*`, `·`),
 /// quotients (`/`, from left to right) and parentheses.
-pub(super) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
+pub(crate) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     let mut parser = Parser { rest: text.trim(), depth: 0 };
     let unit = parser.product()?;
     if !parser.rest.is_empty() {

@@ -3,7 +3,8 @@
 //! The number is a decimal; powers of ten of the unit move its exponent before it becomes an
 //! `f64`, so "0.6 mm" is exactly the `f64` of 0.0006.
 
-use super::unit::{Unit, UnitError, parse_unit};
+use crate::unit::{Unit, UnitError, parse_unit};
+use std::fmt::Write as _;
 
 /// Zero of the Celsius scale \[K\].
 const CELSIUS_ZERO: f64 = 273.15;
@@ -85,6 +86,63 @@ pub fn parse_quantity(text: &str, unit: &str) -> Result<f64, QuantityError> {
     if value.is_finite() { Ok(value) } else { Err(QuantityError::NotFinite(text.to_owned())) }
 }
 
+/// Conversion of plain decimal numbers from one unit to another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conversion {
+    quotient: Unit,
+}
+
+impl Conversion {
+    /// Returns the conversion from `unit` to `to`.
+    ///
+    /// # Errors
+    /// One of both is no unit, or they have different dimensions.
+    pub fn new(unit: &str, to: &str) -> Result<Self, QuantityError> {
+        let given = parse_unit(unit).map_err(|error| unit_error(error, unit))?;
+        let expected = parse_unit(to).map_err(|error| unit_error(error, to))?;
+        if given.dimension != expected.dimension {
+            let (found, expected) = (unit.to_owned(), to.to_owned());
+            return Err(QuantityError::Dimension { found, expected });
+        }
+        Ok(Self { quotient: Unit { celsius: given.celsius, ..given.over(&expected) } })
+    }
+
+    /// The unit has a zero of its own, as °C does.
+    #[must_use]
+    pub fn has_offset(&self) -> bool {
+        self.quotient.celsius
+    }
+
+    /// Converts a decimal number, rounded as [`parse_quantity`] does; `None` if it is none, or not finite.
+    /// `scratch` is reused from call to call.
+    #[must_use]
+    pub fn apply(&self, number: &str, scratch: &mut String) -> Option<f64> {
+        let Unit { ten, num, den, celsius, .. } = self.quotient;
+        let decimal: f64 = match ten {
+            0 => number.parse().ok()?,
+            _ if number.contains(['e', 'E']) => {
+                let _: f64 = number.parse().ok()?;
+                scale(number, &Unit { num: 1.0, den: 1.0, ..self.quotient })
+            }
+            _ => {
+                scratch.clear();
+                // Writing to a string does not fail.
+                let _ = write!(scratch, "{number}e{ten}");
+                scratch.parse().ok()?
+            }
+        };
+        let value = decimal * num / den;
+        let value = if celsius { value + CELSIUS_ZERO } else { value };
+        value.is_finite().then_some(value)
+    }
+}
+
+/// Both texts are units, and the same one.
+#[must_use]
+pub fn is_same_unit(one: &str, other: &str) -> bool {
+    matches!((parse_unit(one), parse_unit(other)), (Ok(one), Ok(other)) if one == other)
+}
+
 fn unit_error(error: UnitError, unit: &str) -> QuantityError {
     match error {
         UnitError::Unknown(symbol, suggestion) => QuantityError::UnknownUnit { symbol, suggestion },
@@ -128,8 +186,8 @@ fn scale(number: &str, unit: &Unit) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::unit::PREFIXES;
     use super::*;
+    use crate::unit::PREFIXES;
     use proptest::prelude::*;
 
     #[test]
@@ -213,6 +271,29 @@ mod tests {
             let error = parse_quantity(text, unit).expect_err(text);
             assert_eq!(error.to_string(), message);
         }
+    }
+
+    /// Columns of tables are converted to the same bits as quantities of a case.
+    #[test]
+    fn a_conversion_is_that_of_the_quantity() {
+        let mut scratch = String::new();
+        for (unit, si) in
+            [("mm", "m"), ("km/h", "m/s"), ("°C", "K"), ("kN", "N"), ("%", "1"), ("m", "m")]
+        {
+            let conversion = Conversion::new(unit, si).unwrap();
+            for number in ["0.6", "-36.9985632", "140", "+1.5", "1e-3", "2.5E2", "0"] {
+                let expected = parse_quantity(&format!("{number} {unit}"), si).unwrap();
+                assert_eq!(
+                    conversion.apply(number, &mut scratch),
+                    Some(expected),
+                    "{number} {unit}"
+                );
+            }
+            assert_eq!(conversion.apply("1,5", &mut scratch), None);
+            assert_eq!(conversion.apply("nan", &mut scratch), None);
+        }
+        assert!(Conversion::new("kN", "m").is_err());
+        assert!(is_same_unit("m/s", "m s-1") && !is_same_unit("m/s", "km/h"));
     }
 
     #[test]
