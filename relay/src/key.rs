@@ -150,5 +150,8 @@ mod tests {
             assert!(error.contains("--new-key"), "{error}");
         }
         assert!(Key::read(&folder.path().join("none")).is_err());
+        // A pipe would wait for its writer, a device has no end.
+        let device = Key::read(Path::new("/dev/zero")).unwrap_err().to_string();
+        assert!(device.contains("is a device"), "{device}");
     }
 }

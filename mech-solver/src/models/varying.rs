@@ -144,7 +144,7 @@ impl Varying {
         Scene::read(&self.row).map_err(no_answer)
     }
 
-    /// The ellipses of all rows that have one.
+    /// The ellipses of the rows that have one, without those that a row before it has as well.
     fn ellipses(&self, given: Option<GivenPatch>) -> Vec<Ellipse> {
         let Configuration { case, histories, .. } = &self.configuration;
         if let Some((carried, still)) = &self.carried {
@@ -157,11 +157,29 @@ impl Varying {
         }
         let Some(histories) = histories else { return Vec::new() };
         let mut case = case.clone();
-        let ellipse = |row| {
+        let mut ellipse = |row: usize| {
             histories.put_row(&mut case, row);
             Ellipse::solve(&Scene::read(&case).ok()?, given).ok()
         };
-        (0..histories.times.len()).filter_map(ellipse).collect()
+        let rows = 0..histories.times.len();
+        let shaping = histories.values.iter().filter(|(key, _)| shapes(key));
+        let shaping: Vec<(&String, &Vec<f64>)> = shaping.collect();
+        // An ellipse grows with its load: of a long history the least and the largest do.
+        if let [(key, loads)] = shaping.as_slice()
+            && key.starts_with("load.")
+        {
+            let by_load = |a: &usize, b: &usize| loads[*a].total_cmp(&loads[*b]);
+            let pressed = || rows.clone().filter(|row| loads[*row] > 0.0);
+            let ends = [pressed().min_by(by_load), pressed().max_by(by_load)];
+            if let [Some(Some(least)), Some(Some(most))] = ends.map(|row| row.map(&mut ellipse)) {
+                return vec![least, most];
+            }
+        }
+        let is_new = |row: &usize| {
+            *row == 0 || shaping.is_empty() || shaping.iter().any(|(_, of)| of[*row] != of[*row - 1])
+        };
+        let found = rows.filter(is_new).filter_map(ellipse);
+        if shaping.is_empty() { found.take(1).collect() } else { found.collect() }
     }
 
     /// What a grid has to cover, and how finely, for all rows.
@@ -192,6 +210,11 @@ impl Varying {
         let [least, most] = [extent.smallest, extent.a].map(|a| 1e3 * a);
         format!("{rows} rows on one grid; a from {least:.4} to {most:.4} mm")
     }
+}
+
+/// A key may change the ellipse: motion, friction and effects do not.
+fn shapes(key: &str) -> bool {
+    !["motion.", "friction.", "effects."].iter().any(|section| key.starts_with(section))
 }
 
 /// The load under an axle, and that of steady rolling [N].

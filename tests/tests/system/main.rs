@@ -43,6 +43,7 @@ mod fmu_in;
 mod folders;
 mod histories;
 mod implicit;
+mod input_files;
 mod instability;
 mod keys;
 mod languages;

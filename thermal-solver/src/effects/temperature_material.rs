@@ -27,8 +27,6 @@ const MOST_BYTES: u64 = 1 << 24;
 
 /// The columns of a table.
 fn columns() -> [Column; 3] {
-    let absolute =
-        "temperatures are absolute, in K; a header `temperature [°C]` names another unit";
     [
         Column::new(&["temperature", "T"], "K").expected(100.0..=3000.0, ABSOLUTE),
         Column::new(&["conductivity", "lambda"], "W/(m K)")
