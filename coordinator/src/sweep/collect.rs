@@ -5,10 +5,13 @@ use super::rows::{FILE, Growing};
 use super::study::{Row, Study};
 use crate::study::folder::{StudyFolder, Wanted};
 use crate::study::output::Kept;
-use run::error::{RunError, file_failure};
+use contract::input_file;
+use run::error::{RunError, input_failure};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
+
+/// Larger files of a sweep are refused [byte].
+const MOST_BYTES: u64 = 1 << 30;
 
 /// Takes the points of a sweep in another folder, finished or not.
 ///
@@ -16,10 +19,7 @@ use std::path::{Path, PathBuf};
 /// It cannot be read, or is of other points.
 pub(super) fn folder(sweep: &mut Growing, other: &Path) -> Result<(), RunError> {
     let path = other.join(Study::FILE);
-    if path.exists() && !path.is_file() {
-        return Err(RunError::Usage(format!("{} is no file", path.display())));
-    }
-    let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+    let text = input_file::read(&path, MOST_BYTES).map_err(|error| input_failure(&path, &error))?;
     let wrong = |why: String| RunError::Usage(format!("--collect {}: {why}", other.display()));
     let found: Study = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
     if !sweep.study.is_of_the_same_points(&found) {
@@ -73,6 +73,6 @@ pub(super) fn hand_out(
 
 /// A sweep of this folder that was stopped, or one that is complete too, without its points.
 pub(super) fn earlier(folder: &Path, complete: bool) -> Option<Study> {
-    let text = fs::read(folder.join(Study::FILE)).ok()?;
+    let text = input_file::read(&folder.join(Study::FILE), MOST_BYTES).ok()?;
     serde_json::from_slice(&text).ok().filter(|study: &Study| complete || !study.complete)
 }

@@ -6,7 +6,8 @@ use super::study::{Row, Study};
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, read_file};
 use crate::study::quantity::Quantity;
-use run::error::{RunError, file_failure};
+use contract::input_file;
+use run::error::{RunError, file_failure, input_failure};
 use run::results::write::fresh;
 use rustix::fs::OFlags;
 use serde::{Deserialize, Serialize};
@@ -49,11 +50,8 @@ impl Kept for Study {
 pub(super) fn read(study: &mut Study, path: &Path, folder: &Path) -> Result<u64, RunError> {
     let shown = folder.join(FILE);
     let failed = |error: io::Error| file_failure(&shown, &error);
-    // A pipe would wait for a writer, and a device has no end.
-    if !path.metadata().map_err(failed)?.is_file() {
-        return Err(RunError::Usage(format!("{} is no file", shown.display())));
-    }
-    let mut file = BufReader::new(File::open(path).map_err(failed)?);
+    let file = input_file::open(path).map_err(|error| input_failure(&shown, &error))?;
+    let mut file = BufReader::new(file);
     let (mut line, mut columns, mut bytes) = (Vec::new(), Vec::new(), 0);
     for number in 1.. {
         line.clear();
