@@ -301,3 +301,25 @@ fn units_of_the_header_and_of_the_case_must_agree() {
     let told = "has the unit km/h in the header of column `v`, and the case says m/s";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
 }
+
+/// Values of tables are as likely as those of keys, or told: absolute temperatures in °C, columns in another order, a
+/// row of a history.
+#[test]
+fn unlikely_values_of_tables_are_told() {
+    let data = Data::new("20, 53, 440\n1200, 30, 650\n");
+    let told = |name: &str, set: &[&str], text: &str| {
+        let ended = Place::new().start(&[&["check", &case(name)], &sets(set)[..]].concat()).wait();
+        let said = crate::harness::flat(&format!("{}{}", ended.stdout, ended.stderr));
+        assert!(said.contains(text), "`{text}` is missing in:\n{said}");
+    };
+    let table = format!("materials.steel.thermal_table={}", data.file().display());
+    told("hot-steel.toml", &[&table], "has a temperature in line 1 of 20 K, at least 100 K is expected");
+    let data = Data::new("293, 440, 53\n1473, 650, 30\n");
+    let table = format!("materials.steel.thermal_table={}", data.file().display());
+    told("hot-steel.toml", &[&table], "has a conductivity in line 1 of 440 W/(m K)");
+    let data = Data::new("v [m/s]\n30\n300\n");
+    let speed = data.column("motion.speed", "v");
+    let set = ["time.mode=sequence", "mech.model=hertz-carter", &speed];
+    told("wheel-rail.toml", &set, "motion.speed has a value in row 2 of its table of 300 m/s");
+    told("falling-friction.toml", &["coupling.relative=2"], "coupling.relative is 2, at most 1 is expected");
+}

@@ -3,11 +3,21 @@
 
 use super::contents::Participant;
 use crate::warnings::{Implausible, Warning};
+use case::schema::{OwnKey, own_keys};
 use case::{Case, Replaced, Unread};
+use contract::configuration::Refusal;
 use contract::description::KeySpec;
+use contract::history::Histories;
 use contract::params::Params;
+use contract::plausible::Plausible;
+use contract::table::{Column, Reading, Table};
+use serde_json::Value;
+use std::path::Path;
 
-/// The implausible ones among the values that participants read.
+/// Larger tables are not looked at [byte].
+const MOST_BYTES: u64 = 1 << 30;
+
+/// The implausible ones among the values that participants read, in the case and in its tables.
 pub(super) fn warnings<'a>(
     case: &Case,
     participants: impl Iterator<Item = &'a Participant>,
@@ -18,27 +28,91 @@ pub(super) fn warnings<'a>(
         let model = description.models.iter().find(|model| model.name == given.model);
         let effects = description.effects.iter().filter(|effect| given.has_effect(&effect.name));
         let keys = description.keys.iter().chain(model.into_iter().flat_map(|model| &model.keys));
-        for KeySpec { path, kind, plausible, .. } in
-            keys.chain(effects.flat_map(|effect| &effect.keys))
-        {
-            let Some(expected) = plausible else { continue };
-            for (key, value) in instances(&given.case, path) {
-                let place = Some(case.problem_at(&key, "", "").place.to_string());
-                let warning = Warning::of(&key, place, value, kind.unit(), expected);
-                let new = |one: &Warning| warnings.iter().all(|other| other.key() != one.key());
-                let warning = warning.filter(new);
-                warnings.extend(warning);
+        for spec in keys.chain(effects.flat_map(|effect| &effect.keys)) {
+            let found = of_numbers(case, spec, &given.case, given.histories.as_ref());
+            let found: Vec<Warning> = found.chain(of_tables(case, spec, &given.case)).collect();
+            for warning in found {
+                if warnings.iter().all(|other| other.key() != warning.key()) {
+                    warnings.push(warning);
+                }
             }
         }
     }
+    for OwnKey { spec, .. } in own_keys() {
+        warnings.extend(of_numbers(case, &spec, &case.values, None));
+    }
     warnings
+}
+
+/// Of the numbers of a key, and of the rows of those that vary.
+fn of_numbers<'a>(
+    case: &'a Case,
+    spec: &'a KeySpec,
+    values: &'a Params,
+    histories: Option<&'a Histories>,
+) -> impl Iterator<Item = Warning> {
+    let expected = spec.plausible.as_ref();
+    let keys = expected.map(|_| instances(values, &spec.path)).unwrap_or_default();
+    keys.into_iter().filter_map(move |(key, value)| {
+        let value = value.as_f64()?;
+        let expected = expected?;
+        let rows = histories.and_then(|histories| histories.values.get(&key));
+        let row = rows?.iter().position(|value| expected.bound_passed(*value).is_some());
+        let (value, quantity) = match (rows, row) {
+            (Some(rows), Some(row)) => (rows[row], Some(format!("value in row {} of its table", row + 1))),
+            _ => (value, None),
+        };
+        implausible(case, &key, quantity, value, spec.kind.unit(), expected)
+    })
+}
+
+/// Of the columns of the table that a key names.
+fn of_tables<'a>(
+    case: &'a Case,
+    spec: &'a KeySpec,
+    values: &'a Params,
+) -> impl Iterator<Item = Warning> {
+    let keys = if spec.columns.is_empty() { Vec::new() } else { instances(values, &spec.path) };
+    keys.into_iter().flat_map(move |(key, path)| {
+        // Participants have refused tables that cannot be read.
+        let table = path.as_str().map(|path| Table::read(Path::new(path), MOST_BYTES, Reading::NUMBERS));
+        let table = table.and_then(Result::ok);
+        let found = table.as_ref().and_then(|table| table.columns(&spec.columns).ok());
+        let columns = spec.columns.iter().zip(found.unwrap_or_default());
+        let of = |(column, values): (&Column, Vec<f64>)| {
+            let expected = column.plausible.as_ref()?;
+            let row = values.iter().position(|value| expected.bound_passed(*value).is_some())?;
+            let line = table.as_ref()?.line(row);
+            let quantity = Some(format!("{} in line {line}", column.names[0]));
+            implausible(case, &key, quantity, values[row], &column.unit, expected)
+        };
+        // One of a table is enough.
+        columns.filter_map(of).take(1).collect::<Vec<_>>()
+    })
+}
+
+fn implausible(
+    case: &Case,
+    key: &str,
+    quantity: Option<String>,
+    value: f64,
+    unit: &str,
+    expected: &Plausible,
+) -> Option<Warning> {
+    let place = Some(case.problem_at(key, "", "").place.to_string());
+    let mut warning = Warning::of(key, place, value, unit, expected)?;
+    if let Warning::Value(implausible) = &mut warning {
+        implausible.quantity = quantity;
+    }
+    Some(warning)
 }
 
 /// A model that leaves out more is no model of the scene. What models say here is an upper bound.
 const MOST_LEFT_OUT: f64 = 0.15;
 
-/// What models leave out in this scene, as they estimate it, if it is much.
-pub(super) fn left_out<'a>(
+/// The warnings of participants that have looked at the case, and what models leave out in this scene, as they
+/// estimate it, if it is much.
+pub(super) fn estimated<'a>(
     case: &Case,
     participants: impl Iterator<Item = &'a Participant>,
 ) -> Vec<Warning> {
@@ -46,9 +120,11 @@ pub(super) fn left_out<'a>(
         let key = format!("{}.model", participant.role);
         let place = case.problem_at(&key, "", "").place.to_string();
         let layout = participant.estimate.iter();
+        let told = layout.clone().flat_map(|layout| &layout.warnings);
+        let told = told.map(|Refusal { key, reason, fix }| case.problem_at(key, reason, fix).into());
         let large =
             layout.flat_map(|layout| &layout.left_out).filter(|one| one.error > MOST_LEFT_OUT);
-        large.map(move |one| {
+        let large = large.map(move |one| {
             Warning::Value(Implausible {
                 key: key.clone(),
                 place: Some(place.clone()),
@@ -58,7 +134,8 @@ pub(super) fn left_out<'a>(
                 bound: MOST_LEFT_OUT,
                 why: format!("{} ({})", one.what, one.source),
             })
-        })
+        });
+        told.chain(large)
     };
     participants.flat_map(of).collect()
 }
@@ -117,8 +194,8 @@ pub(super) fn replaced(case: &Case) -> impl Iterator<Item = Warning> {
     })
 }
 
-/// The numbers of a case under a path in which `*` stands for any one name.
-fn instances(case: &Params, path: &str) -> Vec<(String, f64)> {
+/// The values of a case under a path in which `*` stands for any one name.
+fn instances<'a>(case: &'a Params, path: &str) -> Vec<(String, &'a Value)> {
     let mut found = vec![(String::new(), &case.0)];
     for part in path.split('.') {
         found = found
@@ -132,7 +209,7 @@ fn instances(case: &Params, path: &str) -> Vec<(String, f64)> {
             })
             .collect();
     }
-    found.into_iter().filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
+    found
 }
 
 #[cfg(test)]
@@ -145,7 +222,8 @@ mod tests {
         let case =
             Params(json!({"bodies": {"a": {"r": 1.0}, "b": {"r": 2.0, "s": 3.0}}, "r": 4.0}));
         let found = instances(&case, "bodies.*.r");
-        assert_eq!(found, [("bodies.a.r".to_owned(), 1.0), ("bodies.b.r".to_owned(), 2.0)]);
+        let expected = [("bodies.a.r".to_owned(), &json!(1.0)), ("bodies.b.r".to_owned(), &json!(2.0))];
+        assert_eq!(found, expected);
         assert!(instances(&case, "bodies.*.t").is_empty());
     }
 }

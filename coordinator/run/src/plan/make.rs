@@ -56,9 +56,9 @@ async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {
     let mut plan = route_case(&case, &described)?;
     estimate(&case, &mut plan).await?;
     plan.mappings = mapping::planned(&plan);
-    let (left_out, mapped) =
-        (expected::left_out(&case, plan.participants.iter()), plan.warn_of_mappings(&case));
-    plan.warnings.extend(left_out.into_iter().chain(mapped));
+    let estimated = expected::estimated(&case, plan.participants.iter());
+    let mapped = plan.warn_of_mappings(&case);
+    plan.warnings.extend(estimated.into_iter().chain(mapped));
     Ok(Planned { case, plan })
 }
 
