@@ -86,7 +86,9 @@ mod tests {
         let mut normal = || {
             // The sum of twelve uniform numbers, less its mean, has the deviation 1.
             let uniform = |state: &mut u64| {
-                *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                *state = state
+                    .wrapping_mul(6_364_136_223_846_793_005)
+                    .wrapping_add(1_442_695_040_888_963_407);
                 (*state >> 11) as f64 / (1_u64 << 53) as f64
             };
             (0..12).map(|_| uniform(&mut random)).sum::<f64>() - 6.0
@@ -115,7 +117,10 @@ mod tests {
     fn noise_that_the_pressure_shows_is_told_with_what_smooths_it() {
         let warning = |noise| warning("p", "p_tolerance", &crown(noise, 0.5e-3), 1.15e11);
         let told = warning(2e-6).unwrap();
-        assert!(told.reason.contains("spacing of 0.50 mm") && told.fix.contains("p_tolerance = \""), "{told}");
+        assert!(
+            told.reason.contains("spacing of 0.50 mm") && told.fix.contains("p_tolerance = \""),
+            "{told}"
+        );
         assert_eq!(warning(0.1e-6), None);
         assert_eq!(warning(0.0), None);
     }

@@ -176,7 +176,9 @@ impl Varying {
             }
         }
         let is_new = |row: &usize| {
-            *row == 0 || shaping.is_empty() || shaping.iter().any(|(_, of)| of[*row] != of[*row - 1])
+            *row == 0
+                || shaping.is_empty()
+                || shaping.iter().any(|(_, of)| of[*row] != of[*row - 1])
         };
         let found = rows.filter(is_new).filter_map(ellipse);
         if shaping.is_empty() { found.take(1).collect() } else { found.collect() }

@@ -248,7 +248,10 @@ fn what_is_wrong_with_a_history_is_told() {
     let data = Data::new("t [s], Q [kN]\n1, 60\n0, 50\n");
     let (load, time) = (data.column("load.normal_force", "Q"), data.column("time.history", "t"));
     told(&[&load], "a steady case is one instant");
-    told(&[&load, &time, "time.mode=sequence"], "does not rise in column `t` from line 2 to line 3");
+    told(
+        &[&load, &time, "time.mode=sequence"],
+        "does not rise in column `t` from line 2 to line 3",
+    );
     told(&[&data.column("load.normal_force", "q"), "time.mode=sequence"], "did you mean `Q`?");
     told(&[&data.column("mech.resolution", "Q"), "time.mode=sequence"], "reads one number");
     let transient = ["time.mode=transient", "time.window=1 ms", "time.end=2 ms"];
@@ -278,8 +281,12 @@ fn tables_of_other_programs_are_read() {
         assert_eq!(history(text), expected, "{text}");
     }
     let broken = Data::new("t,v,Q\n0,30,60\n1,25\n");
-    let set = ["time.mode=sequence", &broken.column("time.history", "t"), &broken.column("motion.speed", "v")]
-        .map(str::to_owned);
+    let set = [
+        "time.mode=sequence",
+        &broken.column("time.history", "t"),
+        &broken.column("motion.speed", "v"),
+    ]
+    .map(str::to_owned);
     let set: Vec<&str> = set.iter().map(String::as_str).collect();
     let ended = Place::new().run(&case("wheel-rail.toml"), &sets(&set));
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
@@ -292,8 +299,12 @@ fn tables_of_other_programs_are_read() {
 fn units_of_the_header_and_of_the_case_must_agree() {
     let data = Data::new("t [s], v [km/h]\n0, 108\n");
     let speed = |unit: &str| {
-        let column = format!("motion.speed={{file={:?},column=\"v\",unit=\"{unit}\"}}", data.file());
-        Place::new().run(&case("wheel-rail.toml"), &sets(&["time.mode=sequence", "mech.model=hertz-carter", &column]))
+        let column =
+            format!("motion.speed={{file={:?},column=\"v\",unit=\"{unit}\"}}", data.file());
+        Place::new().run(
+            &case("wheel-rail.toml"),
+            &sets(&["time.mode=sequence", "mech.model=hertz-carter", &column]),
+        )
     };
     assert_eq!(speed("km/h").code, Some(0));
     let ended = speed("m/s");
@@ -313,7 +324,11 @@ fn unlikely_values_of_tables_are_told() {
         assert!(said.contains(text), "`{text}` is missing in:\n{said}");
     };
     let table = format!("materials.steel.thermal_table={}", data.file().display());
-    told("hot-steel.toml", &[&table], "has a temperature in line 1 of 20 K, at least 100 K is expected");
+    told(
+        "hot-steel.toml",
+        &[&table],
+        "has a temperature in line 1 of 20 K, at least 100 K is expected",
+    );
     let data = Data::new("293, 440, 53\n1473, 650, 30\n");
     let table = format!("materials.steel.thermal_table={}", data.file().display());
     told("hot-steel.toml", &[&table], "has a conductivity in line 1 of 440 W/(m K)");
@@ -321,5 +336,9 @@ fn unlikely_values_of_tables_are_told() {
     let speed = data.column("motion.speed", "v");
     let set = ["time.mode=sequence", "mech.model=hertz-carter", &speed];
     told("wheel-rail.toml", &set, "motion.speed has a value in row 2 of its table of 300 m/s");
-    told("falling-friction.toml", &["coupling.relative=2"], "coupling.relative is 2, at most 1 is expected");
+    told(
+        "falling-friction.toml",
+        &["coupling.relative=2"],
+        "coupling.relative is 2, at most 1 is expected",
+    );
 }

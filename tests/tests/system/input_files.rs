@@ -24,7 +24,11 @@ fn pipes_and_devices_are_refused() {
             let ended = Place::new().start(command).wait();
             assert_ne!(ended.code, Some(0), "{command:?}");
             let told = ["where a regular file is expected", "there is no file"];
-            assert!(told.iter().any(|text| ended.stderr.contains(text)), "{command:?} {}", ended.stderr);
+            assert!(
+                told.iter().any(|text| ended.stderr.contains(text)),
+                "{command:?} {}",
+                ended.stderr
+            );
         }
     }
 }

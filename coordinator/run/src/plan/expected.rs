@@ -57,9 +57,14 @@ fn of_numbers<'a>(
         let value = value.as_f64()?;
         let expected = expected?;
         let rows = histories.and_then(|histories| histories.values.get(&key));
-        let row = rows?.iter().position(|value| expected.bound_passed(*value).is_some());
+        let beyond = |rows: &Vec<f64>| {
+            rows.iter().position(|value| expected.bound_passed(*value).is_some())
+        };
+        let row = rows.and_then(beyond);
         let (value, quantity) = match (rows, row) {
-            (Some(rows), Some(row)) => (rows[row], Some(format!("value in row {} of its table", row + 1))),
+            (Some(rows), Some(row)) => {
+                (rows[row], Some(format!("value in row {} of its table", row + 1)))
+            }
             _ => (value, None),
         };
         implausible(case, &key, quantity, value, spec.kind.unit(), expected)
@@ -75,7 +80,8 @@ fn of_tables<'a>(
     let keys = if spec.columns.is_empty() { Vec::new() } else { instances(values, &spec.path) };
     keys.into_iter().flat_map(move |(key, path)| {
         // Participants have refused tables that cannot be read.
-        let table = path.as_str().map(|path| Table::read(Path::new(path), MOST_BYTES, Reading::NUMBERS));
+        let table =
+            path.as_str().map(|path| Table::read(Path::new(path), MOST_BYTES, Reading::NUMBERS));
         let table = table.and_then(Result::ok);
         let found = table.as_ref().and_then(|table| table.columns(&spec.columns).ok());
         let columns = spec.columns.iter().zip(found.unwrap_or_default());
@@ -121,7 +127,8 @@ pub(super) fn estimated<'a>(
         let place = case.problem_at(&key, "", "").place.to_string();
         let layout = participant.estimate.iter();
         let told = layout.clone().flat_map(|layout| &layout.warnings);
-        let told = told.map(|Refusal { key, reason, fix }| case.problem_at(key, reason, fix).into());
+        let told =
+            told.map(|Refusal { key, reason, fix }| case.problem_at(key, reason, fix).into());
         let large =
             layout.flat_map(|layout| &layout.left_out).filter(|one| one.error > MOST_LEFT_OUT);
         let large = large.map(move |one| {
@@ -222,7 +229,8 @@ mod tests {
         let case =
             Params(json!({"bodies": {"a": {"r": 1.0}, "b": {"r": 2.0, "s": 3.0}}, "r": 4.0}));
         let found = instances(&case, "bodies.*.r");
-        let expected = [("bodies.a.r".to_owned(), &json!(1.0)), ("bodies.b.r".to_owned(), &json!(2.0))];
+        let expected =
+            [("bodies.a.r".to_owned(), &json!(1.0)), ("bodies.b.r".to_owned(), &json!(2.0))];
         assert_eq!(found, expected);
         assert!(instances(&case, "bodies.*.t").is_empty());
     }

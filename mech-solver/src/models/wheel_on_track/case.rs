@@ -121,7 +121,8 @@ impl Case {
         let surfaces = [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?];
         let modulus = (upper.compliance() + lower.compliance()).recip();
         let noisy = |(body, surface): (usize, &Surface)| {
-            let [profile, tolerance] = ["profile", "profile_tolerance"].map(|name| names.key(body, name));
+            let [profile, tolerance] =
+                ["profile", "profile_tolerance"].map(|name| names.key(body, name));
             noise::warning(&profile, &tolerance, surface.constant()?.points(), modulus)
         };
         let warnings = [UPPER, LOWER].into_iter().zip(&surfaces).filter_map(noisy).collect();
