@@ -57,9 +57,8 @@ fn of_numbers<'a>(
         let value = value.as_f64()?;
         let expected = expected?;
         let rows = histories.and_then(|histories| histories.values.get(&key));
-        let beyond = |rows: &Vec<f64>| {
-            rows.iter().position(|value| expected.bound_passed(*value).is_some())
-        };
+        let beyond =
+            |rows: &Vec<f64>| rows.iter().position(|value| expected.bound_passed(*value).is_some());
         let row = rows.and_then(beyond);
         let (value, quantity) = match (rows, row) {
             (Some(rows), Some(row)) => {
