@@ -8,7 +8,19 @@ const NORMAL_FORCE: &str = "contact.normal_force_n";
 /// Patches of the contact.
 const PATCHES: &str = "contact.patches";
 /// Semi-axis along the rolling direction [m].
-const SEMI_AXIS_A: &str = "contact.semi_axis_a_m";
+pub(crate) const SEMI_AXIS_A: &str = "contact.semi_axis_a_m";
+/// Semi-axis across the rolling direction [m].
+pub(crate) const SEMI_AXIS_B: &str = "contact.semi_axis_b_m";
+/// Largest pressure [Pa].
+pub(crate) const MAX_PRESSURE: &str = "contact.max_pressure_pa";
+/// Approach of the bodies [m].
+pub(crate) const APPROACH: &str = "contact.approach_m";
+/// Longitudinal creepage [-].
+pub(crate) const CREEPAGE_XI: &str = "contact.creepage_xi";
+/// Friction power [W].
+pub(crate) const FRICTION_POWER: &str = "contact.friction_power_w";
+/// Share of the contact that slips [-].
+pub(crate) const SLIP_AREA_RATIO: &str = "contact.slip_area_ratio";
 
 /// All of them, in the order in which a person reads them. A model without one leaves it out.
 pub(crate) fn figures() -> Vec<FigureSpec> {
@@ -21,8 +33,8 @@ fn extent() -> Vec<FigureSpec> {
     vec![
         figure(PATCHES, "1", "number of patches", "patch").style(Style::Count),
         figure(SEMI_AXIS_A, "m", "semi-axis along x", "a").unless_several(PATCHES).headline(),
-        figure("contact.semi_axis_b_m", "m", "semi-axis along y", "b").unless_several(PATCHES),
-        figure("contact.max_pressure_pa", "Pa", "maximum pressure", "p0")
+        figure(SEMI_AXIS_B, "m", "semi-axis along y", "b").unless_several(PATCHES),
+        figure(MAX_PRESSURE, "Pa", "maximum pressure", "p0")
             .expected_below(
                 4e9,
                 "rail and bearing steels have a hardness of 3 to 7 GPa, and yield before",
@@ -30,7 +42,7 @@ fn extent() -> Vec<FigureSpec> {
             .rank(4)
             .headline(),
         figure(NORMAL_FORCE, "N", "normal force", "N").headline(),
-        figure("contact.approach_m", "m", "approach", "approach").rank(9).headline(),
+        figure(APPROACH, "m", "approach", "approach").rank(9).headline(),
         FigureSpec::new("contact.area_m2", "m2", "contact area"),
         figure("contact.area_ratio", "1", "share of the surface in contact", "contact")
             .style(Style::Percent),
@@ -133,7 +145,17 @@ mod tests {
     #[test]
     fn what_is_referred_to_is_described() {
         let all = figures();
-        for key in [NORMAL_FORCE, PATCHES, SEMI_AXIS_A] {
+        for key in [
+            NORMAL_FORCE,
+            PATCHES,
+            SEMI_AXIS_A,
+            SEMI_AXIS_B,
+            MAX_PRESSURE,
+            APPROACH,
+            CREEPAGE_XI,
+            FRICTION_POWER,
+            SLIP_AREA_RATIO,
+        ] {
             assert!(all.iter().any(|figure| figure.key == key), "{key}");
         }
     }

@@ -3,18 +3,15 @@
 //! The contact is that of Hertz and Kalker's simplified theory (milliseconds); temperatures are what the thermal side has estimated.
 //! An estimate is of the first order: it says whether an effect is worth a run, and a run says by how much.
 
+use crate::figures::APPROACH;
 use crate::scene::Scene;
 use proto::advice::{Advice, Known};
 use proto::params::Params;
 
-/// Friction power of the contact [W].
-pub(crate) const POWER: &str = "contact.friction_power_w";
-/// Largest pressure [Pa].
-pub(crate) const PRESSURE: &str = "contact.max_pressure_pa";
-/// Longitudinal creepage [-].
-pub(crate) const CREEPAGE: &str = "contact.creepage_xi";
-/// Approach of the bodies [m].
-const APPROACH: &str = "contact.approach_m";
+pub(crate) use crate::figures::{
+    CREEPAGE_XI as CREEPAGE, FRICTION_POWER as POWER, MAX_PRESSURE as PRESSURE,
+};
+
 /// Ends of the key of a body's largest rise [K].
 const RISE: [&str; 2] = ["temperature.", ".max_rise_k"];
 

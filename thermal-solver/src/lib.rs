@@ -5,6 +5,7 @@
 //! | [`models`] | the models, cheapest first, and their registry list |
 //! | [`columns`] | heat conduction normal to the surface with the exact Abel kernel: the numerics |
 //! | [`moving_source`] | heat conduction in three dimensions under a moving flux: the numerics |
+//! | [`fe`] | finite elements of both bodies, with properties that may depend on temperature: the numerics |
 //! | [`mod@periodic`] | heat conduction under a flux that repeats, wave by wave and exact in time: the numerics |
 //! | [`situation`], [`advice`] | what is known of a scene before it is run, and what effects say of themselves with it |
 //! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |

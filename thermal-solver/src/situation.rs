@@ -12,6 +12,14 @@ use proto::advice::{Advice, Known};
 use proto::params::Params;
 use std::f64::consts::PI;
 
+const POWER: &str = "contact.friction_power_w";
+const SEMI_AXES: [&str; 2] = ["contact.semi_axis_a_m", "contact.semi_axis_b_m"];
+const APPROACH: &str = "contact.approach_m";
+const SLIP_AREA_RATIO: &str = "contact.slip_area_ratio";
+
+/// Figures of the contact that estimates read; the mechanics describes them.
+pub const OF_CONTACT: [&str; 5] = [POWER, SEMI_AXES[0], SEMI_AXES[1], APPROACH, SLIP_AREA_RATIO];
+
 /// Rise under a fast ellipse of flux, over q₀/β √(a/(πV)) (Naeimi et al., eq. 10; PHYSICS: 2.188).
 const FAST: f64 = 2.188;
 
@@ -48,13 +56,13 @@ impl<'a> Situation<'a> {
         shares: impl Fn([f64; 2]) -> [f64; 2],
     ) -> Option<Self> {
         let figure = |key: &str| known.get(key).copied();
-        let power = figure("contact.friction_power_w")?;
-        let semi_axes = [figure("contact.semi_axis_a_m")?, figure("contact.semi_axis_b_m")?];
-        let approach = figure("contact.approach_m")?;
+        let power = figure(POWER)?;
+        let semi_axes = [figure(SEMI_AXES[0])?, figure(SEMI_AXES[1])?];
+        let approach = figure(APPROACH)?;
         let rest = |body: usize| if scene.at_rest[body] { 0.0 } else { scene.speeds[body] };
         let speeds = [rest(UPPER), rest(LOWER)];
         let heat = shares(speeds).map(|share| share * power);
-        let slips = figure("contact.slip_area_ratio").filter(|ratio| *ratio > 0.0).unwrap_or(1.0);
+        let slips = figure(SLIP_AREA_RATIO).filter(|ratio| *ratio > 0.0).unwrap_or(1.0);
         let mut own =
             Self { scene, case, power, semi_axes, approach, heat, speeds, rises: [0.0; 2] };
         own.rises = [UPPER, LOWER].map(|body| own.rise(body, slips));

@@ -48,7 +48,7 @@ impl TimingWord {
 #[derive(Clone, Debug)]
 pub(super) struct Selection<'a> {
     pub(super) players: Vec<Player<'a>>,
-    /// Names under `effects`, known or not, in the order of the case.
+    /// Names under `effects`, known or not, sorted: the order of the tables in a case has no influence.
     pub(super) effects: Vec<String>,
     pub(super) timing: TimingWord,
 }
@@ -56,7 +56,8 @@ pub(super) struct Selection<'a> {
 impl<'a> Selection<'a> {
     /// Reads the selection from a case that may be wrong in any way.
     pub(super) fn new(tree: &Table, descriptions: &'a [(String, Description)]) -> Self {
-        let effects = tree.names("effects");
+        let mut effects = tree.names("effects");
+        effects.sort_unstable();
         let player = |(role, description): &'a (String, Description)| {
             let present = tree.table(role).is_some();
             let claims = description.effects.iter().any(|e| effects.contains(&e.name));

@@ -31,7 +31,7 @@ pub struct Case {
     pub participants: Vec<ParticipantCase>,
     /// Roles with a section of their own that no active effect needs; they are not started.
     pub idle: Vec<String>,
-    /// Names of the active effects, in the order of the file.
+    /// Names of the active effects, sorted.
     pub effects: Vec<String>,
     /// The bodies in contact, where a participant asks for them.
     pub bodies: Option<Bodies>,

@@ -5,6 +5,7 @@
 //! matter: Carter's strips, a march over springs, or the elastic half-space.
 
 use crate::entry::Effect;
+use crate::figures::SLIP_AREA_RATIO;
 use crate::reference::carter;
 use crate::scene::Drive;
 use crate::situation::{POWER, PRESSURE, Situation};
@@ -51,7 +52,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
     };
     let sliding = scene.speeds.rolling * creep * friction * load;
     Advice::new(EFFECT.name, "simplified theory, against a contact that slides everywhere")
-        .number("slip area over contact area", with("contact.slip_area_ratio").unwrap_or(f64::NAN))
+        .number("slip area over contact area", with(SLIP_AREA_RATIO).unwrap_or(f64::NAN))
         .moves(POWER, power / sliding - 1.0)
         .with(set)
 }

@@ -7,6 +7,7 @@
 //! Wear 314 (2014) 87–95; Kalker (1990) §4.
 
 use crate::entry::Effect;
+use crate::figures::{SEMI_AXIS_A, SEMI_AXIS_B, SLIP_AREA_RATIO};
 use crate::keys::CheckedParams;
 use crate::reference::kalker;
 use crate::scene::Drive;
@@ -58,7 +59,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
         format!("flexibility {flexibility:.1e} m/Pa over that of the bodies"),
     )
     .with(format!("{FLEXIBILITY}={flexibility:e}"));
-    let axes = ["contact.semi_axis_a_m", "contact.semi_axis_b_m"].map(|key| situation.known(key));
+    let axes = [SEMI_AXIS_A, SEMI_AXIS_B].map(|key| situation.known(key));
     let [Some(a), Some(b)] = axes else { return advice };
     let (ratio, modulus) =
         (situation.scene.combined_poisson_ratio(), situation.scene.combined_shear_modulus());
@@ -68,7 +69,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
     // A creepage that is prescribed lets the part that sticks carry less.
     match situation.scene.drive {
         Drive::Creepage { .. } => {
-            let sticks = 1.0 - situation.known("contact.slip_area_ratio").unwrap_or(1.0);
+            let sticks = 1.0 - situation.known(SLIP_AREA_RATIO).unwrap_or(1.0);
             advice.moves(POWER, -sticks * share / (1.0 + share))
         }
         _ => advice.moves(CREEPAGE, share),

@@ -10,6 +10,7 @@
 //! Left out: worn particles that stay, and wear that is not the same all round a body.
 
 use crate::entry::Effect;
+use crate::figures::SEMI_AXIS_B;
 use crate::keys::CheckedParams;
 use crate::removal::{Law, Removal};
 use crate::scene::Scene;
@@ -147,8 +148,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
         |advice, material| advice.with(format!("{}={TYPICAL:e}", path(material, ENERGY))),
     );
     let advice = advice.with(format!("effects.{NAME}={{}}"));
-    let figures =
-        (situation.known(POWER), situation.known("contact.semi_axis_b_m"), situation.pressed());
+    let figures = (situation.known(POWER), situation.known(SEMI_AXIS_B), situation.pressed());
     let (Some(power), Some(width), Some([_, approach])) = figures else { return advice };
     let speed = situation.scene.speeds.rolling;
     let depth = factor * power / (speed * 0.5 * PI * width);

@@ -27,7 +27,7 @@
 //! Source: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
 //! System Dynamics 11 (1982) 1–13. Deviations: the strips are closer together towards the sides; a
 //! cell's traction is the mean of its two ends, which keeps the energy balance; one flexibility for
-//! all creepages is the default, see `flexibility`; one friction coefficient, see `rubbing`; bodies of different materials are taken as two
+//! all creepages is the default, by another mean than in that paper, see `flexibility`; friction of places, see `limits`; bodies of different materials are taken as two
 //! of the combined G and ν, without coupling to the normal problem.
 
 mod case;

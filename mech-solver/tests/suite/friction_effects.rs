@@ -350,3 +350,28 @@ fn needs_of_values_are_refused_with_models_that_meet_them() {
     assert_eq!(refused.key, "effects.friction_bands.over");
     assert!(refused.fix.contains("\"wheel-on-track\", or write \"lateral\""), "{}", refused.fix);
 }
+
+/// A prescribed force is met under a bound that no place passes, by springs under either bound of friction and with strip theory; a force that the
+/// layer does not carry is refused. Tolerances: the root; the spread of strips.
+#[test]
+fn springs_meet_a_force_under_a_bound() {
+    for own in [
+        json!({}),
+        json!({"traction_bound": "elliptic"}),
+        json!({"traction_bound": "elliptic", "stick_zone": "strips"}),
+    ] {
+        let mut case = driven(round("fastsim", own), "traction_coefficient", 0.2);
+        case["effects"]["shear_limit"] = json!({"yield_stress": 230e6});
+        let (force, most, _) = solve(&case);
+        assert!((force / (0.2 * LOAD) - 1.0).abs() < 1e-9, "{force}");
+        assert!((0.9..1.0 + 1e-4).contains(&(most / 230e6)), "{most}");
+        case["motion"]["traction_coefficient"] = json!(0.3);
+        let configuration = configuration(&case);
+        let setup = MechSolver.configure(&configuration).expect("a case");
+        let mut store = Store::for_layout(setup.layout(), &configuration.outputs);
+        let mut model = setup.build(&Progress::default()).expect("a checked case builds");
+        model.solve(&Step::STEADY, &warm(), &mut store).expect("an iterate");
+        let refused = model.acceptable().unwrap_err().to_string();
+        assert!(refused.contains("between the surfaces yields"), "{refused}");
+    }
+}

@@ -284,3 +284,13 @@ fn stresses_below_the_surface() {
     let (more, higher) = stress("0.3");
     assert!(more > shear && higher < depth, "{more} {higher}");
 }
+
+/// What the thermal side reads of the contact is described by the mechanics: a figure by another name would leave estimates out, silently.
+#[test]
+fn estimates_read_figures_that_are_described() {
+    use proto::model::Solver;
+    let described = mech_solver::MechSolver.description().figures;
+    for key in thermal_solver::situation::OF_CONTACT {
+        assert!(described.iter().any(|figure| figure.key == key), "{key}");
+    }
+}

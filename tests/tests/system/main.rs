@@ -55,6 +55,7 @@ mod moving;
 mod new;
 mod new_solver;
 mod off_means_off;
+mod order_of_effects;
 #[path = "../shared/paper.rs"]
 mod paper;
 mod paraview;
