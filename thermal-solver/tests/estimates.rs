@@ -72,7 +72,7 @@ const RISE: &str = "temperature.rail.max_rise_k";
 fn the_rise_is_that_of_the_models() {
     for axes in [[4e-3, 4e-3], [8e-3, 4e-3], [2e-3, 6e-3], [6e-3, 1e-3]] {
         let between = if axes[0] > 2.0 * axes[1] { 0.25 } else { 0.1 };
-        for (peclet, tolerance) in [(0.0, 3e-3), (0.5, between), (5.0, between), (1e3, 1e-2)] {
+        for (peclet, tolerance) in [(0.0, 3e-3), (0.5, between), (5.0, between), (1e3, 2e-2)] {
             let speed = 2.0 * DIFFUSIVITY * peclet / axes[0];
             let case = at(speed);
             let estimate = opinion(&case, axes).known[RISE];

@@ -14,7 +14,9 @@ use crate::window::{Drive, Stage};
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::{Grid, Structured};
-use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use proto::model::{
+    Inputs, Model, Outputs, StateError, Step, StepError, StepReport, first_non_finite,
+};
 use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
@@ -205,6 +207,20 @@ impl<C: Conduction> Shell<C> {
         }
     }
 
+    /// Refuses rises that are no numbers, as those of speeds whose powers are beyond the range of numbers.
+    fn refuse_no_numbers(&self, drive: &Drive) -> Result<(), StepError> {
+        for (body, rise) in self.trial.iter().enumerate() {
+            if let Some(index) = first_non_finite(rise) {
+                let (name, value, speed) =
+                    (&self.frame.scene.names.0[body], rise[index], drive.speeds[body]);
+                return Err(StepError::NoSolution(format!(
+                    "the rise of `{name}` is {value} K at {speed:e} m/s; write another motion.speed"
+                )));
+            }
+        }
+        Ok(())
+    }
+
     fn header(&self) -> [u8; 17] {
         let mut header = [0; 17];
         header[0] = C::STATE_TAG;
@@ -238,6 +254,7 @@ impl<C: Conduction> Model for Shell<C> {
         };
         let rub = Rub { flux: flux.values, pressure, gap };
         let work = self.conduction.solve(&drive, &rub, &mut self.trial)?;
+        self.refuse_no_numbers(&drive)?;
         self.add_background(&drive, flux.values, work.heat)?;
         let mut operations = work.operations;
         if let Some(constriction) = &mut self.constriction {
