@@ -83,6 +83,17 @@ fn a_point_outside_is_refused_with_its_bounds() {
     assert_eq!(surrogate.admit(&[4.0, 4.0]), Ok(()));
 }
 
+/// Finite coefficients whose exponential is none.
+#[test]
+fn a_figure_that_overflows_is_refused() {
+    let mut document = document();
+    document.figures[0].coefficients = vec![800.0, 0.0];
+    let surrogate = Surrogate::new(&document).unwrap();
+    let refused = surrogate.ask(&[4.0, 2.0], &mut surrogate.room()).unwrap_err();
+    assert_eq!(refused, Refused::NotFinite { figure: "contact.law".to_owned() });
+    assert!(refused.to_string().contains("contact.law has no finite value here"), "{refused}");
+}
+
 #[test]
 fn a_file_is_what_was_written() {
     let text = serde_json::to_vec(&document()).unwrap();

@@ -85,6 +85,13 @@ def test_a_point_outside_is_refused(load):
         asked.ask({A: 3.0, "load.c": 1.0})
 
 
+def test_a_figure_that_overflows_is_a_fault(load):
+    document = copy.deepcopy(DOCUMENT)
+    document["figures"][0]["coefficients"] = [800.0, 0.0]
+    with pytest.raises(surrogate.Fault, match="law has no finite value here"):
+        load(document).ask({A: 4.0, B: 2.0})
+
+
 def test_what_is_no_surrogate_is_a_fault(load, tmp_path):
     def fault(words, change):
         document = copy.deepcopy(DOCUMENT)
@@ -119,5 +126,5 @@ def test_any_bytes_are_refused_or_evaluated(load):
         with np.errstate(all="ignore"):
             try:
                 asked.ask(middle)
-            except surrogate.Outside:
+            except (surrogate.Outside, surrogate.Fault):
                 continue

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 
 
 class Fault(ValueError):
-    """A file that is no surrogate."""
+    """A file that is no surrogate, or whose figures overflow."""
 
 
 class Outside(ValueError):
@@ -172,7 +172,7 @@ class Surrogate:
 
         Every key has a value, or an array of values; arrays are broadcast against each other, and
         the answers have their shape. Raises `Outside` if a point is, and KeyError for a name that
-        the surrogate does not know, or that is missing, and ValueError for a figure that overflows.
+        the surrogate does not know, or that is missing, and `Fault` for a figure that overflows.
         """
         values = self._values({**(at or {}), **more})
         shape = values[0].shape
@@ -187,10 +187,11 @@ class Surrogate:
             def scaled(n: int, scale: str, chunk: slice = chunk) -> Array:
                 return self._coordinates[n].scaled(points[n][chunk], scale)
 
-            self._plans[wanted].evaluate(scaled, out[:, chunk])
-        if not np.isfinite(out).all():
-            overflown = [key for key, one in zip(wanted, out, strict=True) if not np.isfinite(one).all()]
-            raise ValueError(f"{overflown[0]} has no finite value here; make the surrogate again")
+            with np.errstate(over="ignore", invalid="ignore"):
+                self._plans[wanted].evaluate(scaled, out[:, chunk])
+        for key, values in zip(wanted, out, strict=True):
+            if not np.isfinite(values).all():
+                raise Fault(f"{key} has no finite value here; make the surrogate again")
         return {key: one.reshape(shape)[()] for key, one in zip(wanted, out, strict=True)}
 
     def _values(self, given: Mapping[str, ArrayLike]) -> list[Array]:
