@@ -193,4 +193,6 @@ fn axes(direction: f64) -> Tensor {
 }
 
 #[cfg(test)]
+mod elements;
+#[cfg(test)]
 mod tests;

@@ -3,6 +3,7 @@
 //! Held are the first and last column, both sides and the bottom, or nothing. The state is w = u + βv and v: what resists is w, so
 //! that damping costs nothing, and u = w − βv.
 
+use super::frequency;
 use super::kernel::{Energy, Flow, Forces, LANES, PLASTIC, Row, Rows, Stiffness};
 use super::section::Section;
 use super::shape::Shape;
@@ -15,9 +16,6 @@ const ROUNDING: f64 = 1e-9;
 /// Share of the shear modulus that resists hourglass modes: of steel it is 0.05 of the wave modulus (Flanagan & Belytschko's
 /// measure), and it does not grow without bound towards a Poisson's ratio of 0.5, where shapes change by shear alone.
 const HOURGLASS: f64 = 0.175;
-/// Iterations for the highest frequency, and what they may still miss of it.
-const POWER_ITERATIONS: usize = 60;
-const POWER_MARGIN: f64 = 1.03;
 
 /// Something of a kernel whose constants are whether elements are curved, flow, and are softer than their row.
 macro_rules! of_facts {
@@ -447,51 +445,11 @@ impl Block {
         true
     }
 
-    /// Highest angular frequency [1/s] of small vibrations, by power iteration on M⁻¹K.
+    /// Upper bound of the highest angular frequency [1/s] of small vibrations ([`frequency`]).
     #[must_use]
     pub fn highest_frequency(&self) -> f64 {
-        let elastic = Solid { flow: None, ..self.solid };
-        let mut probe =
-            Self::new(self.counts[0], self.length, self.section.clone(), elastic, self.held);
-        // Neighbours that move against each other, by amounts that differ from place to place.
-        let amount = |n: usize| 1e-9 * (1.0 + (n * 2_654_435_761 % 1009) as f64 / 1009.0);
-        let sign = |n: usize| {
-            if (n / self.stride + n % self.stride).is_multiple_of(2) { 1.0 } else { -1.0 }
-        };
-        for (k, values) in probe.damped.iter_mut().enumerate() {
-            values.iter_mut().enumerate().for_each(|(n, u)| *u = sign(n) * amount(n + k));
-        }
-        probe.hold();
-        let mut frequency = 0.0;
-        for _ in 0..POWER_ITERATIONS {
-            let before = norm(&probe.damped);
-            // In a step of one second v = −M⁻¹K u.
-            probe.velocity.iter_mut().for_each(|v| v.fill(0.0));
-            probe.step(1.0);
-            let after = norm(&probe.velocity);
-            frequency = (after / before).sqrt();
-            for (damped, velocity) in probe.damped.iter_mut().zip(&probe.velocity) {
-                let scaled = damped.iter_mut().zip(velocity);
-                scaled.for_each(|(u, v)| *u = -before / after * v);
-            }
-        }
-        POWER_MARGIN * frequency
-    }
-
-    /// Puts what is held, and what is beyond the rows, to zero.
-    fn hold(&mut self) {
-        let (last, stride) = (self.counts[0], self.stride);
-        for values in &mut self.damped {
-            for (row, inverse) in values.chunks_exact_mut(stride).zip(&self.inverse_mass) {
-                let ends = usize::from(self.held == Held::Faces);
-                let free = ends..=last - ends;
-                let held = |node: usize| *inverse == 0.0 || !free.contains(&node);
-                row.iter_mut()
-                    .enumerate()
-                    .filter(|(node, _)| held(*node))
-                    .for_each(|(_, u)| *u = 0.0);
-            }
-        }
+        let held = self.held == Held::Faces;
+        frequency::highest(&self.stiffness, self.counts[1], self.solid.density, held)
     }
 }
 
@@ -559,10 +517,6 @@ fn rows_of(values: &[Vec<f64>; 3], start: usize, plane: usize, stride: usize) ->
         let row = start + more..start + more + stride;
         [&values[0][row.clone()], &values[1][row.clone()], &values[2][row]]
     })
-}
-
-fn norm(values: &[Vec<f64>; 3]) -> f64 {
-    values.iter().flatten().map(|value| value * value).sum::<f64>().sqrt()
 }
 
 /// Two rows of nodes that follow each other.

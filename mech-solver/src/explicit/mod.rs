@@ -18,6 +18,7 @@
 //! | [`section`] | the cross-section's mesh |
 //! | [`quality`] | how good its elements are |
 //! | [`block`] | a body: its state and its step |
+//! | [`frequency`] | an upper bound of its highest frequency, for the stable step |
 //! | [`contact`] | impulses between the surfaces |
 //! | [`plane`] | what happens in the contact, summed on a plane that travels with it |
 //! | [`rolling`] | two bodies, an axle, their steps |
@@ -29,6 +30,7 @@
 
 pub mod block;
 pub mod contact;
+pub mod frequency;
 pub mod helper;
 pub mod kernel;
 pub mod plane;

@@ -114,6 +114,31 @@ fn paraboloids_of_heat_change_the_radii() {
     }
 }
 
+/// A window that is solved anew after one that was not accepted has the answer of a model that has
+/// solved nothing else, to the bit: the search for the creepage of a force begins in the accepted
+/// state, not in the rejected solution.
+#[test]
+fn a_repeated_window_of_elements_begins_in_the_accepted_state() {
+    let mut case = case(1.2e-5);
+    case["materials"]["steel"]["density"] = json!(7850.0);
+    case["motion"] = json!({"speed": 38.889, "traction_coefficient": 0.3});
+    case["mech"] = json!({"model": "explicit-fe", "resolution": 2});
+    let configuration = configuration(&case);
+    let solved = |inputs: &[Raised]| {
+        let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
+        let mut store = Store::for_layout(setup.layout(), &configuration.outputs);
+        let mut model = setup.build(&Progress::default()).expect("a checked case builds");
+        for inputs in inputs {
+            model.solve(&Step::STEADY, inputs, &mut store).expect("an answer");
+        }
+        (store.0, model.summary())
+    };
+    let bell = || Raised::bell(10e-6, 8e-3, 1.2e-5);
+    let fresh = solved(&[bell()]);
+    let repeated = solved(&[Raised::bell(4e-6, 12e-3, 1.2e-5), bell()]);
+    assert_eq!(fresh, repeated);
+}
+
 /// What is wrong with an integral is said by name.
 #[test]
 fn an_integral_that_is_no_number_is_refused() {

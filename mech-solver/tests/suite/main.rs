@@ -17,6 +17,7 @@ mod in_time;
 mod lines;
 mod periodic;
 mod plastic_layer;
+mod pressed_wheel;
 mod profiles;
 mod rod;
 mod rows;

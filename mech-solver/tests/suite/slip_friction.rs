@@ -41,6 +41,24 @@ fn force_and_friction_are_found_together() {
     }
 }
 
+/// A window that is solved anew after one that was not accepted has the answer of a model that has
+/// solved nothing else, to the bit: the search for the creepage begins in the accepted state, not
+/// in the rejected solution.
+#[test]
+fn a_repeated_window_begins_in_the_accepted_state() {
+    let configuration = configuration(&falling("hertz-carter", 0.3));
+    let solved = |times: usize| {
+        let setup = MechSolver.configure(&configuration).unwrap();
+        let mut store = Store::for_layout(setup.layout(), &configuration.outputs);
+        let mut model = setup.build(&Progress::default()).unwrap();
+        for _ in 0..times {
+            model.solve(&Step::STEADY, &NoInputs, &mut store).expect("an answer");
+        }
+        (store.0, model.summary())
+    };
+    assert_eq!(solved(1), solved(2));
+}
+
 /// The creep curve has a maximum: a force beyond it has no creepage, and says so.
 #[test]
 fn a_force_beyond_the_maximum_is_refused() {

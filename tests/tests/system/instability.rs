@@ -51,17 +51,35 @@ fn hot_spots_grow_at_the_analytic_rate() {
     assert!(below < 0.0 && above > 0.0 && (ratio - 1.0).abs() < 0.01, "{below} {above}");
 }
 
-/// Below the critical speed what disturbs the contact decays, and never because of the window: from a microsecond to ten times as long as what decays
-/// takes. (Longer windows: the hard cases.)
+/// Growth of the last two increments of hot spots that begin at once [1/s]. In times of 1/κm² the
+/// rate of the pressure obeys h = g e + g ∫ e(t − τ) h(τ) dτ, with g = 2V/V_cr and e = erfc(√t),
+/// the swelling that is left of a unit of heat. Laplace's transform gives h = g/(z₁ − z₂) Σ ± z
+/// e^{(z² − 1)t} erfc(−z √t) over both roots of z² + z = g, the upper of which is s/m of
+/// [`closed_form`].
+fn passing_growth(ratio: f64, window: f64, windows: usize) -> f64 {
+    let increments = |before: f64| {
+        let m = TAU / LENGTH;
+        let time = DIFFUSIVITY * m * m * window * (windows as f64 - before);
+        let root = (1.0 + 8.0 * ratio).sqrt();
+        let part = |z: f64| z * ((z * z - 1.0) * time).exp() * libm::erfc(-z * time.sqrt());
+        part(0.5 * (root - 1.0)) - part(-0.5 * (root + 1.0))
+    };
+    (increments(0.5) / increments(1.5)).ln() / window
+}
+
+/// Below the critical speed what disturbs the contact decays, and never because of the window: from
+/// a microsecond to ten times as long as what decays takes. (Longer windows: the hard cases.) How
+/// fast it does is the closed form's. Tolerances: first order in the window, which is a share of
+/// the time since the beginning or, in long ones, of what decays.
 #[test]
 fn hot_spots_decay_in_windows_of_any_length() {
-    let expected = closed_form(0.9);
-    for (window, windows) in [(1e-2, 100), (1e-1, 12), (1e-4, 100), (1e-6, 60)] {
+    for (window, windows, tolerance) in
+        [(1e-2, 100, 0.06), (1e-1, 12, 0.5), (1e-4, 100, 0.06), (1e-6, 60, 0.06)]
+    {
+        let expected = passing_growth(0.9, window, windows);
         let found = growth(0.9, window, windows);
-        println!("{window} s: {found:.4} 1/s");
+        println!("{window} s: {found:.4} of {expected:.4} 1/s");
         assert!(found < 0.0, "{window}: {found}");
-        // After the first hundred windows of a hundredth of a second only the slowest wave is left.
-        let close = (found / expected - 1.0).abs() < 0.06;
-        assert!(close || window != 1e-2, "{found} {expected}");
+        assert!((found / expected - 1.0).abs() < tolerance, "{window}: {found} {expected}");
     }
 }
