@@ -112,7 +112,7 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         FigureSpec::new(
             &format!("contact.{T_GAMMA}"),
             "N",
-            "T-gamma number of wear: creep forces times creepages, without spin",
+            "T-gamma number: creep forces times creepages, without spin",
         )
         .on("friction", "Tγ")
         .digits(4),

@@ -110,7 +110,8 @@ mod tests {
             assert!((spacing - 0.5e-3).abs() < 1e-5);
         }
         let (none, _) = scatter(&crown(0.0, 0.5e-3)).unwrap();
-        assert!(none < 1e-12, "{none}");
+        // What a cubic in the chord leaves of a circle: its fourth derivative is of the order chord⁴/R³.
+        assert!(none < 1e-11, "{none}");
     }
 
     #[test]

@@ -23,7 +23,8 @@ use crate::progress::{Progress, Work, silent};
 use crate::record::Recorder;
 use crate::signals;
 use crate::supervise::{Exit, Launch, Supervisor};
-use contract::message::{Command, Reply, Status};
+use arrayvec::ArrayVec;
+use contract::message::{Command, MOST_PARTICIPANTS, Reply, Status};
 use coupling::ParticipantIndex;
 use patience::Patience;
 use proto::run_dir::{RunDir, RunInfo};
@@ -64,6 +65,9 @@ impl Drop for EndsFirst {
         }
     }
 }
+
+/// Some of the participants of a run, kept without an allocation.
+pub(crate) type Participants = ArrayVec<ParticipantIndex, MOST_PARTICIPANTS>;
 
 /// Who has replied, and its reply or the failure that it reports.
 pub type Answer = (ParticipantIndex, Result<Message<Reply>, RunError>);
@@ -319,7 +323,7 @@ impl Peers {
     /// A participant refuses, violates the contract, has ended, or is late.
     pub fn next_reply(
         &mut self,
-        pending: &mut Vec<ParticipantIndex>,
+        pending: &mut Participants,
         patience: impl Fn(ParticipantIndex) -> Duration,
     ) -> Result<Option<Answer>, RunError> {
         let Some(&first) = pending.first() else { return Ok(None) };

@@ -162,7 +162,7 @@ struct Stat {
     is_ending: bool,
 }
 
-/// The flag of a process that is ending (`PF_EXITING` in `include/linux/sched.h`).
+/// The flag of a process that is ending (`PF_EXITING` of the kernel).
 const ENDING: u64 = 4;
 
 /// What the kernel says of a process (`proc_pid_stat(5)`); `None` if it is gone.

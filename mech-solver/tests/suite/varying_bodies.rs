@@ -53,7 +53,7 @@ fn slices_are_the_profiles_that_they_name() {
     // It is placed by what it is at the beginning.
     let [new, worn] = ["rail-60e1.csv", "rail-60e1-worn.csv"].map(shipped);
     let lines = [(0, &worn), (400, &worn), (800, &worn), (1800, &new), (2200, &new)];
-    let lines = lines.map(|(at, profile)| format!("{at} {profile}\n")).concat();
+    let lines = lines.map(|(at, profile)| format!("{at}, {profile}\n")).concat();
     let wearing = File::new("wearing.slices", &format!("position [mm], profile\n{lines}"));
     let both = [(shipped("rail-wearing.slices").into(), new), (wearing.path(), worn)];
     for (slices, profile) in both {
@@ -158,7 +158,11 @@ fn what_does_not_vary_so_is_refused() {
     };
     let rail = shipped("rail-60e1.csv");
     let (_gone, change) = file("gone.slices", &format!("0 {rail}\n1 nowhere.csv\n"));
-    refused(&change, "bodies.rail.profile", "names nowhere.csv, which No such file");
+    refused(
+        &change,
+        "bodies.rail.profile",
+        "names nowhere.csv, which cannot be read: No such file",
+    );
     let (_back, change) = file("back.slices", &format!("0 {rail}\n-1 {rail}\n"));
     refused(&change, "bodies.rail.profile", "the positions of slices 1 and 2");
     let (_line, change) = file("line.slcs", "0 1\n2\n0 0 0\n1\n0 'a'\n");

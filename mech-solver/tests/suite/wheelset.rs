@@ -48,7 +48,7 @@ fn the_whole_is_the_sum_of_its_parts() {
             assert_eq!(of(&all, &format!("{side}.{key}")), of(&own, key));
         }
         assert_eq!(of(&all, &format!("{side}.axle_moment_nm")), of(&own, "axes.moment_y_nm"));
-        assert!(own.get("left").is_none() && own.get("roll_rad").is_none());
+        assert!(own.pointer("/left/axle_moment_nm").is_none() && own.get("roll_rad").is_none());
     }
     let [left, right] = parts.each_ref().map(totals);
     for key in ["force_y_n", "moment_x_nm", "axes.force_y_n", "axes.moment_z_nm"] {
@@ -63,6 +63,8 @@ fn the_whole_is_the_sum_of_its_parts() {
         let shift = of(one, "y_m") - of(other, "y_m");
         assert_close(shift.abs(), (of(&of_whole[1], "y_m") - of(&of_whole[0], "y_m")) / 2.0, 0.5);
         other["y_m"] = one["y_m"].clone();
+        // One wheel needs no name.
+        other["name"] = one["name"].clone();
         assert_eq!(one, other);
     }
     for field in ["pressure", "traction"] {

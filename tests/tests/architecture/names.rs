@@ -25,14 +25,11 @@ const FOLDERS: [&str; 5] = [
 const COMMON: [&str; 3] = ["columns", "geometry", "patches"];
 
 /// Files that name something all the same: which names, and why.
-const EXCEPTIONS: &[(&str, &[&str], &str)] = &[
-    ("coordinator/case/src/unit.rs", &["pressure"], "a quantity of physics, with its units"),
-    (
-        "coordinator/src/conform/given.rs",
-        &["surface_speed"],
-        "the one field of the contract's table that lies on a grid of one point",
-    ),
-];
+const EXCEPTIONS: &[(&str, &[&str], &str)] = &[(
+    "coordinator/src/conform/given.rs",
+    &["surface_speed"],
+    "the one field of the contract's table that lies on a grid of one point",
+)];
 
 type Named = BTreeMap<String, BTreeSet<String>>;
 

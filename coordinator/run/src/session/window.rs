@@ -3,7 +3,7 @@
 use super::solved::SolveRecord;
 use super::{Observed, Session, audit};
 use crate::error::RunError;
-use crate::peers::Phase;
+use crate::peers::{Participants, Phase};
 use contract::message::{Command, CommandKind, FIGURES, Finished, OBSERVE};
 use contract::step::Step;
 use coupling::{Exchange, Part, ParticipantIndex};
@@ -17,7 +17,7 @@ impl Session {
         self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         self.peers.phase = Phase::Accepting(*step);
         self.check_live()?;
-        let (mut observing, mut pending) = (Vec::new(), Vec::new());
+        let (mut observing, mut pending) = (Participants::new(), Participants::new());
         for one in self.peers.all().keys() {
             let observe = self.is_observed(one, observed);
             let figures = self.figures.are_asked_of(one);
@@ -96,7 +96,7 @@ impl Session {
         }
         let mut finished = Vec::with_capacity(self.peers.all().len());
         let deadline = self.peers.deadlines().solve;
-        let mut pending: Vec<_> = self.peers.all().keys().collect();
+        let mut pending = self.peers.all().keys().collect();
         while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
             let said: Finished = serde_json::from_slice(answer?.body()).map_err(|e| {
                 self.peers.misbehaved(one, format!("its summary is not valid: {e}"))
@@ -166,7 +166,7 @@ impl Exchange for Session {
         self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
         let mut longest = 0.0_f64;
         let (deadline, mut failures) = (self.peers.deadlines().solve, Vec::new());
-        let mut pending = participants.to_vec();
+        let mut pending = participants.iter().copied().collect();
         while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
             let message = match answer {
                 Ok(message) => message,
