@@ -188,10 +188,11 @@ fn softer_elements_stay_below_the_bound() {
 }
 
 /// At 0.999 of the step that the bound allows vibrations of all frequencies keep their energy, and
-/// at 1.1 of it those of cubes do not.
+/// at 1.25 of it those of cubes do not: in a held block as small as this one the bound is up to
+/// 18 % above the highest frequency.
 #[test]
 fn vibrations_are_stable_below_the_bound() {
-    for (share, stable) in [(0.999, true), (1.1, false)] {
+    for (share, stable) in [(0.999, true), (1.25, false)] {
         let section = section(&[1e-3; 4], &[1e-3; 4], 0.0);
         let mut block = Block::new(24, 1e-3, section, solid(0.3, f64::INFINITY), Held::Faces);
         let step = share * 2.0 / block.highest_frequency();

@@ -20,6 +20,8 @@ pub(super) struct Columns {
     pub(super) table: Option<(PathBuf, Option<DataTable>)>,
     /// Values in SI units by key, in the order of the rows.
     pub(super) values: BTreeMap<String, Vec<f64>>,
+    /// Names of the columns by key.
+    pub(super) names: BTreeMap<String, String>,
     /// A key refers to a column that could not be read.
     pub(super) incomplete: bool,
 }

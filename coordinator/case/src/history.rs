@@ -39,6 +39,9 @@ impl Checker<'_> {
         match self.read_column(node, table, readers) {
             Ok(values) => {
                 put(&mut self.values.0, key, Json::from(values[0]));
+                if let Some(Value::Text(name)) = table.get("column").map(|node| &node.value) {
+                    self.columns.names.insert(key.to_owned(), name.clone());
+                }
                 self.columns.values.insert(key.to_owned(), values);
             }
             Err(fault) => {
@@ -130,7 +133,7 @@ impl Checker<'_> {
 
     /// Where the rows are in time, and whether they suit the kind of case; the histories of the case.
     pub(super) fn histories(&mut self) -> Option<Histories> {
-        let Columns { mut values, table, incomplete } = std::mem::take(&mut self.columns);
+        let Columns { mut values, names, table, incomplete } = std::mem::take(&mut self.columns);
         let mode = self.values.get("time.mode").and_then(Json::as_str).unwrap_or("steady");
         let (steady, rows) = (mode == "steady", mode == "sequence");
         for axis in [TIME, DISTANCE] {
@@ -165,7 +168,7 @@ impl Checker<'_> {
         let axis = if time.is_none() && distance.is_some() { DISTANCE } else { TIME };
         let along = time.as_ref().or(distance.as_ref());
         let (file, table) = table.and_then(|(file, table)| Some((file, table?)))?;
-        if let Some(Err(error)) = along.map(|along| table.check_rising(axis, along, rows)) {
+        if let Some(Err(error)) = along.map(|along| table.check_rising(&names[axis], along, rows)) {
             let reason = format!("`{}` {error}", file.display());
             self.fault(axis, reason, "sort the rows by time");
             return None;

@@ -111,7 +111,14 @@ fn perform_whole(
         Some(checkpoint) => checkpoint.state.counts.resumed(start.plan_seconds),
         None => Counts { plan_seconds: start.plan_seconds, ..Counts::default() },
     };
-    let mut warnings = plan.warnings.clone();
+    let mut warnings = match from {
+        Some(_) => {
+            let mut warnings = plan_file::first_warnings(folder);
+            add(&mut warnings, &plan.warnings);
+            warnings
+        }
+        None => plan.warnings.clone(),
+    };
     let (ended, recorder) = match set_out(planned, folder, from, record) {
         Ok(recorder) => {
             let found = (&mut counts, &mut warnings);
@@ -174,6 +181,13 @@ fn set_out(
     }
     let start = |compression| recorder(planned, folder, from, compression).map(Arc::new);
     record.map(start).transpose()
+}
+
+/// Adds the warnings that are not known yet.
+fn add(warnings: &mut Vec<Warning>, more: &[Warning]) {
+    let known = |one: &&Warning| warnings.iter().any(|other| other.says_the_same(one));
+    let new: Vec<Warning> = more.iter().filter(|one| !known(one)).cloned().collect();
+    warnings.extend(new);
 }
 
 /// A summary as it is written.
@@ -293,10 +307,12 @@ fn perform(
         }
     };
     let looped = tracing::info_span!("windows").in_scope(windows);
+    let looped = looped.map_err(|error| match &recorder {
+        Some(recorder) => recorder.cause(error),
+        None => error,
+    });
     counts.bytes_exchanged = session.bytes_exchanged();
-    let known = |one: &&Warning| plan.warnings.iter().any(|other| other.says_the_same(one));
-    let new = session.warnings().iter().filter(|one| !known(one)).cloned();
-    warnings.extend(new);
+    add(warnings, session.warnings());
     // Whatever happened, what was written so far stays readable.
     if let Some(error) = first(looped.err(), tables.flush()) {
         return Err(error);

@@ -138,6 +138,13 @@ pub fn write(plan: &Plan, folder: &ResultFolder) -> Result<(), RunError> {
     folder.write(FILE, json(&PlanFile::of(plan)).as_bytes())
 }
 
+/// The warnings of the plan in the folder of a run that is resumed, if it can be read: the case kept there has
+/// the options in it, so that nothing is said any more of what they replace.
+pub(crate) fn first_warnings(folder: &ResultFolder) -> Vec<Warning> {
+    let text = std::fs::read(folder.file(FILE)).unwrap_or_default();
+    serde_json::from_slice(&text).map_or_else(|_| Vec::new(), |plan: PlanFile| plan.warnings)
+}
+
 /// The plan, and the versions of all that take part.
 fn text(plan: &Plan) -> String {
     let PlanFile { coordinator, protocol, participants, mut text, .. } = PlanFile::of(plan);

@@ -206,6 +206,28 @@ impl Recorder {
         self.wait_until(|progress| progress.closed)
     }
 
+    /// The same for a run that has failed; what is wrong with the recording is told when it is finished.
+    pub fn close(&self) {
+        let reported = self.has_reported();
+        let _ = self.stop_listening();
+        lock(&self.progress.0).reported = reported;
+    }
+
+    /// The error that ends a run, after the failure of the recording if there has been one before: it leaves
+    /// the topics then, which is an error of whoever sends on them.
+    #[must_use]
+    pub fn cause(&self, error: RunError) -> RunError {
+        let mut progress = lock(&self.progress.0);
+        match &progress.failed {
+            Some(why) if !progress.reported && !error.is_interrupt() => {
+                let cause = failed(&self.path, why).and(Err(error));
+                progress.reported = true;
+                cause
+            }
+            _ => error,
+        }
+    }
+
     /// Ends the recording with how the run ended; the length of the file \[byte\].
     ///
     /// # Errors

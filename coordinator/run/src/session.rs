@@ -146,7 +146,7 @@ impl Drop for Session {
     fn drop(&mut self) {
         if let Some(recorder) = self.peers.recorder() {
             // Its failure has been reported by whatever noticed it, or will be by `finish`.
-            let _ = recorder.stop_listening();
+            recorder.close();
         }
     }
 }

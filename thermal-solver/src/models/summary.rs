@@ -10,6 +10,9 @@ use serde_json::{Map, Value, json};
 const MOST_STRIPS: usize = 32;
 /// A surface is colder than it was where it is so by more than this part of its highest rise.
 const UNDERSHOOT: f64 = 1e-3;
+/// Elements whose rises are this part of the highest are as hot as the hottest: between surfaces that touch, what flows is
+/// found to some 1e-7 of it.
+const AS_HOT: f64 = 1.0 - 1e-6;
 
 /// The hottest place of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +57,38 @@ pub(super) fn hottest(
     rise_at: impl Fn(usize, f64) -> f64,
 ) -> Option<Peak> {
     let hottest = (0..rise.len()).reduce(|a, b| if rise[b] > rise[a] { b } else { a })?;
+    near(grid, rise, hottest, rise_at)
+}
+
+/// The same of surfaces between which heat flows where they touch. They may have one rise all over the contact, and which
+/// element is hottest is then rounding; in a short row at its edge the flux, which jumps there, leaves more between the
+/// elements than in them. Of the elements that are as hot as the hottest the one nearest to their middle is taken.
+pub(super) fn hottest_in_contact(
+    grid: &Structured,
+    rise: &[f64],
+    rise_at: impl Fn(usize, f64) -> f64,
+) -> Option<Peak> {
+    let highest = rise.iter().copied().fold(0.0, f64::max);
+    let hot = || (0..rise.len()).filter(move |at| rise[*at] >= AS_HOT * highest);
+    let place = |at: usize| [at % grid.ni, at / grid.ni];
+    let mut sums = [0; 2];
+    hot().for_each(|at| sums.iter_mut().zip(place(at)).for_each(|(sum, index)| *sum += index));
+    let count = hot().count();
+    // Whole numbers: elements that are equally far are so exactly.
+    let apart = |at: &usize| {
+        let sides = place(*at).into_iter().zip(sums);
+        sides.map(|(index, sum)| (count * index).abs_diff(sum).pow(2)).sum::<usize>()
+    };
+    near(grid, rise, hot().min_by_key(apart)?, rise_at)
+}
+
+/// The hottest place between the neighbours of an element along its row; `None` if that is not warm.
+fn near(
+    grid: &Structured,
+    rise: &[f64],
+    hottest: usize,
+    rise_at: impl Fn(usize, f64) -> f64,
+) -> Option<Peak> {
     if rise[hottest] <= 0.0 {
         return None;
     }

@@ -14,7 +14,9 @@
 //! that within.
 //!
 //! A field that jumps lies on no line: there is no estimate before two ends on the same branch are
-//! known, at the beginning of a run and after [`LocalError::forget`].
+//! known, at the beginning of a run and after [`LocalError::forget`]. A field whose number of values
+//! changes, as on a grid that grows, begins a branch of its own; until it has two ends the others are
+//! judged without it.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +24,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LocalError {
     fields: Vec<Line>,
-    /// Ends known on the present branch; more than two count as two.
-    ends: u32,
     /// Length of the last window \[s\].
     duration: f64,
 }
@@ -36,24 +36,25 @@ struct Line {
     slope: Vec<f64>,
     /// Largest two-norm so far.
     largest: f64,
+    /// Ends known on the present branch; more than two count as two.
+    ends: u32,
 }
 
 impl LocalError {
     /// The relative local error of a window of this duration \[s\] that ends with these values, field
-    /// by field in a steady order; `None` if there is no line yet, or none of as many values, as on a
-    /// grid that has grown. Not a number if a value is none.
+    /// by field in a steady order; `None` if no field has a line yet of as many values. Not a number
+    /// if a value is none.
     #[must_use]
     pub fn estimate<'a>(
         &self,
         duration: f64,
-        fields: impl IntoIterator<Item = &'a [f64]> + Clone,
+        fields: impl IntoIterator<Item = &'a [f64]>,
     ) -> Option<f64> {
-        let mut pairs = self.fields.iter().zip(fields.clone());
-        if self.ends < 2 || pairs.any(|(line, values)| line.last.len() != values.len()) {
-            return None;
-        }
         let milne = duration / (2.0 * duration + self.duration);
-        let errors = self.fields.iter().zip(fields).map(|(line, values)| {
+        let known = self.fields.iter().zip(fields);
+        let known =
+            known.filter(|(line, values)| line.ends == 2 && line.last.len() == values.len());
+        let errors = known.map(|(line, values)| {
             let scale = line.largest.max(norm(values.iter().copied()));
             let ends = line.last.iter().zip(&line.slope);
             let apart = ends.zip(values).map(|((last, slope), y)| y - (last + duration * slope));
@@ -72,14 +73,16 @@ impl LocalError {
                     last: values.to_vec(),
                     slope: vec![0.0; values.len()],
                     largest: 0.0,
+                    ends: 0,
                 });
             }
             let line = &mut self.fields[index];
             if line.last.len() != values.len() {
                 // Another number of elements: another branch.
                 (line.last, line.slope) = (values.to_vec(), vec![0.0; values.len()]);
-                self.ends = 0;
+                line.ends = 0;
             }
+            line.ends = (line.ends + 1).min(2);
             line.largest = line.largest.max(norm(values.iter().copied()));
             let ends = line.last.iter_mut().zip(values);
             for (slope, (last, value)) in line.slope.iter_mut().zip(ends) {
@@ -87,13 +90,12 @@ impl LocalError {
                 *last = *value;
             }
         }
-        self.ends = (self.ends + 1).min(2);
         self.duration = duration;
     }
 
     /// What was known belongs to another branch: something has jumped.
     pub fn forget(&mut self) {
-        self.ends = 0;
+        self.fields.iter_mut().for_each(|line| line.ends = 0);
     }
 }
 
@@ -116,6 +118,23 @@ mod tests {
             local.accept(1.0, [values.as_slice()]);
         }
         assert_eq!(ends, [None, None, Some(0.0), None, None, Some(0.0)]);
+    }
+
+    /// A field on a grid that grows in every window never has a line; the one that keeps its grid is
+    /// judged nevertheless, or the windows would stay as they are for ever.
+    #[test]
+    fn a_field_that_grows_does_not_hide_the_others() {
+        let mut local = LocalError::default();
+        let mut of = |window: usize, value: f64| {
+            let grown = vec![1.0; window + 1];
+            let fields = [grown.as_slice(), &[value]];
+            let error = local.estimate(1.0, fields);
+            local.accept(1.0, fields);
+            error
+        };
+        assert_eq!([of(0, 1.0), of(1, 1.0), of(2, 1.0)], [None, None, Some(0.0)]);
+        // A third of what the line misses, over the largest value.
+        assert_eq!(of(3, 4.0), Some(3.0 / 4.0 / 3.0));
     }
 
     /// The estimate for the window [t, t + h] of y, after windows of these lengths before t.

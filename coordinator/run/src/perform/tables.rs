@@ -24,14 +24,13 @@ pub(super) struct Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    /// Those that any participant reads, from tables and from outside.
+    /// Those that any participant reads, from tables, from outside, and from another participant.
     pub(super) fn of(plan: &'a Plan) -> Self {
         let read = plan.participants.iter().filter_map(|p| p.configuration.histories.as_ref());
         let tables: Vec<&Histories> = read.filter(|histories| histories.live.is_none()).collect();
         let columns = tables.iter().flat_map(|histories| histories.values.keys());
-        let own = plan.live.iter().filter(|live| live.provider.is_none());
-        let keys: BTreeSet<&str> =
-            columns.map(String::as_str).chain(own.map(|live| live.kind.name.as_str())).collect();
+        let live = plan.live.iter().map(|live| live.kind.name.as_str());
+        let keys: BTreeSet<&str> = columns.map(String::as_str).chain(live).collect();
         Self { keys: keys.into_iter().collect(), tables }
     }
 
@@ -51,7 +50,8 @@ impl<'a> Inputs<'a> {
     pub(super) fn values(&self, session: &Session, step: &Step) -> Vec<Option<f64>> {
         let value = |key: &&str| {
             let live = session.given().find(|(live, _)| live == key).map(|(_, value)| value);
-            live.or_else(|| self.tables.iter().find_map(|table| table.value(key, step)))
+            live.or_else(|| session.provided(key, step))
+                .or_else(|| self.tables.iter().find_map(|table| table.value(key, step)))
         };
         self.keys.iter().map(value).collect()
     }

@@ -93,10 +93,6 @@ pub(super) fn write_all(
             let closes = matches!(job, Job::CloseAll);
             let last = matches!(job, Job::Finish);
             let outcome = writing.perform(job);
-            if outcome.is_err() {
-                writing.topics.clear();
-                writing.writer = None;
-            }
             let mut progress = lock(progress);
             progress.done += u64::from(ends);
             progress.closed |= closes;
@@ -104,6 +100,11 @@ pub(super) fn write_all(
                 progress.failed.get_or_insert_with(|| error.to_string());
             }
             drop(progress);
+            // After that is known: whoever sends notices that the topics are left.
+            if outcome.is_err() {
+                writing.topics.clear();
+                writing.writer = None;
+            }
             if ends || closes || outcome.is_err() {
                 news.notify_all();
             }

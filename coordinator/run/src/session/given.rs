@@ -47,6 +47,14 @@ impl Session {
         self.live.sent.iter().map(|sent| (sent.key.as_str(), sent.value))
     }
 
+    /// The value that a participant has given a key last in a window, if it gives it.
+    #[must_use]
+    pub fn provided(&self, key: &str, step: &Step) -> Option<f64> {
+        let mut taps = self.live.provided.iter().map(|provided| &self.taps[provided.tap]);
+        let sample = taps.find(|tap| tap.kind.name == key)?.sample.as_ref()?;
+        (sample.header().window == step.window).then(|| sample.values().first().copied()).flatten()
+    }
+
     /// The folder of the run, in memory, which goes with it.
     #[must_use]
     pub fn folder(&self) -> &Path {

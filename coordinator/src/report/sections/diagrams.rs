@@ -35,6 +35,12 @@ fn entries(summary: &Value, diagram: &Diagram) -> Option<Vec<[f64; 2]>> {
     Some(entries.iter().filter_map(point).collect())
 }
 
+/// Beyond the rounding of a solver, the points differ in x: one point, however often, is no curve.
+fn varies(points: &[[f64; 2]]) -> bool {
+    let apart = |[from, to]: [f64; 2]| to - from > 1e-6 * from.abs().max(to.abs());
+    extent(points.iter().map(|point| point[0])).is_some_and(apart)
+}
+
 fn plot(results: &Results, diagram: &Diagram) -> Option<Figure> {
     let curves = diagram.curves.iter();
     let curves: Vec<(&str, Vec<[f64; 2]>)> = curves
@@ -61,7 +67,8 @@ fn plot(results: &Results, diagram: &Diagram) -> Option<Figure> {
         (true, false) => 0,
         _ => 1,
     };
-    if points.len() < fewest {
+    let alone = diagram.lines.is_empty() && curves.is_empty();
+    if points.len() < fewest || alone && !varies(&points) {
         return None;
     }
     let all = || curves.iter().flat_map(|(_, line)| line).chain(&points);

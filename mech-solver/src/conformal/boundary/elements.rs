@@ -55,11 +55,13 @@ fn flexibility(
     count: usize,
 ) -> Mat<f64> {
     let size = length / FINER as f64;
-    let fine = (half / size).ceil() as usize;
+    // Boundary elements begin with an element, however many there are.
+    let beside = (half / size - 0.5 * (FINER * count) as f64).ceil().max(0.0) as usize;
+    let fine = FINER * count + 2 * beside;
     let reach = HELD / k;
-    let side = growing(fine as f64 * size, size, reach);
+    let side = growing(0.5 * fine as f64 * size, size, reach);
     let mut edges: Vec<f64> = side[1..].iter().rev().map(|s| -s).collect();
-    edges.extend((0..=2 * fine).map(|n| (n as f64 - fine as f64) * size));
+    edges.extend((0..=fine).map(|n| (n as f64 - 0.5 * fine as f64) * size));
     edges.extend(&side[1..]);
     let (along, deep) = (with_middles(&edges), with_middles(&growing(0.0, 0.5 * size, reach)));
     let rows = deep.len();

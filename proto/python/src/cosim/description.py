@@ -45,6 +45,8 @@ class Key:
     """Of all keys with the same word here all or none must be given."""
     varies: bool = False
     """A case may give a column of a table; see `Configuration.case_at`."""
+    consumes: Mapping[str, Sequence[str]] = field(default_factory=dict, hash=False)
+    """Fields that the participant consumes besides, by the word of the key that asks for them."""
 
     @classmethod
     def quantity(cls, path: str, unit: str, help: str, **more: Any) -> Key:
@@ -94,11 +96,13 @@ class Key:
 
     def to_json(self) -> dict[str, Any]:
         """As it travels: what is not given is left out."""
-        absent: tuple[Any, ...] = (None, ())
+        absent: tuple[Any, ...] = (None, (), {})
         value = {name: given for name, given in asdict(self).items() if given not in absent}
         for name in ("of", "magnitude_below"):
             if name in value:
                 value[name] = list(value[name])
+        if self.consumes:
+            value["consumes"] = {word: list(fields) for word, fields in self.consumes.items()}
         return value
 
 
