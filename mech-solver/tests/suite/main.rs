@@ -17,7 +17,6 @@ mod in_time;
 mod lines;
 mod periodic;
 mod plastic_layer;
-mod pressed_wheel;
 mod profiles;
 mod rod;
 mod rows;

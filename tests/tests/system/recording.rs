@@ -167,7 +167,9 @@ fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     }
     let chosen = ["--set", "thermal.model=ertz-knothe", "--tolerance", "1", "--command", &program];
     let (code, replay, stderr) = self::replay(&place, &recording, "thermal", &chosen);
-    assert_eq!(code, Some(0), "{stderr}");
+    // Its fields live elsewhere, which is a difference whatever the tolerance of values.
+    assert_eq!(code, Some(4), "{stderr}");
+    assert!(stderr.contains("its grids, or where its fields live"), "{stderr}");
     assert_eq!(replay["program"], "closed-form 1.0", "{stderr}");
     let remark = "`lower_section_temperature` is not compared: the program does not provide it";
     assert!(replay["remarks"].as_array().unwrap().iter().any(|one| one == remark), "{replay:#}");

@@ -184,7 +184,7 @@ fn flexibility(
 /// What curvature changes of the flexibility of a corner of 10 mm and of the throat round it, as
 /// CONTACT's conformal examples have them, is that of finite elements in all nine pairs of
 /// components, and the same with tractions and displacements exchanged. Tolerance: constant
-/// tractions on boundary elements of a millimetre.
+/// tractions on boundary elements of a tenth of the radius, a fifth of a radian of the wave.
 #[test]
 fn a_corner_and_a_throat_are_those_of_finite_elements() {
     let material = Material { shear_modulus: 82e9, poisson_ratio: 0.28 };
@@ -214,7 +214,6 @@ fn a_corner_and_a_throat_are_those_of_finite_elements() {
             let pairs = (0..count * count).map(|at| (at / count, at % count));
             pairs.map(|(t, q)| of(finite, [t, a], [q, b]).abs()).fold(0.0, f64::max)
         };
-        let normal = largest(2, 2);
         for a in 0..3 {
             for b in 0..3 {
                 let (mut off, mut exchanged) = (0.0_f64, 0.0_f64);
@@ -225,9 +224,9 @@ fn a_corner_and_a_throat_are_those_of_finite_elements() {
                         exchanged = exchanged.max((value - of(boundary, [q, b], [t, a])).abs());
                     }
                 }
-                let shares = [largest(a, b), off, exchanged].map(|value| value / normal);
+                let shares = [off, exchanged].map(|value| value / largest(a, b));
                 println!("k {k} {}{}: {shares:.4?}", ["x", "s", "n"][a], ["x", "s", "n"][b]);
-                assert!(shares[1] < 0.02 && shares[2] < 0.02, "{k} {a}{b}: {shares:?}");
+                assert!(shares[0] < 0.1 && shares[1] < 0.03, "{k} {a}{b}: {shares:?}");
             }
         }
     }
