@@ -36,7 +36,7 @@ pub(crate) fn read_case(path: &Path) -> Result<RawCase, RunError> {
     Ok(RawCase::read(path)?)
 }
 
-/// What is meant by a name without an ending, or by that of a scene.
+/// Suggests the file meant by a name without an ending, or by the name of a scene.
 fn meant(name: &str) -> Option<String> {
     let files = [format!("{name}.toml"), format!("cases/{name}.toml")];
     if let Some(file) = files.iter().find(|file| Path::new(file).is_file()) {

@@ -46,7 +46,7 @@ pub struct ModelDescription {
     pub keeps_states: bool,
     /// A state can be turned into bytes and back.
     pub serialises: bool,
-    /// Its communication steps may differ in length.
+    /// Communication steps may differ in length.
     pub varies_step: bool,
     /// Its variables with numbers, in the order of the file.
     pub variables: Vec<Variable>,

@@ -58,7 +58,7 @@ pub struct Running {
     state: Option<Kept>,
     /// The FMU has gone on from the accepted state.
     moved: bool,
-    /// Its communication steps may differ in length.
+    /// Communication steps may differ in length.
     varies_step: bool,
     /// Length of the first step [s].
     first_step: Option<f64>,

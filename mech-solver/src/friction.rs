@@ -125,7 +125,7 @@ impl FrictionLaw {
     /// Evaluates the law for every element, from the friction coefficient of the case.
     ///
     /// # Errors
-    /// Those of [`FrictionFactor::write`].
+    /// Same errors as [`FrictionFactor::write`].
     pub(crate) fn evaluate(
         &self,
         coefficient: f64,

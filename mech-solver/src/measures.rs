@@ -54,7 +54,7 @@ impl Measures {
         let [pressure, load] = ["max_pressure_pa", "normal_force_n"].map(figure);
         let force = |name: &str| figure(name).unwrap_or(0.0);
         let tangential = force("creep_force_x_n").hypot(force("creep_force_y_n"));
-        // Of no slip it is 0, not −0.
+        // Without slip it is 0, not −0.
         let t_gamma = figure("creepage_xi").zip(figure("creepage_eta")).map(|(xi, eta)| {
             0.0 - (force("creep_force_x_n") * xi + force("creep_force_y_n") * eta)
         });

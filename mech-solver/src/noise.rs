@@ -110,7 +110,7 @@ mod tests {
             assert!((spacing - 0.5e-3).abs() < 1e-5);
         }
         let (none, _) = scatter(&crown(0.0, 0.5e-3)).unwrap();
-        // What a cubic in the chord leaves of a circle: its fourth derivative is of the order chord⁴/R³.
+        // A cubic in the chord leaves a remainder of the order chord⁴/R³ of a circle.
         assert!(none < 1e-11, "{none}");
     }
 

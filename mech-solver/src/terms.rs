@@ -176,7 +176,7 @@ pub(crate) struct Terms {
     pub(crate) effects: Vec<(&'static str, &'static [Kind])>,
     pub(crate) gap: Vec<Box<dyn GapTerm>>,
     pub(crate) friction: FrictionLaw,
-    /// What values of keys need of a model.
+    /// Capabilities of a model that values of keys need.
     pub(crate) needs: Vec<Need>,
     pub(crate) pressure_bounds: Vec<f64>,
     pub(crate) adhesion: bool,
@@ -223,7 +223,7 @@ impl Terms {
         self.layers.extend(more.layers);
         self.heat_shares.extend(more.heat_shares);
         self.observations.extend(more.observations);
-        // Of these kinds no earlier effect has made any.
+        // No earlier effect has made a term of these kinds.
         self.yields = self.yields.take().or(more.yields);
         self.expansion = self.expansion.take().or(more.expansion);
         self.axle = self.axle.take().or(more.axle);

@@ -156,7 +156,7 @@ fn exchange_error(service: &str, cause: impl std::fmt::Debug) -> TransportError 
 }
 
 /// Keeps what iceoryx2 would write to standard error to itself: whatever it has to say comes as an error.
-/// Its log level belongs to the whole process, so only a program's `main` decides on it.
+/// The log level of iceoryx2 belongs to the whole process, so only a program's `main` decides on it.
 pub fn silence_iceoryx2() {
     set_log_level(LogLevel::Fatal);
 }

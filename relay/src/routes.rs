@@ -40,7 +40,7 @@ pub(crate) struct Routes {
 pub(crate) struct Components(BTreeMap<String, usize>);
 
 impl Components {
-    /// Those of the table, and of a participant's own fields.
+    /// Components of the fields of the table and of a participant's own.
     pub(crate) fn described(description: &Description) -> Self {
         Self::of(field::TABLE.iter().map(FieldSpec::kind).chain(description.fields.clone()))
     }

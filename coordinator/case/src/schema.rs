@@ -18,7 +18,7 @@ pub const ROLE: &str = "ROLE";
 pub(super) const TIME: &str = "time.history";
 /// The column of distances, which the speed turns into times.
 pub(super) const DISTANCE: &str = "time.distance";
-/// What holds outside the times of a table.
+/// Values outside the times of a table.
 pub(super) const BEYOND: &str = "time.beyond";
 /// What becomes of a row of a sequence without an answer.
 pub(super) const ON_FAILURE: &str = "time.on_failure";

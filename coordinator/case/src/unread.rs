@@ -8,7 +8,7 @@ use contract::description::Description;
 /// A key of the case that has no effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unread {
-    /// Its dotted key.
+    /// Dotted path of the key.
     pub key: String,
     /// What would make somebody read it, as `mech.model = "half-space"`; empty for an entry of a table,
     /// such as a material, that nothing names.

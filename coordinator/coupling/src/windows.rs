@@ -63,7 +63,7 @@ impl Windows {
         }
     }
 
-    /// The windows are known to have one length, but for rounding.
+    /// Returns whether all windows are known to have the same length, within rounding.
     #[must_use]
     pub fn are_equal(&self) -> bool {
         match self {
@@ -102,7 +102,7 @@ impl Windows {
     }
 }
 
-/// A number of windows without a remainder, but for rounding.
+/// Returns whether the ratio is a whole number, within rounding.
 fn is_whole(ratio: f64) -> bool {
     (ratio - ratio.round()).abs() <= ROUNDING * ratio
 }

@@ -1,4 +1,4 @@
-//! What a result was computed from: programs, values of the case, and files.
+//! Identity of a result: the programs, values of the case and files that it was computed from.
 //!
 //! A command that goes on with earlier results compares identities first. Results of two identities
 //! never stand in one table.

@@ -258,7 +258,7 @@ impl Peers {
             }
             match watch.look(&mut all, one, waited.waited(), patience) {
                 Ok(()) => Ok(None),
-                // What was sent just before a participant ended still counts.
+                // A reply sent just before a participant ended still counts.
                 Err(reason) => replied(&all, pending)?.map(Some).ok_or(reason),
             }
         };
@@ -346,7 +346,7 @@ impl Peers {
         self.judge(one, message)?
     }
 
-    /// What a reply says; within the result, that the command has failed.
+    /// Checks a reply. The inner result is an error if the command has failed.
     fn judge(
         &self,
         one: ParticipantIndex,

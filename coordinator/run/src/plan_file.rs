@@ -54,7 +54,7 @@ pub struct PlanFile {
     /// Diagrams of them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub diagrams: Vec<Diagram>,
-    /// What may not be meant.
+    /// Warnings about the case and its plan.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<Warning>,
     /// The plan as `coordinator plan` prints it.

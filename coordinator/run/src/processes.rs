@@ -154,7 +154,7 @@ fn children() -> Vec<Pid> {
     numbers.filter_map(Pid::from_raw).filter(ours).collect()
 }
 
-/// What the kernel says of a process.
+/// Status of a process, as the kernel reports it.
 struct Stat {
     name: String,
     parent: Option<Pid>,
@@ -165,7 +165,7 @@ struct Stat {
 /// The flag of a process that is ending (`PF_EXITING` of the kernel).
 const ENDING: u64 = 4;
 
-/// What the kernel says of a process (`proc_pid_stat(5)`); `None` if it is gone.
+/// Reads the status of a process (`proc_pid_stat(5)`); `None` if it is gone.
 fn stat(process: Pid) -> Option<Stat> {
     let path = format!("/proc/{}/stat", process.as_raw_nonzero());
     let text = std::fs::read(path).ok()?;

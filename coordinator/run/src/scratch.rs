@@ -57,7 +57,7 @@ impl Scratch {
         }
     }
 
-    /// Its path.
+    /// Path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -106,7 +106,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let living = Scratch::within(place.path()).unwrap();
         let killed = Scratch::within(place.path()).unwrap();
-        // What a killed process leaves: the folder, and a lock that nobody holds.
+        // A killed process leaves the folder and a lock that nobody holds.
         assert_eq!(fs::read_dir(killed.path()).unwrap().count(), 0);
         fs::write(killed.path().join("results"), "x").unwrap();
         let Scratch { _folder: folder, _lock: lock, .. } = killed;

@@ -79,7 +79,7 @@ pub struct Session {
     /// A participant has no answer to the window.
     unanswered: bool,
     bytes_exchanged: u64,
-    /// What has turned out in the run that may not be meant.
+    /// Warnings raised during the run.
     warnings: Vec<Warning>,
     peers: Peers,
 }
@@ -121,7 +121,7 @@ impl Session {
         self.bytes_exchanged
     }
 
-    /// What has turned out in the run that may not be meant.
+    /// Warnings raised during the run.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings

@@ -27,7 +27,7 @@ use words::{Words, relay};
 pub struct Exit {
     /// Role of the participant.
     pub role: String,
-    /// How it ended; absent if the operating system did not say.
+    /// Exit status; absent if the operating system did not report it.
     pub status: Option<ExitStatus>,
     /// The last line it wrote, if any.
     pub last_words: Option<String>,

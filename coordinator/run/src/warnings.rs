@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fmt;
 
-/// What may not be meant.
+/// A warning: the case runs, but may not be what was meant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Warning {
@@ -29,7 +29,7 @@ pub struct Implausible {
     /// Place in the case; absent for a key of the summary.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
-    /// What of the key the value is, if it is not its own.
+    /// Quantity derived from the key, if the value is not that of the key itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quantity: Option<String>,
     /// The value (SI).
@@ -50,9 +50,9 @@ pub struct Remark {
     /// Place in the case, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
-    /// What is the matter.
+    /// Reason for the warning.
     pub reason: String,
-    /// What to do.
+    /// Advice to the user.
     pub fix: String,
 }
 
@@ -91,7 +91,7 @@ impl Warning {
     }
 }
 
-/// What is no error of a case, but has its place, reason and fix.
+/// Remark with place, reason and fix that is no error of the case.
 impl From<Problem> for Warning {
     fn from(problem: Problem) -> Self {
         let Problem { place, key, reason, fix } = problem;

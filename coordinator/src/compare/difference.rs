@@ -48,7 +48,7 @@ pub(crate) struct FigureDifference {
     pub a: Option<f64>,
     /// And in B.
     pub b: Option<f64>,
-    /// How the change is measured.
+    /// Scale of the change.
     pub measure: Measure,
     /// Change from A to B: B/A − 1 for a relative measure, else B − A. Absent where A is zero or one
     /// of them has no value.

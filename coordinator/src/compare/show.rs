@@ -58,7 +58,7 @@ fn figures(out: &mut String, of: &Comparison) {
             }
             _ => show_change(*measure, change),
         });
-        // What follows a comma explains the name.
+        // Text after a comma explains the name.
         let name = name.split(',').next().unwrap_or(name);
         let _ = writeln!(out, "  {head:9} {name:27} {a:>13} → {b:13} {change:>9}");
         head = "";
@@ -71,7 +71,7 @@ fn figures(out: &mut String, of: &Comparison) {
     remainder(out, head, "figure", &rest);
 }
 
-/// How many more there are of a kind, and in which way.
+/// Number of further entries of a kind, and the way in which they differ.
 fn remainder(out: &mut String, head: &str, thing: &str, counts: &[(usize, &str)]) {
     let some = counts.iter().filter(|(count, _)| *count > 0);
     let said = some.map(|(count, how)| format!("{} {how}", counted(*count as u64, thing)));

@@ -13,7 +13,7 @@ use std::rc::Rc;
 
 /// All that a fresh process publishes, outputs and observed fields.
 pub(super) struct Reference {
-    /// Of the first window, with inputs of variation 0.
+    /// Answer of the first window, to inputs of variation 0.
     pub(super) first: Values,
     /// Of the second window, with inputs of variation 1, after the first one was accepted and not
     /// observed.

@@ -38,14 +38,14 @@ impl FinishedRuns {
         Ok(Self { request: sum_of(request), identity, ..Self::default() })
     }
 
-    /// Those in a folder, if they are of the same request as these.
+    /// Reads the finished runs of a folder, if they belong to the same request.
     pub(super) fn read(&self, folder: &Path) -> Option<Self> {
         let text = fs::read(folder.join(FILE)).ok()?;
         let found = serde_json::from_slice::<Self>(&text).ok()?;
         (found.request == self.request && !found.runs.is_empty()).then_some(found)
     }
 
-    /// Those in a folder, or these if it has none of the same request.
+    /// Reads the finished runs of a folder; returns these if it has none of the same request.
     ///
     /// # Errors
     /// They are of another case: names what differs.
@@ -92,7 +92,7 @@ impl FinishedRuns {
     }
 }
 
-/// What decides which runs there are. The quantity that ranks them, and the values that they are compared
+/// Values that decide which runs there are. The quantity that ranks them, and the values that they are compared
 /// with, do not.
 fn sum_of(request: &Request) -> u64 {
     let vary: Vec<_> = request.vary.iter().map(|axis| (&axis.key, &axis.values)).collect();

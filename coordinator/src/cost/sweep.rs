@@ -79,7 +79,7 @@ pub(super) fn sweep(
         levels,
     };
     let points = sweep.points();
-    // What was made before, or is left out, takes no time now; what cannot be planned ends at once.
+    // Runs made before or left out take no time now; runs that cannot be planned end at once.
     let made = |seconds: f64| if seconds > request.longest_run { 0.0 } else { seconds };
     let expected = |point: &Point| match places.kept.run(&point.variant.options()) {
         Some(_) => 0.0,

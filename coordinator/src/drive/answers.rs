@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 
 /// Between two looks at processes and signals while a line is written.
 const LOOK: Duration = Duration::from_millis(20);
-/// How long the last line may take.
+/// Deadline for writing the last line.
 const LAST_WORDS: Duration = Duration::from_secs(1);
 
-/// Where answers go.
+/// Destination of the answers.
 #[derive(Debug)]
 pub(super) struct Answers {
     lines: Sender<String>,

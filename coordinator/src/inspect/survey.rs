@@ -229,7 +229,7 @@ impl<'a> Taken<'a> {
     }
 
     fn grids(&mut self, event: &Event) {
-        // What is damaged there is an error of the reader.
+        // Damage there is an error of the reader.
         let Ok(Some((_, topics))) = event.topics() else { return };
         for topic in topics.inputs.into_iter().chain(topics.outputs) {
             if let Shape::Structured(plane) = topic.grid.shape {

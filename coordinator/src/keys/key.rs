@@ -142,7 +142,7 @@ fn reads(case: &toml::Table, by: &str) -> bool {
     }
 }
 
-/// What keys are, by their dotted paths, as their help begins; the path where nobody reads it.
+/// Short names of keys by dotted path, from the beginning of their help; the path if nobody reads it.
 pub(crate) fn names<'a>(
     described: &[Description],
     paths: impl Iterator<Item = &'a str>,

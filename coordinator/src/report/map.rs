@@ -175,7 +175,7 @@ impl Heatmap {
         let middle = |n: usize, count: usize, [from, to]: [f64; 2]| {
             from + (n as f64 + 0.5) / count as f64 * (to - from)
         };
-        // Of those that are as large but for rounding the one nearest to the origin.
+        // Among places that are equally large within rounding, take the one nearest to the origin.
         let off = |at: &usize| {
             let x = middle(at % self.columns, self.columns, self.x);
             x.hypot(middle(at / self.columns, rows, self.y))

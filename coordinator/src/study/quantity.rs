@@ -34,7 +34,7 @@ pub(crate) struct Quantity {
     pub name: String,
     /// How its error is measured.
     pub measure: Measure,
-    /// How it is written.
+    /// Format of the value.
     #[serde(default)]
     pub style: Style,
 }

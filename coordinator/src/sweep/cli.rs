@@ -143,7 +143,7 @@ fn refuse_unread_keys(
 
 /// The folder of a sweep; that of the same one if it was stopped.
 fn folder(asked: &Arguments, study: &Study) -> Result<StudyFolder, RunError> {
-    // What is fitted need not be run again. A stopped sweep of another case is refused in `begin`.
+    // A fitted sweep need not be run again. A stopped sweep of another case is refused in `begin`.
     let goes_on = |folder: &Path| {
         earlier(folder, asked.fit).is_some_and(|other| {
             let same = !other.complete || other.identity == study.identity;

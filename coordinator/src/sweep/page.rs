@@ -97,7 +97,7 @@ fn table(study: &Study, columns: usize) -> Table<'_, Row> {
         let value = move |row: &Row| one.values.get(row.at[n]).cloned().unwrap_or_default();
         Column::text(one.key.clone(), value).naming()
     });
-    // Those of the curves come first, then what participants show or rank.
+    // Columns of the curves come first, then those that participants show or rank.
     let curves: Vec<&str> = study
         .diagrams
         .iter()

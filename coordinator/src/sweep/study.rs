@@ -36,7 +36,7 @@ pub(crate) struct Study {
     /// The SI unit of each key that varies, "1" for a plain number, empty if it is not known.
     #[serde(default)]
     pub units: Vec<String>,
-    /// What each key that varies is, as its help says it.
+    /// Names of the keys that vary, from their help.
     #[serde(default)]
     pub names: Vec<String>,
     /// Diagrams of the quantities, among which every point of the sweep has its mark.
@@ -106,7 +106,7 @@ fn units(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
     keys::units(&described, design.vary.iter().map(|one| one.key.as_str()))
 }
 
-/// What it is that varies.
+/// Name of the key that varies.
 fn names(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
     let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
     keys::names(&described, design.vary.iter().map(|one| one.key.as_str()))

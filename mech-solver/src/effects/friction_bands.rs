@@ -129,7 +129,7 @@ fn largest(over: Over) -> f64 {
     }
 }
 
-/// What only a rail on a track has.
+/// Coordinates that only a rail on a track has.
 fn rail_place(key: &'static str, lacks: &'static str, instead: &'static str) -> Need {
     Need { kind: Kind::RailPlace, key, lacks, instead }
 }

@@ -232,7 +232,7 @@ impl HeightMap {
     /// Takes the numbers of a table without a header.
     ///
     /// # Errors
-    /// What is wrong with it, after the file's name.
+    /// Fault of the file, to follow its name.
     fn from_table(table: &Table, spacing: f64, scale: f64) -> Result<Self, String> {
         let (columns, mut heights) = table.matrix().map_err(|error| error.to_string())?;
         heights.iter_mut().for_each(|height| *height *= scale);

@@ -67,7 +67,7 @@ pub fn highest(rows: &[Stiffness], across: usize, density: f64, held: bool) -> f
     };
     let (mut square, last) = (0.0, rows.len() / across - 1);
     for (at, rows) in rows.chunks_exact(across).enumerate() {
-        // Of a held body the sides, and the bottom.
+        // The sides and the bottom of a held body.
         let moves = |j: usize| {
             let [left, right, below] = [j > 0, j < across - 1, at < last].map(|it| it || !held);
             [left, left && below, right, right && below]

@@ -39,7 +39,7 @@ pub enum ProfileError {
     Order {
         /// Number of the point, from 1, in the order of rising y.
         point: usize,
-        /// Its lateral coordinate [m].
+        /// Lateral coordinate of the point [m].
         y: f64,
     },
     /// Too few points.

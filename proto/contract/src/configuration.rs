@@ -127,7 +127,7 @@ pub struct Layout {
     /// Remarks for `plan`, one line each: what the model makes of the case.
     #[serde(default)]
     pub remarks: Vec<String>,
-    /// What may not be meant in this case, in the words of a refusal. The case is run, and told so.
+    /// Warnings about the case, in the form of refusals. The case is run all the same.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<Refusal>,
     /// What the model leaves out in this very case, besides what its description says.

@@ -196,7 +196,7 @@ pub struct ModelSpec {
     /// planned only where every window is solved once.
     #[serde(default = "always", skip_serializing_if = "Clone::clone")]
     pub rewinds: bool,
-    /// Its windows may differ in length. One whose may not is planned only where all are equal.
+    /// Windows of the model may differ in length. One whose may not is planned only where all are equal.
     #[serde(default = "always", skip_serializing_if = "Clone::clone")]
     pub varies_step: bool,
     /// Fields it always consumes, by name.

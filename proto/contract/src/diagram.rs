@@ -8,7 +8,7 @@ const MOST: [usize; 2] = [16, 1000];
 /// A diagram.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Diagram {
-    /// What it is.
+    /// Label of the curve.
     pub title: String,
     /// Key of the figure to the right, one that the same participant describes; of a list every entry is a point.
     pub x: String,

@@ -29,7 +29,7 @@ const LONGEST_NAME: usize = 40;
 /// A column that a reader of a table expects.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Column {
-    /// Its name, and others by which it is known.
+    /// Name of the column, and others by which it is known.
     pub names: Vec<String>,
     /// The SI unit in which its values are returned.
     pub unit: String,
@@ -40,7 +40,7 @@ pub struct Column {
     /// A difference of temperatures, for which °C has no meaning.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub difference: bool,
-    /// What is expected of its values.
+    /// Expected range of the values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible: Option<Plausible>,
 }
@@ -65,7 +65,7 @@ impl Column {
         self
     }
 
-    /// Its values are differences of temperatures.
+    /// The values are differences of temperatures.
     #[must_use]
     pub fn of_differences(mut self) -> Self {
         self.difference = true;
@@ -164,7 +164,7 @@ pub enum TableError {
         column: String,
         /// Number of the line, from 1.
         line: usize,
-        /// What is wrong.
+        /// Fault of the table.
         error: QuantityError,
     },
     /// Degrees Celsius of a difference of temperatures.
@@ -179,7 +179,7 @@ pub enum TableError {
         one: String,
         /// The other place.
         place: String,
-        /// Its unit.
+        /// Unit of the column.
         other: String,
     },
     /// The header names no unit where one is needed.
@@ -199,7 +199,7 @@ pub enum TableError {
         column: String,
         /// Number of the line, from 1.
         line: usize,
-        /// What stands there, of a column that was found by its name.
+        /// Content of the cell, if its column was found by name.
         content: Option<String>,
     },
     /// Values that must rise do not.
@@ -227,7 +227,7 @@ fn quoted_content(content: Option<&str>) -> String {
     content.map(|content| format!(", but {content:?}")).unwrap_or_default()
 }
 
-/// How a file is read.
+/// Rules for reading a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
     /// Characters that begin a comment.
@@ -295,7 +295,7 @@ fn unit_text(text: &str) -> String {
     }
 }
 
-/// What sets cells apart.
+/// Separator between cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Separator {
     Character(char),
@@ -633,7 +633,7 @@ impl Table {
         self.converted(index, &unit, &column.unit)
     }
 
-    /// Where columns stand.
+    /// Order of the columns.
     ///
     /// # Errors
     /// One is missing or stands twice; without a header, the number of columns is another one.

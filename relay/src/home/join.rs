@@ -79,7 +79,7 @@ fn follow(
 mod tests {
     use super::*;
 
-    /// Of a run that is not finished this would end the process of the test.
+    /// For a run that is not finished this would end the process of the test.
     #[test]
     fn a_coordinator_that_ends_after_the_run_is_no_fault() {
         let finished = Arc::new(Mutex::new(true));

@@ -24,7 +24,7 @@ pub(super) struct Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    /// Those that any participant reads, from tables, from outside, and from another participant.
+    /// Input keys that any participant reads: from tables, from outside, and from another participant.
     pub(super) fn of(plan: &'a Plan) -> Self {
         let read = plan.participants.iter().filter_map(|p| p.configuration.histories.as_ref());
         let tables: Vec<&Histories> = read.filter(|histories| histories.live.is_none()).collect();

@@ -54,7 +54,7 @@ pub struct Plan {
     pub diagrams: Vec<Diagram>,
     /// Fields that are mapped, as far as their grids are known.
     pub mappings: Vec<PlannedMapping>,
-    /// What may not be meant.
+    /// Warnings about the case and its plan.
     pub warnings: Vec<Warning>,
     /// Every effect that some participant offers.
     pub effects: Vec<Effect>,
@@ -143,7 +143,7 @@ pub struct PlannedMapping {
     pub consumer: ParticipantIndex,
     /// Elements of the producer's and of the consumer's grid.
     pub elements: [usize; 2],
-    /// How well the grids cover each other, or why they cannot be mapped.
+    /// Coverage of the grids by each other, or the reason why they cannot be mapped.
     pub coverage: Result<Coverage, MapError>,
 }
 

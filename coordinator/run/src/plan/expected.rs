@@ -44,7 +44,7 @@ pub(super) fn warnings<'a>(
     warnings
 }
 
-/// Of the numbers of a key, and of the rows of those that vary.
+/// Warnings about the numbers of a key, and about the rows of those that vary.
 fn of_numbers<'a>(
     case: &'a Case,
     spec: &'a KeySpec,
@@ -70,7 +70,7 @@ fn of_numbers<'a>(
     })
 }
 
-/// Of the columns of the table that a key names.
+/// Warnings about the columns of the table that a key names.
 fn of_tables<'a>(
     case: &'a Case,
     spec: &'a KeySpec,
@@ -172,7 +172,7 @@ pub(super) fn unread(case: &Case) -> Option<Warning> {
     Some(problem.into())
 }
 
-/// What would read these keys, in words.
+/// Names the models and effects that would read these keys.
 fn reading(readers: &[String], keys: &[&str], alone: bool) -> String {
     let (shown, more) = readers.split_at(readers.len().min(MOST_READERS));
     let more = if more.is_empty() { String::new() } else { format!(" or {} more", more.len()) };

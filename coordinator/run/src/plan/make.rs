@@ -446,7 +446,7 @@ async fn estimate_one(
             Ok(())
         }
         Estimate::Refused(refusal) => {
-            // What is not expected of a value may be why the case cannot be.
+            // An unexpected value may be the reason why the case is impossible.
             let unexpected = plan.warnings.iter().filter_map(|warning| match warning {
                 Warning::Value(implausible) => Some(implausible.to_string()),
                 Warning::Remark(_) => None,

@@ -15,7 +15,7 @@ pub(super) struct Progress {
     pub(super) closed: bool,
     /// The thread has failed; everything after is dropped.
     pub(super) failed: Option<String>,
-    /// Its failure has ended the run.
+    /// The failure of the recorder has ended the run.
     pub(super) reported: bool,
 }
 

@@ -18,7 +18,7 @@ pub struct Extremes {
 #[derive(Clone, Debug, PartialEq)]
 struct Column {
     key: String,
-    /// Its place in a row.
+    /// Index of the column in a row.
     at: usize,
     /// The smallest and the largest value.
     bounds: Option<[Bound; 2]>,
@@ -33,7 +33,7 @@ struct Bound {
 }
 
 impl Extremes {
-    /// Those of the figures that stand large, in a table with this head.
+    /// Extremes of the headline figures, in a table with this header.
     #[must_use]
     pub(super) fn of(head: &[String], figures: &[FigureSpec]) -> Self {
         let large = figures.iter().filter(|figure| figure.headline && !figure.is_of_a_list());

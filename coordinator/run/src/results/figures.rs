@@ -13,7 +13,7 @@ const NAME: &str = "name";
 /// A figure with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry<'a> {
-    /// What it is.
+    /// Label of the figure.
     pub figure: &'a FigureSpec,
     /// Its value, in the unit of the figure.
     pub value: f64,
@@ -37,7 +37,7 @@ pub struct List<'a> {
     pub figures: Vec<&'a FigureSpec>,
     /// The figures of each entry, in the order of the list: first those that stand on its line.
     pub rows: Vec<Vec<Entry<'a>>>,
-    /// What an entry is called besides its number; empty where it has no name.
+    /// Name of an entry besides its number; empty if it has none.
     pub names: Vec<String>,
     /// How many entries there are, those that are not listed among them.
     pub count: usize,
@@ -86,7 +86,7 @@ fn list<'a>(
 ) -> Option<List<'a>> {
     let parts = |figure: &'a FigureSpec| figure.key.split_once(&format!(".{ENTRY}."));
     let (path, _) = parts(figures[0])?;
-    // Those on no line are for pages, which have room.
+    // Figures without a line of their own are printed on pages, which have room.
     let beside = all.iter().filter(|figure| {
         figure.line.is_none() && parts(figure).is_some_and(|(other, _)| other == path)
     });

@@ -104,7 +104,7 @@ fn imbalance(value: f64) -> String {
     }
 }
 
-/// What a run with a target of accuracy states of its error; of two values of a figure, which to quote.
+/// Prints the error of a run with a target of accuracy, and which of two values to quote.
 fn accuracy(summary: &Value, figures: &[FigureSpec]) -> Vec<Option<String>> {
     let Some(section) = summary.get("accuracy") else { return Vec::new() };
     let of = |key: &str| section.get(key).and_then(Value::as_f64);

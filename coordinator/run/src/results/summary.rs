@@ -116,7 +116,7 @@ pub struct Ingredients<'a> {
     pub finished: &'a [Finished],
     /// Their sections.
     pub sections: &'a Sections,
-    /// What was found to be unusual before the end: in the case, in the plan, in the run.
+    /// Warnings of the case, of the plan and of the run.
     pub warnings: &'a [Warning],
     /// Smallest and largest values over the windows, of a run that is complete.
     pub extremes: Option<&'a Extremes>,
@@ -135,7 +135,7 @@ pub struct Sections {
     pub merged: Map<String, Value>,
     /// Role and dotted key of the first quantity that is not finite; it is left out.
     pub not_finite: Option<(String, String)>,
-    /// What could not be taken over.
+    /// Entries that could not be taken over.
     pub warnings: Vec<Warning>,
 }
 

@@ -58,7 +58,7 @@ fn plot(results: &Results, diagram: &Diagram) -> Option<Figure> {
     }
     points.extend(entries(&results.summary, diagram).into_iter().flatten());
     points.retain(|point| point.iter().all(|value| value.is_finite()));
-    // Of two wheels each has its own diagram.
+    // Each of two wheels has its own diagram.
     if let Some([from, to]) = extent(curves.iter().flat_map(|(_, line)| line).map(|p| p[0])) {
         points.retain(|point| (from..=to).contains(&point[0]));
     }

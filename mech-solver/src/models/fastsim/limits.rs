@@ -17,7 +17,7 @@ pub(super) struct Limits<'a> {
 }
 
 impl<'a> Limits<'a> {
-    /// Of the elements of a grid under their pressures [Pa].
+    /// Traction bounds of the elements of a grid under their pressures [Pa].
     pub(super) fn new(
         grid: &'a Structured,
         friction: &'a ElementFriction,
