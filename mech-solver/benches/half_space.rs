@@ -5,6 +5,7 @@
 #![allow(clippy::print_stdout, reason = "a bench reports its memory")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use mech_solver::half_space::difference::Difference;
 use mech_solver::half_space::extent::sample;
 use mech_solver::half_space::influence::Elasticity;
 use mech_solver::half_space::levels::{Contact, Levels, Motion};
@@ -43,6 +44,7 @@ impl Scene {
                 yields: None,
                 semi_axes: [a, b],
                 motion,
+                difference: Difference::Fromm,
                 tolerance: 1e-4,
             },
             grid,

@@ -33,6 +33,7 @@ mod bands;
 mod carried;
 pub mod conformal;
 mod curve;
+mod difference;
 pub mod effects;
 mod ellipse;
 pub mod entry;

@@ -5,7 +5,7 @@
 //!
 //! e = h − δ cos α + A_nn p_n + A_nt p_t,
 //!
-//! and the slip of a step Δx is S = w Δx + (1 − S)(A_tt p_t + A_tn p_n), as on half-spaces. The rigid slip w is that of the creepages ξ, η, φ at s = 0
+//! and the slip of a step Δx is S = w Δx + D(A_tt p_t + A_tn p_n), with the difference D of half-spaces. The rigid slip w is that of the creepages ξ, η, φ at s = 0
 //! and of the rolling curvature c = 1/R₁ + 1/R₂ about the direction of s there:
 //!
 //! w_x = ξ − φ y + c z,   w_s = (η + φ x) cos α + (ζ − c x) sin α,   with y(s), z(s) on the surface,
@@ -24,10 +24,9 @@ use super::elastic::ElasticPair;
 use super::numbers::{Numbers, Patch};
 use super::section::Section;
 use super::shape::Arcs;
+use crate::half_space::difference::Difference;
 use crate::half_space::influence::Elasticity;
-use crate::half_space::levels::{
-    Contact, History, Levels, Motion, RIGID_SLIP_AHEAD, Solution, TangentialError,
-};
+use crate::half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, Prescribed};
 use crate::half_space::tangential::{self, Creepage, TangentialState};
 use crate::half_space::viscoelastic::Bodies;
@@ -116,6 +115,7 @@ pub struct ConformalSolver {
     arcs: Arcs,
     elastic: ElasticPair,
     levels: Levels,
+    difference: Difference,
 }
 
 impl ConformalSolver {
@@ -124,10 +124,10 @@ impl ConformalSolver {
     #[must_use]
     pub fn new(
         materials: &[Material; 2],
-        arcs: Arcs,
-        turn: f64,
+        (arcs, turn): (Arcs, f64),
         grid: &Structured,
         semi_axes: [f64; 2],
+        difference: Difference,
     ) -> Self {
         let patch = Patch {
             counts: [grid.ni, grid.nj],
@@ -142,10 +142,17 @@ impl ConformalSolver {
         let elastic = ElasticPair::new(materials, numbers, 0, patch.counts);
         let bodies = Bodies::from(Elasticity::of_pair(&materials[0], &materials[1]));
         let (layer, motion) = (0.0, Motion::SteadyRolling);
-        let contact =
-            Contact { bodies, layer, yields: None, semi_axes, motion, tolerance: TOLERANCE };
+        let contact = Contact {
+            bodies,
+            layer,
+            yields: None,
+            semi_axes,
+            motion,
+            difference,
+            tolerance: TOLERANCE,
+        };
         let levels = Levels::new(grid, &contact);
-        Self { grid: *grid, arcs, elastic, levels }
+        Self { grid: *grid, arcs, elastic, levels, difference }
     }
 
     /// Solves one row, from nothing.
@@ -285,7 +292,8 @@ impl ConformalSolver {
         let [x, s] = &found.state.traction;
         let mut slip = [0, 1].map(|_| vec![0.0; found.pressure.len()]);
         let [slip_x, slip_s] = &mut slip;
-        self.elastic.slip_besides([x, s], &found.pressure, [slip_x, slip_s]);
+        let difference = self.difference;
+        self.elastic.slip_besides(difference, [x, s], &found.pressure, [slip_x, slip_s]);
         for (component, slip) in slip.iter_mut().enumerate() {
             for (index, slip) in slip.iter_mut().enumerate() {
                 let [curved, plane] = self.rigid_slips(prescription, index);
@@ -299,8 +307,10 @@ impl ConformalSolver {
     fn rigid_slips(&self, prescription: &Prescription, index: usize) -> [[f64; 2]; 2] {
         let Prescription { creepage: [xi, eta, phi], normal_creepage: zeta, .. } = *prescription;
         let (grid, arcs) = (&self.grid, &self.arcs);
-        let (x, s) =
-            (grid.x(index % grid.ni) + RIGID_SLIP_AHEAD * grid.dx(), grid.y(index / grid.ni));
+        let (x, s) = (
+            grid.x(index % grid.ni) + self.difference.rigid_slip_ahead() * grid.dx(),
+            grid.y(index / grid.ni),
+        );
         let ([y, z], (sin, cos)) = (arcs.place(s), arcs.direction(s).sin_cos());
         let rolling = arcs.rolling_curvature;
         let plane = [xi - phi * s, eta + phi * x];
@@ -328,18 +338,19 @@ impl ConformalSolver {
         found.state = state;
     }
 
-    /// Friction power of every element, −½(p'_J + p_I)·S_I V/Δx with the traction p'_J of the element upstream [W/m²].
+    /// Friction power of every element [W/m²]: −p·S_I V/Δx with the traction p that works on the slip of the difference, and what the
+    /// difference of half-spaces takes besides.
     #[must_use]
-    pub fn friction_power(&self, found: &Conformal, speed: f64) -> Vec<f64> {
-        let nx = self.grid.ni;
+    pub fn friction_power(&mut self, found: &Conformal, speed: f64) -> Vec<f64> {
+        let (nx, rate) = (self.grid.ni, speed / self.grid.dx());
+        let [x, s] = &found.state.traction;
+        let scheme = self.levels.scheme_power([x, s], &found.pressure, speed);
         let power = |index: usize| {
             let of = |component: usize| {
-                let traction = &found.state.traction[component];
-                let upstream =
-                    if !(index + 1).is_multiple_of(nx) { traction[index + 1] } else { 0.0 };
-                (traction[index] + upstream) * found.state.slip[component][index]
+                let traction = self.difference.working(&found.state.traction[component], nx, index);
+                traction * found.state.slip[component][index]
             };
-            -0.5 * speed / self.grid.dx() * (of(0) + of(1)) + 0.0
+            scheme.as_ref().map_or(0.0, |scheme| scheme[index]) - rate * (of(0) + of(1))
         };
         (0..self.grid.points()).map(power).collect()
     }

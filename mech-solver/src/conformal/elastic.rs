@@ -6,6 +6,7 @@
 //! Slip of a step Δx is the displacement of an element less that of the one ahead.
 
 use super::numbers::Numbers;
+use crate::half_space::difference::Difference;
 use crate::half_space::influence::{Elasticity, Influence};
 use crate::half_space::normal::{NormalContact, NormalError, NormalSolver, Prescribed};
 use crate::scene::Material;
@@ -113,7 +114,13 @@ impl ElasticPair {
     }
 
     /// Slip of a step that half-spaces do not have under these tractions and this pressure [m].
-    pub fn slip_besides(&mut self, [x, s]: [&[f64]; 2], pressure: &[f64], slip: [&mut [f64]; 2]) {
+    pub fn slip_besides(
+        &mut self,
+        difference: Difference,
+        [x, s]: [&[f64]; 2],
+        pressure: &[f64],
+        slip: [&mut [f64]; 2],
+    ) {
         let (nx, _) = self.normal.shape();
         let mut displacement = vec![0.0; pressure.len()];
         let (ByTractions { displacement_by_pressure, change, .. }, rows) = self.by_tractions();
@@ -122,11 +129,8 @@ impl ElasticPair {
             let terms = [(by_x, x), (by_s, s), (by_pressure, pressure)];
             rows.apply(&terms, &mut displacement);
             for (at, slip) in slip.iter_mut().enumerate() {
-                // The element at the leading edge is not in contact.
-                *slip = match (at + 1).is_multiple_of(nx) {
-                    true => 0.0,
-                    false => displacement[at] - displacement[at + 1],
-                };
+                // Elements at the ends of a row are not in contact.
+                *slip = difference.along(&displacement, nx, at);
             }
         }
     }

@@ -10,6 +10,7 @@
 //! Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421–432, for the iteration; Kalker (1990)
 //! §4.2.
 
+use super::difference::Difference;
 use super::influence::Influence;
 use super::viscoelastic::{Bodies, Numbers};
 use numerics::convolution::{Convolution, Spectrum};
@@ -24,10 +25,10 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// The operators for nx × ny elements. `rolling` takes the slip of steady rolling, (1 − S) A_tz,
+    /// The operators for nx × ny elements. `rolling` takes the slip of steady rolling, by this difference of A_tz,
     /// in place of the displacement A_tz.
     #[must_use]
-    pub fn new(influence: &Influence, nx: usize, ny: usize, rolling: bool) -> Self {
+    pub fn new(influence: &Influence, nx: usize, ny: usize, rolling: Option<Difference>) -> Self {
         Self::of(nx, ny, rolling, |i, j| [influence.zx(i, j), influence.zy(i, j)])
     }
 
@@ -37,7 +38,7 @@ impl Coupling {
         bodies: &Bodies,
         [nx, ny]: [usize; 2],
         sides: [f64; 2],
-        rolling: bool,
+        rolling: Option<Difference>,
     ) -> Self {
         let numbers =
             Numbers::new([nx, ny], sides, bodies, |of, x, y| [of.zx_at(x, y), of.zy_at(x, y)]);
@@ -48,17 +49,19 @@ impl Coupling {
     }
 
     /// Of the normal displacements zx and zy; xz and yz are their opposites.
-    fn of(nx: usize, ny: usize, rolling: bool, kernel: impl Fn(i32, i32) -> [f64; 2]) -> Self {
+    fn of(
+        nx: usize,
+        ny: usize,
+        rolling: Option<Difference>,
+        kernel: impl Fn(i32, i32) -> [f64; 2],
+    ) -> Self {
         let mut convolution = Convolution::new(nx, ny);
-        let mut pair = |step: bool, sign: f64| {
-            [0, 1].map(|k| {
-                convolution.spectrum(|i, j| {
-                    let further = if step { sign * kernel(i + 1, j)[k] } else { 0.0 };
-                    sign * kernel(i, j)[k] - further
-                })
-            })
+        let slip = |i: i32, j: i32| match rolling {
+            Some(difference) => difference.of(|upstream| kernel(i + upstream, j)),
+            None => kernel(i, j),
         };
-        let (by_pressure, by_traction) = (pair(rolling, -1.0), pair(false, 1.0));
+        let by_pressure = [0, 1].map(|k| convolution.spectrum(|i, j| -slip(i, j)[k]));
+        let by_traction = [0, 1].map(|k| convolution.spectrum(|i, j| kernel(i, j)[k]));
         Self { convolution, by_pressure, by_traction, part: vec![0.0; nx * ny] }
     }
 

@@ -8,7 +8,9 @@
 //!
 //! Prescribed forces are met on every grid, from the creepages of the coarser one.
 
+use super::difference::Difference;
 use super::influence::{Elasticity, Influence};
+use super::scheme::Scheme;
 use super::slip_operator::SlipOperator;
 use super::tangential::{
     ElementState, Layer, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState,
@@ -58,6 +60,8 @@ pub struct Contact {
     pub semi_axes: [f64; 2],
     /// How the bodies move.
     pub motion: Motion,
+    /// The difference of steady rolling.
+    pub difference: Difference,
     /// Tractions on the finest grid have settled when they change by less than this share of the
     /// largest.
     pub tolerance: f64,
@@ -83,12 +87,8 @@ impl Contact {
 pub struct Levels {
     contact: Contact,
     levels: Vec<Level>,
+    scheme: Option<Scheme>,
 }
-
-/// Where the rigid slip of a step is taken, ahead of an element's centre, over the way of the step. The step's elastic slip is that of its
-/// middle, and the traction that it turns against that of its end: in between, errors of forces under spin nearly cancel
-/// (docs/theory/half-space.md). CONTACT has the same.
-pub const RIGID_SLIP_AHEAD: f64 = 1.0 / 6.0;
 
 /// One grid.
 #[derive(Debug)]
@@ -109,20 +109,27 @@ struct Level {
 impl Level {
     fn new(grid: &Structured, contact: &Contact) -> Self {
         let (dx, dy) = (grid.dx(), grid.dy());
-        let Contact { bodies, layer, yields, semi_axes: [a, _], motion, .. } = *contact;
+        let Contact { bodies, layer, yields, semi_axes: [a, _], motion, difference, .. } = *contact;
         let influence = Influence::of_grid(grid, bodies.instantaneous);
         let (nx, ny) = (grid.ni, grid.nj);
         let operator = match motion {
-            Motion::SteadyRolling if bodies.remember() => {
-                SlipOperator::rolling_with_memory(&bodies, layer, [nx, ny], [dx, dy], a / dx)
+            Motion::SteadyRolling if bodies.remember() => SlipOperator::rolling_with_memory(
+                &bodies,
+                difference,
+                layer,
+                [nx, ny],
+                [dx, dy],
+                a / dx,
+            ),
+            Motion::SteadyRolling => {
+                SlipOperator::rolling(&influence, difference, layer, [nx, ny], a / dx)
             }
-            Motion::SteadyRolling => SlipOperator::rolling(&influence, layer, nx, ny, a / dx),
             Motion::RollingStep | Motion::Shift => {
                 SlipOperator::instantaneous(&influence, layer, nx, ny)
             }
         };
         let (distance, ahead) = match motion {
-            Motion::SteadyRolling | Motion::RollingStep => (dx, RIGID_SLIP_AHEAD * dx),
+            Motion::SteadyRolling | Motion::RollingStep => (dx, difference.rigid_slip_ahead() * dx),
             Motion::Shift => (1.0, 0.0),
         };
         Self {
@@ -335,6 +342,11 @@ impl Levels {
     /// Operators for this grid and all coarser ones.
     #[must_use]
     pub fn new(grid: &Structured, contact: &Contact) -> Self {
+        let Contact { bodies, layer, difference, .. } = contact;
+        let scheme = match contact.motion {
+            Motion::SteadyRolling => Scheme::new(*difference, bodies, *layer, grid),
+            Motion::RollingStep | Motion::Shift => None,
+        };
         let mut levels = vec![Level::new(grid, contact)];
         let mut grid = *grid;
         let coarsens = contact.motion != Motion::RollingStep;
@@ -348,7 +360,7 @@ impl Levels {
             }
             levels.push(Level::new(&grid, contact));
         }
-        Self { contact: *contact, levels }
+        Self { contact: *contact, levels, scheme }
     }
 
     /// Solves for this traction bound g [Pa] on the finest grid, coarsest grid first.
@@ -414,6 +426,17 @@ impl Levels {
         solution.newton_steps += level.find(&target, &mut solution.state)?;
         solution.operator_applications += level.solver.work().0 - applied;
         Ok(())
+    }
+
+    /// Power that the difference along x takes of tractions on the finest grid beside that of their slip, at a speed of rolling [m/s],
+    /// under a pressure that matters to bodies of different constants only [W/m²]; `None` where it takes nothing.
+    pub fn scheme_power(
+        &mut self,
+        traction: [&[f64]; 2],
+        pressure: &[f64],
+        speed: f64,
+    ) -> Option<Vec<f64>> {
+        Some(self.scheme.as_mut()?.power(traction, pressure, speed))
     }
 
     /// The displacement difference A p of tractions on the finest grid [m]; for a motion whose

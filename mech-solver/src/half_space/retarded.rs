@@ -93,8 +93,8 @@ impl Flexibility {
         let zeros = || vec![0.0; grid.points()];
         Self {
             normal: (convolution, spectrum),
-            tangential: Displacement::of(&influence, nx, ny),
-            coupling: elasticity.is_coupled().then(|| Coupling::new(&influence, nx, ny, false)),
+            tangential: Displacement::new(&elasticity.into(), 0.0, grid, [nx, ny]),
+            coupling: elasticity.is_coupled().then(|| Coupling::new(&influence, nx, ny, None)),
             part: [zeros(), zeros()],
         }
     }

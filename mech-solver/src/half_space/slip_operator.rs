@@ -12,6 +12,7 @@
 //! S_I = w_I Δq + (A p)_I − (A p)_{I+e_x} = w_I Δq + (B p)_I,   B = (1 − S) A,
 //!
 //! with the rigid slip w [-] and the upstream shift S. B is a convolution like A, but not symmetric.
+//! This is the upwind difference of [`super::difference`]; Fromm's is B = (1 − S)(S⁻¹ + 4 − S) A/4.
 //!
 //! **Memory.** Viscoelastic bodies have the K of [`super::viscoelastic`] in place of A. The layer has none.
 //!
@@ -19,7 +20,7 @@
 //!
 //! **Approximate inverse.** In Fourier space B is (1 − e^{iθ}) Â with the wave number θ along x in
 //! radians per element. It vanishes for waves that do not vary along x, where the infinite plane has
-//! no answer; a patch of length 2a has. P = [(1 − ρS) A]⁻¹ with the damped shift ρ = e^{−c Δx/a}
+//! no answer; a patch of length 2a has. P = [(1 − ρS) A]⁻¹, for Fromm's difference over (S⁻¹ + 4 − S)/4, with the damped shift ρ = e^{−c Δx/a}
 //! gives the shift a memory of the patch's own length. Restricted to the elements of adhesion it is
 //! a preconditioner with which GMRES takes at most 14 iterations to 1e-6 at a/10 and 23 at a/80
 //! (test `linear_steps_hardly_depend_on_the_resolution`), hardly depending on c. Periodic images do
@@ -30,9 +31,11 @@
 //! discretisation; Vollebregt, Wear 314 (2014) for Fourier preconditioning of the shift problem.
 //! The damped shift is this project's.
 
+use super::difference::Difference;
 use super::influence::{Influence, Quarter};
 use super::viscoelastic::{Bodies, Numbers};
 use numerics::convolution::{Complex64, Convolution, FftNum, Spectrum};
+use proto::grid::Structured;
 
 /// Memory of the damped shift, in semi-axes.
 const MEMORY: f64 = 1.5;
@@ -72,17 +75,13 @@ impl<T: FftNum> Tensor<T> {
 pub struct Displacement(Tensor<f64>);
 
 impl Displacement {
-    /// For nx × ny elements dx × dy [m].
+    /// For nx × ny elements of a grid's sides, with the flexibility of a layer [m/Pa].
     #[must_use]
-    pub fn new(bodies: &Bodies, [nx, ny]: [usize; 2], sides: [f64; 2]) -> Self {
-        let table = Table::with_memory(bodies, 0.0, [nx, ny], sides);
-        Self(Tensor::of(Convolution::new(nx, ny), |i, j| table.value(i, j)))
-    }
-
-    /// A of elastic bodies, for nx × ny elements.
-    #[must_use]
-    pub fn of(influence: &Influence, nx: usize, ny: usize) -> Self {
-        let table = Table::new(influence, 0.0, nx, ny);
+    pub fn new(bodies: &Bodies, layer: f64, grid: &Structured, [nx, ny]: [usize; 2]) -> Self {
+        let table = match bodies.remember() {
+            true => Table::with_memory(bodies, layer, [nx, ny], [grid.dx(), grid.dy()]),
+            false => Table::new(&Influence::of_grid(grid, bodies.instantaneous), layer, nx, ny),
+        };
         Self(Tensor::of(Convolution::new(nx, ny), |i, j| table.value(i, j)))
     }
 
@@ -109,20 +108,22 @@ impl SlipOperator {
     #[must_use]
     pub fn rolling(
         influence: &Influence,
+        difference: Difference,
         layer_flexibility: f64,
-        nx: usize,
-        ny: usize,
+        [nx, ny]: [usize; 2],
         elements_per_semi_axis: f64,
     ) -> Self {
         let table = Table::new(influence, layer_flexibility, nx, ny);
-        let damping = (-MEMORY / elements_per_semi_axis).exp();
-        Self::new(nx, ny, Inverse::damped(&table, damping), |i, j| table.step(i, j))
+        let damped = Damped::new(difference, elements_per_semi_axis);
+        let inverse = Inverse { table: &table, damped: Some(damped), growth: None };
+        Self::new(nx, ny, inverse, |i, j| table.slip(difference, i, j))
     }
 
     /// B = (1 − S) K of steady rolling of bodies that may have a memory, for nx × ny elements dx × dy [m].
     #[must_use]
     pub fn rolling_with_memory(
         bodies: &Bodies,
+        difference: Difference,
         layer_flexibility: f64,
         [nx, ny]: [usize; 2],
         [dx, dy]: [f64; 2],
@@ -131,10 +132,10 @@ impl SlipOperator {
         let at_once = Influence::of_elements([dx, dy], bodies.instantaneous);
         let elastic = Table::new(&at_once, layer_flexibility, nx, ny);
         let table = Table::with_memory(bodies, layer_flexibility, [nx, ny], [dx, dy]);
-        let damping = (-MEMORY / elements_per_semi_axis).exp();
+        let damped = Damped::new(difference, elements_per_semi_axis);
         let growth = |upstream| bodies.growth(upstream, dx);
-        let inverse = Inverse { growth: Some(&growth), ..Inverse::damped(&elastic, damping) };
-        Self::new(nx, ny, inverse, |i, j| table.step(i, j))
+        let inverse = Inverse { table: &elastic, damped: Some(damped), growth: Some(&growth) };
+        Self::new(nx, ny, inverse, |i, j| table.slip(difference, i, j))
     }
 
     /// A, the operator of a shift and of a step of transient rolling, for nx × ny elements.
@@ -146,7 +147,7 @@ impl SlipOperator {
         ny: usize,
     ) -> Self {
         let table = Table::new(influence, layer_flexibility, nx, ny);
-        let inverse = Inverse { table: &table, damping: None, growth: None };
+        let inverse = Inverse { table: &table, damped: None, growth: None };
         Self::new(nx, ny, inverse, |i, j| table.value(i, j))
     }
 
@@ -201,18 +202,31 @@ impl SlipOperator {
 struct Inverse<'a> {
     /// The numbers at once.
     table: &'a Table,
-    /// Damping ρ of the shift, where there is one.
-    damping: Option<f64>,
+    /// The difference of steady rolling, where there is one.
+    damped: Option<Damped>,
     /// Symbol of K over A, by that of the shift.
     growth: Option<&'a dyn Fn(Complex64) -> Complex64>,
 }
 
-impl<'a> Inverse<'a> {
-    /// That of elastic bodies that roll.
-    fn damped(table: &'a Table, damping: f64) -> Self {
-        Self { table, damping: Some(damping), growth: None }
+/// A difference whose shift is damped.
+#[derive(Clone, Copy)]
+struct Damped {
+    difference: Difference,
+    /// Damping ρ of the shift.
+    damping: f64,
+}
+
+impl Damped {
+    fn new(difference: Difference, elements_per_semi_axis: f64) -> Self {
+        Self { difference, damping: (-MEMORY / elements_per_semi_axis).exp() }
     }
 
+    fn symbol(self, upstream: Complex64) -> Complex64 {
+        (1.0 - upstream * self.damping) * self.difference.over_upwind(upstream)
+    }
+}
+
+impl Inverse<'_> {
     fn tensor(self, convolution: Convolution) -> Tensor<f64> {
         let (nx, ny) = convolution.shape();
         let window = |at: i32, count: usize| 1.0 - f64::from(at.unsigned_abs()) / count as f64;
@@ -220,15 +234,12 @@ impl<'a> Inverse<'a> {
             let weight = window(i, nx) * window(j, ny);
             self.table.value(i, j).map(|value| weight * value)
         });
-        let mut shift = convolution.spectrum(|i, j| match (i, j) {
-            (0, 0) => 1.0,
-            (-1, 0) => -self.damping.unwrap_or(0.0),
-            _ => 0.0,
+        // A line of one element has no upstream one.
+        let upstream = convolution.spectrum(|i, j| if (i, j) == (-1, 0) { 1.0 } else { 0.0 });
+        let shift = Spectrum::combine([&upstream], |[at]| {
+            let difference = self.damped.map_or(1.0.into(), |damped| damped.symbol(at));
+            difference * self.growth.map_or(1.0.into(), |growth| growth(at))
         });
-        if let Some(growth) = self.growth {
-            let upstream = convolution.spectrum(|i, j| if (i, j) == (-1, 0) { 1.0 } else { 0.0 });
-            shift = Spectrum::combine([&shift, &upstream], |[shift, at]| shift * growth(at));
-        }
         let of = |which: fn(f64, f64, f64) -> f64| {
             Spectrum::combine([&xx, &yy, &xy, &shift], |[xx, yy, xy, shift]| {
                 let (xx, yy, xy) = (xx.re, yy.re, xy.re);
@@ -254,8 +265,8 @@ impl Table {
             let own = if (i, j) == (0, 0) { layer_flexibility } else { 0.0 };
             [influence.xx(i, j) + own, influence.yy(i, j) + own, influence.xy(i, j)]
         };
-        // One more than the grid along x, for the upstream neighbour.
-        Self::Elastic(Quarter::new(nx + 1, ny, value))
+        // Two more than the grid along x, for the upstream neighbours.
+        Self::Elastic(Quarter::new(nx + 2, ny, value))
     }
 
     fn with_memory(bodies: &Bodies, layer: f64, counts: [usize; 2], sides: [f64; 2]) -> Self {
@@ -280,9 +291,8 @@ impl Table {
         }
     }
 
-    /// Influence on the element less that on its upstream neighbour.
-    fn step(&self, i: i32, j: i32) -> [f64; 3] {
-        let (here, upstream) = (self.value(i, j), self.value(i + 1, j));
-        std::array::from_fn(|k| here[k] - upstream[k])
+    /// Slip that the difference makes of the influence on the element and on its neighbours.
+    fn slip(&self, difference: Difference, i: i32, j: i32) -> [f64; 3] {
+        difference.of(|upstream| self.value(i + upstream, j))
     }
 }

@@ -12,12 +12,12 @@
 //! **A layer that yields** ([`super::yielding`]) makes of the bound a function g(|S|) of the slip of an element, which is that of the surfaces and
 //! the plastic shift of the layer together; the conditions stay, and so does the energy: what the layer dissipates is in it.
 //!
-//! **Energy.** The power of the step from I + e_x to I is −½(p_I + p_{I+e_x})·S_I V/Δx. Summed over
+//! **Energy.** With the upwind difference the power of the step from I + e_x to I is −½(p_I + p_{I+e_x})·S_I V/Δx. Summed over
 //! all steps of steady rolling, those that leave the contact too, the part of B vanishes exactly,
 //! because pᵀ(Sᵀ − S)A p = 0 for a symmetric A that commutes with the shift: the sum is
 //! −V Σ w·p, the power of the forces over the creepages, at every resolution and whether or not the
-//! iteration has converged. In transient rolling what remains is the change of
-//! elastic energy.
+//! iteration has converged; with Fromm's difference as well ([`super::scheme`]). In transient rolling what remains is the
+//! change of elastic energy.
 //!
 //! Source: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4.
 

@@ -154,7 +154,7 @@ impl Bodies {
     }
 }
 
-/// Numbers K of some components at the offsets of a grid: up to nx − 1 elements downstream and nx
+/// Numbers K of some components at the offsets of a grid: up to nx elements downstream and nx + 1
 /// upstream, ny − 1 across.
 #[derive(Clone, Debug)]
 pub struct Numbers<const N: usize> {
@@ -172,10 +172,10 @@ impl<const N: usize> Numbers<N> {
         bodies: &Bodies,
         kernel: impl Fn(&Influence, f64, f64) -> [f64; N],
     ) -> Self {
-        let width = 2 * nx;
+        let width = 2 * nx + 2;
         let mut values = vec![[0.0; N]; width * ny];
         let at_once = Influence::of_elements([dx, dy], bodies.instantaneous);
-        let place = |column: usize| (column as f64 - (nx as f64 - 1.0)) * dx;
+        let place = |column: usize| (column as f64 - nx as f64) * dx;
         for (j, row) in values.chunks_exact_mut(width).enumerate() {
             let y = j as f64 * dy;
             for (column, value) in row.iter_mut().enumerate() {
@@ -210,7 +210,7 @@ impl<const N: usize> Numbers<N> {
     /// The numbers at an offset of (i, |j|) elements [m/Pa].
     #[must_use]
     pub fn value(&self, i: i32, j: i32) -> [f64; N] {
-        self.values[j.unsigned_abs() as usize * self.width + (i + self.nx - 1) as usize]
+        self.values[j.unsigned_abs() as usize * self.width + (i + self.nx) as usize]
     }
 }
 

@@ -79,7 +79,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn layout(configuration: &Configuration, case: &Case, footprint: &Footprint) -> Layout {
     let grid = footprint.grid;
-    let (grids, fields) = fields_over(configuration, grid, &[]);
+    let (grids, fields) = fields_over(configuration, grid, case.difference, &[]);
     let (elements, rows) = (grid.points() as f64, grid.nj as f64);
     let [low, high] = footprint.directions(case).map(f64::to_degrees);
     let remark = format!(

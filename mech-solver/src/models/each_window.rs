@@ -1,6 +1,7 @@
 //! Models of which every window depends on its own values and what comes in alone: nothing is carried from one to the next.
 
 use super::half_space::PASSAGE_GRID;
+use crate::half_space::difference::Difference;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, laid_out};
 use crate::terms::Observation;
 use proto::configuration::{Configuration, FieldOnGrid};
@@ -165,11 +166,12 @@ pub(super) fn write_pair(values: &mut [f64], [x, y]: &[Vec<f64>; 2]) {
     second.copy_from_slice(y);
 }
 
-/// The fields of a contact on this grid: slip and friction power half an element upstream, speeds for all of it; those of
+/// The fields of a contact on this grid: slip and friction power where the difference has them, speeds for all of it; those of
 /// observations where they say.
 pub(super) fn fields_over(
     configuration: &Configuration,
     grid: Structured,
+    difference: Difference,
     observations: &[Box<dyn Observation>],
 ) -> (Vec<Grid>, Vec<FieldOnGrid>) {
     let on = |spec: &FieldSpec| match *spec {
@@ -180,7 +182,7 @@ pub(super) fn fields_over(
     };
     let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
     let mut passage = grid;
-    passage.origin[0] += 0.5 * grid.dx();
+    passage.origin[0] += difference.middle() * grid.dx();
     let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
     let mut grids = vec![
         (CONTACT_GRID, grid.into()),

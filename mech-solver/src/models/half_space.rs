@@ -7,10 +7,9 @@
 //! contact slides: traction f p_n against the rigid slip, which is all the slip there is.
 //!
 //! Pressure and traction are constant in an element and belong to the grid `contact`. Slip and
-//! friction power belong to the step of a particle from an element's centre to the next one's:
-//! their grid, `passage`, is shifted upstream by half an element. That the power of a step takes the
-//! mean traction of both ends makes its sum the power of the forces over the creepages, exactly and
-//! at every resolution ([`crate::half_space::tangential`]).
+//! friction power belong to the grid `passage`. With the upwind difference they are those of the step of a particle from an
+//! element's centre to the next one's, half an element upstream; with Fromm's they are at the centres. The sum of the power is
+//! that of the forces over the creepages, exactly and at every resolution ([`crate::half_space::tangential`]).
 
 mod answer;
 mod balance;
@@ -26,9 +25,11 @@ mod retardation;
 mod steady;
 mod transient;
 
+use crate::difference;
 use crate::effects;
 use crate::ellipse::Ellipse;
 use crate::entry::ModelEntry;
+use crate::half_space::difference::Difference;
 use crate::half_space::influence::Elasticity;
 use crate::half_space::retarded::Delay;
 use crate::half_space::viscoelastic::Bodies;
@@ -51,7 +52,7 @@ use proto::progress::Progress;
 use steady::{Following, Steady};
 use transient::Transient;
 
-/// Grid of what happens from one element's centre to the next one's.
+/// Grid of slip and friction power.
 pub const PASSAGE_GRID: &str = "passage";
 
 /// Time of a solve over the elements^1.25, measured [s]: 0.023, 0.12 and 0.64 s with 40, 80 and 160
@@ -151,6 +152,7 @@ fn spec() -> ModelSpec {
     keys.extend(drive::keys());
     keys.push(rolling_key());
     keys.push(begin_key());
+    keys.push(difference::key());
     keys.push(start_key());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
@@ -219,6 +221,10 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
     let mut case = Case {
         memory,
+        difference: match memory {
+            true => Difference::Upwind,
+            false => difference::read(&configuration.case)?,
+        },
         begins_steady: begins_steady(configuration, &scene, memory)?,
         terms,
         shift_duration: 0.0,

@@ -118,7 +118,8 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
     let grid = plane.grid();
-    let (grids, fields) = fields_over(configuration, grid, &case.terms.observations);
+    let (grids, fields) =
+        fields_over(configuration, grid, case.settings.difference, &case.terms.observations);
     let size = format!(
         "{} x {} elements of {:.4} x {:.4} mm over the rail's surface, along x and along the tape",
         grid.ni,

@@ -25,6 +25,7 @@ use super::wheelset::{Motion, Pose, Wheel};
 use crate::conformal::elastic::ElasticPair;
 use crate::conformal::numbers::{Numbers, Patch};
 use crate::conformal::section::Section;
+use crate::half_space::difference::Difference;
 use crate::half_space::normal::{NormalContact, NormalError};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
@@ -203,12 +204,13 @@ impl Curved {
         &mut self,
         [x, s]: &[Vec<f64>; 2],
         pressure: &[f64],
+        difference: Difference,
     ) -> [Vec<f64>; 2] {
         let mut slip = [0, 1].map(|_| vec![0.0; pressure.len()]);
         let own = || self.own.clone();
         let [slip_x, slip_s] = &mut slip;
         let slips = [&mut slip_x[own()], &mut slip_s[own()]];
-        self.elastic.slip_besides([&x[own()], &s[own()]], &pressure[own()], slips);
+        self.elastic.slip_besides(difference, [&x[own()], &s[own()]], &pressure[own()], slips);
         slip
     }
 

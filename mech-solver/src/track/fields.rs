@@ -1,14 +1,12 @@
 //! The fields of a patch, on its part of the grid over x and the tape distance, and sums of them.
 //!
-//! **Friction power** of an element is that of the step in which a particle of the rail passes it, from the element
-//! ahead: −½(p_I + p_{I+1})·S_I V/Δx ([`crate::half_space::tangential`]). Over a patch it is −V(ξF_x + ηF_y +
-//! φM_z), M_z about the *pivot*, Δx/3 ahead of the origin: half an element less what the rigid slip is taken ahead
-//! of the middle of an element ([`RIGID_SLIP_AHEAD`]), as a step has tractions of its beginning and of its end. Where
-//! rigid slip is taken on the surfaces, what is off the plane adds its own power.
+//! **Friction power** of an element is −p·S_I V/Δx, with the traction p that works on the slip of its difference
+//! ([`crate::half_space::difference`]). and what the difference takes besides ([`crate::half_space::scheme`]). Over a patch it is −V(ξF_x + ηF_y + φM_z), M_z about the *pivot*. The pivot is the origin for Fromm's, and Δx/3 ahead of it for the upwind one. Where rigid slip is taken on the surfaces,
+//! what is off the plane adds its own power.
 
 use super::local::Window;
 use crate::friction::ElementFriction;
-use crate::half_space::levels::RIGID_SLIP_AHEAD;
+use crate::half_space::difference::Difference;
 use crate::half_space::tangential::{ElementState, TangentialState};
 use proto::grid::Structured;
 
@@ -24,6 +22,8 @@ pub struct Fields {
     pub sides: [f64; 2],
     /// Column and row of the origin of the patch's axes.
     pub origin: [usize; 2],
+    /// The difference along x of its slip, which says where slip and power are.
+    pub difference: Difference,
     /// Undeformed distance [m], [`super::local::NOTHING`] beyond the rows of the patch.
     pub distance: Vec<f64>,
     /// Pressure [Pa].
@@ -51,7 +51,13 @@ pub struct Load {
 impl Fields {
     /// The fields without tractions on a window whose origin is this element.
     #[must_use]
-    pub fn pressed(window: &Window, element: [i64; 2], distance: &[f64], pressure: &[f64]) -> Self {
+    pub fn pressed(
+        window: &Window,
+        difference: Difference,
+        element: [i64; 2],
+        distance: &[f64],
+        pressure: &[f64],
+    ) -> Self {
         let count = window.points();
         let zeros = || vec![0.0; count];
         Self {
@@ -59,6 +65,7 @@ impl Fields {
             counts: window.counts(),
             sides: window.sides,
             origin: window.half,
+            difference,
             distance: distance.to_vec(),
             pressure: pressure.to_vec(),
             traction: [zeros(), zeros()],
@@ -83,8 +90,14 @@ impl Fields {
     }
 
     /// Takes the tractions of a solution on a window around the same origin, no larger than this, at the speed
-    /// V [m/s].
-    pub fn take(&mut self, window: &Window, state: &TangentialState, speed: f64) {
+    /// V [m/s], with the power that the difference along x takes beside that of slip [W/m²].
+    pub fn take(
+        &mut self,
+        window: &Window,
+        state: &TangentialState,
+        speed: f64,
+        scheme: Option<&[f64]>,
+    ) {
         let (wide, narrow) = (self.counts[0], window.counts());
         let [left, low] = [0, 1].map(|k| self.origin[k] - window.half[k]);
         let rate = speed / self.sides[0];
@@ -92,12 +105,11 @@ impl Fields {
             for i in 0..narrow[0] {
                 let from = j * narrow[0] + i;
                 let to = (low + j) * wide + left + i;
-                let mut power = 0.0;
+                let mut power = scheme.map_or(0.0, |scheme| scheme[from]);
                 for component in 0..2 {
                     let traction = &state.traction[component];
-                    let ahead = if i + 1 < narrow[0] { traction[from + 1] } else { 0.0 };
                     let velocity = state.slip[component][from] * rate;
-                    power -= 0.5 * (traction[from] + ahead) * velocity;
+                    power -= self.difference.working(traction, narrow[0], from) * velocity;
                     self.traction[component][to] = traction[from];
                     let touches = self.pressure[to] > 0.0;
                     self.slip_velocity[component][to] = if touches { velocity } else { 0.0 };
@@ -119,10 +131,8 @@ impl Fields {
     ) -> f64 {
         let nx = window.counts()[0];
         let of = |at: usize| {
-            let ahead =
-                |values: &[f64]| if (at + 1).is_multiple_of(nx) { 0.0 } else { values[at + 1] };
             let parts = slip.iter().zip(traction);
-            parts.map(|(slip, p)| -0.5 * (p[at] + ahead(p)) * slip[at]).sum::<f64>()
+            parts.map(|(slip, p)| -self.difference.working(p, nx, at) * slip[at]).sum::<f64>()
         };
         (0..window.points()).map(of).sum::<f64>() * speed * self.sides[1]
     }
@@ -181,7 +191,7 @@ impl Fields {
     /// Where along x, ahead of the origin, the moment is taken that does the work of the spin [m].
     #[must_use]
     pub fn pivot(&self) -> f64 {
-        (0.5 - RIGID_SLIP_AHEAD) * self.sides[0]
+        (self.difference.middle() - self.difference.rigid_slip_ahead()) * self.sides[0]
     }
 
     /// Area of the elements that slip over that of all in contact [-].

@@ -321,7 +321,7 @@ fn slide(
             RigidSlip::Plane => None,
             RigidSlip::Surfaces => Some(pressed.rigid_slip(&rolling, bodies)?),
         };
-        let elastic = pressed.elastic_slip(&traction);
+        let elastic = pressed.elastic_slip(&traction, settings.difference);
         let near_here = near.take().filter(|(half, _)| *half == part.half);
         let about = Sliding { side, settings, pressed, rolling: &rolling, part, besides, elastic };
         let slid = about.solve(interface, near_here.map(|(_, state)| state), pool, work)?;

@@ -57,7 +57,7 @@ impl Pool {
     /// The solver of steady rolling on a window, which is about as large as its contact: what it answers depends
     /// on the window alone, and not on the contact that it was made for.
     pub(super) fn tangential(&mut self, window: &Window) -> &mut Levels {
-        let Settings { sides: [dx, dy], bodies, layer, tolerance, .. } = self.settings;
+        let Settings { sides: [dx, dy], bodies, layer, difference, tolerance, .. } = self.settings;
         kept(&mut self.tangential, window.half, || {
             let [nx, ny] = window.counts();
             let [x0, y0] = [window.along(0, 0), window.along(1, 0)];
@@ -72,6 +72,7 @@ impl Pool {
                     yields: None,
                     semi_axes,
                     motion,
+                    difference,
                     tolerance,
                 },
             )

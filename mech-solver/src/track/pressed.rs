@@ -16,6 +16,7 @@ use super::settings::{Normal, Settings};
 use super::strips::{self, PressedStrip};
 use super::wheelset::{Motion, Pose, Wheel};
 use crate::half_space::area::contact_area;
+use crate::half_space::difference::Difference;
 use crate::half_space::normal::Prescribed;
 use proto::grid::Structured;
 use std::borrow::Cow;
@@ -268,8 +269,12 @@ impl Pressed {
     }
 
     /// Slip of a step that elastic half-spaces do not have under these tractions [m], on a curved surface.
-    pub(super) fn elastic_slip(&mut self, traction: &[Vec<f64>; 2]) -> Option<[Vec<f64>; 2]> {
-        Some(self.curved.as_mut()?.elastic_slip(traction, &self.pressure))
+    pub(super) fn elastic_slip(
+        &mut self,
+        traction: &[Vec<f64>; 2],
+        difference: Difference,
+    ) -> Option<[Vec<f64>; 2]> {
+        Some(self.curved.as_mut()?.elastic_slip(traction, &self.pressure, difference))
     }
 
     /// How tractions lean the force: in a plane what of it is along the tangent for one along the normal, on a curved surface the vertical part of

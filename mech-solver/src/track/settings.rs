@@ -1,6 +1,7 @@
 //! What a wheel on a rail is solved with, and what it is asked for.
 
 use super::region::Joining;
+use crate::half_space::difference::Difference;
 use crate::half_space::influence::Elasticity;
 use crate::scene::Material;
 use crate::simplified::flexibility::Kind;
@@ -33,6 +34,8 @@ pub struct Settings {
     pub normal: Normal,
     /// What gives the tractions.
     pub tangential: Tangential,
+    /// The difference along x that makes slip of displacements.
+    pub difference: Difference,
     /// Most elements of a patch.
     pub limit: usize,
     /// Tractions have settled when they change by less than this share of the largest, a given force is met to
@@ -56,6 +59,7 @@ impl Settings {
             mutual: false,
             normal: Normal::default(),
             tangential: Tangential::default(),
+            difference: Difference::default(),
             limit: 400_000,
             tolerance: 1e-5,
         }

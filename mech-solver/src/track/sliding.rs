@@ -1,7 +1,7 @@
 //! A patch that slides everywhere: traction f p against the rigid slip, which is all the slip there is.
 
 use super::local::Window;
-use crate::half_space::levels::RIGID_SLIP_AHEAD;
+use crate::half_space::difference::Difference;
 use crate::half_space::tangential::{Creepage, ElementState, TangentialState};
 
 /// The tractions under a bound [Pa], and the slip of a step of one element, at these creepages and a slip that is
@@ -9,6 +9,7 @@ use crate::half_space::tangential::{Creepage, ElementState, TangentialState};
 pub(super) fn everywhere(
     bound: &[f64],
     window: &Window,
+    difference: Difference,
     [xi, eta, phi]: Creepage,
     more: Option<[&[f64]; 2]>,
 ) -> TangentialState {
@@ -16,7 +17,7 @@ pub(super) fn everywhere(
     let [dx, _] = window.sides;
     let mut state = TangentialState::at_rest(bound, [xi, eta, phi]);
     for (at, bound) in bound.iter().enumerate() {
-        let x = window.along(0, at % nx) + RIGID_SLIP_AHEAD * dx;
+        let x = window.along(0, at % nx) + difference.rigid_slip_ahead() * dx;
         let y = window.along(1, at / nx);
         let off_plane = more.map_or([0.0; 2], |more| more.map(|slip| slip[at]));
         let slip = [dx * (xi - phi * y) + off_plane[0], dx * (eta + phi * x) + off_plane[1]];

@@ -216,12 +216,12 @@ impl Sliding<'_> {
     fn write(&self, slid: &Slid, fields: &mut Fields) {
         let [nx, _] = self.window.counts();
         let dx = self.window.sides[0];
-        let speed = self.rolling.speed;
+        let (speed, difference) = (self.rolling.speed, fields.difference);
         let mut slips = vec![0.0; self.window.points()];
         for (index, cell) in &slid.cells {
             let strip = &self.strips[*index];
             let first = strip.row * nx;
-            // In elements, from the trailing edge of the first one; slip and power are half an element ahead.
+            // In elements, from the trailing edge of the first one; slip and power may be half an element ahead.
             let place =
                 |x: f64, ahead: f64| (strip.middle + x) / dx + self.window.half[0] as f64 + ahead;
             overlaps(cell.ends.map(|x| place(x, 0.5)), nx, |i, length| {
@@ -231,7 +231,7 @@ impl Sliding<'_> {
                 slips[first + i] += if cell.slips { length } else { -length };
             });
             let power = -(cell.traction[0] * cell.slip[0] + cell.traction[1] * cell.slip[1]);
-            overlaps(cell.ends.map(|x| place(x, 0.0)), nx, |i, length| {
+            overlaps(cell.ends.map(|x| place(x, 0.5 - difference.middle())), nx, |i, length| {
                 for (field, slip) in fields.slip_velocity.iter_mut().zip(cell.slip) {
                     field[first + i] += length * slip * speed;
                 }

@@ -13,7 +13,8 @@ use super::settings::Settings;
 use super::sliding::everywhere;
 use super::springs;
 use crate::friction::ElementFriction;
-use crate::half_space::levels::{History, Levels, RIGID_SLIP_AHEAD, Solution, TangentialError};
+use crate::half_space::difference::Difference;
+use crate::half_space::levels::{History, Levels, Solution, TangentialError};
 use crate::half_space::settling::{Settling, first_velocities, slip_velocities};
 use crate::half_space::tangential::{Creepage, Prescribed, TangentialState};
 use crate::slip::SlipStart;
@@ -56,8 +57,13 @@ impl Sliding<'_> {
     ) -> Result<Slid, TrackError> {
         let Self { settings, pressed, rolling, part, besides, elastic, .. } = self;
         let Pressed { frame, window, .. } = pressed;
-        let mut fields =
-            Fields::pressed(window, frame.element, &pressed.distance, &pressed.pressure);
+        let mut fields = Fields::pressed(
+            window,
+            settings.difference,
+            frame.element,
+            &pressed.distance,
+            &pressed.pressure,
+        );
         let rubs = Rubs { about: self, law };
         work.tangential_contacts += 1;
         if let Some(springs) = settings.springs() {
@@ -74,12 +80,13 @@ impl Sliding<'_> {
                 by_springs: Some(slid),
             });
         }
-        let rigid = besides.as_deref().map(|rows| slip_of_a_step(rows, window, part));
+        let rigid =
+            besides.as_deref().map(|rows| slip_of_a_step(rows, window, part, settings.difference));
         let all = with_elastic(rigid.as_ref(), elastic.as_ref(), (window, part));
         let [rigid, all] = [&rigid, &all].map(|slip| slip.as_ref().map(|[x, t]| [&x[..], &t[..]]));
         let mut tractions = |bound: &[f64], near: Option<TangentialState>| {
             if !settings.adhesion {
-                return Ok(everywhere(bound, part, rolling.creepage, rigid));
+                return Ok(everywhere(bound, part, settings.difference, rolling.creepage, rigid));
             }
             let solution = rolls(pool.tangential(part), bound, rolling.creepage, all, near)?;
             work.newton_steps += solution.newton_steps;
@@ -89,7 +96,12 @@ impl Sliding<'_> {
             None => tractions(&fields.bound(part, &rubs.friction(&fields, None)?), near)?,
             Some(start) => rubs.settle(start, near, &fields, tractions)?,
         };
-        fields.take(part, &state, rolling.speed);
+        let [x, y] = &state.traction;
+        let scheme = match settings.adhesion {
+            true => pool.tangential(part).scheme_power([x, y], &[], rolling.speed),
+            false => None,
+        };
+        fields.take(part, &state, rolling.speed, scheme.as_deref());
         let off_plane = rigid
             .map_or(0.0, |slip| fields.power_of_slip(part, slip, &state.traction, rolling.speed));
         Ok(Slid { part: *part, fields, off_plane, state: Some(state), by_springs: None })
@@ -199,14 +211,21 @@ fn rolls(
 }
 
 /// Rigid slip of rows as the slip of a step on the elements of a part [m].
-fn slip_of_a_step(rows: &[RowSlip], window: &Window, part: &Window) -> [Vec<f64>; 2] {
+fn slip_of_a_step(
+    rows: &[RowSlip],
+    window: &Window,
+    part: &Window,
+    difference: Difference,
+) -> [Vec<f64>; 2] {
     let first = window.half[1] - part.half[1];
     let [nx, ny] = part.counts();
     let dx = part.sides[0];
     [0, 1].map(|k| {
         let row = |row: &RowSlip| {
             let (slip, spin) = (row.slip[k], if k == 0 { 0.0 } else { row.spin });
-            (0..nx).map(move |i| dx * (slip + spin * (part.along(0, i) + RIGID_SLIP_AHEAD * dx)))
+            (0..nx).map(move |i| {
+                dx * (slip + spin * (part.along(0, i) + difference.rigid_slip_ahead() * dx))
+            })
         };
         rows[first..first + ny].iter().flat_map(row).collect()
     })

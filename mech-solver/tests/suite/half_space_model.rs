@@ -9,14 +9,14 @@ use proto::model::{Model, Solver, Step, StepError};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 
-fn half_space(resolution: usize) -> Value {
+pub(crate) fn half_space(resolution: usize) -> Value {
     let mut case = paper();
     case["motion"] = json!({"speed": 38.889, "traction_coefficient": 0.5});
     case["mech"] = json!({"model": "half-space", "resolution": resolution});
     case
 }
 
-fn rolling(mut case: Value, creepage: [f64; 3]) -> Value {
+pub(crate) fn rolling(mut case: Value, creepage: [f64; 3]) -> Value {
     let [xi, eta, phi] = creepage;
     case["motion"] = json!({"speed": 38.889, "creepage": {"xi": xi, "eta": eta, "phi": phi}});
     case

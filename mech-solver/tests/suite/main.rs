@@ -20,6 +20,7 @@ mod plastic_layer;
 mod profiles;
 mod rod;
 mod rows;
+mod second_order;
 mod sequences;
 mod slip_friction;
 mod stress_at_points;

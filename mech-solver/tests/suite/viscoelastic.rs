@@ -1,6 +1,7 @@
 //! Rolling of viscoelastic half-spaces against Hunter's cylinder, CONTACT, and the elastic limits.
 
 use super::common::{assert_close, configuration, refusal, run};
+use mech_solver::half_space::difference::Difference;
 use mech_solver::half_space::extent::{Moments, fit_grid, sample};
 use mech_solver::half_space::influence::Elasticity;
 use mech_solver::half_space::levels::{Contact, Levels, Motion};
@@ -161,8 +162,15 @@ fn cylinders_of_contact() {
         let bound: Vec<f64> = pressure.iter().map(|p| 0.3 * p).collect();
         let semi_axes = [5.0, 500.0];
         let motion = Motion::SteadyRolling;
-        let contact =
-            Contact { bodies, layer: 0.0, yields: None, semi_axes, motion, tolerance: 1e-5 };
+        let contact = Contact {
+            bodies,
+            layer: 0.0,
+            yields: None,
+            semi_axes,
+            motion,
+            difference: Difference::Upwind,
+            tolerance: 1e-5,
+        };
         let asked = Asked::longitudinal_force(-0.18 * 6e5);
         let solved = Levels::new(&grid, &contact).solve(&bound, &asked).unwrap();
         let found = solved.state.creepage[0];
@@ -174,7 +182,7 @@ fn cylinders_of_contact() {
 }
 
 /// A tyre of polyurethane, or of its share of the compliance, on a track of the same or of another material.
-fn case(creepage: [f64; 3], track: &str) -> Value {
+pub(crate) fn case(creepage: [f64; 3], track: &str) -> Value {
     let [xi, eta, phi] = creepage;
     json!({
         "mech": {"model": "half-space", "resolution": 10},

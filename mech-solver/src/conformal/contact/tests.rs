@@ -1,4 +1,5 @@
 use super::*;
+use crate::half_space::difference::Difference;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 const STEEL: Material = Material { youngs_modulus: 209.92e9, poisson_ratio: 0.28 };
@@ -14,12 +15,12 @@ const DRIVEN: Prescription = Prescription {
     adheres: true,
 };
 
-/// On elements twice as long as CONTACT's 0.4 mm.
+/// On elements twice as long as CONTACT's 0.4 mm, with its difference.
 fn corner(turn: f64) -> ConformalSolver {
     let (side, nx, ny) = (0.8e-3, 27, 21);
     let first = |count: usize| -0.5 * (count as f64 - 1.0) * side;
     let grid = Structured::contact_plane(first(nx), first(ny), side, side, nx, ny);
-    ConformalSolver::new(&[STEEL, STEEL], CORNER, turn, &grid, [9e-3, 6e-3])
+    ConformalSolver::new(&[STEEL, STEEL], (CORNER, turn), &grid, [9e-3, 6e-3], Difference::Upwind)
 }
 
 /// Integrals of pressure and tractions [N].

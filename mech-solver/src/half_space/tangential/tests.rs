@@ -1,5 +1,6 @@
 use super::linear::{Border, System, Unknowns};
 use super::*;
+use crate::half_space::difference::Difference;
 use crate::half_space::influence::{Elasticity, Influence};
 use crate::half_space::slip_operator::SlipOperator;
 use crate::scene::Material;
@@ -53,7 +54,13 @@ impl Disc {
         let elasticity = Elasticity::of_pair(&body, &body);
         let influence = Influence { dx: step, dy: step, elasticity, plane_strain: false };
         let count = self.x.len();
-        TangentialSolver::new(SlipOperator::rolling(&influence, 0.0, count, count, self.n as f64))
+        TangentialSolver::new(SlipOperator::rolling(
+            &influence,
+            Difference::Upwind,
+            0.0,
+            [count, count],
+            self.n as f64,
+        ))
     }
 }
 

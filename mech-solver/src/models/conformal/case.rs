@@ -2,7 +2,9 @@
 
 use crate::conformal::contact::Prescription;
 use crate::conformal::shape::Arcs;
+use crate::difference;
 use crate::ellipse::Ellipse;
+use crate::half_space::difference::Difference;
 use crate::half_space::extent::{Fitted, Moments, fit_grid};
 use crate::half_space::influence::Elasticity;
 use crate::half_space::normal::Prescribed;
@@ -71,6 +73,7 @@ pub(super) fn keys() -> Vec<KeySpec> {
         )
         .at_least(1.0)
         .at_most(resolution::MOST as f64),
+        difference::key(),
         resolution::key(ELEMENTS),
     ]);
     keys
@@ -82,6 +85,7 @@ pub(super) struct Case {
     pub(super) arcs: Arcs,
     /// [rad].
     pub(super) turn: f64,
+    pub(super) difference: Difference,
     resolution: usize,
     lateral: Option<f64>,
 }
@@ -135,6 +139,7 @@ impl Case {
             materials: scene.materials(),
             arcs,
             turn: checked.number(TURN)?,
+            difference: difference::read(params)?,
             resolution: resolution::read(params, ELEMENTS)?,
             lateral,
         })

@@ -30,7 +30,10 @@ impl Running {
         configuration: Configuration,
     ) -> Self {
         let Footprint { grid, semi_axes } = *footprint;
-        let solver = ConformalSolver::new(&case.materials, case.arcs, case.turn, &grid, semi_axes);
+        let solver = {
+            let surfaces = (case.arcs, case.turn);
+            ConformalSolver::new(&case.materials, surfaces, &grid, semi_axes, case.difference)
+        };
         Self { case, grid, terms, configuration, solver }
     }
 }

@@ -29,6 +29,8 @@ pub(super) struct Balance {
     pub(super) stored: Option<f64>,
     /// In the bodies; of those whose compliance grows.
     pub(super) hysteresis: Option<f64>,
+    /// A part of what friction takes: that of the difference along x, in steady rolling.
+    pub(super) scheme: Option<f64>,
     /// Sum of the magnitudes of all parts.
     pub(super) exchanged: f64,
 }
@@ -47,6 +49,7 @@ impl PressurePower {
     pub(super) fn of(
         grid: &Structured,
         duration: f64,
+        differences: [f64; 2],
         pressure: &[f64],
         undeformed: &[f64],
         gap: impl Fn(usize) -> f64,
@@ -54,10 +57,7 @@ impl PressurePower {
         let weight = grid.element_area() / duration;
         let mut power = Self::default();
         for index in 0..grid.points() {
-            let column = index % grid.ni;
-            let upstream = if column + 1 < grid.ni { pressure[index + 1] } else { 0.0 };
-            let downstream = if column > 0 { pressure[index - 1] } else { 0.0 };
-            let change = 0.5 * weight * (upstream - downstream);
+            let change = weight * along(grid.ni, differences, pressure, index);
             power.rolling_resistance -= change * undeformed[index];
             power.exchanged += (change * undeformed[index]).abs();
             if pressure[index] <= 0.0 && change != 0.0 {
@@ -76,24 +76,34 @@ pub(super) struct Hysteresis {
 }
 
 impl Hysteresis {
-    /// Adds that of a component of the traction [Pa] on its displacement [m], Σ ½ (p_{I+e_x} − p_{I−e_x}) u_I dx dy/Δt.
+    /// Adds that of a component of the traction [Pa] on its displacement [m], the antisymmetric part of Σ p_I·(Du)_I dx dy/Δt.
     pub(super) fn take(
         &mut self,
         grid: &Structured,
         duration: f64,
+        differences: [f64; 2],
         traction: &[f64],
         displacement: &[f64],
     ) {
-        let weight = 0.5 * grid.element_area() / duration;
+        let weight = grid.element_area() / duration;
         for index in 0..grid.points() {
-            let column = index % grid.ni;
-            let upstream = if column + 1 < grid.ni { traction[index + 1] } else { 0.0 };
-            let downstream = if column > 0 { traction[index - 1] } else { 0.0 };
-            let power = weight * (upstream - downstream) * displacement[index];
+            let change = along(grid.ni, differences, traction, index);
+            let power = weight * change * displacement[index];
             self.power += power;
             self.exchanged += power.abs();
         }
     }
+}
+
+/// Σ_m a_m (p_{I+m} − p_{I−m}), a the antisymmetric part of a difference.
+fn along(nx: usize, differences: [f64; 2], values: &[f64], index: usize) -> f64 {
+    let column = index % nx;
+    let at = |reach: usize| {
+        let upstream = if column + reach < nx { values[index + reach] } else { 0.0 };
+        let downstream = if column >= reach { values[index - reach] } else { 0.0 };
+        upstream - downstream
+    };
+    differences[0] * at(1) + differences[1] * at(2)
 }
 
 impl Balance {
@@ -128,6 +138,9 @@ impl Balance {
         }
         if let Some(hysteresis) = self.hysteresis {
             figures["hysteresis_power_w"] = json!(hysteresis);
+        }
+        if let Some(scheme) = self.scheme {
+            figures["scheme_power_w"] = json!(scheme);
         }
         if let Some(stored) = self.stored {
             figures["stored_power_w"] = json!(stored);

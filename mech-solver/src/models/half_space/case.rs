@@ -3,8 +3,8 @@
 use super::drive::Driven;
 use super::geometry::Footprint;
 use crate::ellipse::Ellipse;
+use crate::half_space::difference::Difference;
 use crate::half_space::extent::sample;
-use crate::half_space::levels::RIGID_SLIP_AHEAD;
 use crate::half_space::retarded::Delay;
 use crate::half_space::viscoelastic::Bodies;
 use crate::scene::{GivenPatch, Scene};
@@ -32,6 +32,8 @@ pub(super) struct Case {
     pub(super) heated: Option<[KeptSurface; 2]>,
     /// The tractions of one step matter to the next.
     pub(super) memory: bool,
+    /// The difference along x that makes slip of displacements.
+    pub(super) difference: Difference,
     /// A contact with memory begins from its steady rolling.
     pub(super) begins_steady: bool,
     /// Duration of a shift, known when the window is [s].
@@ -95,19 +97,19 @@ impl Case {
         match speed > 0.0 {
             true => Passage {
                 distance: dx,
-                ahead: RIGID_SLIP_AHEAD * dx,
-                middle: 0.5 * dx,
+                ahead: self.difference.rigid_slip_ahead() * dx,
+                middle: self.difference.middle() * dx,
                 duration: dx / speed,
-                rolls: true,
+                from_upstream: self.difference == Difference::Upwind,
             },
             false => {
                 let duration = self.shift_duration;
-                Passage { distance: 1.0, ahead: 0.0, middle: 0.0, duration, rolls: false }
+                Passage { distance: 1.0, ahead: 0.0, middle: 0.0, duration, from_upstream: false }
             }
         }
     }
 
-    /// The contact grid, shifted upstream by half an element if the bodies roll.
+    /// The grid of slip and friction power, the contact grid or half an element upstream of it.
     pub(super) fn passage_grid(&self) -> Structured {
         let mut passage = self.footprint.grid;
         passage.origin[0] += self.passage().middle;
@@ -152,12 +154,12 @@ pub(super) struct Passage {
     pub(super) distance: f64,
     /// Where the rigid slip is taken, ahead of an element's centre [m].
     pub(super) ahead: f64,
-    /// The middle of the way, ahead of an element's centre [m].
+    /// Where slip and friction power of an element are, ahead of its centre [m].
     pub(super) middle: f64,
     /// How long it takes [s].
     pub(super) duration: f64,
-    /// Particles come from the upstream element.
-    pub(super) rolls: bool,
+    /// The traction of a step is the mean of that at the upstream element before, and that here afterwards.
+    pub(super) from_upstream: bool,
 }
 
 impl Passage {
@@ -171,7 +173,7 @@ impl Passage {
         slip: &[f64],
     ) -> Vec<f64> {
         let (nx, count) = (grid.ni, grid.points());
-        let from = |index: usize, component: usize| match self.rolls {
+        let from = |index: usize, component: usize| match self.from_upstream {
             true if (index + 1).is_multiple_of(nx) => 0.0,
             true => start[component * count + index + 1],
             false => start[component * count + index],

@@ -108,6 +108,7 @@ impl ContactSolver {
             yields: case.terms.yields,
             semi_axes: case.footprint.semi_axes,
             motion,
+            difference: case.difference,
             tolerance: if loops { LOOP_TOLERANCE } else { TOLERANCE },
         };
         let zeros = vec![0.0; grid.points()];
@@ -115,7 +116,7 @@ impl ContactSolver {
             normal,
             levels: case.terms.adhesion.then(|| Levels::new(grid, &contact)),
             coupling: (case.terms.adhesion && coupled).then(|| {
-                let rolling = motion == Motion::SteadyRolling;
+                let rolling = (motion == Motion::SteadyRolling).then_some(case.difference);
                 if case.bodies.remember() {
                     return Coupling::with_memory(&case.bodies, [grid.ni, grid.nj], sides, rolling);
                 }
@@ -386,7 +387,18 @@ impl ContactSolver {
         let by_pressure = solver.displacement();
         let gap = |at: usize| undeformed[at] + by_traction[at] + by_pressure[at] - approach;
         let (grid, duration) = (&case.footprint.grid, case.passage().duration);
-        Some(PressurePower::of(grid, duration, &self.pressure, undeformed, gap))
+        let differences = case.difference.antisymmetric();
+        Some(PressurePower::of(grid, duration, differences, &self.pressure, undeformed, gap))
+    }
+
+    /// Power that the difference along x takes of these tractions beside that of their slip [W/m²].
+    pub(super) fn scheme_power(
+        &mut self,
+        case: &Case,
+        state: &TangentialState,
+    ) -> Option<Vec<f64>> {
+        let [x, y] = &state.traction;
+        self.levels.as_mut()?.scheme_power([x, y], &self.pressure, case.scene.speeds.rolling)
     }
 
     /// What bodies with a memory dissipate under the pressure, and under tractions whose displacements are in the slip.
@@ -398,15 +410,16 @@ impl ContactSolver {
         let normal = self.normal.as_ref().filter(|_| case.bodies.remember())?;
         let (grid, duration) = (&case.footprint.grid, case.passage().duration);
         let (counts, sides) = ([grid.ni, grid.nj], [grid.dx(), grid.dy()]);
+        let differences = case.difference.antisymmetric();
         let mut taken = Hysteresis::default();
         let mut closed = normal.solver.displacement().to_vec();
         if let Some(traction) = traction {
             let zeros = vec![0.0; grid.points()];
             let [mut along, mut across] = [zeros.clone(), zeros];
-            let mut operator = Displacement::new(&case.bodies, counts, sides);
+            let mut operator = Displacement::new(&case.bodies, 0.0, grid, counts);
             operator.apply(traction, [&mut along, &mut across]);
             if case.bodies.are_coupled() {
-                let mut coupling = Coupling::with_memory(&case.bodies, counts, sides, false);
+                let mut coupling = Coupling::with_memory(&case.bodies, counts, sides, None);
                 let [mut more_along, mut more_across] = [along.clone(), across.clone()];
                 coupling.slip_by_pressure(&self.pressure, [&mut more_along, &mut more_across]);
                 add(&mut along, &more_along);
@@ -414,10 +427,10 @@ impl ContactSolver {
                 coupling.distance_by_traction(traction, &mut more_along);
                 add(&mut closed, &more_along);
             }
-            taken.take(grid, duration, traction[0], &along);
-            taken.take(grid, duration, traction[1], &across);
+            taken.take(grid, duration, differences, traction[0], &along);
+            taken.take(grid, duration, differences, traction[1], &across);
         }
-        taken.take(grid, duration, &self.pressure, &closed);
+        taken.take(grid, duration, differences, &self.pressure, &closed);
         Some(taken)
     }
 

@@ -231,7 +231,8 @@ fn delayed_footprint(
     let dy = one_row.unwrap_or(lateral.map_or(dx, |count| semi_axes[1] / count));
     let wide = if bodies.are_coupled() { COUPLED_GROWTH } else { 1.0 };
     let worn = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
-    let along = x_range.map(|end| end / dx + (wide - 1.0) * end.signum() * semi_axes[0] / dx);
+    let along =
+        x_range.map(|end| end / dx + end.signum() * (1.0 + (wide - 1.0) * semi_axes[0] / dx));
     let across = match one_row {
         Some(_) => [0.0; 2],
         None => y_range.map(|end| wide * worn * end / dy),

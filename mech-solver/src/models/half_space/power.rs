@@ -71,6 +71,7 @@ impl Balance {
             pressure,
             stored: None,
             hysteresis: hysteresis.map(|taken| taken.power),
+            scheme: answer.scheme_power,
             exchanged: speed * grid.element_area() * exchanged
                 + pressure.map_or(0.0, |pressure| pressure.exchanged)
                 + hysteresis.map_or(0.0, |taken| taken.exchanged),
@@ -92,7 +93,7 @@ impl Balance {
         let mut sums = [0.0; 2];
         for index in 0..count {
             let (column, y) = (index % grid.ni, grid.y(index / grid.ni));
-            let from = match passage.rolls {
+            let from = match passage.from_upstream {
                 true => (column + 1 < grid.ni).then_some(index + 1),
                 false => Some(index),
             };
@@ -112,6 +113,7 @@ impl Balance {
             pressure: None,
             stored: Some(weight * (energy[1] - energy[0])),
             hysteresis: taken.map(|taken| weight * taken),
+            scheme: None,
             exchanged: exchanged
                 + weight * (energy[0].abs() + energy[1].abs() + taken.unwrap_or(0.0).abs()),
         }
@@ -135,6 +137,7 @@ mod tests {
             pressure: Some(pressure),
             stored: None,
             hysteresis: None,
+            scheme: None,
             exchanged: 130.0,
         };
         assert_eq!(balance.imbalance(), 0.0);
@@ -157,7 +160,7 @@ mod tests {
         let (radius, duration) = (10.0, 0.25);
         let distance: Vec<f64> = (0..5).map(|i| 0.5 * grid.x(i) * grid.x(i) / radius).collect();
         let pressure = [0.0, 1.0, 2.0, 3.0, 0.0];
-        let power = PressurePower::of(&grid, duration, &pressure, &distance, |_| 0.0);
+        let power = PressurePower::of(&grid, duration, [0.5, 0.0], &pressure, &distance, |_| 0.0);
         let (speed, load_times_centre) = (1.0 / duration, -1.0 + 3.0);
         let expected = speed * load_times_centre / radius;
         assert!((power.rolling_resistance - expected).abs() < 1e-15, "{power:?}");

@@ -155,7 +155,10 @@ impl Steady {
                 let solution = contact.solve_settled(case, inputs, &driven, near, None)?;
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
-                let answer = Answer::partial(case, contact, &solution, None);
+                let mut answer = Answer::partial(case, contact, &solution, None);
+                if let Some(power) = contact.scheme_power(case, &solution.state) {
+                    answer.add_scheme_power(case, &power);
+                }
                 found = Some(solution);
                 answer
             }

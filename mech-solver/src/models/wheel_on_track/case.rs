@@ -7,6 +7,7 @@ use super::keys::{
     VERTICAL_FORCE, keys,
 };
 use super::shape::surface;
+use crate::difference;
 use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
 use crate::noise;
@@ -88,6 +89,7 @@ impl Case {
         };
         let sides = [along, across].map(|count| CENTIMETRE / count as f64);
         let mut settings = Settings::new(sides, [upper, lower]);
+        settings.difference = difference::read(params)?;
         settings.joining.distance = case.number(JOINING)?;
         if case.text(RIGID_SLIP)? == "surfaces" {
             settings.rigid_slip = RigidSlip::Surfaces;

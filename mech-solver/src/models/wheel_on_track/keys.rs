@@ -1,6 +1,7 @@
 //! The keys of track, wheelset and elements.
 
 use super::shape;
+use crate::difference;
 use crate::resolution::RESOLUTION;
 use crate::scene::SPEED;
 use crate::simplified::flexibility;
@@ -194,6 +195,7 @@ fn elements() -> Vec<KeySpec> {
     vec![
         count(RESOLUTION, "elements along a centimetre: dx = 10 mm/resolution")
             .default_value(RESOLUTION_OF_CONTACT),
+        difference::key(),
         count(LATERAL_RESOLUTION, "elements across a centimetre of the tape; absent: as along"),
         KeySpec::quantity(
             JOINING,

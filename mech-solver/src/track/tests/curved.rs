@@ -3,6 +3,7 @@
 use super::{STEEL, arc, rolling, single, solve, standard};
 use crate::conformal::contact::{ConformalSolver, Prescription};
 use crate::conformal::shape::Arcs;
+use crate::half_space::difference::Difference;
 use crate::half_space::normal::Prescribed;
 use crate::track::contact::WheelOnRail;
 use crate::track::error::TrackError;
@@ -24,7 +25,8 @@ const APPROACH: f64 = 10e-6;
 
 fn settings(side: f64, patch_surface: PatchSurface) -> Settings {
     let rigid_slip = RigidSlip::Surfaces;
-    Settings { patch_surface, rigid_slip, ..Settings::new([side, side], [STEEL; 2]) }
+    let difference = Difference::Upwind;
+    Settings { patch_surface, rigid_slip, difference, ..Settings::new([side, side], [STEEL; 2]) }
 }
 
 /// A wheel of 0.46 m with the throat on the corner.
@@ -84,7 +86,13 @@ fn arcs_are_those_of_prisms() {
     let (side, count) = (0.3e-3, 41);
     let first = -20.0 * side;
     let grid = Structured::contact_plane(first, first, side, side, count, count);
-    let mut solver = ConformalSolver::new(&[STEEL; 2], arcs, 2.0 * HALF, &grid, [3e-3, 2.5e-3]);
+    let mut solver = ConformalSolver::new(
+        &[STEEL; 2],
+        (arcs, 2.0 * HALF),
+        &grid,
+        [3e-3, 2.5e-3],
+        Difference::Upwind,
+    );
     let prescription = Prescription {
         load: Prescribed::Approach(APPROACH),
         creepage: patch.rolling.creepage,

@@ -1,15 +1,19 @@
 //! Power and momentum: what friction takes is what the forces give.
 
 use super::{STEEL, rolling, solve, standard};
+use crate::half_space::difference::Difference;
 use crate::track::contact::WheelOnRail;
 use crate::track::rail::Side;
 use crate::track::settings::{RigidSlip, Settings, Vertical};
 
 #[test]
 fn friction_takes_what_the_forces_give() {
-    for rigid_slip in [RigidSlip::Plane, RigidSlip::Surfaces] {
-        let settings = Settings { rigid_slip, ..Settings::new([3e-4, 3e-4], [STEEL; 2]) };
-        balance(standard(Side::Right, settings), rigid_slip == RigidSlip::Plane);
+    for difference in [Difference::Fromm, Difference::Upwind] {
+        for rigid_slip in [RigidSlip::Plane, RigidSlip::Surfaces] {
+            let settings = Settings::new([3e-4, 3e-4], [STEEL; 2]);
+            let settings = Settings { rigid_slip, difference, ..settings };
+            balance(standard(Side::Right, settings), rigid_slip == RigidSlip::Plane);
+        }
     }
 }
 

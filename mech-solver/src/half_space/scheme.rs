@@ -1,0 +1,81 @@
+//! The work of the tractions that the difference along x takes in steady rolling, beside that of their slip.
+//!
+//! It is the symmetric part of Fromm's difference, ⅛ δ²p·u(δ²p) of an element in every step Δx, with the second difference δ² along x
+//! and the displacement u that belongs to it ([`super::difference`]). Bodies of different constants have δ² of the pressure in u besides.
+//! It is where tractions change within an element: at the border of adhesion and at the trailing edge, where slip is that no element
+//! resolves. As heat there it makes the power of friction that of the forces at every resolution, and the temperature at a given
+//! resolution more accurate (test `heat_of_the_scheme_is_where_slip_is_not_resolved`).
+//!
+//! The upwind difference takes nothing, as the mean of the tractions at both ends of a step works on its slip.
+
+use super::coupling::Coupling;
+use super::difference::Difference;
+use super::influence::Influence;
+use super::slip_operator::Displacement;
+use super::viscoelastic::Bodies;
+use proto::grid::Structured;
+
+/// The operators on a grid, at whose edges nothing pulls.
+#[derive(Debug)]
+pub struct Scheme {
+    nx: usize,
+    /// Length of an element [m].
+    dx: f64,
+    operator: Displacement,
+    coupling: Option<Coupling>,
+}
+
+impl Scheme {
+    /// For tractions on a grid, with the flexibility of a layer [m/Pa]; `None` where the difference takes nothing.
+    #[must_use]
+    pub fn new(
+        difference: Difference,
+        bodies: &Bodies,
+        layer: f64,
+        grid: &Structured,
+    ) -> Option<Self> {
+        if difference == Difference::Upwind {
+            return None;
+        }
+        let (counts, sides) = ([grid.ni, grid.nj], [grid.dx(), grid.dy()]);
+        let coupling = bodies.are_coupled().then(|| match bodies.remember() {
+            true => Coupling::with_memory(bodies, counts, sides, None),
+            false => {
+                let influence = Influence::of_grid(grid, bodies.instantaneous);
+                Coupling::new(&influence, grid.ni, grid.nj, None)
+            }
+        });
+        let operator = Displacement::new(bodies, layer, grid, counts);
+        Some(Self { nx: grid.ni, dx: grid.dx(), operator, coupling })
+    }
+
+    /// Power of every element under these tractions and this pressure [Pa], at a speed of rolling [m/s] [W/m²].
+    pub fn power(&mut self, traction: [&[f64]; 2], pressure: &[f64], speed: f64) -> Vec<f64> {
+        let [x, y] = traction.map(|traction| second_difference(traction, self.nx));
+        let zeros = vec![0.0; x.len()];
+        let mut displaced = [zeros.clone(), zeros.clone()];
+        let [along, across] = &mut displaced;
+        self.operator.apply([&x, &y], [along, across]);
+        if let Some(coupling) = &mut self.coupling {
+            let mut more = [zeros.clone(), zeros];
+            let [more_x, more_y] = &mut more;
+            coupling.slip_by_pressure(&second_difference(pressure, self.nx), [more_x, more_y]);
+            for (sum, more) in displaced.iter_mut().zip(&more) {
+                sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            }
+        }
+        let [along, across] = &displaced;
+        let weight = speed / (8.0 * self.dx);
+        (0..x.len()).map(|at| weight * (x[at] * along[at] + y[at] * across[at])).collect()
+    }
+}
+
+/// δ² along the rows of nx values, of which there are none beyond them.
+fn second_difference(values: &[f64], nx: usize) -> Vec<f64> {
+    let of = |row: &[f64], i: usize| {
+        let upstream = row.get(i + 1).copied().unwrap_or(0.0);
+        let downstream = if i > 0 { row[i - 1] } else { 0.0 };
+        downstream - 2.0 * row[i] + upstream
+    };
+    values.chunks_exact(nx).flat_map(|row| (0..nx).map(move |i| of(row, i))).collect()
+}
