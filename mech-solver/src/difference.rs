@@ -6,7 +6,7 @@ use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;
 
-const DIFFERENCE: &str = "mech.difference";
+pub(crate) const DIFFERENCE: &str = "mech.difference";
 
 /// The key.
 pub(crate) fn key() -> KeySpec {

@@ -74,6 +74,19 @@ fn start_key() -> KeySpec {
     KeySpec::choice(START, &["warm", "cold"], help).default_value("warm")
 }
 
+/// The difference along x; with memory it is one in time, of first order.
+fn difference(configuration: &Configuration, memory: bool) -> Result<Difference, Refusal> {
+    let difference = difference::read(&configuration.case)?;
+    match (difference, memory) {
+        (Difference::Fromm, true) => Err(Refusal::new(
+            difference::DIFFERENCE,
+            "with memory slip is a difference in time, from one step to the next",
+            "write \"upwind\" or remove the key, or write mech.rolling = \"steady\" and a motion.speed above 0",
+        )),
+        _ => Ok(difference),
+    }
+}
+
 const BEGIN: &str = "mech.begin";
 
 fn begin_key() -> KeySpec {
@@ -221,10 +234,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
     let mut case = Case {
         memory,
-        difference: match memory {
-            true => Difference::Upwind,
-            false => difference::read(&configuration.case)?,
-        },
+        difference: difference(configuration, memory)?,
         begins_steady: begins_steady(configuration, &scene, memory)?,
         terms,
         shift_duration: 0.0,

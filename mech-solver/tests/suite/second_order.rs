@@ -2,7 +2,7 @@
 //!
 //! The table of errors: `cargo test --release --workspace --locked --test suite -- second_order --nocapture`.
 
-use super::common::{assert_close, run};
+use super::common::{assert_close, configuration, refusal, run};
 use super::half_space_model::{half_space, rolling};
 use super::viscoelastic;
 use mech_solver::half_space::difference::Difference;
@@ -10,6 +10,7 @@ use mech_solver::half_space::influence::Elasticity;
 use mech_solver::half_space::levels::{Contact, Levels, Motion};
 use mech_solver::half_space::tangential::Prescribed;
 use mech_solver::scene::Material;
+use proto::configuration::Mode;
 use proto::grid::Structured;
 use serde_json::json;
 use std::f64::consts::PI;
@@ -218,4 +219,16 @@ fn different_and_viscoelastic_bodies_lose_no_power() {
             assert!(run.number("power_imbalance") <= 1e-6, "{creepage:?} {modulus:e}");
         }
     }
+}
+
+/// Rolling with memory has a difference in time.
+#[test]
+fn rolling_with_memory_refuses_it() {
+    let mut case = rolling(half_space(10), [-2e-3, 0.0, 0.0]);
+    case["mech"]["difference"] = json!("fromm");
+    case["mech"]["rolling"] = json!("transient");
+    let mut configuration = configuration(&case);
+    configuration.mode = Mode::Transient;
+    let refusal = refusal(&configuration);
+    assert_eq!(refusal.key, "mech.difference");
 }
