@@ -3,11 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
 use std::f64::consts::PI;
-use thermal_solver::fe::conductor::{Conductor, Memory, Request, Surroundings};
+use thermal_solver::fe::conductor::{Conductor, Memory, Request, Surroundings, Took};
 use thermal_solver::fe::direct::Direct;
 use thermal_solver::fe::law::{Law, Point};
 use thermal_solver::fe::mesh::Axis;
+use thermal_solver::fe::nature::Nature;
 use thermal_solver::fe::scheme::Scheme;
+use thermal_solver::scene::Material;
 
 const ALL: [Scheme; 3] = [Scheme::BackwardEuler, Scheme::Bdf2, Scheme::CrankNicolson];
 
@@ -295,5 +297,203 @@ fn nothing_becomes_colder_than_all_round_it() {
         let high = now.iter().fold(0.0_f64, |most, value| most.max(*value));
         let low = now.iter().fold(0.0_f64, |least, value| least.min(*value));
         assert!(high > 0.0 && low > -1e-8 * high, "{duration} {low:e} of {high:e}");
+    }
+}
+
+/// Latent heat of a narrow peak over the heat capacity beside it [K].
+const LATENT: f64 = 250.0;
+
+/// Constant properties but for the lines of a table: temperature [K], and factors on λ and on ρc.
+fn with_steps(lines: &[[f64; 3]]) -> Law {
+    let point = |[temperature, conductivity, capacity]: &[f64; 3]| Point {
+        temperature: *temperature,
+        conductivity: 50.0 * conductivity,
+        capacity: 3e6 * capacity,
+    };
+    Law::new(&lines.iter().map(point).collect::<Vec<Point>>(), 293.15)
+}
+
+/// Laws with steps and peaks of a kelvin, and one that is smooth.
+fn laws_with_steps() -> [(&'static str, Law); 6] {
+    let [cold, hot] = [[200.0, 1.0, 1.0], [2000.0, 1.0, 1.0]];
+    let peak = |most: f64| {
+        with_steps(&[cold, [400.0, 1.0, 1.0], [400.5, 1.0, most], [401.0, 1.0, 1.0], hot])
+    };
+    [
+        ("smooth", varying()),
+        (
+            "capacity that rises",
+            with_steps(&[cold, [400.0, 1.0, 1.0], [401.0, 1.0, 24.0], [2000.0, 1.0, 24.0]]),
+        ),
+        (
+            "capacity that falls",
+            with_steps(&[[200.0, 1.0, 24.0], [400.0, 1.0, 24.0], [401.0, 1.0, 1.0], hot]),
+        ),
+        (
+            "conductivity that falls",
+            with_steps(&[cold, [400.0, 1.0, 1.0], [401.0, 0.04, 1.0], [2000.0, 0.04, 1.0]]),
+        ),
+        ("peak of 24", peak(24.0)),
+        ("peak of 500", peak(2.0 * LATENT)),
+    ]
+}
+
+/// Steps and peaks of the properties, from states that are cold, hot, or hot and cold from node to
+/// node: every start ends in the same state, by iteration and by elimination, with convection,
+/// radiation and heat that enters. What comes in less what is stored and lost is below 1e-9 of what
+/// comes in. Tolerance of the states: the residual of 1e-10, times the spread of the conductances.
+/// A smooth law takes three steps from a cold state, as without a line search.
+#[test]
+fn steps_of_the_properties_are_solved_from_any_start() {
+    let even = Axis::middles(0.0, vec![1e-3; 9]).ending([2e3, 0.0]);
+    let across = Axis::middles(0.0, vec![1e-3; 7]).ending([0.0, 50.0]);
+    let depth = Axis::graded(1e-5, 1.4, 4e-3);
+    let surface: Vec<f64> = (0..63).map(|at| 25.0 * f64::from(at % 5)).collect();
+    let free: Vec<bool> = surface.iter().map(|heat| *heat == 0.0).collect();
+    let came: f64 = surface.iter().sum();
+    for (name, law) in laws_with_steps() {
+        let mut block = Conductor::new([&even, &across, &depth], law);
+        block.surroundings = Surroundings { convection: [5e3, 280.0], radiation: [0.9, 250.0] };
+        let size = block.nodes();
+        let cold = vec![0.0; size];
+        let [low, high] = [-250.0, 1500.0].map(|rise| block.law.potential(rise));
+        let starts: [(&str, Vec<f64>); 4] = [
+            ("cold", cold.clone()),
+            ("hot", vec![high; size]),
+            ("beyond the table", vec![3.0 * high; size]),
+            ("hot and cold", (0..size).map(|at| if at % 3 == 0 { high } else { low }).collect()),
+        ];
+        for duration in [1e-4, 1e-2, 1.0] {
+            let mut found: Option<Vec<f64>> = None;
+            for eliminates in [false, true] {
+                for (start, now) in &starts {
+                    let mut now = now.clone();
+                    let mut memory = Memory::with(eliminates.then(|| Direct::new(block.counts)));
+                    let by = Scheme::BackwardEuler;
+                    let asked =
+                        Request { free: &free, surface: &surface, ..request(duration, by, 0, &[]) };
+                    let took = block.step(&asked, &mut now, [&cold, &[]], &mut memory);
+                    let of = format!("{name}, {start}, {duration} s, eliminates: {eliminates}");
+                    println!("{of}: {took:?}");
+                    assert!(took.is_solved(), "{of} {took:?}");
+                    let lost: f64 = block.lost(&now, &free).iter().sum();
+                    let missing = (came - block.heat(&now) / duration - lost) / came;
+                    assert!(missing.abs() < 1e-9, "{of} {missing:e}");
+                    assert!(name != "smooth" || *start != "cold" || took.newton <= 3, "{of}");
+                    let found = found.get_or_insert_with(|| now.clone());
+                    let most = found.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+                    assert!(apart(&now, found) < 1e-6 * most, "{of} {}", apart(&now, found) / most);
+                }
+            }
+        }
+    }
+}
+
+/// Neumann's solution of a front that takes up latent heat (Carslaw & Jaeger, 11.2): a half-space
+/// at T₀ whose surface is brought to T₁ takes up 2λ(T₁ − Tₘ)/(erf η √(πκ)) √t, with the front at
+/// 2η√(κt). The latent heat is a peak of the heat capacity over 0.2 K, less than a step of the
+/// table. Tolerance: nodes of a hundredth of the depth of the front.
+#[test]
+fn neumanns_front_takes_up_its_latent_heat() {
+    let (surface, melts, latent) = (300.0, 107.85, LATENT);
+    let width = 0.2;
+    let at = |over: f64, capacity: f64| [293.15 + melts + over * width, 1.0, capacity];
+    let law = with_steps(&[
+        [200.0, 1.0, 1.0],
+        at(-0.5, 1.0),
+        at(0.0, 1.0 + 2.0 * latent / width),
+        at(0.5, 1.0),
+        [2000.0, 1.0, 1.0],
+    ]);
+    // √π η L/c = e^{−η²} ((T₁ − Tₘ)/erf η − (Tₘ − T₀)/erfc η), by bisection.
+    let front = |eta: f64| {
+        let error = erf(eta);
+        let flows = (surface - melts) / error - melts / (1.0 - error);
+        (-eta * eta).exp() * flows - PI.sqrt() * eta * latent
+    };
+    let (mut low, mut high) = (1e-3, 2.0);
+    for _ in 0..60 {
+        let middle: f64 = 0.5 * (low + high);
+        if front(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    let (eta, kappa, time, steps): (f64, f64, f64, u32) = (low, 50.0 / 3e6, 1.0, 400);
+    let depth = 2.0 * eta * (kappa * time).sqrt();
+    let (count, mut errors) = (1000, Vec::new());
+    let body = inside(count, 10.0 * depth);
+    for scheme in [Scheme::BackwardEuler, Scheme::CrankNicolson] {
+        let mut block = Conductor::new([&one(), &one(), &body], law.clone());
+        block.beyond[2][0] = block.law.potential(surface);
+        let (mut now, mut memory, mut newton) = (vec![0.0; count], Memory::default(), 0);
+        for step in 0..steps {
+            let old = now.clone();
+            let asked = request(time / f64::from(steps), scheme, u64::from(step), &[0.0]);
+            let took = block.step(&asked, &mut now, [&old, &[]], &mut memory);
+            assert!(took.is_solved(), "{step} {took:?}");
+            newton += took.newton;
+        }
+        // The half of an element at the surface, which is at its temperature, is not among the
+        // nodes.
+        let skin = 0.5 * body.widths[0] * 3e6 * (surface + latent);
+        let took_up = block.heat(&now) + skin;
+        let exact = 2.0 * 50.0 * (surface - melts) / erf(eta) * (time / (PI * kappa)).sqrt();
+        println!(
+            "{scheme:?}: front {:.3} mm, {took_up:.0} J/m², exact {exact:.0}; {:.2} steps of Newton's method a step",
+            1e3 * depth,
+            newton as f64 / f64::from(steps)
+        );
+        errors.push(took_up / exact - 1.0);
+    }
+    assert!(errors.iter().all(|error| error.abs() < 5e-3), "{errors:?}");
+}
+
+/// The error function, by its series.
+fn erf(x: f64) -> f64 {
+    let term = |(term, sum): (f64, f64), n: i32| {
+        let n = f64::from(n);
+        let next = -term * x * x / (n + 1.0);
+        (next, sum + next / (2.0 * n + 3.0))
+    };
+    2.0 / PI.sqrt() * (0..60).fold((x, x), term).1
+}
+
+/// Where conjugate gradients end too early, a line of nodes that nothing but its far end cools, the
+/// message names elimination, which solves it. Where rounding exceeds the tolerance, layers a
+/// millionth of those of the default, it names steps and layers: a shorter step solves it, and so
+/// does a thicker layer.
+#[test]
+fn what_a_failed_solve_advises_helps() {
+    let nature = Nature {
+        material: Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 },
+        points: Vec::new(),
+        initial: 293.15,
+        clamps: false,
+        surroundings: Surroundings::default(),
+    };
+    let advice =
+        |took: Took| nature.check([0.0; 2], took, "thicker layers").unwrap_err().to_string();
+    let [.., (_, peak)] = laws_with_steps();
+    let heated = |axes: [&Axis; 3], duration: f64, solver: bool, heat: f64| {
+        let block = Conductor::new(axes, peak.clone());
+        let (mut now, cold) = (vec![0.0; block.nodes()], vec![0.0; block.nodes()]);
+        let mut surface = vec![0.0; block.counts[0]];
+        surface[block.counts[0] - 1] = heat;
+        let asked = request(duration, Scheme::BackwardEuler, 0, &surface);
+        let direct = solver.then(|| Direct::new(block.counts));
+        block.step(&asked, &mut now, [&cold, &[]], &mut Memory::with(direct))
+    };
+    let layer = Axis::middles(0.0, vec![1e-3]);
+    let line = Axis::middles(0.0, vec![1e-4; 10_000]).ending([1e4, 0.0]);
+    let long = |duration: f64, direct: bool| heated([&line, &one(), &layer], duration, direct, 1.0);
+    let failed = long(1e4, false);
+    assert!(!failed.is_solved() && advice(failed).contains("thermal.solver = \"direct\""));
+    assert!(long(1e4, true).is_solved());
+
+    let thin = |first: f64, duration: f64, direct: bool| {
+        heated([&one(), &one(), &Axis::graded(first, 2.0, 1e-3)], duration, direct, 1e7)
+    };
+    for direct in [false, true] {
+        let failed = thin(1e-12, 1e-4, direct);
+        assert!(!failed.is_solved() && advice(failed).contains("write thicker layers"));
+        assert!(thin(1e-12, 1e-9, direct).is_solved() && thin(1e-9, 1e-4, direct).is_solved());
     }
 }

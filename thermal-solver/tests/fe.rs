@@ -6,7 +6,7 @@
 mod support;
 
 use proto::configuration::Mode;
-use proto::grid::{Grid, Structured};
+use proto::grid::{Grid, Shape, Structured};
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -15,6 +15,7 @@ use thermal_solver::ThermalSolver;
 use thermal_solver::columns::reconstruction::Flux;
 use thermal_solver::effects::volume_temperature::VOLUMES;
 use thermal_solver::fe::basis::Basis;
+use thermal_solver::fe::law::{Law, Point};
 use thermal_solver::fe::mesh::Axis;
 use thermal_solver::fe::steady::Steady;
 use thermal_solver::reference::ellipse::{peak, surface};
@@ -251,6 +252,119 @@ fn kirchhoffs_transform() {
         assert!(difference(falling.rail(), &expected) < 1e-6, "{mode:?}");
         assert!((peak / 281.71 - 1.0).abs() < 1e-3, "{mode:?} {peak}");
     }
+}
+
+/// Tables of steel whose heat capacity or conductivity changes 24 times within a kelvin, on the way
+/// to the hottest place.
+fn tables_with_steps() -> [(&'static str, &'static str); 4] {
+    [
+        ("capacity rises", "200 50 419.5\n400 50 419.5\n401 50 10068\n2000 50 10068\n"),
+        ("capacity falls", "200 50 10068\n310 50 10068\n311 50 419.5\n2000 50 419.5\n"),
+        (
+            "capacity peaks",
+            "200 50 419.5\n400 50 419.5\n400.5 50 10068\n401 50 419.5\n2000 50 419.5\n",
+        ),
+        ("conductivity falls", "200 50 419.5\n400 50 419.5\n401 2.1 419.5\n2000 2.1 419.5\n"),
+    ]
+}
+
+/// Steps of the properties over temperature, steady and in time: iterations and elimination find
+/// the same rises. Tolerance: the residual, over the flattest part of a heat capacity that changes
+/// 24 times.
+#[test]
+fn steps_of_the_properties_under_a_contact() {
+    let grid = Structured::contact_plane(-9e-3, -2e-3, 1e-3, 5e-4, 18, 9);
+    let heat = heat(&grid);
+    for (name, lines) in tables_with_steps() {
+        for (mode, windows) in [(Mode::Steady, 1), (Mode::Transient, 6)] {
+            let found = ["iterative", "direct"].map(|solver| {
+                let (_file, case) = tabled(lines, json!({"solver": solver, "wake": 0.02}));
+                let mut run = Run::new("fe", mode, grid, case);
+                let work: Vec<u64> = (0..windows).map(|_| run.advance(&heat, 7e-5).work).collect();
+                println!("{name}, {mode:?}, {solver}: {:.2} K, {work:?}", largest(run.rail()));
+                run.rail().to_vec()
+            });
+            assert!(difference(&found[1], &found[0]) < 1e-7, "{name} {mode:?}");
+        }
+    }
+}
+
+/// Material that passes steadily under an even flux carries away what it has received: below the
+/// middle row, where nothing goes sideways, Σ H dz = q x/V at the distance x behind the leading
+/// edge, for steps of the properties as for none. H is the integral of the table's heat capacity.
+/// Tolerance: sweeps that settle at 1e-7, and conduction along, which is a flux of κ/V² (d²/dx²) of
+/// the heat, nothing where heat grows evenly but next to the leading edge.
+#[test]
+fn passing_material_carries_away_what_it_has_received() {
+    let grid = Structured::contact_plane(-9e-3, -9e-3, 1e-3, 5e-4, 18, 37);
+    let (flux, middle) = (1e8, grid.nj / 2);
+    let even = vec![2.0 * flux; grid.points()];
+    let none = ("nothing changes", "200 50 419.5\n2000 50 419.5\n");
+    for (name, lines) in tables_with_steps().into_iter().chain([none]) {
+        let (_file, mut case) = tabled(lines, json!({"wake": 9e-3}));
+        case["effects"]["volume_temperature"] = json!({});
+        let mut run = Run::new("fe", Mode::Steady, grid, case);
+        run.advance(&even, f64::INFINITY);
+        let spec = &VOLUMES[LOWER];
+        let announced = &run.layout.grid_of(spec.name).unwrap().name;
+        let volume = run.model.moved_grids().iter().find(|grid| grid.name == *announced);
+        let volume = volume.unwrap().clone();
+        let mut wanted = Wanted(vec![(spec.name, vec![f64::NAN; volume.points()])]);
+        run.model.observe(&mut wanted);
+        let (rises, layers) = (wanted.of(spec), layers(&volume));
+        let columns = volume.points() / (grid.nj * layers);
+        let faces = volume_faces(&volume);
+        let points: Vec<Point> = lines.lines().map(point_of).collect();
+        let law = Law::new(&points, 293.15);
+        for back in [2, 5, 10, 17] {
+            let column = columns - 1 - back;
+            let level = |k: usize| {
+                let rise = rises[(k * grid.nj + middle) * columns + column];
+                law.held(law.potential(rise)).heat * (faces[k + 1] - faces[k])
+            };
+            let carried: f64 = (0..layers).map(level).sum();
+            let received = flux * (back as f64 + 0.5) * grid.dx() / SPEED;
+            println!(
+                "{name}, {back}: {:.2e}, {:.1} K",
+                carried / received - 1.0,
+                rises[((layers - 1) * grid.nj + middle) * columns + column]
+            );
+            assert!((carried / received - 1.0).abs() < 3e-4, "{name} {back} {carried} {received}");
+        }
+    }
+}
+
+/// Faces of the layers of a volume.
+fn volume_faces(volume: &Grid) -> Vec<f64> {
+    let Shape::Volume(volume) = &volume.shape else { panic!("it is a volume") };
+    volume.axes().unwrap()[2].to_vec()
+}
+
+/// A line of a table.
+fn point_of(line: &str) -> Point {
+    let numbers: Vec<f64> = line.split_whitespace().map(|number| number.parse().unwrap()).collect();
+    Point { temperature: numbers[0], conductivity: numbers[1], capacity: 7850.0 * numbers[2] }
+}
+
+/// Layers so thin that rounding exceeds the tolerance of the equations: the message names the
+/// layers, and in time the step, and either solves it.
+#[test]
+fn layers_that_are_too_thin_are_refused_with_what_helps() {
+    let grid = Structured::contact_plane(-2e-3, -5e-4, 1e-3, 5e-4, 4, 3);
+    let heat = vec![PEAK; grid.points()];
+    let try_with = |mode: Mode, first: f64, step: f64| {
+        let more = json!({"solver": "iterative", "wake": 4e-3, "layer_ratio": 2.0, "first_layer": first, "step": step});
+        let mut run = Run::new("fe", mode, grid, with(more));
+        run.try_solve(&heat, grid.dx() / SPEED).map_err(|error| error.to_string())
+    };
+    let refused = try_with(Mode::Steady, 1e-13, 1.0).unwrap_err();
+    assert!(refused.contains("write a larger thermal.first_layer"), "{refused}");
+    try_with(Mode::Steady, 1e-9, 1.0).unwrap();
+    let refused = try_with(Mode::Transient, 1e-12, 1.0).unwrap_err();
+    println!("{refused}");
+    assert!(refused.contains("larger thermal.first_layer or a smaller thermal.step"), "{refused}");
+    try_with(Mode::Transient, 1e-9, 1.0).unwrap();
+    try_with(Mode::Transient, 1e-12, 2e-9).unwrap();
 }
 
 /// The peak under an ellipse of heat straight down, and what is below it, over the layers: with nodes and faces that

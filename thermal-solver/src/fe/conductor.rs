@@ -9,6 +9,15 @@
 //! gradients on the symmetric matrix, whose preconditioner solves every line of nodes in depth exactly. Where
 //! material passes an element in a step the matrix is nearly those lines, and two iterations do.
 //! Heat is conserved as far as the equation is solved: its residual, summed up, is what is missing.
+//!
+//! **Steps of the heat capacity.** H and E grow with Θ and K is symmetric and positive, so the
+//! residual is the downward gradient of a strictly convex energy, and the solution is its only
+//! minimum. A full step of Newton's method is kept if it halves the smallest residual so far, or if
+//! the energy still falls at its end. Otherwise a line search shortens the step until the slope of
+//! the energy along it lies between zero and half of the slope at its start. Each step then lowers
+//! the energy in proportion to the square of the residual, which makes the method converge from any
+//! start, however steep or narrow a peak of the heat capacity is (Nocedal & Wright, Numerical
+//! Optimization, 2nd ed., section 3.2). Smooth laws never need the search.
 
 use super::basis::LANES;
 use super::direct::Direct;
@@ -21,8 +30,18 @@ use pulp::{Arch, NullaryFnOnce};
 const BOLTZMANN: f64 = 5.670_374_419e-8;
 /// Residual over the known terms of the equation at which a step is solved.
 const SOLVED: f64 = 1e-10;
-/// Steps of Newton's method at most.
-const MOST_NEWTON: usize = 30;
+/// Steps of Newton's method at most. A latent heat of 500 times the heat capacity over a kelvin
+/// takes 20.
+const MOST_NEWTON: usize = 100;
+/// Reduction of the smallest residual so far at which a full step of Newton's method is kept
+/// unseen.
+const HALVED: f64 = 0.5;
+/// Slope of the energy over that at the start of a step below which a line search ends.
+const FLAT: f64 = 0.5;
+/// Trials of a line search at most. Every trial shortens the bracket by a twentieth or more.
+const MOST_TRIALS: usize = 60;
+/// Share of the bracket of a line search that a trial keeps from either end.
+const MARGIN: f64 = 0.05;
 /// Iterations of conjugate gradients at most.
 const MOST_ITERATIONS: usize = 500;
 /// Reduction of the residual by conjugate gradients in a step of Newton's method.
@@ -48,9 +67,12 @@ impl Surroundings {
     /// the rise: those of temperatures would leave little of it where it is small.
     fn lost(&self, initial: f64, rise: f64) -> [f64; 2] {
         let ([h, air], [emissivity, round]) = (self.convection, self.radiation);
-        let (black, temperature) = (emissivity * BOLTZMANN, initial + rise);
+        // An iterate below absolute zero radiates nothing: the loss then never falls with the
+        // temperature.
+        let warm = rise.max(-initial);
+        let (black, temperature) = (emissivity * BOLTZMANN, initial + warm);
         // T⁴ − T∞⁴.
-        let over = rise + (initial - round);
+        let over = warm + (initial - round);
         let powers = over * (temperature + round) * (temperature * temperature + round * round);
         let slope = h + 4.0 * black * temperature.powi(3);
         [h * (rise + (initial - air)) + black * powers, slope]
@@ -488,13 +510,15 @@ impl NullaryFnOnce for Solve<'_> {
             return took;
         }
         let theta = request.by.theta;
+        let mut smallest = f64::INFINITY;
+        block.residual(request, now, memory);
         loop {
-            block.residual(request, now, memory);
             let left = dot(&memory.residual, &memory.residual).sqrt();
             took.residual = left / scale;
-            if took.is_solved() || took.newton == MOST_NEWTON {
+            if took.is_solved() || took.newton == MOST_NEWTON || left.is_nan() {
                 return took;
             }
+            smallest = smallest.min(left);
             took.newton += 1;
             if memory.direct.is_some() {
                 block.eliminate(theta, memory);
@@ -505,12 +529,45 @@ impl NullaryFnOnce for Solve<'_> {
                 took.iterations += iterations;
                 took.stopped |= iterations == MOST_ITERATIONS;
             }
-            now.iter_mut().zip(&memory.correction).for_each(|(now, more)| *now += more);
+            block.advance(request, now, HALVED * smallest, memory);
         }
     }
 }
 
 impl Conductor {
+    /// Adds the correction to a state, or a part of it that lowers the energy, and finds the
+    /// residual there. The whole of it is kept where the residual is not above `enough`.
+    #[inline(always)]
+    fn advance(&self, request: &Request, now: &mut [f64], enough: f64, memory: &mut Memory) {
+        add(1.0, &memory.correction, now);
+        self.residual(request, now, memory);
+        // The slope of the energy along the correction, downwards.
+        let mut slope = dot(&memory.residual, &memory.correction);
+        if slope >= 0.0 || dot(&memory.residual, &memory.residual) <= enough * enough {
+            return;
+        }
+        let (mut place, mut high) = (1.0, [1.0, slope]);
+        let (mut low, mut flat) = ([0.0, f64::INFINITY], 0.0);
+        for trial in 0..MOST_TRIALS {
+            // The first trial finds the slope at the start, where conjugate gradients have used up
+            // the residual.
+            let next = if trial == 0 { 0.0 } else { false_position(low, high) };
+            add(next - place, &memory.correction, now);
+            self.residual(request, now, memory);
+            (place, slope) = (next, dot(&memory.residual, &memory.correction));
+            if trial == 0 {
+                flat = FLAT * slope;
+            } else if (0.0..=flat).contains(&slope) {
+                return;
+            }
+            if slope > 0.0 {
+                low = [place, slope];
+            } else {
+                high = [place, slope];
+            }
+        }
+    }
+
     /// What the equation leaves, b − F(Θ), and the slope of what is not linear in it.
     #[inline(always)]
     fn residual(&self, request: &Request, now: &[f64], memory: &mut Memory) {
@@ -690,6 +747,22 @@ impl Stencil<'_> {
 #[inline(always)]
 fn lanes<const N: usize>(values: &[f64], i: usize) -> [f64; N] {
     values[i..i + N].try_into().expect("as many as lanes")
+}
+
+/// Where a straight line between two places and slopes of opposite sign is zero, but not close to
+/// either.
+#[inline(always)]
+fn false_position([low, above]: [f64; 2], [high, below]: [f64; 2]) -> f64 {
+    let part = above / (above - below);
+    // A slope at the start that is not positive is rounding.
+    let part = if part.is_finite() { part } else { 0.5 };
+    low + (high - low) * part.clamp(MARGIN, 1.0 - MARGIN)
+}
+
+/// out += s x.
+#[inline(always)]
+fn add(s: f64, x: &[f64], out: &mut [f64]) {
+    out.iter_mut().zip(x).for_each(|(out, x)| *out += s * x);
 }
 
 /// Σ a b in eight sums, the same on any machine.

@@ -37,15 +37,22 @@ impl Nature {
         }
     }
 
-    /// The work of a solve whose coldest and hottest rises are these [K]; `shorter` is what makes its steps
-    /// shorter, for a solve that has failed.
+    /// The work of a solve whose coldest and hottest rises are these [K]; `less_rounding` is what
+    /// lowers the rounding of its equations, for a solve that has failed.
     ///
     /// # Errors
     /// The equations are not solved, or the rises are beyond what is known of the material.
-    pub fn check(&self, extremes: [f64; 2], took: Took, shorter: &str) -> Result<u64, StepError> {
+    pub fn check(
+        &self,
+        extremes: [f64; 2],
+        took: Took,
+        less_rounding: &str,
+    ) -> Result<u64, StepError> {
         if !took.is_solved() {
-            // Elimination has no iterations that end too early, but the same steps of Newton's method.
-            let fix = if took.stopped { "thermal.solver = \"direct\"" } else { shorter };
+            // Newton's method converges from any start, unless conjugate gradients end too early,
+            // which elimination does not, or rounding exceeds the tolerance: between layers so thin
+            // that what they conduct cancels.
+            let fix = if took.stopped { "thermal.solver = \"direct\"" } else { less_rounding };
             return Err(StepError::NoSolution(format!(
                 "the equations of the elements are not solved: the residual is {:.1e} after {} steps of Newton's \
                  method; write {fix}",

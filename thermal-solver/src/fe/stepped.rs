@@ -196,7 +196,7 @@ impl Motion for Stepped {
         self.nature.check(
             extremes(&self.trial.now, &self.block.law),
             took,
-            "a smaller thermal.step",
+            "a larger thermal.first_layer or a smaller thermal.step",
         )
     }
 

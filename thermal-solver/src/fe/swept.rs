@@ -203,7 +203,7 @@ impl Motion for Swept {
         self.nature.check(
             extremes(&self.trial, &self.block.law),
             took,
-            "a larger thermal.resolution",
+            "a larger thermal.first_layer",
         )
     }
 
