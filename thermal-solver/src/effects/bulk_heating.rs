@@ -28,6 +28,7 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, KeySpec};
 use proto::figure::{FigureSpec, Style};
+use std::f64::consts::PI;
 
 /// Name in the case file.
 pub const NAME: &str = "bulk_heating";
@@ -35,6 +36,9 @@ pub const NAME: &str = "bulk_heating";
 const LOSS: &str = "heat_loss";
 const PASSAGES: &str = "passages";
 const INTERVAL: &str = "passage_interval";
+
+/// Earlier passages over the same place at most.
+const MOST_PASSAGES: i64 = 10_000;
 
 /// Its part of what a body remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +63,7 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::integer(&of(PASSAGES), "earlier passages over the same place of the body")
             .default_value(0)
             .at_least(0.0)
-            .at_most(1e4),
+            .at_most(MOST_PASSAGES as f64),
         KeySpec::quantity(&of(INTERVAL), "s", "time from one passage to the next").above(0.0),
     ]
 }
@@ -181,21 +185,58 @@ fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<Memory, 
 /// Loss of a railway wheel in motion, where the case has none [W/K].
 const TYPICAL: f64 = 60.0;
 
-/// What it says of itself in a scene.
+/// Rise of a body as a whole, and what earlier passages have left in the middle of its track [K],
+/// by its keys; `None` for a body without them.
+fn remembered(situation: &Situation<'_>, body: usize) -> Option<[f64; 2]> {
+    let (case, names) = (situation.case, &situation.scene.names);
+    let number = |name: &str| case.maybe_number(&names.key(body, name)).ok().flatten();
+    let loss = number(LOSS).filter(|loss| *loss > 0.0);
+    let passages = case.integer(&names.key(body, PASSAGES)).unwrap_or(0);
+    let interval = number(INTERVAL).filter(|_| passages > 0 && situation.speeds[body] > 0.0);
+    if loss.is_none() && interval.is_none() {
+        return None;
+    }
+    let bulk = loss.map_or(0.0, |loss| situation.heat[body] / loss);
+    Some([bulk, interval.map_or(0.0, |interval| left(situation, body, passages, interval))])
+}
+
+/// What so many passages, some time apart [s], have left in the middle of a body's track [K]: the
+/// heat of each has gone straight down, and across as a Gaussian of the variance 2κt, which falls
+/// with the track's own width.
+fn left(situation: &Situation<'_>, body: usize, passages: i64, interval: f64) -> f64 {
+    let material = &situation.scene.materials[body];
+    let width = 4.0 / 3.0 * situation.semi_axes[1];
+    let after = |passage: i64| {
+        let time = passage as f64 * interval;
+        let spread = 4.0 * PI * material.diffusivity() * time / (width * width);
+        1.0 / (material.effusivity() * (PI * time * (1.0 + spread)).sqrt())
+    };
+    situation.left_behind(body) * (1..=passages.min(MOST_PASSAGES)).map(after).sum::<f64>()
+}
+
+/// What it says of itself in a scene: of the body whose rise it changes most, or of the upper one
+/// with a typical loss where the case gives neither body a loss or passages.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
-    let (scene, body) = (situation.scene, UPPER);
-    let key = scene.names.key(body, LOSS);
-    let loss = situation.case.maybe_number(&key).ok().flatten().unwrap_or(TYPICAL);
-    let bulk = situation.heat[body] / loss;
+    let scene = situation.scene;
+    let over_flash = |body: usize, rise: f64| rise / situation.rises[body].max(f64::MIN_POSITIVE);
+    let known = [UPPER, LOWER]
+        .into_iter()
+        .filter_map(|body| Some((body, remembered(situation, body)?)))
+        .max_by(|(a, own), (b, other)| {
+            over_flash(*a, own.iter().sum()).total_cmp(&over_flash(*b, other.iter().sum()))
+        });
+    let (body, [bulk, residual]) = known.unwrap_or((UPPER, [situation.heat[UPPER] / TYPICAL, 0.0]));
     let heat = 1e-3 * situation.heat[body];
+    let name = &scene.names.0[body];
     let why = format!(
-        "{heat:.2} kW that go on for long into a body that gives off {loss} W/K make {bulk:.0} K as a whole"
+        "{heat:.2} kW that go on for long into {name} make {bulk:.1} K as a whole; earlier passages leave {residual:.1} K"
     );
-    let relative = bulk / situation.rises[body].max(f64::MIN_POSITIVE);
-    let advice = Advice::new(NAME, why)
-        .number("rise of the whole body over flash", relative)
-        .with(format!("{key}={loss}"))
-        .with(format!("effects.{NAME}={{}}"));
-    situation.moved(advice, body, relative)
+    let relative = over_flash(body, bulk + residual);
+    let advice = Advice::new(NAME, why).number("rise of the whole body over flash", relative);
+    let advice = match known {
+        Some(_) => advice,
+        None => advice.with(format!("{}={TYPICAL}", scene.names.key(body, LOSS))),
+    };
+    situation.moved(advice.with(format!("effects.{NAME}={{}}")), body, relative)
 }

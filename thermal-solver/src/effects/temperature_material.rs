@@ -4,9 +4,9 @@
 //! specific heat [J/(kg·K)], straight between; temperatures are absolute: the body's `initial_temperature` and
 //! the rise. One without has constant ones. Its density is constant.
 
-use crate::fe::law::Point;
+use crate::fe::law::{Law, Point};
 use crate::models::names;
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::bodies::ABSOLUTE;
@@ -106,17 +106,49 @@ fn points_of(table: &Table, density: f64) -> Result<Vec<Point>, String> {
     (0..table.rows()).map(point).collect()
 }
 
-/// Relative rise of the effusivity of carbon steel with the temperature, from 20 to 400 °C [1/K].
-const STEEL: f64 = 2.8e-4;
+/// Conductivity [W/(m·K)] and specific heat [J/(kg·K)] of carbon steel up to 600 °C (EN 1993-1-2,
+/// 3.4.1), at a temperature [K].
+fn steel(temperature: f64) -> [f64; 2] {
+    let celsius = (temperature - 273.15).clamp(0.0, 600.0);
+    let specific_heat = 425.0 + celsius * (0.773 + celsius * (-1.69e-3 + celsius * 2.22e-6));
+    [54.0 - 3.33e-2 * celsius, specific_heat]
+}
+
+/// The points of a body without a table: its own properties at the initial temperature, changed as
+/// those of carbon steel.
+fn typical(scene: &Scene, body: usize) -> Vec<Point> {
+    let Material { density, specific_heat, conductivity } = scene.materials[body];
+    let initial = scene.initial_temperatures[body];
+    let point = |k: u32| {
+        let temperature = initial + 50.0 * f64::from(k);
+        let [[lambda, c], [cold_lambda, cold_c]] = [steel(temperature), steel(initial)];
+        Point {
+            temperature,
+            conductivity: conductivity * lambda / cold_lambda,
+            capacity: density * specific_heat * c / cold_c,
+        }
+    };
+    (0..=20).map(point).collect()
+}
 
 /// What it says of itself in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
-    let body = situation.hotter();
-    let rise = situation.rises[body];
-    let why = "effusivity of carbon steel at half the rise (EN 1993-1-2); needs a thermal_table for the material";
-    let better = 0.5 * STEEL * rise;
-    situation.moved(Advice::new(NAME, why), body, -better / (1.0 + better))
+    let (body, scene) = (situation.hotter(), situation.scene);
+    let (tables, _) = read(situation.case, scene).unwrap_or_default();
+    let why = match tables[body].is_empty() {
+        true => {
+            "conductivity and heat capacity over the rise, of carbon steel (EN 1993-1-2); needs a thermal_table for the material"
+        }
+        false => "conductivity and heat capacity over the rise, from the thermal_table",
+    };
+    let points = match tables[body].is_empty() {
+        true => typical(scene, body),
+        false => tables[body].clone(),
+    };
+    let law = Law::new(&points, scene.initial_temperatures[body]);
+    let relative = situation.rise_with(body, &law) / situation.rises[body] - 1.0;
+    situation.moved(Advice::new(NAME, why), body, relative)
 }
 
 #[cfg(test)]

@@ -19,6 +19,11 @@ pub fn spec() -> EffectSpec {
 /// Coefficient of thermal expansion of steel, where the case has none [1/K].
 const STEEL: f64 = 1.2e-5;
 
+/// Relative change of the largest pressure over that height relative to the approach: 0.34 to 0.36
+/// in runs of `half-space` with `columns` of `cases/wheel-spin.toml` at 10 and 40 m/s, 20 and 60
+/// kN, creepages of 0.2 and 0.5.
+const PRESSED: f64 = 0.35;
+
 /// What it says of itself in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
@@ -36,9 +41,10 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     };
     let height: f64 = (0..2).filter(|body| situation.speeds[*body] > 0.0).map(raised).sum();
     let share = height / situation.approach;
-    let advice = Advice::new(NAME, "height by which heat raises the surfaces behind the contact, over the approach; half of it")
+    let why = "height by which heat raises the surfaces behind the contact, over the approach; about a third of it";
+    let advice = Advice::new(NAME, why)
         .number("thermal rise over approach", share)
-        .moves("contact.max_pressure_pa", 0.5 * share);
+        .moves("contact.max_pressure_pa", PRESSED * share);
     let advice = lacking
         .iter()
         .fold(advice, |advice, material| advice.with(format!("{}={STEEL:e}", key(material))));

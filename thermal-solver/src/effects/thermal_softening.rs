@@ -4,6 +4,7 @@
 
 use super::integrated;
 use crate::situation::Situation;
+use crate::{LOWER, UPPER};
 use proto::advice::Advice;
 use proto::description::EffectSpec;
 
@@ -16,26 +17,73 @@ pub fn spec() -> EffectSpec {
     integrated::spec(NAME)
 }
 
-/// Temperature from which on the modulus of carbon steel falls [K], and by how much of it with every kelvin (EN 1993-1-2, table 3.1).
-const FALLS: (f64, f64) = (373.15, 1e-3);
+/// Share of Young's modulus that carbon steel keeps at a temperature [K] (EN 1993-1-2, table 3.1).
+const STEEL: [(f64, f64); 9] = [
+    (373.15, 1.0),
+    (473.15, 0.9),
+    (573.15, 0.8),
+    (673.15, 0.7),
+    (773.15, 0.6),
+    (873.15, 0.31),
+    (973.15, 0.13),
+    (1073.15, 0.09),
+    (1273.15, 0.045),
+];
 /// p₀ over a modulus that falls everywhere, to this power (Hertz).
 const HERTZ: f64 = 2.0 / 3.0;
+
+/// Share of its modulus that carbon steel keeps at a temperature [K], straight between the lines of
+/// the table.
+fn kept(temperature: f64) -> f64 {
+    let next = STEEL.partition_point(|(at, _)| *at <= temperature);
+    let (low, high) = (STEEL[next.saturating_sub(1)], STEEL[next.min(STEEL.len() - 1)]);
+    let length = high.0 - low.0;
+    let part = if length > 0.0 { (temperature - low.0) / length } else { 0.0 };
+    low.1 + part * (high.1 - low.1)
+}
 
 /// What it says of itself in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
-    let body = situation.hotter();
-    let hottest = situation.scene.initial_temperatures[body] + situation.rises[body];
-    let (from, slope) = FALLS;
-    let lost = (slope * (hottest - from)).clamp(0.0, 1.0);
-    // What carries a contact is about as deep as it is wide; heat is in a part of that.
+    // What carries a contact is about as deep as it is wide. All of that has the initial
+    // temperature, a part of it the heat.
     let [_, b] = situation.semi_axes;
-    let depth = match situation.rises[body] > 0.0 {
-        true => situation.rise_integral(body) / situation.rises[body],
-        false => 0.0,
-    };
-    let why = "share of the modulus lost at the surface (EN 1993-1-2), in a skin as deep as the heat; needs a softening_table and explicit-fe";
+    let shares = [UPPER, LOWER].map(|body| {
+        let (rise, initial) = (situation.rises[body], situation.scene.initial_temperatures[body]);
+        let depth = if rise > 0.0 { situation.rise_integral(body) / rise } else { 0.0 };
+        let [cold, hot] = [kept(initial), kept(initial + rise)];
+        [cold - (cold - hot) * (depth / b).min(1.0), hot]
+    });
+    // Both bodies are as compliant.
+    let compliance = 0.5 * shares.iter().map(|[share, _]| share.recip()).sum::<f64>();
+    let least = shares.iter().map(|[_, hot]| *hot).fold(1.0, f64::min);
+    let why = "Young's modulus at the initial temperature, and in a skin as deep as the heat at the surface's (EN 1993-1-2); needs a softening_table and explicit-fe";
     Advice::new(NAME, why)
-        .number("modulus lost at the surface", lost)
-        .moves("contact.max_pressure_pa", -HERTZ * lost * (depth / b).min(1.0))
+        .number("modulus lost at the surface", 1.0 - least)
+        .moves("contact.max_pressure_pa", compliance.powf(-HERTZ) - 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lines of the table, between them, and beyond its ends, where the ends hold. Tolerance:
+    /// rounding.
+    #[test]
+    fn the_modulus_of_steel() {
+        for (temperature, share) in [
+            (293.15, 1.0),
+            (373.15, 1.0),
+            (523.15, 0.85),
+            (823.15, 0.455),
+            (1273.15, 0.045),
+            (2e3, 0.045),
+        ] {
+            assert!(
+                (kept(temperature) - share).abs() < 1e-12,
+                "{temperature} {}",
+                kept(temperature)
+            );
+        }
+    }
 }
