@@ -49,6 +49,10 @@ const BORROWED: usize = 2;
 const MAX_MEMBERS: usize = MOST_PARTICIPANTS + 4;
 /// Samples in a field's segment: one being written, and two that readers may hold.
 pub const FIELD_SLOTS: u64 = 4;
+/// Values to which a field may grow: a segment of this size fills the memory of any machine.
+const MOST_VALUES: u64 = 1 << 32;
+/// Least room of a field's first segment [values], one page.
+const LEAST_ROOM: usize = 512;
 /// A send that cannot be delivered is retried for this long.
 const DELIVERY: Duration = Duration::from_secs(5);
 /// Event id of a message; the heartbeats of participant `i` ring with `BEATS` ids of its own.
@@ -145,6 +149,34 @@ pub enum TransportError {
         /// The deadline [s].
         seconds: f64,
     },
+}
+
+/// Slots of the first segment of a field that may grow. iceoryx2 loses one slot to alignment whenever it moves a field to a larger
+/// segment, and ends the topic after 254 segments, so that a field without spare slots needs a segment a
+/// sample. There is a spare one for every doubling up to [`MOST_VALUES`]. Memory is taken by slots that are
+/// used, and the lowest free one is used first: spare slots take none.
+fn growing_slots(room: usize) -> usize {
+    let doublings = MOST_VALUES.ilog2().saturating_sub(room.ilog2());
+    FIELD_SLOTS as usize + doublings as usize
+}
+
+impl TransportError {
+    /// Advice for a field that could not be sent to `receivers`.
+    #[must_use]
+    pub fn advice(&self, receivers: &str) -> String {
+        match self {
+            Self::NotDelivered { .. } => {
+                format!("see log.jsonl; {receivers} may have left inputs unread")
+            }
+            Self::NobodyJoined { .. } => {
+                format!("see log.jsonl; {receivers} may not have started")
+            }
+            Self::Open { .. } | Self::Exchange { .. } => {
+                "there may be too little shared memory: free some in /dev/shm, or choose coarser grids"
+                    .to_owned()
+            }
+        }
+    }
 }
 
 fn open_error(service: &str, cause: impl std::fmt::Debug) -> TransportError {
@@ -266,20 +298,41 @@ impl Endpoint {
         self.receiver(format!("progress/{role}"), Queue::Newest)
     }
 
-    /// A writer of a field's topic with room for samples of `values` doubles.
+    /// A writer of a field's topic with room for samples of `values` doubles. A larger sample moves the field to a
+    /// new segment, twice as large or more.
     pub fn field_writer(
         &self,
         service: &str,
         values: usize,
         subscribers: usize,
     ) -> Result<FieldWriter, TransportError> {
+        let room = values.max(LEAST_ROOM);
+        self.field_writer_with(service, (room, growing_slots(room)), subscribers)
+    }
+
+    /// A writer of a field whose samples all have `values` doubles: it reserves fewer slots.
+    pub fn fixed_field_writer(
+        &self,
+        service: &str,
+        values: usize,
+        subscribers: usize,
+    ) -> Result<FieldWriter, TransportError> {
+        self.field_writer_with(service, (values.max(1), FIELD_SLOTS as usize), subscribers)
+    }
+
+    fn field_writer_with(
+        &self,
+        service: &str,
+        (room, slots): (usize, usize),
+        subscribers: usize,
+    ) -> Result<FieldWriter, TransportError> {
         let topic = self.topic::<f64, FieldHeader>(service, Queue::Every)?;
         let publisher = topic
             .publisher_builder()
-            .initial_max_slice_len(values.max(1))
+            .initial_max_slice_len(room)
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .max_loaned_samples(1)
-            .override_sample_preallocation(|worst| worst.min(FIELD_SLOTS as usize))
+            .override_sample_preallocation(move |worst| worst.min(slots))
             .set_backpressure_handler(retry_then_fail)
             .create()
             .map_err(|e| open_error(service, e))?;
@@ -664,5 +717,31 @@ impl Ringer {
             .notify_with_custom_event_id(EventId::new(event))
             .map_err(|e| exchange_error(&self.name, e))?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every doubling from any room costs one slot, and as many are left as there were.
+    #[test]
+    fn every_doubling_has_a_spare_slot() {
+        for room in [LEAST_ROOM, 5000, 1 << 20, (1 << 31) - 1, 1 << 31] {
+            let doublings = (0..64).find(|n| (room as u64) << n >= MOST_VALUES).unwrap_or(0);
+            assert!(growing_slots(room) >= FIELD_SLOTS as usize + doublings, "{room}");
+            assert!(growing_slots(room) <= FIELD_SLOTS as usize + 23, "{room}");
+        }
+    }
+
+    /// An exhausted memory is not blamed on a receiver.
+    #[test]
+    fn advice_names_the_receiver_only_if_a_sample_did_not_arrive() {
+        let service = "field/a/b".to_owned();
+        let lost =
+            TransportError::NotDelivered { service: service.clone(), reached: 0, expected: 1 };
+        assert_eq!(lost.advice("mech"), "see log.jsonl; mech may have left inputs unread");
+        let full = TransportError::Exchange { service, cause: "OutOfMemory".to_owned() };
+        assert!(!full.advice("mech").contains("mech"), "{}", full.advice("mech"));
     }
 }

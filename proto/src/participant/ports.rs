@@ -251,7 +251,11 @@ impl OutputPorts {
                 grid: Label::new(&topic.grid.name),
                 ..FieldHeader::default()
             };
-            let writer = endpoint.field_writer(&topic.service, values, topic.subscribers)?;
+            let (service, subscribers) = (&topic.service, topic.subscribers);
+            let writer = match topic.geometry {
+                Some(_) => endpoint.field_writer(service, values, subscribers)?,
+                None => endpoint.fixed_field_writer(service, values, subscribers)?,
+            };
             Ok(OutputPort { name: kind.name, values, writer, header, loan: None })
         });
         Ok(Self(ports.collect::<Result<_, PortError>>()?))

@@ -212,6 +212,17 @@ fn a_grid_may_grow_far() {
     assert!((sent / heat(&patch("grow", 199)) - 1.0).abs() < 1e-12, "rounding");
 }
 
+/// 384 elements become 5168, and every segment is doubled four times: iceoryx2 has 254 segments for a topic, and no
+/// field may use them up.
+#[test]
+fn a_grid_may_grow_in_every_window() {
+    let (place, summary) = run(&["mover.motion=grow", "time.end=300", "output.fields=none"]);
+    assert_eq!(number(&summary, "/mover/windows"), 300.0);
+    let rows = place.table("iterations.csv").columns(["heat_sent_w"]);
+    let sent = rows[rows.len() - 1][0];
+    assert!((sent / heat(&patch("grow", 299)) - 1.0).abs() < 1e-12, "rounding");
+}
+
 /// Windows that are solved again start from the same grid.
 #[test]
 fn adaptive_windows_keep_to_the_accepted_grid() {

@@ -68,7 +68,7 @@ impl Session {
             who: "the exchange of fields".to_owned(),
             when: self.peers.phase.to_string(),
             what: error.to_string(),
-            fix: "see log.jsonl; a participant may have left its inputs unread".to_owned(),
+            fix: error.advice("a participant"),
         })
     }
 }

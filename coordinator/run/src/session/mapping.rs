@@ -113,9 +113,7 @@ impl Session {
                 let producer = &self.taps[one.tap].producer_role;
                 format!("correct the grids of {producer} and {role}")
             }
-            MappingError::Transport(_) => {
-                format!("see log.jsonl; {role} may have left its inputs unread")
-            }
+            MappingError::Transport(error) => error.advice(role),
         };
         RunError::Failed(Failure {
             who: format!("the mapping of `{field}` for {role}"),
