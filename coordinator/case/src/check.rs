@@ -5,7 +5,7 @@ use super::known::Known;
 use super::schema::Shape;
 use super::tree::{Node, Origin, Value};
 use contract::description::{KeyKind, KeySpec};
-use contract::quantity::{QuantityError, parse_quantity};
+use contract::quantity::{QuantityError, parse_difference, parse_quantity};
 use contract::suggest::{any_of, nearest};
 use contract::text::check_line;
 use serde_json::{Number, Value as Json};
@@ -43,8 +43,12 @@ fn one(spec: &KeySpec, node: &Node, folder: &Path) -> Result<Json, Fault> {
     match (&spec.kind, &node.value) {
         (KeyKind::Quantity { unit }, Value::Number { value, .. }) => within(spec, *value, unit),
         (KeyKind::Quantity { unit }, Value::Text(text)) => {
-            let value = parse_quantity(text, unit).map_err(|error| {
+            let parse = if spec.difference { parse_difference } else { parse_quantity };
+            let value = parse(text, unit).map_err(|error| {
                 let fix = match &error {
+                    QuantityError::Difference(text) => {
+                        format!("write \"{}\"", in_kelvin(text))
+                    }
                     QuantityError::DecimalComma(text) => {
                         format!("write \"{}\"", text.replacen(',', ".", 1))
                     }
@@ -74,6 +78,12 @@ fn one(spec: &KeySpec, node: &Node, folder: &Path) -> Result<Json, Fault> {
         (KeyKind::Text, _) => expect("a text"),
         (KeyKind::File, _) => expect("the name of a file"),
     }
+}
+
+/// A difference of temperatures in °C as one in K.
+fn in_kelvin(text: &str) -> String {
+    let number = text.trim_end_matches(['°', 'C']).trim_end_matches("deg").trim_end();
+    format!("{number} K")
 }
 
 /// The absolute path of a file that exists.

@@ -76,6 +76,7 @@ fn keys() -> Vec<KeySpec> {
             .at_least(0.0)
             .one_of(LAW),
         KeySpec::quantity(DECAY, "K", "temperature rise at which 1/e of the fall is left")
+            .of_differences()
             .default_value(200.0)
             .above(0.0),
         KeySpec::table(TABLE, &columns(), "friction over a temperature that rises from row to row")

@@ -279,6 +279,9 @@ pub struct KeySpec {
     /// A case may give a list of values in the place of one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub list: bool,
+    /// A difference of temperatures, for which °C has no meaning.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub difference: bool,
     /// Fields that the participant consumes besides, by the word of the key that asks for them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub consumes: BTreeMap<String, Vec<String>>,
@@ -357,6 +360,7 @@ impl KeySpec {
             together: None,
             varies: false,
             list: false,
+            difference: false,
             consumes: BTreeMap::new(),
             plausible: None,
             columns: Vec::new(),
@@ -487,6 +491,13 @@ impl KeySpec {
     #[must_use]
     pub fn or_list(mut self) -> Self {
         self.list = true;
+        self
+    }
+
+    /// A difference of temperatures: a value in °C is refused.
+    #[must_use]
+    pub fn of_differences(mut self) -> Self {
+        self.difference = true;
         self
     }
 

@@ -48,6 +48,9 @@ pub enum QuantityError {
     /// Degrees Celsius stand in a product, power or quotient.
     #[error("°C has its own zero and cannot be part of `{0}`; K can")]
     Celsius(String),
+    /// Degrees Celsius of a difference of temperatures.
+    #[error("`{0}` is a temperature, and a difference of temperatures is asked for; K can be both")]
+    Difference(String),
     /// The value is too large for a number.
     #[error("`{0}` is too large")]
     NotFinite(String),
@@ -84,6 +87,20 @@ pub fn parse_quantity(text: &str, unit: &str) -> Result<f64, QuantityError> {
     let value = scale(number, &given.over(&expected));
     let value = if given.celsius { value + CELSIUS_ZERO } else { value };
     if value.is_finite() { Ok(value) } else { Err(QuantityError::NotFinite(text.to_owned())) }
+}
+
+/// Reads a quantity that is a difference, such as a rise of temperature, and returns its value in `unit`.
+/// A unit with a zero of its own, such as °C, has no meaning for a difference and is refused.
+///
+/// # Errors
+/// As [`parse_quantity`], or the unit has a zero of its own.
+pub fn parse_difference(text: &str, unit: &str) -> Result<f64, QuantityError> {
+    let value = parse_quantity(text, unit)?;
+    let (_, given) = split_number(text.trim());
+    match parse_unit(given) {
+        Ok(given) if given.celsius => Err(QuantityError::Difference(text.trim().to_owned())),
+        _ => Ok(value),
+    }
 }
 
 /// Conversion of plain decimal numbers from one unit to another.
@@ -271,6 +288,20 @@ mod tests {
             let error = parse_quantity(text, unit).expect_err(text);
             assert_eq!(error.to_string(), message);
         }
+    }
+
+    /// A difference in °C would be 273.15 K too large, and is refused; a unit without a zero of its own is as good as ever.
+    #[test]
+    fn a_difference_has_no_zero() {
+        assert_eq!(parse_difference("200 K", "K"), Ok(200.0));
+        assert_eq!(parse_difference("200 mK", "K"), Ok(0.2));
+        assert_eq!(parse_difference("3 K/s", "K/s"), Ok(3.0));
+        for text in ["200 °C", "200degC", " 200 °C "] {
+            let refused = QuantityError::Difference(text.trim().to_owned());
+            assert_eq!(parse_difference(text, "K"), Err(refused), "{text}");
+        }
+        let message = parse_difference("2 °C", "m").unwrap_err().to_string();
+        assert_eq!(message, "unit `°C` cannot be converted to m");
     }
 
     /// Columns of tables are converted to the same bits as quantities of a case.

@@ -1,6 +1,9 @@
 //! `coordinator keys`, `fields`, `figures`: every key, field and number of a summary that there is.
 
 use crate::harness::{Place, case, root};
+use contract::bodies::ABSOLUTE;
+use contract::description::KeySpec;
+use proto::model::Solver;
 use serde_json::Value;
 
 /// The page of keys is what the programs say, and every key of every case that they run is on it.
@@ -174,4 +177,24 @@ fn every_field_and_figure_is_listed() {
     assert!(found.contains("slip_velocity  [m/s]") && !found.contains("pressure"), "{found}");
     let nothing = Place::new().start(&["figures", "no such thing"]).wait();
     assert_eq!(nothing.code, Some(2));
+}
+
+/// Every key in kelvin is either a difference of temperatures, which °C cannot be, or is expected to be an absolute
+/// temperature.
+#[test]
+fn every_temperature_is_absolute_or_a_difference() {
+    let mut seen = 0;
+    for description in
+        [mech_solver::MechSolver.description(), thermal_solver::ThermalSolver.description()]
+    {
+        let models = description.models.iter().flat_map(|model| &model.keys);
+        let effects = description.effects.iter().flat_map(|effect| &effect.keys);
+        let is_temperature = |spec: &&KeySpec| spec.kind.unit() == "K";
+        for spec in description.keys.iter().chain(models).chain(effects).filter(is_temperature) {
+            let absolute = spec.plausible.as_ref().is_some_and(|expected| expected.why == ABSOLUTE);
+            assert!(spec.difference != absolute, "{}", spec.path);
+            seen += 1;
+        }
+    }
+    assert!(seen >= 7, "{seen}");
 }

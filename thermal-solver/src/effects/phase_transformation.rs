@@ -21,6 +21,7 @@ use crate::scene::Scene;
 use crate::situation::Situation;
 use crate::{LOWER, UPPER};
 use proto::advice::Advice;
+use proto::bodies::ABSOLUTE;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, KeySpec};
 use proto::figure::FigureSpec;
@@ -84,9 +85,11 @@ pub fn spec() -> EffectSpec {
         provides: Vec::new(),
         keys: vec![
             KeySpec::quantity(START, "K", "temperature A_c1 at which austenite forms on slow heating")
+                .expected(100.0..=3000.0, ABSOLUTE)
                 .default_value(EUTECTOID)
                 .above(0.0),
             KeySpec::quantity(SHIFT, "K", "by how much A_c1 rises for a tenfold heating rate, above the reference rate")
+                .of_differences()
                 .default_value(0.0)
                 .at_least(0.0),
             KeySpec::quantity(REFERENCE, "K/s", "heating rate up to which the start temperature holds")
@@ -164,14 +167,42 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let hottest = moving.max_by(|a, b| situation.rises[*a].total_cmp(&situation.rises[*b]));
     let body = hottest.unwrap_or(LOWER);
     let highest = scene_temperature(situation, body);
-    let start = situation.case.maybe_number(START).ok().flatten().unwrap_or(EUTECTOID);
+    let number = |key: &str| situation.case.maybe_number(key).ok().flatten();
+    let start = number(START).unwrap_or(EUTECTOID);
+    let rates = rates(situation, body, start);
+    let criterion = Criterion {
+        start,
+        shift: number(SHIFT).unwrap_or(0.0),
+        reference_rate: number(REFERENCE).unwrap_or(1.0),
+        critical_rate: number(CRITICAL).unwrap_or(PEARLITIC),
+    };
+    // Only what reaches A_c1 is heated through it at a rate.
+    let needed = if highest >= start { criterion.temperature(rates[0]) } else { start };
     let name = &situation.scene.names.0[body];
-    let why = format!("{name} reaches {highest:.0} K; A_c1 is {start:.0} K");
-    let transforms = if highest >= start { f64::INFINITY } else { 0.0 };
+    let mut why = format!("{name} reaches {highest:.0} K and transforms at {needed:.0} K");
+    if highest >= needed {
+        let critical = criterion.critical_rate;
+        why +=
+            &format!("; it cools by {:.0e} K/s and quenches from {critical:.0e} K/s on", rates[1]);
+    }
+    let forms = highest >= needed && rates[1] >= criterion.critical_rate;
     Advice::new(NAME, why)
         .number("highest temperature over A_c1", highest / start)
-        .moves(format!("white_layer.{name}.depth_m"), transforms)
+        .number("highest temperature over that of transformation", highest / needed)
+        .moves(format!("white_layer.{name}.depth_m"), if forms { f64::INFINITY } else { 0.0 })
         .with(format!("effects.{NAME}={{}}"))
+}
+
+/// Rates at which a body is heated to its largest rise along the contact, and cools behind it
+/// through a temperature as 1/√t [K/s]; zero of a body at rest.
+fn rates(situation: &Situation<'_>, body: usize, start: f64) -> [f64; 2] {
+    let (rise, speed) = (situation.rises[body], situation.speeds[body]);
+    let passing = 2.0 * situation.semi_axes[0] / speed;
+    let over = start - situation.scene.initial_temperatures[body];
+    if speed == 0.0 || rise == 0.0 {
+        return [0.0; 2];
+    }
+    [rise / passing, over.powi(3) / (rise * rise * passing)]
 }
 
 /// Highest temperature of a body [K].

@@ -15,7 +15,9 @@ pub(super) fn keys() -> Vec<KeySpec> {
     let start = "rise of the rod's end at the start, from which it falls evenly to the far end";
     vec![
         KeySpec::quantity(&format!("bodies.*.{LENGTH}"), "m", length).above(0.0),
-        KeySpec::quantity(&format!("bodies.*.{START}"), "K", start).default_value(0.0),
+        KeySpec::quantity(&format!("bodies.*.{START}"), "K", start)
+            .of_differences()
+            .default_value(0.0),
     ]
 }
 

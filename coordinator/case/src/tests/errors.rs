@@ -73,6 +73,13 @@ const ROWS: &[BadCase] = &[
         ],
     },
     BadCase {
+        replace: "coefficient = 0.6\n",
+        by: "coefficient = 0.6\ndecay_temperature = \"200 °C\"\n",
+        errors: &[
+            r#"22:21 friction.decay_temperature: `200 °C` is a temperature, and a difference of temperatures is asked for; K can be both | write "200 K""#,
+        ],
+    },
+    BadCase {
         replace: "[wheel]",
         by: "[weel]",
         errors: &[

@@ -139,6 +139,9 @@ fn mech() -> Description {
             creepage("phi", "rad/m").default_value(0),
             KeySpec::quantity("load.normal_force", "N", "load").required().above(0.0),
             KeySpec::number("friction.coefficient", "friction").required().above(0.0),
+            KeySpec::quantity("friction.decay_temperature", "K", "a rise")
+                .default_value(200.0)
+                .of_differences(),
             contact("semi_axis_a", "m"),
             contact("semi_axis_b", "m"),
             contact("max_pressure", "Pa"),
