@@ -189,6 +189,35 @@ mod tests {
         study
     }
 
+    /// Texts that a spreadsheet program would run as formulas are made texts; numbers stay numbers, and the columnar
+    /// form, which no such program runs, has them as they are.
+    #[test]
+    fn a_formula_is_written_as_a_text() {
+        for (text, written) in [
+            ("=1+1", "'=1+1"),
+            ("@SUM(A1)", "'@SUM(A1)"),
+            ("+A1", "'+A1"),
+            ("-A1", "'-A1"),
+            ("\t=1", "'\t=1"),
+            ("-5", "-5"),
+            ("+.5 kN", "+.5 kN"),
+            ("60 kN", "60 kN"),
+            ("a=b", "a=b"),
+            ("", ""),
+        ] {
+            assert_eq!(inert(text), written);
+        }
+        let (mut study, mut text, mut columns) = (study(), Vec::new(), Vec::new());
+        study.rows[1].failed = Some("=cmd".to_owned());
+        csv(&study, &mut text).unwrap();
+        assert!(String::from_utf8(text).unwrap().ends_with(",'=cmd\n"));
+        parquet(&study, &mut columns).unwrap();
+        let file = SerializedFileReader::new(bytes(columns)).unwrap();
+        let row = file.get_row_iter(None).unwrap().nth(1).unwrap().unwrap();
+        let last = row.get_column_iter().last().map(|(_, cell)| cell.clone());
+        assert_eq!(last, Some(Field::Str("=cmd".to_owned())));
+    }
+
     #[test]
     fn both_forms_hold_the_same_to_the_bit() {
         let (mut text, mut columns) = (Vec::new(), Vec::new());

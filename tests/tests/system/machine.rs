@@ -1,7 +1,7 @@
 //! What a run finds on the machine and leaves there: folders of others, signals that are ignored,
 //! processes that outlive their parents, shared memory that is damaged.
 
-use crate::harness::{Ended, Place, case, programs, wait_until};
+use crate::harness::{Ended, Place, case, programs, sets, wait_until};
 use rustix::process::{Pid, Signal, kill_process};
 use std::fs::File;
 use std::path::Path;
@@ -223,4 +223,38 @@ fn damaged_shared_memory_is_reported_and_removed_by_the_next_run() {
     let next = place.run(&case("exchange.toml"), &["--set", "time.end=2"]);
     assert_eq!(next.code, Some(0), "{}", next.stderr);
     assert!(files.iter().all(|file| !file.exists()), "{files:?}");
+}
+
+/// Sizes that follow from extreme values are refused by the key before memory is taken: all of this happens in an
+/// address space of 8 GB.
+#[test]
+fn extreme_values_do_not_take_all_memory() {
+    let place = Place::new();
+    let run = |name: &str, settings: &[&str]| {
+        let mut limited = Command::new("sh");
+        limited.args(["-c", "ulimit -v 8000000; exec \"$@\"", "sh"]);
+        let (name, out) = (case(name), place.out().display().to_string());
+        limited.arg(programs().join("coordinator"));
+        let arguments = [&["run", &name, "--out", &out, "--replace"][..], &sets(settings)].concat();
+        place.launch(place.becoming(limited, &arguments)).wait()
+    };
+    for (setting, key) in [
+        ("thermal.wake=1e9", "thermal.wake"),
+        ("thermal.first_layer=1e-300", "thermal.first_layer"),
+        ("thermal.depth=1e300", "thermal.depth"),
+        ("load.normal_force=1e-9", "thermal.wake"),
+    ] {
+        let ended = run("wake.toml", &[setting]);
+        assert_eq!(ended.code, Some(2), "{setting}: {}", ended.stderr);
+        for part in [key, "of elements", "fix: "] {
+            assert!(ended.stderr.contains(part), "{setting}: {part}: {}", ended.stderr);
+        }
+    }
+    // As many ages as the grid needs, however fast its surface passes.
+    for speed in ["1e9", "1e30"] {
+        let speed = format!("bodies.pin.surface_speed={speed}");
+        let ended = run("pin-on-disc.toml", &[&speed, "mech.resolution=4", "time.end=0.3 ms"]);
+        assert_eq!(ended.code, Some(0), "{speed}: {}", ended.stderr);
+    }
+    place.assert_nothing_left();
 }

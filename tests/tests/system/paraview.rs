@@ -23,6 +23,8 @@ struct Seen {
     series: BTreeMap<String, Vec<Data>>,
     /// Each series that the state opens, with the array that it is coloured by.
     opened: BTreeMap<String, String>,
+    /// Words and unit of the legend of each array.
+    legends: BTreeMap<String, [String; 2]>,
 }
 
 /// One file of a series.
@@ -163,6 +165,10 @@ fn assert_opened(seen: &Seen) {
         for data in &seen.series[name] {
             assert!(data.arrays.iter().any(|a| &a.name == array), "no `{array}` in {}", data.file);
         }
+        // Words without underscores, and the unit.
+        let [words, unit] = &seen.legends[array];
+        assert_eq!(&format!("{} {unit}", words.replace(' ', "_")), array);
+        assert!(!words.contains('_') && unit.starts_with('['), "{words} {unit}");
     }
 }
 

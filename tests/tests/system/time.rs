@@ -1,6 +1,6 @@
 //! Time: adaptive windows, subcycling, and what is conserved over it.
 
-use crate::harness::{Place, case, completed, number, sets};
+use crate::harness::{Place, case, completed, number, root, sets};
 use serde_json::Value;
 
 /// Runs the lumped pair with these settings; the summary.
@@ -25,7 +25,9 @@ fn solved(summary: &Value) -> u64 {
 /// allows: they are 22 and 44 of those counted, which is why it is not quite half of them.
 #[test]
 fn a_load_step_is_met_with_fewer_windows_than_a_fixed_grid_needs() {
-    for tolerance in [1e-2, 3e-3] {
+    let page = std::fs::read_to_string(root().join("docs/theory/coupling.md")).unwrap();
+    for (tolerance, shown) in [(1e-2, "10⁻²"), (3e-3, "3·10⁻³")] {
+        let mut counts = Vec::new();
         let fixed = (0..)
             .map(|n| 400.0 * 1.25_f64.powi(n))
             .map(|windows| lumped(&[&format!("time.window={}", 40.0 / windows.round())]))
@@ -45,7 +47,13 @@ fn a_load_step_is_met_with_fewer_windows_than_a_fixed_grid_needs() {
             let lengths = ["/coupling/shortest_window_s", "/coupling/longest_window_s"];
             let [shortest, longest] = lengths.map(|pointer| number(&adaptive, pointer));
             assert!(longest / shortest > 100.0, "{shortest} to {longest}");
+            counts.push(windows);
         }
+        counts.push(solved(&fixed));
+        let row = page.lines().find(|line| line.starts_with(&format!("| {shown} |"))).unwrap();
+        let words = row.split('|').filter_map(|cell| cell.split_whitespace().next());
+        let told: Vec<u64> = words.filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(told, counts, "docs/theory/coupling.md is stale at {shown}");
     }
 }
 

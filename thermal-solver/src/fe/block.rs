@@ -31,6 +31,10 @@ const LAYERS: f64 = 20.0;
 const LAYERS_OF_AN_ELEMENT: f64 = 8.0;
 /// Layers of a sheet, were all as thick as the first.
 const LAYERS_OF_A_SHEET: f64 = 8.0;
+/// Most columns of elements behind the heat flux's grid.
+const MOST_BEHIND: f64 = 1e6;
+/// Most layers of elements in depth.
+const MOST_LAYERS: f64 = 2000.0;
 /// Growth of the layers in depth.
 const RATIO: f64 = 1.2;
 /// Lengths of diffusion along that count in front of the contact.
@@ -239,8 +243,72 @@ impl Elements {
     /// Columns behind those of a grid.
     #[must_use]
     pub fn behind(&self, grid: &Structured) -> usize {
+        self.columns_behind(grid) as usize
+    }
+
+    fn columns_behind(&self, grid: &Structured) -> f64 {
         let more = (self.wake(grid) - half_length(grid)) / grid.dx();
-        (more * (1.0 - 1e-12)).ceil().max(2.0) as usize
+        (more * (1.0 - 1e-12)).ceil().max(2.0)
+    }
+
+    /// Refuses more elements below a grid of the heat flux than fit into memory, before anything is allocated;
+    /// the arguments are those of [`Block::new`].
+    ///
+    /// # Errors
+    /// Columns behind the contact or layers in depth are too many.
+    pub fn check_size(
+        &self,
+        grid: &Structured,
+        material: &Material,
+        speed: f64,
+    ) -> Result<(), Refusal> {
+        let behind = self.columns_behind(grid);
+        if behind > MOST_BEHIND {
+            let reason = format!(
+                "{behind:.3e} columns of elements, {:.3e} m long, are behind the contact",
+                grid.dx()
+            );
+            let most = half_length(grid) + MOST_BEHIND * grid.dx();
+            let fix = format!("write at most {most:.3e} m, which are {MOST_BEHIND:.0e} columns");
+            return Err(Refusal::new(WAKE, reason, fix));
+        }
+        let Layering { first, deep, .. } = self.layering(grid, material, speed);
+        let layers = Axis::layers(first, self.ratio, deep);
+        if layers <= MOST_LAYERS {
+            return Ok(());
+        }
+        let key = match (self.first_layer, self.depth) {
+            (Some(_), _) => FIRST_LAYER,
+            (None, Some(_)) => DEPTH,
+            (None, None) => LAYER_RATIO,
+        };
+        let ratio = self.ratio;
+        let reason = format!(
+            "{layers:.3e} layers of elements reach from {first:.3e} m to {deep:.3e} m of depth, each {ratio} times \
+             as thick as the one above it"
+        );
+        let fix = format!(
+            "raise {FIRST_LAYER} or {LAYER_RATIO}, or lower {DEPTH}, until there are at most {MOST_LAYERS} layers"
+        );
+        Err(Refusal::new(key, reason, fix))
+    }
+
+    fn layering(&self, grid: &Structured, material: &Material, speed: f64) -> Layering {
+        let half = half_length(grid);
+        let kappa = material.diffusivity();
+        let earlier = self.passages.map_or(0.0, |p| (p.count - 1) as f64 * p.distance);
+        let passing = (half + self.wake(grid) + earlier) / speed;
+        let spread = SPREADS * (4.0 * kappa * passing).sqrt();
+        let (reach, far) = (spread.min(FAR * half), spread > FAR * half);
+        let penetration = (2.0 * kappa * half / speed).sqrt().min(half);
+        let passing = (kappa * grid.dx() / speed).sqrt().min(2.0 * grid.dx());
+        let first = (penetration / LAYERS).min(passing / LAYERS_OF_AN_ELEMENT);
+        Layering {
+            first: self.first_layer.unwrap_or(first),
+            deep: self.depth.unwrap_or(reach),
+            reach,
+            far,
+        }
     }
 }
 
@@ -265,6 +333,18 @@ fn sheet(case: &Params, names: &Bodies, body: usize) -> Result<Option<Sheet>, Re
     Ok(Some(Sheet { thickness, back }))
 }
 
+/// How a body is divided in depth.
+struct Layering {
+    /// Thickness of the first layer [m].
+    first: f64,
+    /// Depth of the block [m].
+    deep: f64,
+    /// How far heat goes [m].
+    reach: f64,
+    /// It goes further than the block.
+    far: bool,
+}
+
 /// The mesh of a body, axis by axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
@@ -284,17 +364,7 @@ impl Block {
     /// The block of a body below a grid of the heat flux, at the speed that is expected [m/s]; 0 at rest.
     #[must_use]
     pub fn new(grid: &Structured, material: &Material, speed: f64, elements: &Elements) -> Self {
-        let half = half_length(grid);
-        let kappa = material.diffusivity();
-        let earlier = elements.passages.map_or(0.0, |p| (p.count - 1) as f64 * p.distance);
-        let passing = (half + elements.wake(grid) + earlier) / speed;
-        let spread = SPREADS * (4.0 * kappa * passing).sqrt();
-        let (reach, far) = (spread.min(FAR * half), spread > FAR * half);
-        let penetration = (2.0 * kappa * half / speed).sqrt().min(half);
-        let passing = (kappa * grid.dx() / speed).sqrt().min(2.0 * grid.dx());
-        let first = (penetration / LAYERS).min(passing / LAYERS_OF_AN_ELEMENT);
-        let first = elements.first_layer.unwrap_or(first);
-        let deep = elements.depth.unwrap_or(reach);
+        let Layering { first, deep, reach, far } = elements.layering(grid, material, speed);
         let beyond = |distance: f64| if far { 1.0 / distance } else { 0.0 };
         let sheet = elements.sheet.filter(|sheet| sheet.thickness <= deep);
         let (depth, fixed) = match sheet {
@@ -323,7 +393,7 @@ impl Block {
             first_row: beside.len(),
             depth,
             fixed,
-            columns: columns(grid, kappa, speed, elements),
+            columns: columns(grid, material.diffusivity(), speed, elements),
         }
     }
 
@@ -369,4 +439,34 @@ fn columns(grid: &Structured, kappa: f64, speed: f64, elements: &Elements) -> Co
 
 fn half_length(grid: &Structured) -> f64 {
     0.5 * grid.ni as f64 * grid.dx()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sizes are judged before anything of them is allocated, and the message names the key.
+    #[test]
+    fn too_many_elements_are_refused() {
+        let steel = Material { density: 7850.0, specific_heat: 450.0, conductivity: 50.0 };
+        let grid = Structured::contact_plane(0.0, 0.0, 1e-4, 1e-4, 41, 41);
+        let check = |elements: Elements| elements.check_size(&grid, &steel, 30.0);
+        assert!(check(Elements::default()).is_ok());
+        let plain = Elements::default;
+        for (elements, key) in [
+            (Elements { wake: Some(1e9), ..plain() }, WAKE),
+            (Elements { wake: Some(1e300), ..plain() }, WAKE),
+            (Elements { first_layer: Some(1e-300), ..plain() }, FIRST_LAYER),
+            (Elements { first_layer: Some(1e-9), ratio: 1.0, ..plain() }, FIRST_LAYER),
+            (Elements { depth: Some(1e9), ratio: 1.0, ..plain() }, DEPTH),
+            (Elements { depth: Some(1e300), ..plain() }, DEPTH),
+        ] {
+            let refused = check(elements).unwrap_err();
+            assert_eq!(refused.key, key, "{refused}");
+        }
+        let refused = check(Elements { wake: Some(1e9), ..plain() }).unwrap_err();
+        assert!(refused.fix.starts_with("write at most 1.000e2 m"), "{refused}");
+        let most = Elements { wake: Some(100.0), ..plain() };
+        assert!(check(most).is_ok(), "what the message says is accepted");
+    }
 }

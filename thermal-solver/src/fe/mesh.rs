@@ -39,10 +39,7 @@ impl Axis {
     /// layers leave 2e-3 with 25 and r = 1.15; in depth both are of second order in ln r.
     #[must_use]
     pub fn graded(first: f64, ratio: f64, depth: f64) -> Self {
-        let grown = depth * (ratio - 1.0) / first;
-        let layers = if grown < 1e-9 { depth / first } else { grown.ln_1p() / ratio.ln() };
-        // Rounding must not make one more of what is whole.
-        let layers = (layers * (1.0 - 1e-12)).ceil().max(1.0) as usize;
+        let layers = Self::layers(first, ratio, depth) as usize;
         let at = |steps: f64| {
             let rate = steps * ratio.ln();
             if ratio == 1.0 { first * steps } else { first * rate.exp_m1() / (ratio - 1.0) }
@@ -57,6 +54,15 @@ impl Axis {
             widths: (0..=layers).map(width).collect(),
             ends: [0.0; 2],
         }
+    }
+
+    /// Number of layers of [`Axis::graded`].
+    #[must_use]
+    pub fn layers(first: f64, ratio: f64, depth: f64) -> f64 {
+        let grown = depth * (ratio - 1.0) / first;
+        let layers = if grown < 1e-9 { depth / first } else { grown.ln_1p() / ratio.ln() };
+        // Rounding must not make one more of what is whole.
+        (layers * (1.0 - 1e-12)).ceil().max(1.0)
     }
 
     /// The same, ending at the depth: the first layer is somewhat thinner.

@@ -22,7 +22,7 @@ use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
-use proto::configuration::Mode;
+use proto::configuration::{Mode, Refusal};
 use proto::description::ModelSpec;
 use proto::grid::{Grid, Volume};
 use proto::model::StepError;
@@ -131,6 +131,13 @@ impl Conduction for FiniteElements {
     const INTEGRATES: bool = true;
     const ELEMENTS: bool = true;
     const STATE_TAG: u8 = 4;
+
+    fn check(frame: &Frame) -> Result<(), Refusal> {
+        [LOWER, UPPER].into_iter().try_for_each(|body| {
+            let (material, speed) = (&frame.scene.materials[body], expected_speed(frame, body));
+            elements(frame, body).check_size(&frame.grid, material, speed)
+        })
+    }
 
     fn new(frame: &Frame) -> Self {
         let body = |body: usize| {

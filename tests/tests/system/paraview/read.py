@@ -34,10 +34,12 @@ def main() -> None:
     folder = Path(sys.argv[1])
     script = folder / "open.py"
     # Under another name than those of ParaView the script opens nothing.
-    opened = runpy.run_path(str(script), run_name="listing")["found"]()
+    state = runpy.run_path(str(script), run_name="listing")
+    opened = state["found"]()
     told = {
         "series": {path.stem: series(path) for path in folder.glob("*.pvd")},
         "opened": {name: array for name, (path, array) in opened.items() if path.is_file()},
+        "legends": {array: state["heading"](array) for _, array in opened.values()},
     }
     json.dump(told, sys.stdout)
 

@@ -134,10 +134,9 @@ def draw(simple, view, name, reader, array, plane):
     scale[plane.up] = plane.stretch
     display.Scale = scale
     colours = simple.GetColorTransferFunction(array)
-    colours.ApplyPreset("Inferno (matplotlib)", True)
+    colours.ApplyPreset("Viridis (matplotlib)", True)
     legend = simple.GetScalarBar(colours, view)
-    legend.Title, _, unit = array.rpartition(" ")
-    legend.ComponentTitle = unit
+    legend.Title, legend.ComponentTitle = heading(array)
     legend.Orientation = "Vertical"
     legend.WindowLocation = "Any Location"
     legend.Position = [0.85, 0.16]
@@ -147,6 +146,12 @@ def draw(simple, view, name, reader, array, plane):
     text = simple.Text(registrationName=f"title of {name}", Text=title)
     simple.Show(text, view).WindowLocation = "Upper Center"
     place(view, plane)
+
+
+def heading(array):
+    """Return the words and the unit of an array, for its legend."""
+    name, _, unit = array.rpartition(" ")
+    return name.replace("_", " "), unit
 
 
 def place(view, plane):
