@@ -22,7 +22,6 @@
 //!
 //! Source: J. E. Fromm, J. Comput. Phys. 3 (1968) 176, for the difference. Its use in rolling contact is this project's.
 
-use numerics::convolution::Complex64;
 use serde::Deserialize;
 
 /// A difference along the direction of rolling.
@@ -61,15 +60,6 @@ impl Difference {
             sum.iter_mut().zip(kernel(*upstream)).for_each(|(sum, value)| *sum += weight * value);
             sum
         })
-    }
-
-    /// The symbol of the difference over that of u_0 − u_1, by the symbol of the upstream shift.
-    #[must_use]
-    pub(super) fn over_upwind(self, upstream: Complex64) -> Complex64 {
-        match self {
-            Self::Fromm => (upstream.conj() + 4.0 - upstream) / 4.0,
-            Self::Upwind => Complex64::new(1.0, 0.0),
-        }
     }
 
     /// The traction that does the work of an element's slip, in rows of nx elements [Pa].
