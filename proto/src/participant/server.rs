@@ -49,9 +49,21 @@ enum CommandError {
 /// How far the participant has come.
 enum Stage {
     Joined,
-    Configured { setup: Box<dyn Setup>, configuration: Configuration },
-    Connected { setup: Box<dyn Setup>, ports: Ports, patience: Duration },
+    Configured {
+        setup: Box<dyn Setup>,
+        configuration: Configuration,
+    },
+    Connected {
+        setup: Box<dyn Setup>,
+        ports: Ports,
+        patience: Duration,
+    },
     Running(Running),
+    /// The model could not be built. The ports stay until the end: others publish to them, and would fail before this participant has
+    /// said why.
+    Unbuilt {
+        _ports: Ports,
+    },
     Left,
 }
 
@@ -247,17 +259,16 @@ impl<'a> Server<'a> {
         else {
             return Err(CommandError::Protocol("Initialise before Connect".to_owned()));
         };
-        ports.wait_for_subscribers(Instant::now() + patience)?;
-        let start = Instant::now();
-        let mut model = setup.build(&self.progress)?;
-        let model_time = start.elapsed();
-        let step = Step { iteration: 0, ..Step::STEADY };
-        ports.move_to(model.moved_grids(), &step)?;
-        ports.outputs.loan()?;
-        model.first_outputs(&mut ports.outputs);
-        ports.outputs.publish(&step)?;
-        self.stage = Stage::Running(Running { model, ports, step, model_time, late: None });
-        Ok(done)
+        match begin(setup, &mut ports, patience, &self.progress) {
+            Ok((model, step, model_time)) => {
+                self.stage = Stage::Running(Running { model, ports, step, model_time, late: None });
+                Ok(done)
+            }
+            Err(error) => {
+                self.stage = Stage::Unbuilt { _ports: ports };
+                Err(error)
+            }
+        }
     }
 
     fn finish(&mut self, done: Reply) -> Result<Option<Answer>, CommandError> {
@@ -272,6 +283,25 @@ impl<'a> Server<'a> {
         };
         json_answer(done, &finished)
     }
+}
+
+/// Builds the model and publishes what it begins with; the step of that, and how long building took.
+fn begin(
+    setup: Box<dyn Setup>,
+    ports: &mut Ports,
+    patience: Duration,
+    progress: &Progress,
+) -> Result<(Box<dyn Model>, Step, Duration), CommandError> {
+    ports.wait_for_subscribers(Instant::now() + patience)?;
+    let start = Instant::now();
+    let mut model = setup.build(progress)?;
+    let model_time = start.elapsed();
+    let step = Step { iteration: 0, ..Step::STEADY };
+    ports.move_to(model.moved_grids(), &step)?;
+    ports.outputs.loan()?;
+    model.first_outputs(&mut ports.outputs);
+    ports.outputs.publish(&step)?;
+    Ok((model, step, model_time))
 }
 
 impl Ports {

@@ -28,7 +28,7 @@ fn fail(number: u64) {
     let (failing, working) =
         if number.is_multiple_of(2) { ("right", "left") } else { ("left", "right") };
     let (window, milliseconds) = (number / 2 % 4, [0, 1, 30][(number / 8 % 3) as usize]);
-    let at_start = number % 16 == 15;
+    let at_start = number % 16 >= 14;
     let fault = match at_start {
         true => format!("{failing}.fault=refuse-build"),
         false => format!("{failing}.fault=error"),
