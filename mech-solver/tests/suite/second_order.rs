@@ -70,7 +70,8 @@ fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2
         tolerance: 1e-6,
     };
     let mut levels = Levels::new(&grid, &contact);
-    let state = levels.solve(&bound, &Prescribed::creepages(creepage)).unwrap().state;
+    let solution = levels.solve(&bound, &Prescribed::creepages(creepage));
+    let state = solution.expect("partial slip of a regular contact").state;
     let ([x, y], rate) = (&state.traction, SPEED / dx);
     let of_slip = |at: usize| {
         let part = |k: usize| difference.working(&state.traction[k], nx, at) * state.slip[k][at];

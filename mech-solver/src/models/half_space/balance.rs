@@ -86,9 +86,9 @@ impl Hysteresis {
         displacement: &[f64],
     ) {
         let weight = grid.element_area() / duration;
-        for index in 0..grid.points() {
+        for (index, displacement) in displacement.iter().enumerate() {
             let change = along(grid.ni, differences, traction, index);
-            let power = weight * change * displacement[index];
+            let power = weight * change * displacement;
             self.power += power;
             self.exchanged += power.abs();
         }
