@@ -1,4 +1,4 @@
-//! The key that chooses the difference along x of steady rolling, the same in every model that has one.
+//! The case key of the difference along x, shared by all models with steady rolling.
 
 use crate::half_space::difference::Difference;
 use crate::keys::CheckedParams;
@@ -8,17 +8,17 @@ use proto::params::Params;
 
 pub(crate) const DIFFERENCE: &str = "mech.difference";
 
-/// The key.
+/// Declares the key.
 pub(crate) fn key() -> KeySpec {
-    let help = "slip in steady rolling is a difference of displacements along x: Fromm's, of second order, or the upwind one, of \
-                first order, which CONTACT has";
+    let help = "difference of displacements along x in steady rolling: Fromm's is of second order, the upwind one of first \
+                order, as in CONTACT";
     KeySpec::choice(DIFFERENCE, &["fromm", "upwind"], help).default_value("upwind")
 }
 
-/// The difference of a case.
+/// Reads the difference of a case.
 ///
 /// # Errors
-/// It is none of them.
+/// The value is no known difference.
 pub(crate) fn read(case: &Params) -> Result<Difference, Refusal> {
     Ok(match CheckedParams::new(case, vec![key()]).text(DIFFERENCE)? {
         "fromm" => Difference::Fromm,

@@ -5,7 +5,8 @@
 //!
 //! e = h − δ cos α + A_nn p_n + A_nt p_t,
 //!
-//! and the slip of a step Δx is S = w Δx + D(A_tt p_t + A_tn p_n), with the difference D of half-spaces. The rigid slip w is that of the creepages ξ, η, φ at s = 0
+//! and the slip of a step Δx is S = w Δx + D(A_tt p_t + A_tn p_n), with the difference D of
+//! [`crate::half_space::difference`]. The rigid slip w is that of the creepages ξ, η, φ at s = 0
 //! and of the rolling curvature c = 1/R₁ + 1/R₂ about the direction of s there:
 //!
 //! w_x = ξ − φ y + c z,   w_s = (η + φ x) cos α + (ζ − c x) sin α,   with y(s), z(s) on the surface,
@@ -338,19 +339,20 @@ impl ConformalSolver {
         found.state = state;
     }
 
-    /// Friction power of every element [W/m²]: −p·S_I V/Δx with the traction p that works on the slip of the difference, and what the
-    /// difference of half-spaces takes besides.
+    /// Friction power of every element [W/m²]: −p·S_I V/Δx plus the numerical dissipation, which is
+    /// that of half-spaces. The traction p is the one that works on the slip of the difference.
     #[must_use]
     pub fn friction_power(&mut self, found: &Conformal, speed: f64) -> Vec<f64> {
         let (nx, rate) = (self.grid.ni, speed / self.grid.dx());
         let [x, s] = &found.state.traction;
-        let scheme = self.levels.scheme_power([x, s], &found.pressure, speed);
+        let dissipation = self.levels.dissipation([x, s], &found.pressure, speed);
         let power = |index: usize| {
             let of = |component: usize| {
                 let traction = self.difference.working(&found.state.traction[component], nx, index);
                 traction * found.state.slip[component][index]
             };
-            scheme.as_ref().map_or(0.0, |scheme| scheme[index]) - rate * (of(0) + of(1))
+            let more = dissipation.as_ref().map_or(0.0, |dissipation| dissipation[index]);
+            more - rate * (of(0) + of(1))
         };
         (0..self.grid.points()).map(power).collect()
     }

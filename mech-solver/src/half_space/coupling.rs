@@ -25,8 +25,8 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// The operators for nx × ny elements. `rolling` takes the slip of steady rolling, by this difference of A_tz,
-    /// in place of the displacement A_tz.
+    /// The operators for nx × ny elements. With a difference, pressure gives the slip of steady
+    /// rolling in place of the displacement A_tz.
     #[must_use]
     pub fn new(influence: &Influence, nx: usize, ny: usize, rolling: Option<Difference>) -> Self {
         Self::of(nx, ny, rolling, |i, j| [influence.zx(i, j), influence.zy(i, j)])

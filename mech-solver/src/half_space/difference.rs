@@ -1,42 +1,43 @@
-//! The difference that makes the slip of steady rolling of displacements.
+//! Differences of displacements along x: the elastic slip of steady rolling.
 //!
-//! In steady rolling a surface keeps its shape in the frame of the contact, and a particle's slip over the distance
-//! rolled is s = w − ∂u/∂x, with the displacement difference u of the bodies and x in the direction of rolling. On
-//! elements of side Δx the derivative is a sum over neighbours, u_m that of the element m places upstream:
+//! In steady rolling the surfaces keep their shape in the frame of the contact. The slip over the
+//! distance rolled is s = w − ∂u/∂x, with the rigid slip w and the displacement difference u of the
+//! bodies. The derivative is a sum over neighbours, u_m that of the element m places upstream:
 //!
-//! | | Δx s_I − Δx w_I | error | where it holds |
+//! | | Δx (s_I − w_I) | order | where it holds |
 //! |---|---|---|---|
-//! | upwind | u_0 − u_1 | first order | between the element and the upstream one |
-//! | Fromm | (u_{−1} + 3u_0 − 5u_1 + u_2)/4 | second order | at the element's centre |
+//! | upwind | u_0 − u_1 | 1 | half an element upstream of the centre |
+//! | Fromm | (u_{−1} + 3u_0 − 5u_1 + u_2)/4 | 2 | at the centre |
 //!
-//! Fromm's is the mean of the central difference, which does not see tractions that alternate from element to element, and of the
-//! second-order upwind one, which damps them most. In Fourier space it is (1 − S)(S⁻¹ + 4 − S)/4 with the upstream shift S = e^{iθ}.
+//! Fromm's difference is the mean of the central one and the second-order upwind one. The central
+//! one alone does not see tractions that alternate from element to element. With the upstream shift
+//! S the difference is (1 − S)(S⁻¹ + 4 − S)/4.
 //!
-//! **What the difference takes.** Tractions p do the work Σ p·s on the slip; the antisymmetric part of the difference drops out
-//! of it, as u = A p with a symmetric A. The symmetric part stays. With δ² the second difference along x it is (δ²)²/8 for Fromm's, so that
+//! **Energy.** Tractions p do the work Σ p·s. The displacement u = A p has a symmetric A, so the
+//! antisymmetric part of the difference does no work. The symmetric part of Fromm's difference is
+//! (δ²)²/8, with the second difference δ² along x:
 //!
-//! −Σ p·w Δx = −Σ p·s Δx + ⅛ Σ (δ²p)·A(δ²p),
+//! −Σ p·w Δx = −Σ p·s Δx + ⅛ Σ (δ²p)·A(δ²p).
 //!
-//! ([`super::scheme`]), which smooth tractions make of fourth order in Δx. With the upwind difference the mean of the tractions at both ends of a step is
-//! taken instead, and nothing is lost ([`super::tangential`]).
+//! The last term is the numerical dissipation ([`super::dissipation`]). Where tractions are smooth
+//! it falls with Δx⁴. With the upwind difference the mean of the tractions at both ends of a step
+//! does the work, and there is no dissipation ([`super::tangential`]).
 //!
-//! Source: J. E. Fromm, J. Comput. Phys. 3 (1968) 176, for the difference. Its use in rolling contact is this project's.
-
-use serde::Deserialize;
+//! Source: J. E. Fromm, J. Comput. Phys. 3 (1968) 176, for the difference. Its use in rolling contact
+//! is this project's.
 
 /// A difference along the direction of rolling.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Difference {
-    /// Of second order.
+    /// Second order.
     Fromm,
-    /// Of first order, as CONTACT has it.
+    /// First order, as in CONTACT.
     #[default]
     Upwind,
 }
 
 impl Difference {
-    /// Elements upstream, and the weights of their displacements in the slip.
+    /// Places upstream, and the weights of the displacements there.
     #[must_use]
     pub fn weights(self) -> &'static [(i32, f64)] {
         match self {
@@ -45,24 +46,24 @@ impl Difference {
         }
     }
 
-    /// The weights a_m of u_{I−m} − u_{I+m}, m = 1 and 2, in the antisymmetric part.
+    /// Weights a_m of u_{I−m} − u_{I+m}, m = 1 and 2, in the antisymmetric part.
     #[must_use]
     pub fn antisymmetric(self) -> [f64; 2] {
-        match self {
-            Self::Fromm => [0.75, -0.125],
-            Self::Upwind => [0.5, 0.0],
-        }
+        let weight = |place: i32| -> f64 {
+            self.weights().iter().filter(|(m, _)| *m == place).map(|(_, weight)| weight).sum()
+        };
+        [1, 2].map(|m| 0.5 * (weight(-m) - weight(m)))
     }
 
-    /// The difference of what a kernel gives so many elements upstream.
-    pub(super) fn of<const N: usize>(self, kernel: impl Fn(i32) -> [f64; N]) -> [f64; N] {
+    /// The difference of a function of the place upstream.
+    pub(super) fn of<const N: usize>(self, value: impl Fn(i32) -> [f64; N]) -> [f64; N] {
         self.weights().iter().fold([0.0; N], |mut sum, (upstream, weight)| {
-            sum.iter_mut().zip(kernel(*upstream)).for_each(|(sum, value)| *sum += weight * value);
+            sum.iter_mut().zip(value(*upstream)).for_each(|(sum, value)| *sum += weight * value);
             sum
         })
     }
 
-    /// The traction that does the work of an element's slip, in rows of nx elements [Pa].
+    /// Traction that does the work of an element's slip, in rows of nx elements [Pa].
     #[must_use]
     pub fn working(self, traction: &[f64], nx: usize, index: usize) -> f64 {
         match self {
@@ -72,21 +73,20 @@ impl Difference {
         }
     }
 
-    /// The difference of displacements in rows of nx elements; zero where it would reach beyond them [m].
+    /// The difference of displacements in rows of nx elements [m]. It is zero next to the ends of a
+    /// row, where a neighbour is missing; nothing touches there.
     #[must_use]
     pub fn along(self, displacement: &[f64], nx: usize, index: usize) -> f64 {
-        let column = (index % nx) as i64;
-        let within = |m: i32| (0..nx as i64).contains(&(column + i64::from(m)));
-        if !self.weights().iter().all(|(m, _)| within(*m)) {
+        let (row, column) = (index - index % nx, (index % nx) as i64);
+        let neighbour = |m: i32| usize::try_from(column + i64::from(m)).ok().filter(|i| *i < nx);
+        if self.weights().iter().any(|(m, _)| neighbour(*m).is_none()) {
             return 0.0;
         }
-        self.weights()
-            .iter()
-            .map(|(m, w)| w * displacement[(index as i64 + i64::from(*m)) as usize])
-            .sum()
+        let [sum] = self.of(|m| [neighbour(m).map_or(0.0, |i| displacement[row + i])]);
+        sum
     }
 
-    /// Where slip and friction power of an element are, ahead of its centre [elements].
+    /// Place of an element's slip and friction power, upstream of its centre [elements].
     #[must_use]
     pub fn middle(self) -> f64 {
         match self {
@@ -95,9 +95,11 @@ impl Difference {
         }
     }
 
-    /// Where the rigid slip of an element is taken, ahead of its centre [elements]. The upwind difference's elastic slip is that of the
-    /// middle of a step, and the traction that it turns against that of its end: in between, errors of forces under spin nearly cancel
-    /// (docs/theory/half-space.md). CONTACT has the same.
+    /// Place at which an element's rigid slip is taken, upstream of its centre [elements].
+    ///
+    /// The upwind difference is the elastic slip in the middle of a step, and turns the traction at
+    /// its end. In between, the errors of forces under spin nearly cancel
+    /// (docs/theory/half-space.md). CONTACT takes the same place.
     #[must_use]
     pub fn rigid_slip_ahead(self) -> f64 {
         match self {

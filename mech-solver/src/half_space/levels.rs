@@ -9,8 +9,8 @@
 //! Prescribed forces are met on every grid, from the creepages of the coarser one.
 
 use super::difference::Difference;
+use super::dissipation::Dissipation;
 use super::influence::{Elasticity, Influence};
-use super::scheme::Scheme;
 use super::slip_operator::SlipOperator;
 use super::tangential::{
     ElementState, Layer, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState,
@@ -60,7 +60,7 @@ pub struct Contact {
     pub semi_axes: [f64; 2],
     /// How the bodies move.
     pub motion: Motion,
-    /// The difference of steady rolling.
+    /// Difference along x, in steady rolling.
     pub difference: Difference,
     /// Tractions on the finest grid have settled when they change by less than this share of the
     /// largest.
@@ -87,7 +87,7 @@ impl Contact {
 pub struct Levels {
     contact: Contact,
     levels: Vec<Level>,
-    scheme: Option<Scheme>,
+    dissipation: Option<Dissipation>,
 }
 
 /// One grid.
@@ -343,8 +343,8 @@ impl Levels {
     #[must_use]
     pub fn new(grid: &Structured, contact: &Contact) -> Self {
         let Contact { bodies, layer, difference, .. } = contact;
-        let scheme = match contact.motion {
-            Motion::SteadyRolling => Scheme::new(*difference, bodies, *layer, grid),
+        let dissipation = match contact.motion {
+            Motion::SteadyRolling => Dissipation::new(*difference, bodies, *layer, grid),
             Motion::RollingStep | Motion::Shift => None,
         };
         let mut levels = vec![Level::new(grid, contact)];
@@ -360,7 +360,7 @@ impl Levels {
             }
             levels.push(Level::new(&grid, contact));
         }
-        Self { contact: *contact, levels, scheme }
+        Self { contact: *contact, levels, dissipation }
     }
 
     /// Solves for this traction bound g [Pa] on the finest grid, coarsest grid first.
@@ -428,15 +428,16 @@ impl Levels {
         Ok(())
     }
 
-    /// Power that the difference along x takes of tractions on the finest grid beside that of their slip, at a speed of rolling [m/s],
-    /// under a pressure that matters to bodies of different constants only [W/m²]; `None` where it takes nothing.
-    pub fn scheme_power(
+    /// Numerical dissipation on the finest grid [W/m²], from tractions and pressure [Pa] and the speed
+    /// of rolling [m/s]. The pressure matters to bodies of different constants only. `None` for the
+    /// upwind difference, and for motions in time.
+    pub fn dissipation(
         &mut self,
         traction: [&[f64]; 2],
         pressure: &[f64],
         speed: f64,
     ) -> Option<Vec<f64>> {
-        Some(self.scheme.as_mut()?.power(traction, pressure, speed))
+        Some(self.dissipation.as_mut()?.power(traction, pressure, speed))
     }
 
     /// The displacement difference A p of tractions on the finest grid [m]; for a motion whose

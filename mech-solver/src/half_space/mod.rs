@@ -9,8 +9,8 @@
 //! | [`profile`], [`curve`], `spline` | a measured lateral profile, from a file; splines between its kinks |
 //! | [`patches`] | the patches of a pressure: load, place and size of each |
 //! | [`coupling`] | what normal and tangential contact do to each other when the bodies differ |
-//! | [`difference`] | of displacements along x, which is the slip of steady rolling |
-//! | [`scheme`] | the work that this difference takes beside that of slip |
+//! | [`difference`] | differences of displacements along x, the elastic slip of steady rolling |
+//! | [`dissipation`] | numerical dissipation of that difference |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
 //! | [`settling`] | friction that follows the slip of every element |
@@ -28,6 +28,7 @@ pub mod area;
 pub mod coupling;
 pub mod curve;
 pub mod difference;
+pub mod dissipation;
 pub mod extent;
 pub mod influence;
 mod initial_pressure;
@@ -37,7 +38,6 @@ pub mod patches;
 mod prescribed;
 pub mod profile;
 pub mod retarded;
-pub mod scheme;
 pub mod settling;
 pub mod slip_operator;
 pub(crate) mod spline;

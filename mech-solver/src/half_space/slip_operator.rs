@@ -24,8 +24,8 @@
 //! gives the shift a memory of the patch's own length. Restricted to the elements of adhesion it is
 //! a preconditioner with which GMRES takes at most 14 iterations to 1e-6 at a/10 and 23 at a/80
 //! (test `linear_steps_hardly_depend_on_the_resolution`), hardly depending on c. Periodic images do
-//! not matter to it, so that its grid is padded by a tenth only. Fromm's difference has the same one, with which
-//! products are up to a fifth fewer than with the factor (S⁻¹ + 4 − S)/4 of its own; A is tapered by triangular windows,
+//! not matter to it, so that its grid is padded by a tenth only. It serves Fromm's difference too: its
+//! own factor (S⁻¹ + 4 − S)/4 only adds iterations; A is tapered by triangular windows,
 //! which keeps its symbol positive definite on a finite grid (Fejér).
 //!
 //! Sources: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4 for the

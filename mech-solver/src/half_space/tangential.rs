@@ -16,8 +16,8 @@
 //! all steps of steady rolling, those that leave the contact too, the part of B vanishes exactly,
 //! because pᵀ(Sᵀ − S)A p = 0 for a symmetric A that commutes with the shift: the sum is
 //! −V Σ w·p, the power of the forces over the creepages, at every resolution and whether or not the
-//! iteration has converged; with Fromm's difference as well ([`super::scheme`]). In transient rolling what remains is the
-//! change of elastic energy.
+//! iteration has converged. Fromm's difference keeps the same balance with its numerical dissipation
+//! ([`super::dissipation`]). In transient rolling what remains is the change of elastic energy.
 //!
 //! Source: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4.
 

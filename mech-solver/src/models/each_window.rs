@@ -166,7 +166,7 @@ pub(super) fn write_pair(values: &mut [f64], [x, y]: &[Vec<f64>; 2]) {
     second.copy_from_slice(y);
 }
 
-/// The fields of a contact on this grid: slip and friction power where the difference has them, speeds for all of it; those of
+/// The fields of a contact on this grid: slip and friction power at the place of the difference, speeds for all of it; those of
 /// observations where they say.
 pub(super) fn fields_over(
     configuration: &Configuration,

@@ -74,7 +74,7 @@ fn start_key() -> KeySpec {
     KeySpec::choice(START, &["warm", "cold"], help).default_value("warm")
 }
 
-/// The difference along x; with memory it is one in time, of first order.
+/// Reads the difference along x. With memory, slip is a difference in time.
 fn difference(configuration: &Configuration, memory: bool) -> Result<Difference, Refusal> {
     let difference = difference::read(&configuration.case)?;
     match (difference, memory) {

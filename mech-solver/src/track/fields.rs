@@ -1,8 +1,10 @@
 //! The fields of a patch, on its part of the grid over x and the tape distance, and sums of them.
 //!
-//! **Friction power** of an element is −p·S_I V/Δx, with the traction p that works on the slip of its difference
-//! ([`crate::half_space::difference`]). and what the difference takes besides ([`crate::half_space::scheme`]). Over a patch it is −V(ξF_x + ηF_y + φM_z), M_z about the *pivot*. The pivot is the origin for Fromm's, and Δx/3 ahead of it for the upwind one. Where rigid slip is taken on the surfaces,
-//! what is off the plane adds its own power.
+//! **Friction power** of an element is −p·S_I V/Δx plus the numerical dissipation of the difference
+//! ([`crate::half_space::dissipation`]), with the traction p that works on the slip
+//! ([`crate::half_space::difference`]). Its sum over a patch is −V(ξF_x + ηF_y + φM_z), M_z about the
+//! *pivot*: the origin with Fromm's difference, Δx/3 ahead of it with the upwind one. If rigid slip is
+//! taken on the surfaces, the part off the plane adds its own power.
 
 use super::local::Window;
 use crate::friction::ElementFriction;
@@ -22,7 +24,7 @@ pub struct Fields {
     pub sides: [f64; 2],
     /// Column and row of the origin of the patch's axes.
     pub origin: [usize; 2],
-    /// The difference along x of its slip, which says where slip and power are.
+    /// Difference along x, which places slip and friction power.
     pub difference: Difference,
     /// Undeformed distance [m], [`super::local::NOTHING`] beyond the rows of the patch.
     pub distance: Vec<f64>,
@@ -90,13 +92,13 @@ impl Fields {
     }
 
     /// Takes the tractions of a solution on a window around the same origin, no larger than this, at the speed
-    /// V [m/s], with the power that the difference along x takes beside that of slip [W/m²].
+    /// V [m/s], with the numerical dissipation of the difference along x [W/m²].
     pub fn take(
         &mut self,
         window: &Window,
         state: &TangentialState,
         speed: f64,
-        scheme: Option<&[f64]>,
+        dissipation: Option<&[f64]>,
     ) {
         let (wide, narrow) = (self.counts[0], window.counts());
         let [left, low] = [0, 1].map(|k| self.origin[k] - window.half[k]);
@@ -105,7 +107,7 @@ impl Fields {
             for i in 0..narrow[0] {
                 let from = j * narrow[0] + i;
                 let to = (low + j) * wide + left + i;
-                let mut power = scheme.map_or(0.0, |scheme| scheme[from]);
+                let mut power = dissipation.map_or(0.0, |dissipation| dissipation[from]);
                 for component in 0..2 {
                     let traction = &state.traction[component];
                     let velocity = state.slip[component][from] * rate;

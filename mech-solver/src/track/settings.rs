@@ -34,7 +34,7 @@ pub struct Settings {
     pub normal: Normal,
     /// What gives the tractions.
     pub tangential: Tangential,
-    /// The difference along x that makes slip of displacements.
+    /// Difference of displacements along x.
     pub difference: Difference,
     /// Most elements of a patch.
     pub limit: usize,

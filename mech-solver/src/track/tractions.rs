@@ -97,11 +97,11 @@ impl Sliding<'_> {
             Some(start) => rubs.settle(start, near, &fields, tractions)?,
         };
         let [x, y] = &state.traction;
-        let scheme = match settings.adhesion {
-            true => pool.tangential(part).scheme_power([x, y], &[], rolling.speed),
+        let dissipation = match settings.adhesion {
+            true => pool.tangential(part).dissipation([x, y], &[], rolling.speed),
             false => None,
         };
-        fields.take(part, &state, rolling.speed, scheme.as_deref());
+        fields.take(part, &state, rolling.speed, dissipation.as_deref());
         let off_plane = rigid
             .map_or(0.0, |slip| fields.power_of_slip(part, slip, &state.traction, rolling.speed));
         Ok(Slid { part: *part, fields, off_plane, state: Some(state), by_springs: None })

@@ -1,4 +1,4 @@
-//! Fromm's difference in steady rolling: what it gains over the upwind one, and that no power is lost.
+//! Accuracy and energy of Fromm's difference in steady rolling, beside the upwind one.
 //!
 //! The table of errors: `cargo test --release --workspace --locked --test suite -- second_order --nocapture`.
 
@@ -33,7 +33,7 @@ const CREEPAGES: [(&str, [f64; 3]); 7] = [
     ("ξ, η, φ = -2e-3, 2e-3, 0.3/m", [-2e-3, 2e-3, 0.3]),
 ];
 
-/// What a grid gives.
+/// Solution on one grid.
 #[derive(Clone, Copy)]
 struct Found {
     /// F_x and F_y over f N, and M_z over f N √(ab).
@@ -44,7 +44,7 @@ struct Found {
     power: f64,
 }
 
-/// Elements of a/n at a position.
+/// Solves on elements of a/n at a position of the grid.
 fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2]) -> Found {
     let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
     let [a, b] = AXES;
@@ -79,8 +79,8 @@ fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2
     };
     let heat: Vec<f64> = (0..nx * ny).map(of_slip).collect();
     let mut all = heat.clone();
-    if let Some(scheme) = levels.scheme_power([x, y], &[], SPEED) {
-        all.iter_mut().zip(scheme).for_each(|(all, more)| *all += more);
+    if let Some(dissipation) = levels.dissipation([x, y], &[], SPEED) {
+        all.iter_mut().zip(dissipation).for_each(|(all, more)| *all += more);
     }
     let mut sums = [0.0; 3];
     for at in 0..nx * ny {
@@ -121,10 +121,11 @@ fn positions(difference: Difference, creepage: [f64; 3], n: usize) -> Vec<Found>
     POSITIONS.iter().map(|position| solve(difference, creepage, n, *position)).collect()
 }
 
-/// Forces within 0.3 % of f N rms at a/20 and 0.1 % at a/40, where the upwind difference has up to 1.2 and 0.6 %; the reference is the mean over
-/// all positions at a/80, whose own error is 0.02 %.
+/// Forces are within 0.3 % of f N (rms) at a/20 and 0.1 % at a/40, the aims of the method, and
+/// within 0.5 % at a/10: a quarter more than measured there. The reference is the mean over all
+/// positions at a/80, whose own error is 0.02 %.
 #[test]
-fn forces_err_by_a_quarter_of_those_of_the_upwind_difference() {
+fn forces_of_second_order() {
     println!("rms/mean of the errors over five positions [% of f N, of f N √(ab), of the rise]");
     for (name, creepage) in CREEPAGES {
         let finest = positions(Difference::Fromm, creepage, 80);
@@ -132,7 +133,7 @@ fn forces_err_by_a_quarter_of_those_of_the_upwind_difference() {
         let forces: [f64; 3] = std::array::from_fn(|k| mean(&|found| found.forces[k]));
         let rise = mean(&|found| found.peaks[1]);
         for difference in [Difference::Upwind, Difference::Fromm] {
-            for (n, most) in [(10, 0.9), (20, 0.3), (40, 0.1)] {
+            for (n, most) in [(10, 0.5), (20, 0.3), (40, 0.1)] {
                 let found = positions(difference, creepage, n);
                 let errors: [[f64; 2]; 3] = std::array::from_fn(|k| {
                     spread(found.iter().map(|found| 100.0 * (found.forces[k] - forces[k])))
@@ -142,7 +143,7 @@ fn forces_err_by_a_quarter_of_those_of_the_upwind_difference() {
                 };
                 let lost = spread(found.iter().map(|found| 100.0 * (1.0 - found.power)));
                 println!(
-                    "{name}, {difference:?}, a/{n}: F_x {:.3?} F_y {:.3?} M_z {:.3?} rise by slip {:.2?} by all {:.2?}, power beside slip {:.2} %",
+                    "{name}, {difference:?}, a/{n}: F_x {:.3?} F_y {:.3?} M_z {:.3?} rise by slip {:.2?} by all {:.2?}, dissipation {:.2} %",
                     errors[0],
                     errors[1],
                     errors[2],
@@ -160,10 +161,10 @@ fn forces_err_by_a_quarter_of_those_of_the_upwind_difference() {
     }
 }
 
-/// The heat that no element resolves as slip, where tractions change within an element, makes the rise more accurate than without it, on grids on which that
-/// matters.
+/// With the numerical dissipation as heat, the largest rise is closer to its limit than without,
+/// on grids that are coarse enough for it to matter.
 #[test]
-fn heat_of_the_scheme_is_where_slip_is_not_resolved() {
+fn dissipation_is_heat_where_slip_is_not_resolved() {
     for (name, creepage) in CREEPAGES {
         let finest = positions(Difference::Fromm, creepage, 80);
         let rise = finest.iter().map(|found| found.peaks[1]).sum::<f64>() / 5.0;
@@ -194,13 +195,13 @@ fn friction_power_is_that_of_the_forces() {
                 let forces = names.map(|name| run.number(name));
                 let given: f64 = forces.iter().zip(creepage).map(|(f, c)| -38.889 * f * c).sum();
                 assert_close(run.number("friction_power_w"), given, 1e-10);
-                assert!(run.number("scheme_power_w") >= 0.0);
+                assert!(run.number("numerical_dissipation_w") >= 0.0);
             }
         }
     }
 }
 
-/// Of bodies of different constants too, and of those with a memory.
+/// The audit holds for bodies of different constants, and for viscoelastic ones.
 #[test]
 fn different_and_viscoelastic_bodies_lose_no_power() {
     let creepages = [[0.0; 3], [-0.01, 0.0, 0.0], [0.02, 0.005, 0.0], [0.0, 0.0, 1.0]];
@@ -222,7 +223,7 @@ fn different_and_viscoelastic_bodies_lose_no_power() {
     }
 }
 
-/// Rolling with memory has a difference in time.
+/// With memory, slip is a difference in time, and the key is refused.
 #[test]
 fn rolling_with_memory_refuses_it() {
     let mut case = rolling(half_space(10), [-2e-3, 0.0, 0.0]);

@@ -31,8 +31,8 @@ pub(super) struct Answer {
     /// Where along x the moment is taken that does the work of the spin: as far ahead as the middle of a step is beyond where its
     /// rigid slip is taken [m].
     pub(super) pivot: f64,
-    /// The part of the friction power that the difference along x takes beside slip [W].
-    pub(super) scheme_power: Option<f64>,
+    /// Numerical dissipation of the difference along x, a part of the friction power [W].
+    pub(super) numerical_dissipation: Option<f64>,
     /// The power balance, where there is one.
     pub(super) balance: Option<Balance>,
     /// What bodies that creep dissipate in a step, under pressure and tractions [W].
@@ -130,10 +130,11 @@ impl Answer {
         answer
     }
 
-    /// Adds to the friction power what the difference along x takes beside slip [W/m²].
-    pub(super) fn add_scheme_power(&mut self, case: &Case, power: &[f64]) {
+    /// Adds the numerical dissipation of the difference along x to the friction power [W/m²].
+    pub(super) fn add_numerical_dissipation(&mut self, case: &Case, power: &[f64]) {
         self.friction_power.iter_mut().zip(power).for_each(|(sum, power)| *sum += power);
-        self.scheme_power = Some(power.iter().sum::<f64>() * case.footprint.grid.element_area());
+        let area = case.footprint.grid.element_area();
+        self.numerical_dissipation = Some(power.iter().sum::<f64>() * area);
     }
 
     /// Takes what bodies that creep dissipate in a step, over the area of an element [Pa m].

@@ -29,8 +29,8 @@ pub(super) struct Balance {
     pub(super) stored: Option<f64>,
     /// In the bodies; of those whose compliance grows.
     pub(super) hysteresis: Option<f64>,
-    /// A part of what friction takes: that of the difference along x, in steady rolling.
-    pub(super) scheme: Option<f64>,
+    /// Numerical dissipation of the difference along x, a part of the friction power.
+    pub(super) numerical_dissipation: Option<f64>,
     /// Sum of the magnitudes of all parts.
     pub(super) exchanged: f64,
 }
@@ -139,8 +139,8 @@ impl Balance {
         if let Some(hysteresis) = self.hysteresis {
             figures["hysteresis_power_w"] = json!(hysteresis);
         }
-        if let Some(scheme) = self.scheme {
-            figures["scheme_power_w"] = json!(scheme);
+        if let Some(dissipation) = self.numerical_dissipation {
+            figures["numerical_dissipation_w"] = json!(dissipation);
         }
         if let Some(stored) = self.stored {
             figures["stored_power_w"] = json!(stored);

@@ -32,7 +32,7 @@ pub(super) struct Case {
     pub(super) heated: Option<[KeptSurface; 2]>,
     /// The tractions of one step matter to the next.
     pub(super) memory: bool,
-    /// The difference along x that makes slip of displacements.
+    /// Difference of displacements along x.
     pub(super) difference: Difference,
     /// A contact with memory begins from its steady rolling.
     pub(super) begins_steady: bool,
@@ -109,7 +109,7 @@ impl Case {
         }
     }
 
-    /// The grid of slip and friction power, the contact grid or half an element upstream of it.
+    /// Grid of slip and friction power: the contact grid, or half an element upstream of it.
     pub(super) fn passage_grid(&self) -> Structured {
         let mut passage = self.footprint.grid;
         passage.origin[0] += self.passage().middle;
@@ -154,11 +154,11 @@ pub(super) struct Passage {
     pub(super) distance: f64,
     /// Where the rigid slip is taken, ahead of an element's centre [m].
     pub(super) ahead: f64,
-    /// Where slip and friction power of an element are, ahead of its centre [m].
+    /// Place of an element's slip and friction power, upstream of its centre [m].
     pub(super) middle: f64,
     /// How long it takes [s].
     pub(super) duration: f64,
-    /// The traction of a step is the mean of that at the upstream element before, and that here afterwards.
+    /// The mean of two tractions does the work of a step: that upstream before it, and that here after it.
     pub(super) from_upstream: bool,
 }
 

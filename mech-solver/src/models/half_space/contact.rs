@@ -391,14 +391,14 @@ impl ContactSolver {
         Some(PressurePower::of(grid, duration, differences, &self.pressure, undeformed, gap))
     }
 
-    /// Power that the difference along x takes of these tractions beside that of their slip [W/m²].
-    pub(super) fn scheme_power(
+    /// Numerical dissipation of the difference along x under these tractions [W/m²].
+    pub(super) fn numerical_dissipation(
         &mut self,
         case: &Case,
         state: &TangentialState,
     ) -> Option<Vec<f64>> {
         let [x, y] = &state.traction;
-        self.levels.as_mut()?.scheme_power([x, y], &self.pressure, case.scene.speeds.rolling)
+        self.levels.as_mut()?.dissipation([x, y], &self.pressure, case.scene.speeds.rolling)
     }
 
     /// What bodies with a memory dissipate under the pressure, and under tractions whose displacements are in the slip.

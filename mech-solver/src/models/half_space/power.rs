@@ -71,7 +71,7 @@ impl Balance {
             pressure,
             stored: None,
             hysteresis: hysteresis.map(|taken| taken.power),
-            scheme: answer.scheme_power,
+            numerical_dissipation: answer.numerical_dissipation,
             exchanged: speed * grid.element_area() * exchanged
                 + pressure.map_or(0.0, |pressure| pressure.exchanged)
                 + hysteresis.map_or(0.0, |taken| taken.exchanged),
@@ -113,7 +113,7 @@ impl Balance {
             pressure: None,
             stored: Some(weight * (energy[1] - energy[0])),
             hysteresis: taken.map(|taken| weight * taken),
-            scheme: None,
+            numerical_dissipation: None,
             exchanged: exchanged
                 + weight * (energy[0].abs() + energy[1].abs() + taken.unwrap_or(0.0).abs()),
         }
@@ -137,7 +137,7 @@ mod tests {
             pressure: Some(pressure),
             stored: None,
             hysteresis: None,
-            scheme: None,
+            numerical_dissipation: None,
             exchanged: 130.0,
         };
         assert_eq!(balance.imbalance(), 0.0);

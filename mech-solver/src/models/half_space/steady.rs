@@ -156,8 +156,8 @@ impl Steady {
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
                 let mut answer = Answer::partial(case, contact, &solution, None);
-                if let Some(power) = contact.scheme_power(case, &solution.state) {
-                    answer.add_scheme_power(case, &power);
+                if let Some(power) = contact.numerical_dissipation(case, &solution.state) {
+                    answer.add_numerical_dissipation(case, &power);
                 }
                 found = Some(solution);
                 answer

@@ -1,12 +1,13 @@
-//! The work of the tractions that the difference along x takes in steady rolling, beside that of their slip.
+//! Numerical dissipation of Fromm's difference in steady rolling.
 //!
-//! It is the symmetric part of Fromm's difference, ⅛ δ²p·u(δ²p) of an element in every step Δx, with the second difference δ² along x
-//! and the displacement u that belongs to it ([`super::difference`]). Bodies of different constants have δ² of the pressure in u besides.
-//! It is where tractions change within an element: at the border of adhesion and at the trailing edge, where slip is that no element
-//! resolves. As heat there it makes the power of friction that of the forces at every resolution, and the temperature at a given
-//! resolution more accurate (test `heat_of_the_scheme_is_where_slip_is_not_resolved`).
+//! The symmetric part of the difference takes ⅛ δ²p·u(δ²p) of an element in every step Δx, with the
+//! second difference δ² along x and its displacement u ([`super::difference`]). For bodies of
+//! different constants u includes the displacement by δ² of the pressure.
 //!
-//! The upwind difference takes nothing, as the mean of the tractions at both ends of a step works on its slip.
+//! It is largest where tractions change within an element: at the border of adhesion and at the
+//! trailing edge. The grid does not resolve the slip there. Counted as friction power of the element,
+//! it makes the power of friction equal to that of the forces at every resolution, and the
+//! temperature more accurate (test `dissipation_is_heat_where_slip_is_not_resolved`).
 
 use super::coupling::Coupling;
 use super::difference::Difference;
@@ -15,9 +16,9 @@ use super::slip_operator::Displacement;
 use super::viscoelastic::Bodies;
 use proto::grid::Structured;
 
-/// The operators on a grid, at whose edges nothing pulls.
+/// The operators on a grid whose edges carry no traction.
 #[derive(Debug)]
-pub struct Scheme {
+pub struct Dissipation {
     nx: usize,
     /// Length of an element [m].
     dx: f64,
@@ -25,8 +26,9 @@ pub struct Scheme {
     coupling: Option<Coupling>,
 }
 
-impl Scheme {
-    /// For tractions on a grid, with the flexibility of a layer [m/Pa]; `None` where the difference takes nothing.
+impl Dissipation {
+    /// Builds the operators, with the flexibility of a layer [m/Pa]. `None` for the upwind difference,
+    /// which dissipates nothing.
     #[must_use]
     pub fn new(
         difference: Difference,
@@ -49,7 +51,8 @@ impl Scheme {
         Some(Self { nx: grid.ni, dx: grid.dx(), operator, coupling })
     }
 
-    /// Power of every element under these tractions and this pressure [Pa], at a speed of rolling [m/s] [W/m²].
+    /// Dissipated power of every element [W/m²], from tractions and pressure [Pa] and the speed of
+    /// rolling [m/s].
     pub fn power(&mut self, traction: [&[f64]; 2], pressure: &[f64], speed: f64) -> Vec<f64> {
         let [x, y] = traction.map(|traction| second_difference(traction, self.nx));
         let zeros = vec![0.0; x.len()];
@@ -70,7 +73,7 @@ impl Scheme {
     }
 }
 
-/// δ² along the rows of nx values, of which there are none beyond them.
+/// δ² along rows of nx values, which are zero beyond their ends.
 fn second_difference(values: &[f64], nx: usize) -> Vec<f64> {
     let of = |row: &[f64], i: usize| {
         let upstream = row.get(i + 1).copied().unwrap_or(0.0);
