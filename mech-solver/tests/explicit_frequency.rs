@@ -107,7 +107,7 @@ fn the_bound_is_above_the_highest_frequency_by_little() {
     assert!(most[0] < 0.2 && most[1] < 0.35, "{most:?}");
 }
 
-/// What a power iteration finds of the highest frequency [1/s], from below.
+/// Estimates the highest frequency [1/s] from below, by a power iteration.
 fn power_iteration(mut block: Block, iterations: usize) -> f64 {
     let (last, stride, rows) = (block.counts[0], block.stride, block.inverse_mass.clone());
     let size = |values: &[Vec<f64>; 3]| values.iter().flatten().map(|u| u * u).sum::<f64>().sqrt();
@@ -137,8 +137,8 @@ fn power_iteration(mut block: Block, iterations: usize) -> f64 {
     found
 }
 
-/// Of bodies as the model makes them, fine in the contact and coarse at their faces, the bound is at
-/// most 5 % above what 400 power iterations find, which is below the highest frequency.
+/// The bound is at most 5 % above the estimate of 400 power iterations, which is below the highest
+/// frequency, for bodies that are fine in the contact and coarse at their faces.
 #[test]
 fn of_a_wheel_and_a_rail_it_is_little_more_than_a_power_iteration_finds() {
     let element = 1.6e-3;

@@ -138,8 +138,8 @@ pub fn write(plan: &Plan, folder: &ResultFolder) -> Result<(), RunError> {
     folder.write(FILE, json(&PlanFile::of(plan)).as_bytes())
 }
 
-/// The warnings of the plan in the folder of a run that is resumed, if it can be read: the case kept there has
-/// the options in it, so that nothing is said any more of what they replace.
+/// Warnings of the stored plan of a resumed run, if it can be read. The stored case already contains
+/// the options, so a new plan would no longer warn about the values that they replace.
 pub(crate) fn first_warnings(folder: &ResultFolder) -> Vec<Warning> {
     let text = std::fs::read(folder.file(FILE)).unwrap_or_default();
     serde_json::from_slice(&text).map_or_else(|_| Vec::new(), |plan: PlanFile| plan.warnings)

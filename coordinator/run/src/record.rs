@@ -206,15 +206,15 @@ impl Recorder {
         self.wait_until(|progress| progress.closed)
     }
 
-    /// The same for a run that has failed; what is wrong with the recording is told when it is finished.
+    /// Closes the recording of a failed run. Errors of the recording are reported by `finish`.
     pub fn close(&self) {
         let reported = self.has_reported();
         let _ = self.stop_listening();
         lock(&self.progress.0).reported = reported;
     }
 
-    /// The error that ends a run, after the failure of the recording if there has been one before: it leaves
-    /// the topics then, which is an error of whoever sends on them.
+    /// Returns the error that ends a run. An earlier failure of the recording replaces it: the recorder
+    /// leaves its topics then, and the next sender on them fails as a consequence.
     #[must_use]
     pub fn cause(&self, error: RunError) -> RunError {
         let mut progress = lock(&self.progress.0);

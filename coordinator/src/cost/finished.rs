@@ -92,8 +92,8 @@ impl FinishedRuns {
     }
 }
 
-/// Values that decide which runs there are. The quantity that ranks them, and the values that they are compared
-/// with, do not.
+/// Digest of the request values that determine the set of runs. The ranking quantity and the values
+/// of comparison are left out.
 fn sum_of(request: &Request) -> u64 {
     let vary: Vec<_> = request.vary.iter().map(|axis| (&axis.key, &axis.values)).collect();
     sum(json!([vary, request.repeat, request.longest_run]).to_string().as_bytes())

@@ -189,8 +189,8 @@ mod tests {
         study
     }
 
-    /// Texts that a spreadsheet program would run as formulas are made texts; numbers stay numbers, and the columnar
-    /// form, which no such program runs, has them as they are.
+    /// Values that a spreadsheet program would run as formulas are written as texts in CSV. Numbers
+    /// stay numbers. The columnar file keeps all values as they are.
     #[test]
     fn a_formula_is_written_as_a_text() {
         for (text, written) in [

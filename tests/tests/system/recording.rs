@@ -167,7 +167,7 @@ fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     }
     let chosen = ["--set", "thermal.model=ertz-knothe", "--tolerance", "1", "--command", &program];
     let (code, replay, stderr) = self::replay(&place, &recording, "thermal", &chosen);
-    // Its fields live elsewhere, which is a difference whatever the tolerance of values.
+    // The fields are on other grids: a difference at any tolerance of values.
     assert_eq!(code, Some(4), "{stderr}");
     assert!(stderr.contains("its grids, or where its fields live"), "{stderr}");
     assert_eq!(replay["program"], "closed-form 1.0", "{stderr}");

@@ -181,9 +181,9 @@ fn flexibility(
     flexibility
 }
 
-/// What curvature changes of the flexibility of a corner of 10 mm and of the throat round it, as
-/// CONTACT's conformal examples have them, is that of finite elements in all nine pairs of
-/// components, and the same with tractions and displacements exchanged. Tolerances, as shares
+/// The change of flexibility by curvature agrees with finite elements in all nine pairs of components,
+/// for a corner of 10 mm and the throat round it (CONTACT's conformal examples), also with tractions
+/// and displacements exchanged. Tolerances, as shares
 /// of the largest change of the pair: a tenth for constant tractions on boundary elements of a
 /// tenth of the radius, of which 6 % are reached; 3 % for reciprocity, as collocation has it.
 #[test]
