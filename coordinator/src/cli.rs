@@ -516,7 +516,7 @@ fn run_to(asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
         };
         match decision {
             Decision::Refine => {
-                search.refine()?;
+                search.refine();
                 screen.log.release();
                 answer = Some(begun.folder);
                 continue;

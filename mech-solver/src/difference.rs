@@ -1,4 +1,4 @@
-//! The case key of the difference along x, shared by all models with steady rolling.
+//! The case key of the difference along x, shared by all models with rolling half-spaces.
 
 use crate::half_space::difference::Difference;
 use crate::keys::CheckedParams;
@@ -10,9 +10,9 @@ pub(crate) const DIFFERENCE: &str = "mech.difference";
 
 /// Declares the key.
 pub(crate) fn key() -> KeySpec {
-    let help = "difference of displacements along x in steady rolling: Fromm's is of second order, the upwind one of first \
+    let help = "difference of displacements along x in rolling: Fromm's is of second order, the upwind one of first \
                 order, as in CONTACT";
-    KeySpec::choice(DIFFERENCE, &["fromm", "upwind"], help).default_value("upwind")
+    KeySpec::choice(DIFFERENCE, &["fromm", "upwind"], help).default_value("fromm")
 }
 
 /// Reads the difference of a case.

@@ -77,7 +77,7 @@ impl Values {
         }
     }
 
-    /// The figure of `LIMIT` or `LIMIT/VALUE` from the families of the limit.
+    /// The figure of `LIMIT` or `LIMIT/VALUE` from the two finest families of the limit.
     fn extrapolated(&self, name: &str, key: &str) -> Option<f64> {
         let (family, value) = name.split_once('/').map_or((name, None), |(f, v)| (f, Some(v)));
         let limit = self.limits.iter().find(|limit| limit.name == family)?;
@@ -87,7 +87,8 @@ impl Values {
             Some(Sample { level, value: self.find(&run, key)? })
         };
         let samples: Vec<Sample> = limit.of.iter().filter_map(sample).collect();
-        Estimate::of(&samples, limit.order).map(|estimate| estimate.limit)
+        let finest = samples.last_chunk::<2>()?;
+        Estimate::of(finest, limit.order).map(|estimate| estimate.limit)
     }
 }
 

@@ -6,31 +6,31 @@
 //!
 //! v₁, v₂, v₃ are the values from the coarsest to the finest of three grids of which each is r times
 //! finer than the one before. The estimate of the error of the finest is |v₃ − v₀| times a factor of
-//! safety, as in Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405).
+//! safety, that of Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405): 3 for two grids,
+//! 1.25 from three on.
 //!
-//! Three grids that show the order which the model expects of itself, within a tenth, have Roache's
-//! factor of 1.25. Deviations: p is the lower of the order that is seen, however low, and the expected
-//! one, since quantities that move in steps with the elements at the edge of a contact show too
-//! high an order by chance; it is the expected one where none is seen; and the factor is 1.5 where
-//! Roache takes
-//! 3.
+//! Deviations: p is the lower of the order that is seen, however low, and the one that the model
+//! expects of itself, since quantities that move in steps with the elements at the edge of a contact
+//! show too high an order by chance; it is the expected one where none is seen. Two grids may agree by
+//! chance, so that coarser pairs count too: the error that each of them tells, brought to the finest
+//! grid by the expected order; the largest is taken.
 //!
 //! **The limit itself as the answer.** Two pairs of three grids give two limits, L₁ of the coarser and L₂ of the finer pair, at the
 //! expected order p. What is left in them beyond C h^p moves with the elements at the edges, and was measured to fall like
 //! h^(3p/2) (docs/theory/accuracy.md); so the error of L₂ is
 //!
 //! ```text
-//! max( 1.5 |L₂ − L₁|/(r^(3p/2) − 1),  |L₂ − v₃|/5 )
+//! max( 2 |L₂ − L₁|/(r^(3p/2) − 1),  |L₂ − v₃|/5 )
 //! ```
 //!
 //! The second term is there because two limits may agree by chance.
 
-/// Factor of safety where the expected order is seen.
-const SAFETY_SEEN: f64 = 1.25;
-/// And where it is not.
-const SAFETY: f64 = 1.5;
-/// How near to the expected order one that is seen has to be.
-const NEAR: f64 = 0.1;
+/// Factor of safety of the difference of two grids.
+const SAFETY_OF_TWO: f64 = 3.0;
+/// And of three or more.
+const SAFETY_OF_THREE: f64 = 1.25;
+/// And of the difference of two limits.
+const SAFETY_OF_LIMITS: f64 = 2.0;
 
 /// The share of the leading error that is the least error of a limit.
 const LEAST_SHARE: f64 = 0.2;
@@ -68,16 +68,18 @@ impl Estimate {
         let [.., coarse, fine] = samples else { return None };
         let observed_order = observed_order(samples);
         let order = observed_order.unwrap_or(expected_order).min(expected_order);
-        let near = |order: &f64| (order / expected_order - 1.0).abs() <= NEAR;
-        let safety = if observed_order.filter(near).is_some() { SAFETY_SEEN } else { SAFETY };
-        let correction =
-            (fine.value - coarse.value) / ((fine.level / coarse.level).powf(order) - 1.0);
-        Some(Self {
-            observed_order,
-            order,
-            limit: fine.value + correction,
-            error: safety * correction.abs(),
-        })
+        let told = |coarse: &Sample, fine: &Sample, order: f64| {
+            (fine.value - coarse.value) / ((fine.level / coarse.level).powf(order) - 1.0)
+        };
+        let correction = told(coarse, fine, order);
+        let of_pair = |pair: &[Sample]| {
+            let falls = (fine.level / pair[1].level).powf(expected_order);
+            (told(&pair[0], &pair[1], expected_order) / falls).abs()
+        };
+        let largest = samples.windows(2).map(of_pair).fold(correction.abs(), f64::max);
+        let safety = if samples.len() > 2 { SAFETY_OF_THREE } else { SAFETY_OF_TWO };
+        let limit = fine.value + correction;
+        Some(Self { observed_order, order, limit, error: safety * largest })
     }
 }
 
@@ -101,7 +103,7 @@ impl Limit {
         };
         let [before, value] = [limit(first, second), limit(second, third)];
         let falls = (third.level / second.level).powf(ORDER_OF_LIMITS * expected_order);
-        let left = SAFETY * (value - before).abs() / (falls - 1.0);
+        let left = SAFETY_OF_LIMITS * (value - before).abs() / (falls - 1.0);
         Some(Self { value, error: left.max(LEAST_SHARE * (value - third.value).abs()) })
     }
 }
@@ -153,7 +155,7 @@ mod tests {
             assert!((estimate.observed_order.unwrap() - order).abs() < 1e-9, "{estimate:?}");
             assert!((estimate.limit - 3.0).abs() < 1e-10, "{estimate:?}");
             let true_error = 5.0 * 40f64.powf(-order);
-            assert!((estimate.error / true_error - SAFETY_SEEN).abs() < 1e-6, "{estimate:?}");
+            assert!((estimate.error / true_error - SAFETY_OF_THREE).abs() < 1e-6, "{estimate:?}");
             // Grids whose ratio is not constant.
             let values = samples(&[10.0, 16.0, 40.0], |n| 3.0 - 5.0 * n.powf(-order));
             assert!((observed_order(&values).unwrap() - order).abs() < 1e-9);
@@ -166,7 +168,7 @@ mod tests {
         let estimate = Estimate::of(&values, 1.0).unwrap();
         assert_eq!((estimate.observed_order, estimate.order), (None, 1.0));
         assert!((estimate.limit - 1.0).abs() < 1e-12);
-        assert!((estimate.error - SAFETY * 0.05).abs() < 1e-12);
+        assert!((estimate.error - SAFETY_OF_TWO * 0.05).abs() < 1e-12);
         assert_eq!(Estimate::of(&values[..1], 1.0), None);
     }
 
@@ -177,12 +179,21 @@ mod tests {
         let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 0.5 / n + 2.0 * n.powf(-1.5));
         let limit = Limit::of(&values, 1.0).unwrap();
         let left = (limit.value - 3.0).abs();
-        assert!((limit.error / left - SAFETY).abs() < 1e-9, "{limit:?}");
+        assert!((limit.error / left - SAFETY_OF_LIMITS).abs() < 1e-9, "{limit:?}");
         let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 5.0 / n);
         let limit = Limit::of(&values, 1.0).unwrap();
         assert!((limit.value - 3.0).abs() < 1e-12);
         assert!((limit.error / (LEAST_SHARE * 5.0 / 40.0) - 1.0).abs() < 1e-9, "{limit:?}");
         assert_eq!(Limit::of(&values[..2], 1.0), None);
+    }
+
+    /// The finest two agree by chance; the pair before them does not.
+    #[test]
+    fn an_agreement_by_chance_is_not_believed() {
+        let values = [[10.0, 1.0], [20.0, 1.2], [40.0, 1.2]];
+        let values = values.map(|[level, value]| Sample { level, value });
+        let error = Estimate::of(&values, 1.0).unwrap().error;
+        assert!((error - SAFETY_OF_THREE * 0.1).abs() < 1e-12, "{error}");
     }
 
     /// An order above the expected one would make the error look smaller than it is.
@@ -204,7 +215,7 @@ mod tests {
             let estimate = Estimate::of(&values, expected).unwrap();
             assert!((estimate.order - order).abs() < 1e-9, "{estimate:?}");
             let left = 5.0 * 40f64.powf(-order);
-            assert!((estimate.error / left - SAFETY).abs() < 1e-6, "{estimate:?}: {left}");
+            assert!((estimate.error / left - SAFETY_OF_THREE).abs() < 1e-6, "{estimate:?}: {left}");
         }
     }
 

@@ -10,7 +10,7 @@
 //! Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421–432, for the iteration; Kalker (1990)
 //! §4.2.
 
-use super::difference::Difference;
+use super::difference::Stencil;
 use super::influence::Influence;
 use super::viscoelastic::{Bodies, Numbers};
 use numerics::convolution::{Convolution, Spectrum};
@@ -25,11 +25,11 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// The operators for nx × ny elements. With a difference, pressure gives the slip of steady
-    /// rolling in place of the displacement A_tz.
+    /// The operators for nx × ny elements. Pressure gives the slip of this stencil in
+    /// place of the displacement A_tz.
     #[must_use]
-    pub fn new(influence: &Influence, nx: usize, ny: usize, rolling: Option<Difference>) -> Self {
-        Self::of(nx, ny, rolling, |i, j| [influence.zx(i, j), influence.zy(i, j)])
+    pub fn new(influence: &Influence, nx: usize, ny: usize, stencil: Stencil) -> Self {
+        Self::of(nx, ny, stencil, |i, j| [influence.zx(i, j), influence.zy(i, j)])
     }
 
     /// The same of bodies with a memory that roll, on elements dx × dy [m].
@@ -38,34 +38,26 @@ impl Coupling {
         bodies: &Bodies,
         [nx, ny]: [usize; 2],
         sides: [f64; 2],
-        rolling: Option<Difference>,
+        stencil: Stencil,
     ) -> Self {
         let numbers =
             Numbers::new([nx, ny], sides, bodies, |of, x, y| [of.zx_at(x, y), of.zy_at(x, y)]);
-        Self::of(nx, ny, rolling, |i, j| {
+        Self::of(nx, ny, stencil, |i, j| {
             let [zx, zy] = numbers.value(i, j);
             [zx, if j < 0 { -zy } else { zy }]
         })
     }
 
     /// Of the normal displacements zx and zy; xz and yz are their opposites.
-    fn of(
-        nx: usize,
-        ny: usize,
-        rolling: Option<Difference>,
-        kernel: impl Fn(i32, i32) -> [f64; 2],
-    ) -> Self {
+    fn of(nx: usize, ny: usize, stencil: Stencil, kernel: impl Fn(i32, i32) -> [f64; 2]) -> Self {
         let mut convolution = Convolution::new(nx, ny);
-        let slip = |i: i32, j: i32| match rolling {
-            Some(difference) => difference.of(|upstream| kernel(i + upstream, j)),
-            None => kernel(i, j),
-        };
+        let slip = |i: i32, j: i32| stencil.of(|upstream| kernel(i + upstream, j));
         let by_pressure = [0, 1].map(|k| convolution.spectrum(|i, j| -slip(i, j)[k]));
         let by_traction = [0, 1].map(|k| convolution.spectrum(|i, j| kernel(i, j)[k]));
         Self { convolution, by_pressure, by_traction, part: vec![0.0; nx * ny] }
     }
 
-    /// Slip, or displacement, along x and y by the pressure [m].
+    /// Slip along x and y by the pressure [m].
     pub fn slip_by_pressure(&mut self, pressure: &[f64], slip: [&mut [f64]; 2]) {
         for (spectrum, slip) in self.by_pressure.iter().zip(slip) {
             self.convolution.apply(spectrum, pressure, slip);

@@ -23,16 +23,26 @@
 //! it falls with Δx⁴. With the upwind difference the mean of the tractions at both ends of a step
 //! does the work, and there is no dissipation ([`super::tangential`]).
 //!
-//! Source: J. E. Fromm, J. Comput. Phys. 3 (1968) 176, for the difference. Its use in rolling contact
-//! is this project's.
+//! **In time.** In transient rolling an element's displacement changes besides. With u' and u'' what
+//! it was one and two steps of Δx/V ago, the slip with the second-order backward difference is
+//!
+//! Δx (s − w) = Δx ∂u/∂x + (3u − 4u' + u'')/2,
+//!
+//! so that a steady state is that of the same grid. Over the area of an element tractions p with this
+//! slip do the work −p·s Δx = −p·w Δx − (E − E') − ⅛ δ²p·A δ²p − ¼ δ_t²p·A δ_t²p, with the elastic
+//! energy E = ¼ (p·A p + (2p − p')·A(2p − p')), and δ_t²p = p − 2p' + p''.
+//!
+//! Source: J. E. Fromm, J. Comput. Phys. 3 (1968) 176, for the difference. For the energy of
+//! the backward difference: C. W. Gear, Numerical Initial Value Problems (1971), G. Dahlquist, BIT 18
+//! (1978) 384. Their use in rolling contact is this project's.
 
 /// A difference along the direction of rolling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Difference {
     /// Second order.
+    #[default]
     Fromm,
     /// First order, as in CONTACT.
-    #[default]
     Upwind,
 }
 
@@ -55,14 +65,6 @@ impl Difference {
         [1, 2].map(|m| 0.5 * (weight(-m) - weight(m)))
     }
 
-    /// The difference of a function of the place upstream.
-    pub(super) fn of<const N: usize>(self, value: impl Fn(i32) -> [f64; N]) -> [f64; N] {
-        self.weights().iter().fold([0.0; N], |mut sum, (upstream, weight)| {
-            sum.iter_mut().zip(value(*upstream)).for_each(|(sum, value)| *sum += weight * value);
-            sum
-        })
-    }
-
     /// Traction that does the work of an element's slip, in rows of nx elements [Pa].
     #[must_use]
     pub fn working(self, traction: &[f64], nx: usize, index: usize) -> f64 {
@@ -82,7 +84,8 @@ impl Difference {
         if self.weights().iter().any(|(m, _)| neighbour(*m).is_none()) {
             return 0.0;
         }
-        let [sum] = self.of(|m| [neighbour(m).map_or(0.0, |i| displacement[row + i])]);
+        let stencil = Stencil { along: Some(self), own: 0.0 };
+        let [sum] = stencil.of(|m| [neighbour(m).map_or(0.0, |i| displacement[row + i])]);
         sum
     }
 
@@ -106,5 +109,29 @@ impl Difference {
             Self::Fromm => 0.0,
             Self::Upwind => 1.0 / 6.0,
         }
+    }
+}
+
+/// Slip by displacements: their difference along x, and a multiple of their own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stencil {
+    /// Difference along x, if the bodies roll on.
+    pub along: Option<Difference>,
+    /// Weight of the displacement of the element itself.
+    pub own: f64,
+}
+
+impl Stencil {
+    /// The displacement itself.
+    pub const DISPLACEMENT: Self = Self { along: None, own: 1.0 };
+
+    /// Slip by displacements that are a function of the place upstream.
+    pub(super) fn of<const N: usize>(self, value: impl Fn(i32) -> [f64; N]) -> [f64; N] {
+        let along = self.along.map_or(&[][..], Difference::weights).iter().copied();
+        let own = (self.own != 0.0).then_some((0, self.own));
+        along.chain(own).fold([0.0; N], |mut sum, (upstream, weight)| {
+            sum.iter_mut().zip(value(upstream)).for_each(|(sum, value)| *sum += weight * value);
+            sum
+        })
     }
 }

@@ -1,16 +1,18 @@
-//! Numerical dissipation of Fromm's difference in steady rolling.
+//! Numerical dissipation of Fromm's difference along x.
 //!
-//! The symmetric part of the difference takes ⅛ δ²p·u(δ²p) of an element in every step Δx, with the
-//! second difference δ² along x and its displacement u ([`super::difference`]). For bodies of
-//! different constants u includes the displacement by δ² of the pressure.
+//! The symmetric part of the difference takes ⅛ Σ δ²p·u(δ²p) in every step Δx, with the second
+//! difference δ² along x and its displacement u ([`super::difference`]). For bodies of different
+//! constants u includes the displacement by δ² of the pressure.
 //!
 //! It is largest where tractions change within an element: at the border of adhesion and at the
-//! trailing edge. The grid does not resolve the slip there. Counted as friction power of the element,
-//! it makes the power of friction equal to that of the forces at every resolution, and the
-//! temperature more accurate (test `dissipation_is_heat_where_slip_is_not_resolved`).
+//! trailing edge. The grid does not resolve the slip there. Counted as friction power of these
+//! elements, it makes the power of friction equal to that of the forces at every resolution, and the
+//! temperature more accurate (test `dissipation_is_heat_where_slip_is_not_resolved`). The products
+//! δ²p·u of single elements may be negative; the sum is shared by |δ²p|², to which the
+//! displacement of the element itself is proportional.
 
 use super::coupling::Coupling;
-use super::difference::Difference;
+use super::difference::{Difference, Stencil};
 use super::influence::Influence;
 use super::slip_operator::Displacement;
 use super::viscoelastic::Bodies;
@@ -41,10 +43,10 @@ impl Dissipation {
         }
         let (counts, sides) = ([grid.ni, grid.nj], [grid.dx(), grid.dy()]);
         let coupling = bodies.are_coupled().then(|| match bodies.remember() {
-            true => Coupling::with_memory(bodies, counts, sides, None),
+            true => Coupling::with_memory(bodies, counts, sides, Stencil::DISPLACEMENT),
             false => {
                 let influence = Influence::of_grid(grid, bodies.instantaneous);
-                Coupling::new(&influence, grid.ni, grid.nj, None)
+                Coupling::new(&influence, grid.ni, grid.nj, Stencil::DISPLACEMENT)
             }
         });
         let operator = Displacement::new(bodies, layer, grid, counts);
@@ -67,10 +69,21 @@ impl Dissipation {
                 sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
             }
         }
-        let [along, across] = &displaced;
         let weight = speed / (8.0 * self.dx);
-        (0..x.len()).map(|at| weight * (x[at] * along[at] + y[at] * across[at])).collect()
+        shared([&x, &y], [&displaced[0], &displaced[1]], weight)
     }
+}
+
+/// The total of weight · Σ p·u, shared among the elements by |p|²: no element loses power that way, and none gains from
+/// another's displacement.
+#[must_use]
+pub fn shared(traction: [&[f64]; 2], displacement: [&[f64]; 2], weight: f64) -> Vec<f64> {
+    let dot = |[x, y]: [&[f64]; 2], [u, v]: [&[f64]; 2], at: usize| x[at] * u[at] + y[at] * v[at];
+    let elements = 0..traction[0].len();
+    let total: f64 = elements.clone().map(|at| dot(traction, displacement, at)).sum();
+    let squares: f64 = elements.clone().map(|at| dot(traction, traction, at)).sum();
+    let share = if squares > 0.0 { weight * total / squares } else { 0.0 };
+    elements.map(|at| share * dot(traction, traction, at)).collect()
 }
 
 /// δ² along rows of nx values, which are zero beyond their ends.

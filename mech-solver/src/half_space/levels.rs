@@ -8,7 +8,7 @@
 //!
 //! Prescribed forces are met on every grid, from the creepages of the coarser one.
 
-use super::difference::Difference;
+use super::difference::{Difference, Stencil};
 use super::dissipation::Dissipation;
 use super::influence::{Elasticity, Influence};
 use super::slip_operator::SlipOperator;
@@ -41,10 +41,26 @@ const BEYOND: f64 = 1e-6;
 pub enum Motion {
     /// Steady rolling along x.
     SteadyRolling,
-    /// A step of transient rolling along x, by one element.
+    /// The first step of transient rolling along x, by one element: the slip is the displacement less
+    /// that of the particle one step ago.
+    FirstRollingStep,
+    /// A step of transient rolling that follows on another: the slip has the difference along x of
+    /// steady rolling, and the second-order backward difference in time.
     RollingStep,
     /// A shift in place.
     Shift,
+}
+
+impl Motion {
+    /// Slip by the displacements at the end of a step.
+    #[must_use]
+    pub fn stencil(self, difference: Difference) -> Stencil {
+        match self {
+            Self::SteadyRolling => Stencil { along: Some(difference), own: 0.0 },
+            Self::FirstRollingStep | Self::Shift => Stencil { along: None, own: 1.0 },
+            Self::RollingStep => Stencil { along: Some(difference), own: 1.5 },
+        }
+    }
 }
 
 /// A contact on which tangential problems are posed.
@@ -75,7 +91,7 @@ impl Contact {
         let Elasticity { shear_compliance, poisson_compliance, .. } = self.bodies.instantaneous;
         match self.motion {
             Motion::SteadyRolling => 4.0 * a * b / shear_compliance,
-            Motion::RollingStep | Motion::Shift => {
+            Motion::FirstRollingStep | Motion::RollingStep | Motion::Shift => {
                 4.0 * (a * b).sqrt() / (2.0 * shear_compliance - poisson_compliance)
             }
         }
@@ -112,25 +128,14 @@ impl Level {
         let Contact { bodies, layer, yields, semi_axes: [a, _], motion, difference, .. } = *contact;
         let influence = Influence::of_grid(grid, bodies.instantaneous);
         let (nx, ny) = (grid.ni, grid.nj);
-        let operator = match motion {
-            Motion::SteadyRolling if bodies.remember() => SlipOperator::rolling_with_memory(
-                &bodies,
-                difference,
-                layer,
-                [nx, ny],
-                [dx, dy],
-                a / dx,
-            ),
-            Motion::SteadyRolling => {
-                SlipOperator::rolling(&influence, difference, layer, [nx, ny], a / dx)
-            }
-            Motion::RollingStep | Motion::Shift => {
-                SlipOperator::instantaneous(&influence, layer, nx, ny)
-            }
+        let stencil = motion.stencil(difference);
+        let operator = match bodies.remember() {
+            true => SlipOperator::of_memory(&bodies, stencil, layer, [nx, ny], [dx, dy], a / dx),
+            false => SlipOperator::new(&influence, stencil, layer, [nx, ny], a / dx),
         };
         let (distance, ahead) = match motion {
-            Motion::SteadyRolling | Motion::RollingStep => (dx, difference.rigid_slip_ahead() * dx),
             Motion::Shift => (1.0, 0.0),
+            _ => (dx, difference.rigid_slip_ahead() * dx),
         };
         Self {
             nx,
@@ -344,12 +349,14 @@ impl Levels {
     pub fn new(grid: &Structured, contact: &Contact) -> Self {
         let Contact { bodies, layer, difference, .. } = contact;
         let dissipation = match contact.motion {
-            Motion::SteadyRolling => Dissipation::new(*difference, bodies, *layer, grid),
-            Motion::RollingStep | Motion::Shift => None,
+            Motion::SteadyRolling | Motion::RollingStep => {
+                Dissipation::new(*difference, bodies, *layer, grid)
+            }
+            Motion::FirstRollingStep | Motion::Shift => None,
         };
         let mut levels = vec![Level::new(grid, contact)];
         let mut grid = *grid;
-        let coarsens = contact.motion != Motion::RollingStep;
+        let coarsens = matches!(contact.motion, Motion::SteadyRolling | Motion::Shift);
         let narrow = |grid: &Structured| grid.nj > 1 && grid.ni.min(grid.nj) <= 4;
         while coarsens && grid.ni.max(grid.nj) > COARSEST && !narrow(&grid) {
             grid.ni = grid.ni.div_ceil(2);
@@ -444,7 +451,7 @@ impl Levels {
     /// operator is A.
     pub fn displacement(&mut self, traction: [&[f64]; 2], displacement: [&mut [f64]; 2]) {
         assert!(
-            self.contact.motion != Motion::SteadyRolling,
+            matches!(self.contact.motion, Motion::FirstRollingStep | Motion::Shift),
             "the operator of this motion is not A"
         );
         self.levels[0].solver.apply(traction, displacement);
@@ -460,7 +467,7 @@ impl Levels {
         // Rolling by one element shifts by ξ Δx.
         let distance = self.levels[0].distance;
         let slope = match self.contact.motion {
-            Motion::RollingStep => self.contact.slope() * distance,
+            Motion::FirstRollingStep | Motion::RollingStep => self.contact.slope() * distance,
             Motion::SteadyRolling | Motion::Shift => self.contact.slope(),
         };
         let accuracy = if finest { self.contact.tolerance } else { COARSE_TOLERANCE };

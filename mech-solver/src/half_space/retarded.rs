@@ -20,6 +20,7 @@
 //! integration of the rate equation.
 
 use super::coupling::Coupling;
+use super::difference::Stencil;
 use super::influence::{Elasticity, Influence};
 use super::slip_operator::Displacement;
 use super::viscoelastic::Retardation;
@@ -94,7 +95,9 @@ impl Flexibility {
         Self {
             normal: (convolution, spectrum),
             tangential: Displacement::new(&elasticity.into(), 0.0, grid, [nx, ny]),
-            coupling: elasticity.is_coupled().then(|| Coupling::new(&influence, nx, ny, None)),
+            coupling: elasticity
+                .is_coupled()
+                .then(|| Coupling::new(&influence, nx, ny, Stencil::DISPLACEMENT)),
             part: [zeros(), zeros()],
         }
     }

@@ -1,6 +1,6 @@
 //! From tractions to slip, and an approximate inverse.
 //!
-//! **Shift, and a step of transient rolling.** The slip distance of the step is
+//! **Shift, and the first step of transient rolling.** The slip distance of the step is
 //! S = w Δq + A p − u', where u' is the displacement difference that the particle had before it: that
 //! at the same place after a shift, that at the upstream element I + e_x after rolling Δq = Δx. The
 //! operator is A itself, and u' is known.
@@ -13,6 +13,10 @@
 //!
 //! with the rigid slip w [-] and the upstream shift S. B is a convolution like A, but not symmetric.
 //! This is the upwind difference of [`super::difference`]; Fromm's is B = (1 − S)(S⁻¹ + 4 − S) A/4.
+//!
+//! **Further steps of transient rolling** take the difference of steady rolling along x, and the
+//! second-order backward difference in time: S = w Δq + B p + (3A p − 4u' + u'')/2, with the displacement
+//! differences u' and u'' of the same element one and two steps ago ([`super::difference`]).
 //!
 //! **Memory.** Viscoelastic bodies have the K of [`super::viscoelastic`] in place of A. The layer has none.
 //!
@@ -32,7 +36,7 @@
 //! discretisation; Vollebregt, Wear 314 (2014) for Fourier preconditioning of the shift problem.
 //! The damped shift is this project's.
 
-use super::difference::Difference;
+use super::difference::Stencil;
 use super::influence::{Influence, Quarter};
 use super::viscoelastic::{Bodies, Numbers};
 use numerics::convolution::{Complex64, Convolution, FftNum, Spectrum};
@@ -105,26 +109,26 @@ pub struct SlipOperator {
 }
 
 impl SlipOperator {
-    /// B of steady rolling for nx × ny elements; `elements_per_semi_axis` is a/Δx.
+    /// Slip of nx × ny elements by this stencil; `elements_per_semi_axis` is a/Δx.
     #[must_use]
-    pub fn rolling(
+    pub fn new(
         influence: &Influence,
-        difference: Difference,
+        stencil: Stencil,
         layer_flexibility: f64,
         [nx, ny]: [usize; 2],
         elements_per_semi_axis: f64,
     ) -> Self {
         let table = Table::new(influence, layer_flexibility, nx, ny);
-        let damping = Some(damping(elements_per_semi_axis));
-        let inverse = Inverse { table: &table, damping, growth: None };
-        Self::new(nx, ny, inverse, |i, j| table.slip(difference, i, j))
+        let damping = damping(elements_per_semi_axis);
+        let inverse = Inverse { table: &table, stencil, damping, growth: None };
+        Self::of(nx, ny, inverse, |i, j| table.slip(stencil, i, j))
     }
 
-    /// B = (1 − S) K of steady rolling of bodies that may have a memory, for nx × ny elements dx × dy [m].
+    /// The same of bodies with a memory that roll, with K in place of A, on elements dx × dy [m].
     #[must_use]
-    pub fn rolling_with_memory(
+    pub fn of_memory(
         bodies: &Bodies,
-        difference: Difference,
+        stencil: Stencil,
         layer_flexibility: f64,
         [nx, ny]: [usize; 2],
         [dx, dy]: [f64; 2],
@@ -133,26 +137,13 @@ impl SlipOperator {
         let at_once = Influence::of_elements([dx, dy], bodies.instantaneous);
         let elastic = Table::new(&at_once, layer_flexibility, nx, ny);
         let table = Table::with_memory(bodies, layer_flexibility, [nx, ny], [dx, dy]);
-        let damping = Some(damping(elements_per_semi_axis));
+        let damping = damping(elements_per_semi_axis);
         let growth = |upstream| bodies.growth(upstream, dx);
-        let inverse = Inverse { table: &elastic, damping, growth: Some(&growth) };
-        Self::new(nx, ny, inverse, |i, j| table.slip(difference, i, j))
+        let inverse = Inverse { table: &elastic, stencil, damping, growth: Some(&growth) };
+        Self::of(nx, ny, inverse, |i, j| table.slip(stencil, i, j))
     }
 
-    /// A, the operator of a shift and of a step of transient rolling, for nx × ny elements.
-    #[must_use]
-    pub fn instantaneous(
-        influence: &Influence,
-        layer_flexibility: f64,
-        nx: usize,
-        ny: usize,
-    ) -> Self {
-        let table = Table::new(influence, layer_flexibility, nx, ny);
-        let inverse = Inverse { table: &table, damping: None, growth: None };
-        Self::new(nx, ny, inverse, |i, j| table.value(i, j))
-    }
-
-    fn new(
+    fn of(
         nx: usize,
         ny: usize,
         inverse: Inverse<'_>,
@@ -208,8 +199,9 @@ fn damping(elements_per_semi_axis: f64) -> f64 {
 struct Inverse<'a> {
     /// The numbers at once.
     table: &'a Table,
-    /// Damping ρ of the shift, where there is one.
-    damping: Option<f64>,
+    stencil: Stencil,
+    /// Damping ρ of the shift.
+    damping: f64,
     /// Symbol of K over A, by that of the shift.
     growth: Option<&'a dyn Fn(Complex64) -> Complex64>,
 }
@@ -225,8 +217,8 @@ impl Inverse<'_> {
         // A line of one element has no upstream one.
         let upstream = convolution.spectrum(|i, j| if (i, j) == (-1, 0) { 1.0 } else { 0.0 });
         let shift = Spectrum::combine([&upstream], |[at]| {
-            let shift = 1.0 - at * self.damping.unwrap_or(0.0);
-            shift * self.growth.map_or(1.0.into(), |growth| growth(at))
+            let along = self.stencil.along.map_or(0.0.into(), |_| 1.0 - at * self.damping);
+            (along + self.stencil.own) * self.growth.map_or(1.0.into(), |growth| growth(at))
         });
         let of = |which: fn(f64, f64, f64) -> f64| {
             Spectrum::combine([&xx, &yy, &xy, &shift], |[xx, yy, xy, shift]| {
@@ -279,8 +271,8 @@ impl Table {
         }
     }
 
-    /// Slip that the difference makes of the influence on the element and on its neighbours.
-    fn slip(&self, difference: Difference, i: i32, j: i32) -> [f64; 3] {
-        difference.of(|upstream| self.value(i + upstream, j))
+    /// Slip by the influence on the element and on its neighbours.
+    fn slip(&self, stencil: Stencil, i: i32, j: i32) -> [f64; 3] {
+        stencil.of(|upstream| self.value(i + upstream, j))
     }
 }

@@ -61,7 +61,7 @@ fn spec() -> ModelSpec {
         consumes: Vec::new(),
         provides: names(&[&field::PRESSURE, &field::TRACTION, &field::SLIP_VELOCITY]),
         keys: case::keys(),
-        accuracy: Accuracy { refinement: Some(refinement(1.0, 0.06)), ..Accuracy::default() },
+        accuracy: Accuracy { refinement: Some(refinement(1.5, 0.035)), ..Accuracy::default() },
     }
 }
 

@@ -112,7 +112,7 @@ fn spec() -> ModelSpec {
         ]),
         keys,
         accuracy: Accuracy {
-            refinement: Some(refinement(2.0, 0.024)),
+            refinement: Some(refinement(2.0, 0.006)),
             simplifications: effects::of_kind(Kind::Adhesion).map(springs_for_half_space).collect(),
         },
     }

@@ -29,7 +29,6 @@ use crate::difference;
 use crate::effects;
 use crate::ellipse::Ellipse;
 use crate::entry::ModelEntry;
-use crate::half_space::difference::Difference;
 use crate::half_space::influence::Elasticity;
 use crate::half_space::retarded::Delay;
 use crate::half_space::viscoelastic::Bodies;
@@ -55,9 +54,9 @@ use transient::Transient;
 /// Grid of slip and friction power.
 pub const PASSAGE_GRID: &str = "passage";
 
-/// Time of a solve over the elements^1.25, measured [s]: 0.023, 0.12 and 0.64 s with 40, 80 and 160
+/// Time of a solve over the elements^1.25, measured [s]: 0.04, 0.2 and 0.9 s with 40, 80 and 160
 /// elements per semi-axis.
-const SECONDS: f64 = 5e-7;
+const SECONDS: f64 = 8e-7;
 const GROWTH: f64 = 1.25;
 /// Working memory for an element, measured [byte].
 const BYTES: f64 = 700.0;
@@ -72,19 +71,6 @@ const START: &str = "mech.start";
 fn start_key() -> KeySpec {
     let help = "where the solution of a row starts: from that of the row before, or from nothing";
     KeySpec::choice(START, &["warm", "cold"], help).default_value("warm")
-}
-
-/// Reads the difference along x. With memory, slip is a difference in time.
-fn difference(configuration: &Configuration, memory: bool) -> Result<Difference, Refusal> {
-    let difference = difference::read(&configuration.case)?;
-    match (difference, memory) {
-        (Difference::Fromm, true) => Err(Refusal::new(
-            difference::DIFFERENCE,
-            "with memory slip is a difference in time, from one step to the next",
-            "write \"upwind\" or remove the key, or write mech.rolling = \"steady\" and a motion.speed above 0",
-        )),
-        _ => Ok(difference),
-    }
 }
 
 const BEGIN: &str = "mech.begin";
@@ -187,7 +173,7 @@ fn spec() -> ModelSpec {
             &field::CONTACT_FORCE,
         ]),
         keys,
-        accuracy: Accuracy { refinement: Some(refinement(1.0, 0.06)), ..Accuracy::default() },
+        accuracy: Accuracy { refinement: Some(refinement(1.5, 0.035)), ..Accuracy::default() },
     }
 }
 
@@ -234,10 +220,11 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
     let mut case = Case {
         memory,
-        difference: difference(configuration, memory)?,
+        difference: difference::read(&configuration.case)?,
         begins_steady: begins_steady(configuration, &scene, memory)?,
         terms,
         shift_duration: 0.0,
+        first_step: false,
         scene,
         bodies,
         delays,

@@ -90,7 +90,7 @@ fn spec() -> ModelSpec {
         ]),
         keys,
         accuracy: Accuracy {
-            refinement: Some(refinement(2.0, 0.005)),
+            refinement: Some(refinement(2.0, 0.00125)),
             simplifications: effects::of_kind(Kind::Adhesion).map(strips_for_half_space).collect(),
         },
     }

@@ -245,6 +245,7 @@ fn friction_of_every_element_is_that_of_its_slip() {
         for start in ["below", "above"] {
             let mut case = falling_line("local", start);
             case["effects"]["speed_friction"]["memory_distance"] = json!(memory);
+            case["mech"]["difference"] = json!("upwind");
             let run = run(&case);
             let (pressure, traction) = (run.longitudinal("pressure"), run.longitudinal("traction"));
             let slip = run.longitudinal("slip_velocity");

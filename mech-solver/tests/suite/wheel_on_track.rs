@@ -64,19 +64,22 @@ fn totals_are_told_in_both_axes() {
     }
 }
 
-/// In the plane of a patch −V(ξ F_x + η F_y + φ M_z), the moment about a third of an element ahead, is its friction power, with a
-/// stick zone and without. Tolerance: rounding.
+/// In the plane of a patch −V(ξ F_x + η F_y + φ M_z) is its friction power, with a stick zone and without; with the upwind
+/// difference the moment is taken a third of an element ahead. Tolerance: rounding.
 #[test]
 fn friction_power_is_that_of_the_creepages() {
-    for partial in [true, false] {
+    for (partial, difference) in
+        [(true, "fromm"), (false, "fromm"), (true, "upwind"), (false, "upwind")]
+    {
         let mut case = on_track();
+        case["mech"]["difference"] = json!(difference);
         case["mech"]["rigid_slip"] = json!("plane");
         if !partial {
             case["effects"] = json!({"friction_heat": {}});
         }
         let run = run(&case);
         let speed = run.fields["surface_speed"][1];
-        let arm = 4e-4 / 3.0;
+        let arm = if difference == "upwind" { 4e-4 / 3.0 } else { 0.0 };
         let power: f64 = patches(&run)
             .iter()
             .map(|patch| {

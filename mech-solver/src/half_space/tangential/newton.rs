@@ -300,7 +300,7 @@ impl TangentialSolver {
         {
             let (i, size) = (one.index, px[one.index].hypot(py[one.index]));
             let turned = size.hypot(*turn);
-            let wanted = (size + by).max(f64::MIN_POSITIVE);
+            let wanted = (size + by).max(f64::EPSILON * size);
             let [[nx, ny], [tx, ty]] = [along.direction, one.across];
             px[i] = wanted * (size * nx + turn * tx) / turned;
             py[i] = wanted * (size * ny + turn * ty) / turned;

@@ -1,6 +1,6 @@
 use super::linear::{Border, System, Unknowns};
 use super::*;
-use crate::half_space::difference::Difference;
+use crate::half_space::difference::{Difference, Stencil};
 use crate::half_space::influence::{Elasticity, Influence};
 use crate::half_space::slip_operator::SlipOperator;
 use crate::scene::Material;
@@ -54,9 +54,10 @@ impl Disc {
         let elasticity = Elasticity::of_pair(&body, &body);
         let influence = Influence { dx: step, dy: step, elasticity, plane_strain: false };
         let count = self.x.len();
-        TangentialSolver::new(SlipOperator::rolling(
+        let stencil = Stencil { along: Some(Difference::Upwind), own: 0.0 };
+        TangentialSolver::new(SlipOperator::new(
             &influence,
-            Difference::Upwind,
+            stencil,
             0.0,
             [count, count],
             self.n as f64,

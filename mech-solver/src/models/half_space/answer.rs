@@ -133,8 +133,8 @@ impl Answer {
     /// Adds the numerical dissipation of the difference along x to the friction power [W/m²].
     pub(super) fn add_numerical_dissipation(&mut self, case: &Case, power: &[f64]) {
         self.friction_power.iter_mut().zip(power).for_each(|(sum, power)| *sum += power);
-        let area = case.footprint.grid.element_area();
-        self.numerical_dissipation = Some(power.iter().sum::<f64>() * area);
+        let added = power.iter().sum::<f64>() * case.footprint.grid.element_area();
+        self.numerical_dissipation = Some(self.numerical_dissipation.unwrap_or(0.0) + added);
     }
 
     /// Takes what bodies that creep dissipate in a step, over the area of an element [Pa m].

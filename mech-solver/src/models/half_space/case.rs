@@ -4,7 +4,7 @@ use super::drive::Driven;
 use super::geometry::Footprint;
 use crate::ellipse::Ellipse;
 use crate::half_space::difference::Difference;
-use crate::half_space::extent::sample;
+use crate::half_space::extent::{elliptic, sample};
 use crate::half_space::retarded::Delay;
 use crate::half_space::viscoelastic::Bodies;
 use crate::scene::{GivenPatch, Scene};
@@ -38,6 +38,8 @@ pub(super) struct Case {
     pub(super) begins_steady: bool,
     /// Duration of a shift, known when the window is [s].
     pub(super) shift_duration: f64,
+    /// The step in progress is the first in time.
+    pub(super) first_step: bool,
 }
 
 impl Case {
@@ -94,17 +96,22 @@ impl Case {
     /// What a particle goes through in a step.
     pub(super) fn passage(&self) -> Passage {
         let (dx, speed) = (self.footprint.grid.dx(), self.scene.speeds.rolling);
+        let begins = match self.difference {
+            _ if speed == 0.0 => Begin::Here,
+            Difference::Fromm if !self.first_step => Begin::AtItsEnd,
+            _ => Begin::Upstream,
+        };
         match speed > 0.0 {
             true => Passage {
                 distance: dx,
                 ahead: self.difference.rigid_slip_ahead() * dx,
                 middle: self.difference.middle() * dx,
                 duration: dx / speed,
-                from_upstream: self.difference == Difference::Upwind,
+                begins,
             },
             false => {
                 let duration = self.shift_duration;
-                Passage { distance: 1.0, ahead: 0.0, middle: 0.0, duration, from_upstream: false }
+                Passage { distance: 1.0, ahead: 0.0, middle: 0.0, duration, begins }
             }
         }
     }
@@ -116,18 +123,19 @@ impl Case {
         passage
     }
 
-    /// The pressure of the ellipse that the case gives, at the elements' centres, scaled so that it
-    /// carries the ellipse's load; zero if it is to be solved for.
+    /// The pressure of the ellipse that the case gives, scaled so that it carries the ellipse's load; zero if it is to be solved for.
+    /// Means of the elements; with the upwind difference values at their centres, as in CONTACT.
     pub(super) fn given_pressure(&self) -> Vec<f64> {
         let grid = &self.footprint.grid;
         let (None, Some(ellipse)) = (&self.footprint.gap, &self.footprint.ellipse) else {
             return vec![0.0; grid.points()];
         };
         let [a, b] = self.footprint.semi_axes;
-        let at = |x: f64, y: f64| {
-            ellipse.max_pressure * (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt()
+        let at = |x: f64, y: f64| (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt();
+        let mut pressure = match self.difference {
+            Difference::Fromm => elliptic(grid, [a, b]),
+            Difference::Upwind => sample(grid, &at),
         };
-        let mut pressure = sample(grid, &at);
         let sum = pressure.iter().sum::<f64>() * grid.element_area();
         pressure.iter_mut().for_each(|value| *value *= ellipse.normal_force / sum);
         pressure
@@ -158,13 +166,34 @@ pub(super) struct Passage {
     pub(super) middle: f64,
     /// How long it takes [s].
     pub(super) duration: f64,
-    /// The mean of two tractions does the work of a step: that upstream before it, and that here after it.
-    pub(super) from_upstream: bool,
+    /// The mean of the traction at its begin and that at its end does the work.
+    pub(super) begins: Begin,
+}
+
+/// Traction at the begin of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Begin {
+    /// The one of the element from which the particle comes.
+    Upstream,
+    /// The one of the same element.
+    Here,
+    /// The one of its end.
+    AtItsEnd,
 }
 
 impl Passage {
-    /// −½(p'_J + p_I)·S_I/Δt [W/m²], J the element from which the particle comes and p' the traction
-    /// there at the start of the step; adding zero turns −0 into 0.
+    /// Mean of the tractions at the begin and at the end of the step of an element, in rows of nx [Pa].
+    pub(super) fn mean(&self, nx: usize, start: &[f64], end: &[f64], index: usize) -> f64 {
+        let start = match self.begins {
+            Begin::Upstream if (index + 1).is_multiple_of(nx) => 0.0,
+            Begin::Upstream => start[index + 1],
+            Begin::Here => start[index],
+            Begin::AtItsEnd => end[index],
+        };
+        0.5 * (start + end[index])
+    }
+
+    /// Power −p̄·S/Δt of every element, with the mean traction p̄ [W/m²]; adding zero turns −0 into 0.
     pub(super) fn power(
         &self,
         grid: &Structured,
@@ -173,17 +202,13 @@ impl Passage {
         slip: &[f64],
     ) -> Vec<f64> {
         let (nx, count) = (grid.ni, grid.points());
-        let from = |index: usize, component: usize| match self.from_upstream {
-            true if (index + 1).is_multiple_of(nx) => 0.0,
-            true => start[component * count + index + 1],
-            false => start[component * count + index],
-        };
         let power = |index: usize| {
             let of = |component: usize| {
-                let at = component * count + index;
-                (end[at] + from(index, component)) * slip[at]
+                let field = component * count..(component + 1) * count;
+                let (start, end) = (&start[field.clone()], &end[field]);
+                self.mean(nx, start, end, index) * slip[component * count + index]
             };
-            -0.5 / self.duration * (of(0) + of(1)) + 0.0
+            -1.0 / self.duration * (of(0) + of(1)) + 0.0
         };
         (0..count).map(power).collect()
     }

@@ -8,6 +8,7 @@ use super::case::Case;
 use super::drive::Driven;
 use crate::friction::{ElementFriction, FrictionState, lateral};
 use crate::half_space::coupling::Coupling;
+use crate::half_space::difference::Stencil;
 use crate::half_space::influence::Influence;
 use crate::half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
 use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
@@ -29,6 +30,9 @@ const LOOP_TOLERANCE: f64 = 1e-10;
 const ALMOST_ALL: f64 = 0.999;
 /// Turns of normal and tangential contact after which they are given up.
 const MOST_ALTERNATIONS: usize = 30;
+/// Turns after which the pressure only goes half of the way: where tractions are far larger than the pressure, an element of the edge
+/// may come and go.
+const WHOLE_ALTERNATIONS: usize = 10;
 
 /// Why an instant has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -116,12 +120,12 @@ impl ContactSolver {
             normal,
             levels: case.terms.adhesion.then(|| Levels::new(grid, &contact)),
             coupling: (case.terms.adhesion && coupled).then(|| {
-                let rolling = (motion == Motion::SteadyRolling).then_some(case.difference);
+                let stencil = motion.stencil(case.difference);
                 if case.bodies.remember() {
-                    return Coupling::with_memory(&case.bodies, [grid.ni, grid.nj], sides, rolling);
+                    return Coupling::with_memory(&case.bodies, [grid.ni, grid.nj], sides, stencil);
                 }
                 let influence = Influence::of_grid(grid, case.bodies.instantaneous);
-                Coupling::new(&influence, grid.ni, grid.nj, rolling)
+                Coupling::new(&influence, grid.ni, grid.nj, stencil)
             }),
             friction: ElementFriction::uniform(grid.points(), case.scene.friction_coefficient),
             frictionless: Default::default(),
@@ -296,17 +300,25 @@ impl ContactSolver {
         };
         if self.coupling.is_none() {
             if !solved {
-                levels.improve(&self.bound, &prescribed, history, &mut solution)?;
+                let found = levels.improve(&self.bound, &prescribed, history, &mut solution);
+                match found {
+                    // A start that is too far.
+                    Err(TangentialError::NotConverged(_)) if history.is_none() => {
+                        return Ok(levels.solve(&self.bound, &prescribed)?);
+                    }
+                    found => found?,
+                }
             }
             return Ok(solution);
         }
         let mut change = f64::INFINITY;
-        for _ in 0..MOST_ALTERNATIONS {
+        for alternation in 0..MOST_ALTERNATIONS {
             self.rolling_step(driven, history, &mut solution)?;
             if change <= REST {
                 return Ok(solution);
             }
-            change = self.yield_to(&solution.state)?;
+            let share = if alternation < WHOLE_ALTERNATIONS { 1.0 } else { 0.5 };
+            change = self.yield_to(&solution.state, share)? / share;
         }
         Err(ContactError::Unsettled { change })
     }
@@ -347,21 +359,25 @@ impl ContactSolver {
         }
         let levels = self.levels.as_mut().expect("partial slip has its operators");
         let [history_x, history_y] = &self.slip_history;
-        let plastic = history.and_then(|history| history.plastic);
-        let history = History { slip: [history_x, history_y], plastic };
+        let history = History {
+            slip: [history_x, history_y],
+            plastic: history.and_then(|history| history.plastic),
+        };
         levels.improve(&self.bound, &prescribed, Some(history), solution)?;
         Ok(())
     }
 
-    /// The pressure under the tractions; its change.
-    fn yield_to(&mut self, state: &TangentialState) -> Result<f64, ContactError> {
+    /// The pressure under a distance that goes this share of the way to the one under the tractions; its change.
+    fn yield_to(&mut self, state: &TangentialState, share: f64) -> Result<f64, ContactError> {
         let (Some(coupling), Some(normal)) = (&mut self.coupling, &mut self.normal) else {
             return Ok(0.0);
         };
         let [along_x, along_y] = &state.traction;
-        coupling.distance_by_traction([along_x, along_y], &mut normal.distance);
-        for (sum, undeformed) in normal.distance.iter_mut().zip(&normal.undeformed) {
-            *sum += undeformed;
+        let mut by_traction = vec![0.0; self.pressure.len()];
+        coupling.distance_by_traction([along_x, along_y], &mut by_traction);
+        let Normal { distance, undeformed, .. } = normal;
+        for ((distance, undeformed), by) in distance.iter_mut().zip(undeformed).zip(&by_traction) {
+            *distance = share * (*undeformed + by) + (1.0 - share) * *distance;
         }
         self.normal_step()
     }
@@ -419,7 +435,8 @@ impl ContactSolver {
             let mut operator = Displacement::new(&case.bodies, 0.0, grid, counts);
             operator.apply(traction, [&mut along, &mut across]);
             if case.bodies.are_coupled() {
-                let mut coupling = Coupling::with_memory(&case.bodies, counts, sides, None);
+                let mut coupling =
+                    Coupling::with_memory(&case.bodies, counts, sides, Stencil::DISPLACEMENT);
                 let [mut more_along, mut more_across] = [along.clone(), across.clone()];
                 coupling.slip_by_pressure(&self.pressure, [&mut more_along, &mut more_across]);
                 add(&mut along, &more_along);

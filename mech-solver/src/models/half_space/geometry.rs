@@ -4,7 +4,9 @@
 //! ([`fit_grid`]), and the origin lies at the centre of pressure.
 
 use super::gap::{self, Gap};
+use crate::difference;
 use crate::ellipse::{Ellipse, Extent};
+use crate::half_space::difference::Difference;
 use crate::half_space::extent::{Fitted, Moments, fit_grid};
 use crate::half_space::normal::{NormalError, Prescribed};
 use crate::half_space::patches::{Patch, patches};
@@ -23,6 +25,8 @@ const MOST_ELEMENTS: usize = 4_000_000;
 /// Free elements round a contact whose extent is known in closed form: the trailing edge's passages
 /// need one.
 const MARGIN: f64 = 1.0;
+/// Positions of a grid, over an element, that are tried.
+const POSITIONS: u32 = 64;
 /// Elements along the estimated radius of a contact of profiles, when its extent is looked for.
 const COARSE: f64 = 12.0;
 /// Free elements of that coarse grid round the contact.
@@ -108,6 +112,8 @@ pub(in crate::models) fn footprint(
         false => None,
     };
     let dx = |a: f64| a / resolution as f64;
+    let second_order =
+        scene.speeds.rolling > 0.0 && difference::read(&configuration.case)? == Difference::Fromm;
     let mut gap = Gap::read(configuration, scene)?;
     refuse_in_plane(scene, &gap, lateral.is_some())?;
     let rough = !terms.leave_hertz();
@@ -149,7 +155,10 @@ pub(in crate::models) fn footprint(
         };
         let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
         let across = if extent.line { [0.0; 2] } else { reach(wider * semi_axes[1], dy) };
-        let smooth_grid = lay([reach(semi_axes[0], dx), across], [dx, dy])?;
+        let mut smooth_grid = lay([reach(semi_axes[0], dx), across], [dx, dy])?;
+        if second_order {
+            align(&mut smooth_grid, semi_axes.map(|axis| axis * extent.finest / semi_axes[0]));
+        }
         let (grid, peak_y) = match rough {
             true => {
                 let fitted = fit(&gap, shapes, smooth_grid)?;
@@ -303,6 +312,33 @@ fn of_weight(fitted: &Fitted) -> impl Iterator<Item = Patch> {
     let found = patches(&fitted.grid, &fitted.pressure);
     let all: f64 = found.iter().map(|patch| patch.sum).sum();
     found.into_iter().filter(move |patch| patch.sum > PATCH_SHARE * all)
+}
+
+/// Moves a grid along x by a part of an element, so that the leading edge of an ellipse falls between two elements in the mean over the
+/// rows, weighted by the square of their chords.
+///
+/// With the second-order difference nearly all that is left of the error of the forces is due to where elements end: it is
+/// proportional to that mean (correlation 0.96 to 0.99 over 32 positions of the grid at a/7 to a/20; docs/theory/half-space.md).
+fn align(grid: &mut Structured, [a, b]: [f64; 2]) {
+    let dx = grid.dx();
+    let chords: Vec<f64> = match grid.nj {
+        1 => vec![a],
+        rows => {
+            let chord = |j: usize| a * (1.0 - (grid.y(j) / b).powi(2)).max(0.0).sqrt();
+            (0..rows).map(chord).filter(|chord| *chord > 0.0).collect()
+        }
+    };
+    // How far the edge is beyond the end of the nearest element, in elements.
+    let beyond = |shift: f64| -> f64 {
+        let ends = |chord: &f64| (chord - grid.x(0)) / dx - 0.5 - shift;
+        chords.iter().map(|chord| chord * chord * (ends(chord) - ends(chord).round())).sum()
+    };
+    let shifts = (1..=POSITIONS).map(|k| {
+        let size = f64::from(k / 2) / f64::from(POSITIONS);
+        if k % 2 == 0 { size } else { -size }
+    });
+    let best = shifts.min_by(|one, other| beyond(*one).abs().total_cmp(&beyond(*other).abs()));
+    grid.origin[0] += best.unwrap_or(0.0) * dx;
 }
 
 /// A grid whose elements cover a range of places, in elements from the origin, with an element's

@@ -30,7 +30,10 @@
 //!
 //! P Δt = −Σ ½(S p' + p)·w Δq dA − Δ(½ pᵀA p) dA.
 //!
-//! and of bodies whose compliance grows what is dissipated in them, D = Σ ½ (p' + p)·(u − u') less the energy that is stored
+//! With Fromm's difference the tractions at the end of a step after the first do the work, with an elastic energy of their own and
+//! numerical dissipation ([`crate::half_space::difference`]).
+//!
+//! Of bodies whose compliance grows, there is besides what is dissipated in them, D = Σ ½ (p' + p)·(u − u') less the energy that is stored
 //! ([`crate::half_space::retarded`]). With different constants the energy of the normal contact takes part too. It is not kept, and
 //! there is no balance.
 
@@ -79,7 +82,7 @@ impl Balance {
     }
 
     /// That of a step from these tractions with the creepages or the shift `creepage`; `energy` is
-    /// Σ ½ p·u before and after, and `taken` what bodies with a memory dissipate of the work along the plane [Pa m].
+    /// the elastic energy before and after, and `taken` what bodies with a memory dissipate of the work along the plane [Pa m].
     pub(super) fn step(
         case: &Case,
         answer: &Answer,
@@ -89,20 +92,13 @@ impl Balance {
         taken: Option<f64>,
     ) -> Self {
         let (grid, passage) = (&case.footprint.grid, case.passage());
-        let count = grid.points();
+        let (along, across) = answer.traction.split_at(grid.points());
         let mut sums = [0.0; 2];
-        for index in 0..count {
-            let (column, y) = (index % grid.ni, grid.y(index / grid.ni));
-            let from = match passage.from_upstream {
-                true => (column + 1 < grid.ni).then_some(index + 1),
-                false => Some(index),
-            };
-            let mean = |component: usize| {
-                let start = from.map_or(0.0, |from| before[component][from]);
-                0.5 * (start + answer.traction[component * count + index])
-            };
-            let at = [grid.x(column) + passage.ahead, y];
-            let power = against(creepage, at, [mean(0), mean(1)]);
+        for index in 0..grid.points() {
+            let at = [grid.x(index % grid.ni) + passage.ahead, grid.y(index / grid.ni)];
+            let mean = |start: &[f64], end: &[f64]| passage.mean(grid.ni, start, end, index);
+            let traction = [mean(&before[0], along), mean(&before[1], across)];
+            let power = against(creepage, at, traction);
             sums.iter_mut().zip(power).for_each(|(sum, power)| *sum += power);
         }
         let weight = grid.element_area() / passage.duration;
@@ -113,7 +109,7 @@ impl Balance {
             pressure: None,
             stored: Some(weight * (energy[1] - energy[0])),
             hysteresis: taken.map(|taken| weight * taken),
-            numerical_dissipation: None,
+            numerical_dissipation: answer.numerical_dissipation,
             exchanged: exchanged
                 + weight * (energy[0].abs() + energy[1].abs() + taken.unwrap_or(0.0).abs()),
         }

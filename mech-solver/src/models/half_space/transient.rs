@@ -7,7 +7,11 @@
 //!
 //! Σ −½(S p' + p)·S = −Σ ½(S p' + p)·w Δq − (½ pᵀu − ½ p'ᵀu'):
 //!
-//! what the forces put in less the change of elastic energy. The mechanical steps need not fit into
+//! what the forces put in less the change of elastic energy. With the upwind difference every step is such a one, with Fromm's
+//! the first only: those that follow take Fromm's difference along x and the second-order backward difference in time
+//! ([`crate::half_space::difference`]).
+//!
+//! The mechanical steps need not fit into
 //! the windows of the coupling: a step that reaches beyond a window goes on in the next one, and the
 //! friction power of a window is the mean over the parts of steps in it, so that no heat is lost.
 //!
@@ -26,6 +30,8 @@ use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::creeping::{Creeping, Crept, Instant};
 use super::steady::{Following, MOST_BYTES};
+use crate::half_space::difference::Difference;
+use crate::half_space::dissipation::shared;
 use crate::half_space::levels::{History, Motion, Solution};
 use crate::half_space::tangential::TangentialState;
 use crate::models::shortfall::Shortfall;
@@ -42,16 +48,15 @@ const ROUNDING: f64 = 1e-9;
 pub(super) struct Transient {
     case: Case,
     following: Option<Following>,
+    /// Of all steps, or of the first one.
     contact: ContactSolver,
+    /// Of further steps, where they differ.
+    further: Option<ContactSolver>,
     creeping: Option<Creeping>,
     accepted: Memory,
     trial: Memory,
     /// Mean friction power over the window [W/m²].
     power: Vec<f64>,
-    /// Slip that remains of the step before, x and y [m].
-    history: [Vec<f64>; 2],
-    /// Plastic shift of the particles of the step before; empty without a layer that yields [m].
-    plastic: Vec<f64>,
     /// It still has to begin from the steady state.
     begins: bool,
     /// A step of the last solve has not the prescribed force.
@@ -66,6 +71,8 @@ struct Memory {
     approach: Option<f64>,
     /// Displacement differences u, x and y [m].
     displacement: [Vec<f64>; 2],
+    /// What held a step before, where further steps differ from the first.
+    earlier: Option<Tangential>,
     /// Of bodies that creep; empty of others.
     crept: Crept,
     /// Fields of the step in progress.
@@ -74,6 +81,53 @@ struct Memory {
     left: f64,
     /// Shift so far [m, m, rad]; of a contact that does not roll.
     shift: [f64; 3],
+}
+
+/// Tractions of an instant, and what they displace.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Tangential {
+    /// Tractions, x and y [Pa].
+    traction: [Vec<f64>; 2],
+    /// Displacement differences u, x and y [m].
+    displacement: [Vec<f64>; 2],
+    /// Plastic shift; empty without a layer that yields [m].
+    plastic: Vec<f64>,
+}
+
+impl Tangential {
+    /// Elastic energy Σ ½ p·u [Pa m].
+    fn energy_at_once(&self) -> f64 {
+        let products =
+            |(p, u): (&Vec<f64>, &Vec<f64>)| p.iter().zip(u).map(|(p, u)| p * u).sum::<f64>();
+        0.5 * self.traction.iter().zip(&self.displacement).map(products).sum::<f64>()
+    }
+
+    /// Elastic energy with the second-order difference in time, ¼ Σ (p·u + (2p − p')·(2u − u')) [Pa m].
+    fn energy(&self, before: &Self) -> f64 {
+        let of = |k: usize| {
+            let [p, u] = [&self.traction[k], &self.displacement[k]];
+            let [p_before, u_before] = [&before.traction[k], &before.displacement[k]];
+            let ahead = |at: usize| (2.0 * p[at] - p_before[at]) * (2.0 * u[at] - u_before[at]);
+            (0..p.len()).map(|at| p[at] * u[at] + ahead(at)).sum::<f64>()
+        };
+        0.25 * (of(0) + of(1))
+    }
+
+    /// Numerical dissipation of that difference, ¼ Σ δ_t²p·δ_t²u over the duration of a step [W/m²].
+    fn dissipated(&self, before: &Self, earlier: &Self, duration: f64) -> Vec<f64> {
+        let second_difference = |of: fn(&Self) -> &[Vec<f64>; 2]| {
+            let [now, before, earlier] = [self, before, earlier].map(of);
+            [0, 1].map(|k| -> Vec<f64> {
+                let values = now[k].iter().zip(&before[k]).zip(&earlier[k]);
+                values.map(|((now, before), earlier)| now - 2.0 * before + earlier).collect()
+            })
+        };
+        let traction = second_difference(|instant| &instant.traction);
+        let displacement = second_difference(|instant| &instant.displacement);
+        let [px, py] = &traction;
+        let [ux, uy] = &displacement;
+        shared([px, py], [ux, uy], 0.25 / duration)
+    }
 }
 
 impl Memory {
@@ -87,6 +141,7 @@ impl Memory {
             pressure: contact.pressure.clone(),
             approach: contact.approach,
             displacement,
+            earlier: None,
             crept: Crept::default(),
             answer: Answer::at_rest(case, contact),
             left: 0.0,
@@ -110,12 +165,25 @@ impl Memory {
         Instant { pressure, traction: &solution.state.traction, displacement }
     }
 
+    /// Its tractions, and what they displace.
+    fn tangential(&self) -> Tangential {
+        let TangentialState { traction, plastic, .. } = &self.solution.state;
+        let (traction, plastic) = (traction.clone(), plastic.clone());
+        Tangential { traction, displacement: self.displacement.clone(), plastic }
+    }
+
     /// It belongs to a grid of this many elements.
     fn fits(&self, count: usize) -> bool {
+        let earlier = self.earlier.iter().all(|earlier| {
+            let layer = earlier.plastic.len() == self.solution.state.plastic.len();
+            let fields = earlier.traction.iter().chain(&earlier.displacement);
+            layer && fields.into_iter().all(|field| field.len() == count)
+        });
         let Self { solution: Solution { state, .. }, answer, .. } = self;
         let one = [&self.pressure, &answer.pressure, &answer.friction_power];
         let two = [&answer.traction, &answer.slip_velocity];
-        state.fits(count)
+        earlier
+            && state.fits(count)
             && one.iter().all(|field| field.len() == count)
             && two.iter().all(|field| field.len() == 2 * count)
             && self.displacement.iter().all(|field| field.len() == count)
@@ -125,10 +193,13 @@ impl Memory {
 impl Transient {
     pub(super) fn new(case: Case, following: Option<Following>) -> Result<Self, ContactError> {
         let motion = match case.scene.speeds.rolling > 0.0 {
-            true => Motion::RollingStep,
+            true => Motion::FirstRollingStep,
             false => Motion::Shift,
         };
         let mut contact = ContactSolver::new(&case, motion)?;
+        let further = case.difference == Difference::Fromm && case.scene.speeds.rolling > 0.0;
+        let further =
+            further.then(|| ContactSolver::new(&case, Motion::RollingStep)).transpose()?;
         let mut accepted = Memory::at_rest(&case, &mut contact);
         if following.is_some() {
             accepted = accepted.apart();
@@ -148,8 +219,6 @@ impl Transient {
             let state = &mut accepted.solution.state;
             (state.plastic, state.yielded) = (zeros.clone(), zeros.clone());
         }
-        let history = [zeros.clone(), zeros.clone()];
-        let plastic = accepted.solution.state.plastic.clone();
         let (trial, power, shortfall) = (accepted.clone(), zeros, None);
         let begins = case.begins_steady;
         Ok(Self {
@@ -158,10 +227,9 @@ impl Transient {
             trial,
             accepted,
             contact,
+            further,
             creeping,
             power,
-            history,
-            plastic,
             begins,
             shortfall,
         })
@@ -177,10 +245,14 @@ impl Transient {
         let solution = steady.solve_settled(case, inputs, &driven, None, None)?;
         let accepted = &mut self.accepted;
         accepted.answer = Answer::partial(case, &steady, &solution, None);
+        if let Some(power) = steady.numerical_dissipation(case, &solution.state) {
+            accepted.answer.add_numerical_dissipation(case, &power);
+        }
         (accepted.pressure, accepted.approach) = (steady.pressure, steady.approach);
         self.contact.pressure.clone_from(&accepted.pressure);
         self.contact.displacement(&solution.state, &mut accepted.displacement);
         accepted.solution = Solution::new(solution.state);
+        accepted.earlier = self.further.as_ref().map(|_| accepted.tangential());
         Ok(())
     }
 
@@ -203,9 +275,12 @@ impl Transient {
             }
             creeping.recall(&self.accepted.crept, self.accepted.instant());
         }
-        self.contact.pressure.clone_from(&self.accepted.pressure);
         let displaced = self.creeping.as_ref().map(Creeping::normal);
-        self.contact.follow(&self.case, true, displaced).map_err(no_solution)
+        for contact in self.further.iter_mut().chain([&mut self.contact]) {
+            contact.pressure.clone_from(&self.accepted.pressure);
+            contact.follow(&self.case, true, displaced).map_err(no_solution)?;
+        }
+        Ok(())
     }
 
     /// Goes from the accepted state to the end of the window.
@@ -215,8 +290,10 @@ impl Transient {
         self.trial.solution.newton_steps = 0;
         self.trial.solution.operator_applications = 0;
         if self.following.is_none() && self.creeping.is_none() {
-            self.contact.pressure.clone_from(&self.accepted.pressure);
-            self.contact.approach = self.accepted.approach;
+            for contact in self.further.iter_mut().chain([&mut self.contact]) {
+                contact.pressure.clone_from(&self.accepted.pressure);
+                contact.approach = self.accepted.approach;
+            }
         }
         self.power.fill(0.0);
         let mut report = StepReport::default();
@@ -249,83 +326,109 @@ impl Transient {
     fn step(&mut self, window: f64, inputs: &dyn Inputs) -> Result<f64, StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         let (case, trial) = (&mut self.case, &mut self.trial);
-        let columns = case.footprint.grid.ni;
         let rolls = case.scene.speeds.rolling > 0.0;
-        for (history, displacement) in self.history.iter_mut().zip(&trial.displacement) {
-            let rows = history.chunks_exact_mut(columns).zip(displacement.chunks_exact(columns));
-            for (history, before) in rows {
-                let from = if rolls { &before[1..] } else { before };
-                history.iter_mut().zip(from).for_each(|(slip, before)| *slip = -before);
+        let earlier = trial.earlier.take();
+        case.first_step = earlier.is_none();
+        let start = Start { columns: case.footprint.grid.ni, rolls };
+        let mut slip = [0, 1].map(|k| match &earlier {
+            Some(earlier) => {
+                let pairs = trial.displacement[k].iter().zip(&earlier.displacement[k]);
+                pairs.map(|(before, earlier)| 0.5 * earlier - 2.0 * before).collect()
             }
-        }
+            None => start.of(&trial.displacement[k]).map(|before| -before).collect::<Vec<_>>(),
+        });
         if let Some(creeping) = &self.creeping {
-            creeping.add_to(&mut self.history);
+            creeping.add_to(&mut slip);
         }
-        let plastic = &trial.solution.state.plastic;
-        let rows = self.plastic.chunks_exact_mut(columns).zip(plastic.chunks_exact(columns));
-        for (history, before) in rows {
-            // Fresh material comes in at the front.
-            history.fill(0.0);
-            let from = if rolls { &before[1..] } else { before };
-            history.iter_mut().zip(from).for_each(|(history, before)| *history = *before);
-        }
+        // Fresh material comes in at the front.
+        let yields = case.terms.yields.is_some();
+        let plastic: Option<Vec<_>> =
+            yields.then(|| start.of(&trial.solution.state.plastic).collect());
         if !rolls {
             case.shift_duration = window;
         }
         let driven = if rolls { case.driven } else { case.driven.beyond(trial.shift) };
-        let [along, across] = &self.history;
-        let plastic = case.terms.yields.is_some().then_some(&self.plastic[..]);
-        let history = History { slip: [along, across], plastic };
-        let before = trial.solution.state.traction.clone();
-        let energy_before = energy(&before, &trial.displacement);
-        let displaced = self.creeping.as_ref().map(|_| trial.displacement.clone());
+        let [along, across] = &slip;
+        let history = History { slip: [along, across], plastic: plastic.as_deref() };
+        let before = trial.tangential();
         let near = Some(trial.solution.clone());
-        trial.solution = self.contact.solve_settled(case, inputs, &driven, near, Some(history))?;
-        self.shortfall = self.shortfall.or(self.contact.shortfall);
+        let contact = match (&mut self.further, &earlier) {
+            (Some(further), Some(_)) => further,
+            _ => &mut self.contact,
+        };
+        trial.solution = contact.solve_settled(case, inputs, &driven, near, Some(history))?;
+        self.shortfall = self.shortfall.or(contact.shortfall);
+        trial.answer = Answer::partial(case, contact, &trial.solution, Some(&before.traction));
         let state = &trial.solution.state;
+        if let Some(power) = contact.numerical_dissipation(case, state) {
+            trial.answer.add_numerical_dissipation(case, &power);
+        }
+        let (pressure, approach) = (contact.pressure.clone(), contact.approach);
+        for contact in self.further.iter_mut().chain([&mut self.contact]) {
+            (contact.pressure, contact.approach) = (pressure.clone(), approach);
+        }
         self.contact.displacement(state, &mut trial.displacement);
-        trial.answer = Answer::partial(case, &self.contact, &trial.solution, Some(&before));
         let mut kept = None;
-        if let (Some(creeping), Some(displaced)) = (&mut self.creeping, &displaced) {
+        if let Some(creeping) = &mut self.creeping {
             creeping.add_to(&mut trial.displacement);
             let normal = self.contact.normal_displacement(state);
             let Memory { solution, pressure, displacement, crept, .. } = &mut *trial;
-            let state = &solution.state;
-            let before = Instant { pressure, traction: &before, displacement: displaced };
-            let (pressure, traction) = (&self.contact.pressure, &state.traction);
+            let Tangential { traction, displacement: displaced, .. } = &before;
+            let before = Instant { pressure, traction, displacement: displaced };
+            let (pressure, traction) = (&self.contact.pressure, &solution.state.traction);
             let after = Instant { pressure, traction, displacement };
             kept = Some(creeping.end(crept, before, after, normal));
         }
         if let Some(kept) = kept {
             trial.answer.dissipate(case, kept.dissipated);
         }
-        let state = &trial.solution.state;
+        let after = trial.tangential();
+        if let Some(earlier) = &earlier {
+            let power = after.dissipated(&before, earlier, case.passage().duration);
+            trial.answer.add_numerical_dissipation(case, &power);
+        }
         if !case.bodies.are_coupled() {
-            let energy = [energy_before, energy(&state.traction, &trial.displacement)];
-            let energy = kept.map_or(energy, |kept| kept.stored);
+            let energy = match (&earlier, kept) {
+                (Some(earlier), _) => [before.energy(earlier), after.energy(&before)],
+                (None, Some(kept)) => kept.stored,
+                (None, None) => [before.energy_at_once(), after.energy_at_once()],
+            };
             let taken = kept.map(|kept| kept.along_plane);
+            let creepage = trial.solution.state.creepage;
             let balance =
-                Balance::step(case, &trial.answer, state.creepage, &before, energy, taken);
+                Balance::step(case, &trial.answer, creepage, &before.traction, energy, taken);
             trial.answer.balance =
                 Some(balance.check().map_err(|error| no_solution(error.into()))?);
         }
         if !rolls {
-            for (sum, shift) in trial.shift.iter_mut().zip(state.creepage) {
+            for (sum, shift) in trial.shift.iter_mut().zip(trial.solution.state.creepage) {
                 *sum += shift;
             }
             trial.answer.creepage = trial.shift;
         }
-        trial.pressure.clone_from(&self.contact.pressure);
-        trial.approach = self.contact.approach;
+        trial.earlier = self.further.as_ref().map(|_| before);
+        (trial.pressure, trial.approach) = (pressure, approach);
         Ok(case.passage().duration)
     }
 }
 
-/// Σ ½ p·u [Pa m].
-fn energy(traction: &[Vec<f64>; 2], displacement: &[Vec<f64>; 2]) -> f64 {
-    let products =
-        |(p, u): (&Vec<f64>, &Vec<f64>)| p.iter().zip(u).map(|(p, u)| p * u).sum::<f64>();
-    0.5 * traction.iter().zip(displacement).map(products).sum::<f64>()
+/// Where a field of particles is at the start of a step.
+#[derive(Clone, Copy)]
+struct Start {
+    /// Elements of a row.
+    columns: usize,
+    /// Particles come from the upstream element; those at the front bring zero.
+    rolls: bool,
+}
+
+impl Start {
+    fn of(self, before: &[f64]) -> impl Iterator<Item = f64> {
+        (0..before.len()).map(move |index| match self.rolls {
+            true if (index + 1).is_multiple_of(self.columns) => 0.0,
+            true => before[index + 1],
+            false => before[index],
+        })
+    }
 }
 
 impl Model for Transient {
@@ -340,7 +443,9 @@ impl Model for Transient {
         }
         self.follow(step)?;
         let creepage = self.case.driven.at(0.0).creepage;
-        self.contact.set_friction(&mut self.case, inputs, creepage)?;
+        for contact in self.further.iter_mut().chain([&mut self.contact]) {
+            contact.set_friction(&mut self.case, inputs, creepage)?;
+        }
         let report = self.advance(step.duration(), inputs)?;
         self.trial.answer.write(&self.case, &self.power, outputs);
         Ok(report)
@@ -381,7 +486,8 @@ impl Model for Transient {
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
         let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|e| wrong(e.to_string()))?;
-        let layer = memory.solution.state.plastic.len() == self.plastic.len();
+        let layer =
+            memory.solution.state.plastic.len() == self.accepted.solution.state.plastic.len();
         let creeps = memory.crept.is_like(&self.accepted.crept);
         if !memory.fits(self.power.len()) || !layer || !creeps {
             return Err(wrong("it is a state on another grid".to_owned()));

@@ -247,7 +247,7 @@ pub(super) fn refinement() -> Refinement {
         key: RESOLUTION.to_owned(),
         levels: vec![10, 20, 40, 80, 160],
         order: 1.0,
-        error: 0.05,
+        error: 0.02,
         source: "the tests of model `half-space`, and wheel-on-track at these resolutions"
             .to_owned(),
     }
