@@ -98,6 +98,7 @@ impl Solver for MechSolver {
     /// Refuses an unknown model, an effect that the model does not support, a field that neither
     /// the model nor an active effect provides, and what the model itself refuses.
     fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+        numerics::team::limit(configuration.threads);
         let model = models::find(&configuration.model)?;
         let active = support::active(configuration)?;
         let mut provided = (model.spec)().provides;

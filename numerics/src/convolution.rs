@@ -9,18 +9,21 @@
 //! Rows along x go through real transforms, which leave P_x/2 + 1 columns. Of the rows only the ny
 //! inside the grid are ever transformed or stored: columns are gathered some at a time, padded,
 //! transformed, multiplied by Â, transformed back and cut to ny values while they are in the
-//! cache. Nothing is allocated after the construction, except by building a [`Spectrum`].
+//! cache. Nothing is allocated after the construction, except by building a [`Spectrum`], on one thread. Rows, and
+//! blocks of columns, of large grids are shared among threads ([`crate::team`]).
 //!
 //! Kernels are transformed in double precision. Where seven digits are enough, as within Krylov
 //! iterations, a spectrum is rounded to single precision ([`Spectrum::rounded`]) and applied to fields of
 //! it, in half the time.
 
+use crate::team::Team;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 pub use rustfft::FftNum;
 use rustfft::{Fft, FftPlanner, num_complex::Complex};
+use std::ops::Range;
 use std::sync::Arc;
 
-/// Columns transformed at a time: one or two lines of the cache are read whole from every row.
+/// Columns, and rows, transformed at a time: one or two lines of the cache are read whole.
 const BLOCK: usize = 8;
 
 /// A complex number of the half spectrum.
@@ -90,11 +93,21 @@ pub struct Convolution<T = f64> {
     rows_inverse: Arc<dyn ComplexToReal<T>>,
     columns_forward: Arc<dyn Fft<T>>,
     columns_inverse: Arc<dyn Fft<T>>,
+    /// Transformed rows, ny × (P_x/2 + 1), one for each component.
+    rows: [Vec<Complex<T>>; 2],
+    /// Columns transformed back, (P_x/2 + 1) × ny, one for each component.
+    columns: [Vec<Complex<T>>; 2],
+    team: Team<Work<T>>,
+}
+
+/// What a thread computes in.
+#[derive(Clone)]
+struct Work<T> {
     row: Vec<T>,
     scratch: Vec<Complex<T>>,
-    /// Transformed rows, ny × (P_x/2 + 1), one for each component.
-    half: [Vec<Complex<T>>; 2],
-    /// Columns in work, up to BLOCK × P_y, one for each component.
+    /// Up to BLOCK rows transformed.
+    rows: Vec<Complex<T>>,
+    /// Up to BLOCK columns, P_y each, one for each component.
     block: [Vec<Complex<T>>; 2],
 }
 
@@ -153,8 +166,15 @@ impl<T: FftNum> Convolution<T> {
             columns_inverse.get_inplace_scratch_len(),
         ];
         let zeros = |len: usize| vec![Complex::new(T::zero(), T::zero()); len];
-        let half = zeros(ny * (padded_x / 2 + 1));
+        let columns = padded_x / 2 + 1;
+        let half = zeros(ny * columns);
         let block = zeros(BLOCK * padded_y);
+        let work = Work {
+            row: vec![T::zero(); padded_x],
+            scratch: zeros(scratch.into_iter().max().unwrap_or(0)),
+            rows: zeros(BLOCK * columns),
+            block: [block.clone(), block],
+        };
         Self {
             nx,
             ny,
@@ -164,10 +184,9 @@ impl<T: FftNum> Convolution<T> {
             rows_inverse,
             columns_forward,
             columns_inverse,
-            row: vec![T::zero(); padded_x],
-            scratch: zeros(scratch.into_iter().max().unwrap_or(0)),
-            half: [half.clone(), half],
-            block: [block.clone(), block],
+            rows: [half.clone(), half.clone()],
+            columns: [half.clone(), half],
+            team: Team::of_process(work),
         }
     }
 
@@ -190,16 +209,11 @@ impl<T: FftNum> Convolution<T> {
     pub fn apply(&mut self, kernel: &Spectrum<T>, input: &[T], output: &mut [T]) {
         self.check(&[kernel], &[input], &[output]);
         self.rows_in(0, input);
-        for first in (0..self.columns()).step_by(BLOCK) {
-            let count = BLOCK.min(self.columns() - first);
-            let len = count * self.padded_y;
-            self.gather(0, first, count);
-            let at = first * self.padded_y;
-            for (value, factor) in self.block[0][..len].iter_mut().zip(&kernel.values[at..]) {
+        self.through([true, false], [true, false], |range, [block, _]| {
+            for (value, factor) in block.iter_mut().zip(&kernel.values[range]) {
                 *value = *value * factor;
             }
-            self.scatter(0, first, count);
-        }
+        });
         self.rows_out(0, output);
     }
 
@@ -211,18 +225,12 @@ impl<T: FftNum> Convolution<T> {
         self.check(&kernels, &input, &[output]);
         self.rows_in(0, input[0]);
         self.rows_in(1, input[1]);
-        for first in (0..self.columns()).step_by(BLOCK) {
-            let count = BLOCK.min(self.columns() - first);
-            let range = first * self.padded_y..(first + count) * self.padded_y;
-            self.gather(0, first, count);
-            self.gather(1, first, count);
-            let [block, other] = &mut self.block;
+        self.through([true, true], [true, false], |range, [block, other]| {
             let [one, two] = kernels.map(|kernel| &kernel.values[range.clone()]);
             for (((x, y), a), b) in block.iter_mut().zip(other.iter()).zip(one).zip(two) {
                 *x = a * *x + b * y;
             }
-            self.scatter(0, first, count);
-        }
+        });
         self.rows_out(0, output);
     }
 
@@ -241,11 +249,16 @@ impl<T: FftNum> Convolution<T> {
         self.check(&[kernel], &[input], &[]);
         assert_eq!(sum.values.len(), kernel.values.len(), "the sum is not of this grid");
         self.rows_in(0, input);
-        for first in (0..self.columns()).step_by(BLOCK) {
-            let count = BLOCK.min(self.columns() - first);
-            let range = first * self.padded_y..(first + count) * self.padded_y;
-            self.gather(0, first, count);
-            let factors = self.block[0].iter().zip(&kernel.values[range.clone()]);
+        let Self { rows, team, columns_forward, ny, padded_y, .. } = self;
+        let (ny, padded, len) = (*ny, *padded_y, rows[0].len() / *ny);
+        let work = team.first();
+        for first in (0..len).step_by(BLOCK) {
+            let count = BLOCK.min(len - first);
+            let range = first * padded..(first + count) * padded;
+            let block = &mut work.block[0][..range.len()];
+            gather(&rows[0], [len, ny, padded], first, block);
+            columns_forward.process_with_scratch(block, &mut work.scratch);
+            let factors = block.iter().zip(&kernel.values[range.clone()]);
             for (sum, (value, factor)) in sum.values[range].iter_mut().zip(factors) {
                 *sum = *sum + *value * *factor;
             }
@@ -259,12 +272,9 @@ impl<T: FftNum> Convolution<T> {
     pub fn finish(&mut self, sum: &SpectralSum<T>, output: &mut [T]) {
         self.check(&[], &[], &[output]);
         assert_eq!(sum.values.len(), self.columns() * self.padded_y, "the sum is not of this grid");
-        for first in (0..self.columns()).step_by(BLOCK) {
-            let count = BLOCK.min(self.columns() - first);
-            let range = first * self.padded_y..(first + count) * self.padded_y;
-            self.block[0][..range.len()].copy_from_slice(&sum.values[range]);
-            self.scatter(0, first, count);
-        }
+        self.through([false, false], [true, false], |range, [block, _]| {
+            block.copy_from_slice(&sum.values[range]);
+        });
         self.rows_out(0, output);
     }
 
@@ -283,21 +293,14 @@ impl<T: FftNum> Convolution<T> {
         self.check(&[xx, xy, yx, yy], &input, &[output_x, output_y]);
         self.rows_in(0, input[0]);
         self.rows_in(1, input[1]);
-        for first in (0..self.columns()).step_by(BLOCK) {
-            let count = BLOCK.min(self.columns() - first);
-            let range = first * self.padded_y..(first + count) * self.padded_y;
-            self.gather(0, first, count);
-            self.gather(1, first, count);
-            let [block_x, block_y] = &mut self.block;
+        self.through([true, true], [true, true], |range, [block_x, block_y]| {
             let rows = xx.values[range.clone()].iter().zip(&xy.values[range.clone()]);
             let rows = rows.zip(yx.values[range.clone()].iter().zip(&yy.values[range]));
             let fields = block_x.iter_mut().zip(block_y.iter_mut());
             for ((x, y), ((xx, xy), (yx, yy))) in fields.zip(rows) {
                 (*x, *y) = (xx * *x + xy * *y, yx * *x + yy * *y);
             }
-            self.scatter(0, first, count);
-            self.scatter(1, first, count);
-        }
+        });
         self.rows_out(0, output_x);
         self.rows_out(1, output_y);
     }
@@ -319,66 +322,110 @@ impl<T: FftNum> Convolution<T> {
         );
     }
 
-    /// Transforms `row`, which it destroys.
-    fn transform_row(&mut self, transformed: &mut [Complex<T>]) {
-        self.rows_forward
-            .process_with_scratch(&mut self.row, transformed, &mut self.scratch)
-            .expect("all lengths are the plan's");
+    /// Multiply-adds of the transforms of so many lines of a length, roughly.
+    fn operations(lines: usize, length: usize) -> u64 {
+        2 * lines as u64 * length as u64 * u64::from(length.ilog2() + 1)
     }
 
     /// Transforms the rows of a field.
     fn rows_in(&mut self, component: usize, input: &[T]) {
         let columns = self.columns();
-        let mut half = std::mem::take(&mut self.half[component]);
-        for (values, transformed) in input.chunks_exact(self.nx).zip(half.chunks_exact_mut(columns))
-        {
-            self.row[..self.nx].copy_from_slice(values);
-            self.row[self.nx..].fill(T::zero());
-            self.transform_row(transformed);
-        }
-        self.half[component] = half;
+        let Self { nx, ny, padded_x, rows_forward, rows, team, .. } = self;
+        let pieces = input.chunks(BLOCK * *nx).zip(rows[component].chunks_mut(BLOCK * columns));
+        team.sweep(Self::operations(*ny, *padded_x) / 2, pieces, |work, (values, transformed)| {
+            let pairs = values.chunks_exact(*nx).zip(transformed.chunks_exact_mut(columns));
+            for (values, transformed) in pairs {
+                work.row[..*nx].copy_from_slice(values);
+                work.row[*nx..].fill(T::zero());
+                rows_forward
+                    .process_with_scratch(&mut work.row, transformed, &mut work.scratch)
+                    .expect("all lengths are the plan's");
+            }
+            0
+        });
     }
 
-    /// Copies columns from the rows, pads and transforms them.
-    fn gather(&mut self, component: usize, first: usize, count: usize) {
-        let (columns, padded) = (self.columns(), self.padded_y);
-        let block = &mut self.block[component][..count * padded];
-        for (line, row) in self.half[component].chunks_exact(columns).enumerate() {
-            for (column, value) in row[first..first + count].iter().enumerate() {
-                block[column * padded + line] = *value;
+    /// Blocks of columns: those that come `into` are padded and transformed, `multiply` changes them, of the indices of their waves
+    /// in a [`Spectrum`], and those that go `out` are transformed back and cut.
+    fn through(
+        &mut self,
+        into: [bool; 2],
+        out: [bool; 2],
+        multiply: impl Fn(Range<usize>, [&mut [Complex<T>]; 2]) + Sync,
+    ) {
+        let len = self.columns();
+        let Self { ny, padded_y, columns_forward, columns_inverse, rows, columns, team, .. } = self;
+        let (ny, padded) = (*ny, *padded_y);
+        let [along, across] = columns;
+        let pieces = along.chunks_mut(BLOCK * ny).zip(across.chunks_mut(BLOCK * ny)).enumerate();
+        let components = into.iter().chain(&out).filter(|on| **on).count();
+        let operations = components as u64 * Self::operations(len, padded);
+        team.sweep(operations, pieces, |work, (piece, (along, across))| {
+            let first = piece * BLOCK;
+            let count = BLOCK.min(len - first);
+            let [x, y] = &mut work.block;
+            let mut blocks = [&mut x[..count * padded], &mut y[..count * padded]];
+            for (component, block) in blocks.iter_mut().enumerate().filter(|(k, _)| into[*k]) {
+                gather(&rows[component], [len, ny, padded], first, block);
+                columns_forward.process_with_scratch(block, &mut work.scratch);
             }
-        }
-        for column in block.chunks_exact_mut(padded) {
-            column[self.ny..].fill(Complex::new(T::zero(), T::zero()));
-        }
-        self.columns_forward.process_with_scratch(block, &mut self.scratch);
-    }
-
-    /// Transforms columns back and copies them to the rows.
-    fn scatter(&mut self, component: usize, first: usize, count: usize) {
-        let (columns, padded) = (self.columns(), self.padded_y);
-        let block = &mut self.block[component][..count * padded];
-        self.columns_inverse.process_with_scratch(block, &mut self.scratch);
-        for (line, row) in self.half[component].chunks_exact_mut(columns).enumerate() {
-            for (column, value) in row[first..first + count].iter_mut().enumerate() {
-                *value = block[column * padded + line];
+            let [x, y] = &mut blocks;
+            multiply(first * padded..(first + count) * padded, [x, y]);
+            for ((block, kept), _) in
+                blocks.iter_mut().zip([along, across]).zip(out).filter(|(_, on)| *on)
+            {
+                columns_inverse.process_with_scratch(block, &mut work.scratch);
+                for (column, kept) in block.chunks_exact(padded).zip(kept.chunks_exact_mut(ny)) {
+                    kept.copy_from_slice(&column[..ny]);
+                }
             }
-        }
+            0
+        });
     }
 
     /// Transforms the rows back to a field.
     fn rows_out(&mut self, component: usize, output: &mut [T]) {
-        let columns = self.columns();
-        let rows = self.half[component].chunks_exact_mut(columns);
-        for (transformed, values) in rows.zip(output.chunks_exact_mut(self.nx)) {
-            // Zero but for rounding; the plan insists on it.
-            transformed[0].im = T::zero();
-            transformed[columns - 1].im = T::zero();
-            self.rows_inverse
-                .process_with_scratch(transformed, &mut self.row, &mut self.scratch)
-                .expect("all lengths are the plan's and the ends are real");
-            values.copy_from_slice(&self.row[..self.nx]);
+        let len = self.columns();
+        let Self { nx, ny, padded_x, rows_inverse, columns, team, .. } = self;
+        let (nx, ny, columns) = (*nx, *ny, &columns[component]);
+        let pieces = output.chunks_mut(BLOCK * nx).enumerate();
+        team.sweep(Self::operations(ny, *padded_x) / 2, pieces, |work, (piece, values)| {
+            let (first, count) = (piece * BLOCK, values.len() / nx);
+            for (place, column) in columns.chunks_exact(ny).enumerate() {
+                for (row, value) in column[first..first + count].iter().enumerate() {
+                    work.rows[row * len + place] = *value;
+                }
+            }
+            let rows = work.rows.chunks_exact_mut(len);
+            for (transformed, values) in rows.zip(values.chunks_exact_mut(nx)) {
+                // Zero but for rounding; the plan insists on it.
+                transformed[0].im = T::zero();
+                transformed[len - 1].im = T::zero();
+                rows_inverse
+                    .process_with_scratch(transformed, &mut work.row, &mut work.scratch)
+                    .expect("all lengths are the plan's and the ends are real");
+                values.copy_from_slice(&work.row[..nx]);
+            }
+            0
+        });
+    }
+}
+
+/// Copies columns, of transformed rows of length `len`, from `first` on, and pads them.
+fn gather<T: FftNum>(
+    rows: &[Complex<T>],
+    [len, ny, padded]: [usize; 3],
+    first: usize,
+    block: &mut [Complex<T>],
+) {
+    let count = block.len() / padded;
+    for (line, row) in rows.chunks_exact(len).enumerate() {
+        for (column, value) in row[first..first + count].iter().enumerate() {
+            block[column * padded + line] = *value;
         }
+    }
+    for column in block.chunks_exact_mut(padded) {
+        column[ny..].fill(Complex::new(T::zero(), T::zero()));
     }
 }
 
@@ -389,22 +436,26 @@ impl Convolution<f64> {
     #[must_use]
     pub fn spectrum(&mut self, kernel: impl Fn(i32, i32) -> f64) -> Spectrum {
         let columns = self.columns();
+        let Self { team, rows_forward, columns_forward, .. } = self;
+        let Work { row, scratch, .. } = team.first();
         let mut values = vec![Complex64::default(); columns * self.padded_y];
         let mut transformed = vec![Complex64::default(); columns];
         let reach_x = offset((self.nx - 1).min(self.padded_x / 2));
         let reach_y = offset((self.ny - 1).min(self.padded_y / 2));
         for dj in -reach_y..=reach_y {
-            self.row.fill(0.0);
+            row.fill(0.0);
             for di in -reach_x..=reach_x {
-                self.row[wrapped(di, self.padded_x)] = kernel(di, dj);
+                row[wrapped(di, self.padded_x)] = kernel(di, dj);
             }
-            self.transform_row(&mut transformed);
+            rows_forward
+                .process_with_scratch(row, &mut transformed, scratch)
+                .expect("all lengths are the plan's");
             let line = wrapped(dj, self.padded_y);
             for (column, value) in transformed.iter().enumerate() {
                 values[column * self.padded_y + line] = *value;
             }
         }
-        self.columns_forward.process_with_scratch(&mut values, &mut self.scratch);
+        columns_forward.process_with_scratch(&mut values, scratch);
         let size = (self.padded_x * self.padded_y) as f64;
         values.iter_mut().for_each(|value| *value /= size);
         Spectrum { values, size }

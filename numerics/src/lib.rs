@@ -5,9 +5,11 @@
 //! | [`convolution`] | sums of a kernel over a grid by Fourier transforms |
 //! | [`gmres`] | Krylov solver for a few iterations on tall vectors |
 //! | [`rows`] | the same of kernels that vary across x |
+//! | [`team`] | independent pieces of work, on several threads |
 //! | [`waves`] | fields that repeat without end, as sums of waves |
 
 pub mod convolution;
 pub mod gmres;
 pub mod rows;
+pub mod team;
 pub mod waves;

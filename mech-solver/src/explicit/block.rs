@@ -144,31 +144,6 @@ impl Block {
         }
     }
 
-    /// Takes it, and leaves nothing in its place.
-    #[must_use]
-    pub fn lent(&mut self) -> Self {
-        let nothing = Self {
-            arch: self.arch,
-            counts: [0; 3],
-            stride: 0,
-            length: self.length,
-            solid: self.solid,
-            section: Section { counts: [0; 2], nodes: Vec::new(), fine: [0; 2] },
-            stiffness: Vec::new(),
-            held: self.held,
-            inverse_mass: Vec::new(),
-            damped: Default::default(),
-            velocity: Default::default(),
-            plastic: Vec::new(),
-            damping: 0.0,
-            behind: 0.0,
-            expansion: None,
-            softening: None,
-            planes: Default::default(),
-        };
-        std::mem::replace(self, nothing)
-    }
-
     /// What the next step depends on, but for how far it is behind.
     pub fn state(&mut self) -> [&mut [f64]; 7] {
         let Self { damped: [x, y, z], velocity: [vx, vy, vz], plastic, .. } = self;

@@ -22,7 +22,6 @@
 //! | [`contact`] | impulses between the surfaces |
 //! | [`plane`] | what happens in the contact, summed on a plane that travels with it |
 //! | [`rolling`] | two bodies, an axle, their steps |
-//! | [`helper`] | a second thread |
 //! | [`settle`] | rolling until that is steady |
 //!
 //! Left out: what the rotation of the axle does to the wheel (V² ρ is 12 MPa at 140 km/h beside a pressure of 1.3 GPa) and Coriolis
@@ -31,7 +30,6 @@
 pub mod block;
 pub mod contact;
 pub mod frequency;
-pub mod helper;
 pub mod kernel;
 pub mod plane;
 pub mod quality;

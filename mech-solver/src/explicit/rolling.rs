@@ -7,9 +7,9 @@
 
 use super::block::Block;
 use super::contact::{Contact, Frame, Law, Sums};
-use super::helper::Helper;
 use super::plane::Plane;
 use crate::axle::Axle;
+use numerics::team;
 
 /// Share of the stable step that is taken.
 const SAFETY: f64 = 0.95;
@@ -106,7 +106,6 @@ pub struct Rolling {
     pub step: f64,
     /// The axle.
     pub motion: Motion,
-    helper: Option<Helper>,
 }
 
 impl Rolling {
@@ -124,7 +123,6 @@ impl Rolling {
             plane,
             step,
             motion: Motion { creepage: asked.creepage, ..Motion::default() },
-            helper: (asked.threads > 1).then(Helper::start),
             asked,
         }
     }
@@ -224,10 +222,8 @@ impl Rolling {
 
     /// A step [s] of both bodies, as if they did not touch.
     pub fn step_bodies(&mut self, step: f64) {
-        match &self.helper {
-            Some(helper) => helper.both(&mut self.bodies, step),
-            None => self.bodies.iter_mut().for_each(|body| body.step(step)),
-        }
+        let [upper, lower] = &mut self.bodies;
+        team::both(self.asked.threads, || upper.step(step), || lower.step(step));
     }
 
     /// One step, with contact.

@@ -112,7 +112,7 @@ fn spec() -> ModelSpec {
         ]),
         keys,
         accuracy: Accuracy {
-            refinement: Some(refinement(2.0, 0.006)),
+            refinement: Some(refinement(1.9, 0.01)),
             simplifications: effects::of_kind(Kind::Adhesion).map(springs_for_half_space).collect(),
         },
     }

@@ -8,8 +8,10 @@
 //!
 //! **Cells.** A strip has m cells, of equal length Δ under the parabolic bound (`bound` has the other). With the traction p at a cell's front, the
 //! rigid slip w at its middle and the springs L, the predictor p* = p − Δ w/L is the traction at
-//! its rear if |p*| ≤ g there; otherwise the rear traction is g p*/|p*|, and the slip over V is
-//! s = L (p_rear − p*)/Δ. In adhesion p is exact, since w is linear in x. The bound g is
+//! its rear if |p*| ≤ g there; otherwise the slip over V is s = L (p_rear − p*)/Δ, against the mean of the directions n and n_rear
+//! of the tractions at both ends: p_rear = p* − ½μ(n + n_rear) with |p_rear| = g, so that n_rear is the direction of p* − ½μ n with
+//! μ = (|p*|² − g²)/(g + p*·n). Where spin turns the tractions this is of second order; along p* alone, as in a cell that does not
+//! slip at its front, it is of first. In adhesion p is exact, since w is linear in x. The bound g is
 //! exact at the nodes and linear between, with a factor that makes the trapezoidal sum of every strip
 //! exact, so that full slip carries f N (`bound`). A cell in which slip begins is cut there,
 //! where |p| = g, so that slip zones much shorter than a cell are resolved, and Kalker's slopes with
@@ -26,6 +28,8 @@
 //!
 //! Where spin turns the slip around within one cell, −p̄·s could be negative: such a cell is halved
 //! until it is not. That ends, because it is positive once Δ |w|/L is below g or p follows −w.
+//!
+//! Deviation from the source: the slip against the mean direction is this project's.
 //!
 //! Source: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
 //! System Dynamics 11 (1982) 1–13.
@@ -207,11 +211,7 @@ impl March {
         let mut cell = Cell { ends: [rear.x, front.node.x], ..Cell::default() };
         let mut reached = predictor;
         if predictor.size > rear.bound {
-            let share = rear.bound / predictor.size;
-            reached = Traction {
-                vector: predictor.vector.map(|component| component * share),
-                size: rear.bound,
-            };
+            reached = slipping(front, &predictor, rear.bound);
             let per_length = cell.length().recip();
             cell.slip = std::array::from_fn(|i| {
                 let change = reached.vector[i] - predictor.vector[i];
@@ -247,6 +247,24 @@ impl March {
         let predictor = self.predictor(y, &front, rear);
         self.advance(y, &front, rear, predictor, halvings, visit)
     }
+}
+
+/// Traction at the rear of a cell that slips there, with this predictor and bound.
+#[inline]
+fn slipping(front: &Front, predictor: &Traction, bound: f64) -> Traction {
+    let Traction { vector: before, size } = front.traction;
+    let mut towards = *predictor;
+    if size > 0.0 && size >= front.node.bound * (1.0 - AT_THE_BOUND) {
+        let direction = before.map(|component| component / size);
+        let along = bound + dot(predictor.vector, direction);
+        if along > 0.0 {
+            let slip = (predictor.size - bound) * (predictor.size + bound) / along;
+            let vector = [0, 1].map(|i| predictor.vector[i] - 0.5 * slip * direction[i]);
+            towards = Traction::of(vector);
+        }
+    }
+    let share = bound / towards.size;
+    Traction { vector: towards.vector.map(|component| component * share), size: bound }
 }
 
 /// Where in a cell that sticks at its front slip begins: |p + t d| = g + t e, with the changes d of the

@@ -81,7 +81,7 @@ fn fast_models_beside_half_spaces() {
         (
             "elliptic, blended",
             json!({"model": "fastsim", "flexibility": "blended", "traction_bound": "elliptic"}),
-            [0.025, 0.03, 0.075, 0.085],
+            [0.025, 0.031, 0.075, 0.085],
         ),
         (
             "FASTRIP, blended",

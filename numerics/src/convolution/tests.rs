@@ -129,3 +129,25 @@ fn padded_sizes_are_smooth_and_sufficient() {
     let sizes = [1, 7, 11, 13, 31, 125, 161, 641].map(smooth_size);
     assert_eq!(sizes, [1, 8, 12, 15, 32, 125, 162, 648]);
 }
+
+/// Rows and columns of a large grid are transformed by whoever takes them, to the same bits.
+#[test]
+fn threads_change_no_bit() {
+    let (nx, ny) = (331, 247);
+    let mut one = Convolution::<f64>::new(nx, ny);
+    let kernel = one.spectrum(|i, j| 1.0 / (1.0 + f64::from(i * i + 2 * j * j)).sqrt());
+    let field: Vec<f64> = (0..nx * ny).map(|at| ((at * 37) % 101) as f64 - 50.0).collect();
+    let product = |threads| {
+        crate::team::limit(threads);
+        let mut convolution = Convolution::<f64>::new(nx, ny);
+        let (mut x, mut y) = (vec![0.0; nx * ny], vec![0.0; nx * ny]);
+        let kernels = [[&kernel; 2]; 2];
+        convolution.apply_tensor(&kernels, [&field, &field], [&mut x, &mut y]);
+        (x, y)
+    };
+    let alone = product(1);
+    for threads in [2, 3] {
+        assert!(product(threads) == alone, "{threads}");
+    }
+    crate::team::limit(1);
+}

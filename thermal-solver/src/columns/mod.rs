@@ -40,4 +40,3 @@ pub mod moments;
 pub mod reconstruction;
 pub mod spectral;
 pub mod stencil;
-pub mod team;

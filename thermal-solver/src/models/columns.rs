@@ -14,10 +14,10 @@ use crate::columns::convolution::{
 use crate::columns::history::History;
 use crate::columns::reconstruction::Flux;
 use crate::columns::stencil::{Part, Stencil};
-use crate::columns::team::{ROWS, Team};
 use crate::moving_source::past::stretches;
 use crate::moving_source::rise_integral::RiseIntegral;
 use crate::window::{Drive, Stage};
+use numerics::team::{ROWS, Team};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;
 use proto::description::ModelSpec;

@@ -15,6 +15,7 @@ use crate::moving_source::half_space::{Influence, convolution};
 use crate::moving_source::touching::{Shapes, Touching};
 use crate::{LOWER, UPPER};
 use numerics::convolution::Convolution;
+use numerics::team;
 use proto::grid::Structured;
 use proto::model::StepError;
 use std::sync::Arc;
@@ -227,13 +228,7 @@ pub(super) fn both<B: Send>(
     each: impl Fn(usize, &mut B, &mut [f64]) -> Result<u64, StepError> + Sync,
 ) -> Result<u64, StepError> {
     let ([upper, lower], [of_upper, of_lower]) = (bodies, rise);
-    if threads < 2 {
-        return Ok(each(UPPER, upper, of_upper)? + each(LOWER, lower, of_lower)?);
-    }
-    std::thread::scope(|scope| {
-        let other = scope.spawn(|| each(LOWER, lower, of_lower));
-        let own = each(UPPER, upper, of_upper);
-        let others = other.join().expect("a body panics on this thread as on its own");
-        Ok(own? + others?)
-    })
+    let (upper, lower) =
+        team::both(threads, || each(UPPER, upper, of_upper), || each(LOWER, lower, of_lower));
+    Ok(upper? + lower?)
 }

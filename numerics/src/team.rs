@@ -1,0 +1,127 @@
+//! Independent pieces of work, computed on several threads.
+//!
+//! No piece depends on another one, and each is computed as on one thread, in memory of the thread's own:
+//! results are the same to the bit, whatever the number of threads and whoever takes which pieces.
+//!
+//! Threads are those of a pool that is started when it is first needed and stays. To hand out work costs some
+//! ten microseconds; a sweep gets no more threads than it has [`WORTH`] operations for each.
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Rows that a thread takes at once.
+pub const ROWS: usize = 4;
+
+/// Multiply-adds that are worth a thread of their own: 0.15 ms.
+pub const WORTH: u64 = 1_500_000;
+
+/// Threads of a [`Team::of_process`].
+static LIMIT: AtomicUsize = AtomicUsize::new(1);
+
+/// Sets how many threads teams of the process have that are made from now on.
+pub fn limit(threads: usize) {
+    LIMIT.store(threads.max(1), Ordering::Relaxed);
+}
+
+/// The pool of so many threads; `None` where the system does not start them.
+fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
+    static POOLS: Mutex<Vec<(usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, pool)) = pools.iter().find(|(of, _)| *of == threads) {
+        return Some(Arc::clone(pool));
+    }
+    let pool = Arc::new(ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
+    pools.push((threads, Arc::clone(&pool)));
+    Some(pool)
+}
+
+/// Does two things, at the same time if there are two threads.
+pub fn both<A: Send, B: Send>(
+    threads: usize,
+    one: impl FnOnce() -> A + Send,
+    other: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    let Some(pool) = (threads > 1).then(|| pool(1)).flatten() else { return (one(), other()) };
+    let mut of_other = None;
+    let of_one = pool.in_place_scope(|scope| {
+        scope.spawn(|_| of_other = Some(other()));
+        one()
+    });
+    (of_one, of_other.expect("a scope ends when all of it has"))
+}
+
+/// What each thread computes in.
+#[derive(Debug)]
+pub struct Team<S>(Vec<S>);
+
+impl<S: Clone + Send> Team<S> {
+    /// As many threads, at least one, with copies of a scratch.
+    #[must_use]
+    pub fn new(threads: usize, scratch: S) -> Self {
+        Self(vec![scratch; threads.max(1)])
+    }
+
+    /// As many threads as the process has ([`limit`]), with copies of a scratch.
+    #[must_use]
+    pub fn of_process(scratch: S) -> Self {
+        Self::new(LIMIT.load(Ordering::Relaxed), scratch)
+    }
+}
+
+impl<S: Send> Team<S> {
+    /// The scratch of the first thread.
+    pub fn first(&mut self) -> &mut S {
+        self.0.first_mut().expect("there is at least one")
+    }
+
+    /// Computes all items, which come to about so many operations, and adds up the work that `each`
+    /// reports. On one thread nothing is allocated.
+    pub fn sweep<T>(
+        &mut self,
+        operations: u64,
+        items: impl Iterator<Item = T> + Send,
+        each: impl Fn(&mut S, T) -> u64 + Sync,
+    ) -> u64 {
+        let worth = usize::try_from(operations / WORTH).unwrap_or(usize::MAX);
+        let threads = worth.clamp(1, self.0.len());
+        let (own, others) = self.0[..threads].split_first_mut().expect("there is at least one");
+        let Some(pool) = Some(others.len()).filter(|others| *others > 0).and_then(pool) else {
+            return items.map(|item| each(own, item)).sum();
+        };
+        let (items, work) = (Mutex::new(items), AtomicU64::new(0));
+        let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let compute = |scratch: &mut S| {
+            while let Some(item) = next() {
+                work.fetch_add(each(scratch, item), Ordering::Relaxed);
+            }
+        };
+        // This thread computes until the others are awake, too.
+        pool.in_place_scope(|scope| {
+            for other in others {
+                scope.spawn(|_| compute(other));
+            }
+            compute(own);
+        });
+        work.into_inner()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_item_is_computed_once_on_any_number_of_threads() {
+        for threads in [0, 1, 2, 7] {
+            let mut values = vec![0_u64; 1000];
+            let items = values.chunks_mut(ROWS).enumerate();
+            let work = Team::new(threads, 0_u64).sweep(20 * WORTH, items, |_, (at, piece)| {
+                piece.iter_mut().for_each(|value| *value += at as u64);
+                piece.len() as u64
+            });
+            assert_eq!(work, 1000);
+            assert!(values.iter().enumerate().all(|(at, value)| *value == (at / ROWS) as u64));
+        }
+    }
+}
