@@ -5,8 +5,9 @@
 //!    ([`contract::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
 //! 2. **Pilot.** It runs on its two coarsest grids, and the two tell the error
 //!    ([`crate::study::richardson`]). If it is within the target, the second is the answer.
-//! 3. **Climb.** If not, it runs on the next finer grid, and so on until the error is within the target. The finest grid that misses
-//!    it ends the search. All coarser grids together cost less than the last one.
+//! 3. **Climb.** If not, it runs on the next finer grid, and so on until the error is within the
+//!    target. The finest grid that misses it ends the search. All coarser grids together cost less
+//!    than the last one.
 //!
 //! `run --extrapolate` has no target: the models of the case on its own grid and on two coarser ones, and what the three
 //! are extrapolated to, with its error.
@@ -17,8 +18,8 @@
 //! The error that is stated is that of the grid, with its factor of safety, and what the models are
 //! expected to err by. A peak that jumps between elements can agree on two grids by chance; so the
 //! error of a figure is never taken below that of the figure that drives it, as described: of a
-//! temperature, the power that heats; nor below what the models expect of the grid. In a transient case windows are shortened and lengthened along
-//! with the grid.
+//! temperature, the power that heats; nor below what the models expect of the grid. In a transient
+//! case windows are shortened and lengthened along with the grid.
 
 mod choice;
 mod section;
@@ -195,8 +196,8 @@ impl Search {
         self.level.keys_at(step).next().map_or(1.0, |(_, level)| f64::from(level))
     }
 
-    /// Estimated relative error of the finest grid so far; `None` with fewer than two. It is never below what the models expect of that
-    /// grid.
+    /// Estimated relative error of the finest grid so far; `None` with fewer than two. It is never
+    /// below what the models expect of that grid.
     fn grid_error(&self) -> Option<f64> {
         let last = self.runs.last()?;
         let errors = (0..self.watched).filter_map(|index| {
@@ -207,8 +208,8 @@ impl Search {
         errors.max_by(f64::total_cmp).map(|error| error.max(expected))
     }
 
-    /// Estimated relative error of what the grids are extrapolated to; `None` with fewer than three. It is never below half of what the
-    /// models expect of the finest.
+    /// Estimated relative error of what the grids are extrapolated to; `None` with fewer than
+    /// three. It is never below half of what the models expect of the finest.
     fn limit_error(&self) -> Option<f64> {
         let limits = (0..self.watched).filter_map(|index| self.limit(index));
         let error =

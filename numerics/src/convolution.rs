@@ -8,9 +8,9 @@
 //!
 //! Rows along x go through real transforms, which leave P_x/2 + 1 columns. Of the rows only the ny
 //! inside the grid are ever transformed or stored: columns are gathered some at a time, padded,
-//! transformed, multiplied by Â, transformed back and cut to ny values while they are in the
-//! cache. Nothing is allocated after the construction, except by building a [`Spectrum`], on one thread. Rows, and
-//! blocks of columns, of large grids are shared among threads ([`crate::team`]).
+//! transformed, multiplied by Â, transformed back and cut to ny values while they are in the cache.
+//! Nothing is allocated after the construction, except by building a [`Spectrum`], on one thread.
+//! Rows, and blocks of columns, of large grids are shared among threads ([`crate::team`]).
 //!
 //! Kernels are transformed in double precision. Where seven digits are enough, as within Krylov
 //! iterations, a spectrum is rounded to single precision ([`Spectrum::rounded`]) and applied to fields of
@@ -100,7 +100,7 @@ pub struct Convolution<T = f64> {
     team: Team<Work<T>>,
 }
 
-/// What a thread computes in.
+/// Working memory of a thread.
 #[derive(Clone)]
 struct Work<T> {
     row: Vec<T>,
@@ -345,8 +345,9 @@ impl<T: FftNum> Convolution<T> {
         });
     }
 
-    /// Blocks of columns: those that come `into` are padded and transformed, `multiply` changes them, of the indices of their waves
-    /// in a [`Spectrum`], and those that go `out` are transformed back and cut.
+    /// Blocks of columns: those that come `into` are padded and transformed, `multiply` changes
+    /// them, of the indices of their waves in a [`Spectrum`], and those that go `out` are
+    /// transformed back and cut.
     fn through(
         &mut self,
         into: [bool; 2],

@@ -1,10 +1,12 @@
 //! Independent pieces of work, computed on several threads.
 //!
-//! No piece depends on another one, and each is computed as on one thread, in memory of the thread's own:
-//! results are the same to the bit, whatever the number of threads and whoever takes which pieces.
+//! No piece depends on another one, and each is computed as on one thread, in memory of the
+//! thread's own: results are the same to the bit, whatever the number of threads and whoever takes
+//! which pieces.
 //!
-//! Threads are those of a pool that is started when it is first needed and stays. To hand out work costs some
-//! ten microseconds; a sweep gets no more threads than it has [`WORTH`] operations for each.
+//! Threads are those of a pool that is started when it is first needed and stays. To hand out work
+//! costs some ten microseconds; a sweep gets no more threads than it has [`WORTH`] operations for
+//! each.
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -51,7 +53,7 @@ pub fn both<A: Send, B: Send>(
     (of_one, of_other.expect("a scope ends when all of it has"))
 }
 
-/// What each thread computes in.
+/// Threads, as the working memory of each.
 #[derive(Debug)]
 pub struct Team<S>(Vec<S>);
 

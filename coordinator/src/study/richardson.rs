@@ -4,16 +4,16 @@
 //! v(h) = v₀ + C h^p     p = ln((v₁ − v₂)/(v₂ − v₃)) / ln r     v₀ = v₃ + (v₃ − v₂)/(r^p − 1)
 //! ```
 //!
-//! v₁, v₂, v₃ are the values from the coarsest to the finest of three grids of which each is r times
-//! finer than the one before. The estimate of the error of the finest is |v₃ − v₀| times a factor of
-//! safety, that of Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405): 3 for two grids,
-//! 1.25 from three on.
+//! v₁, v₂, v₃ are the values from the coarsest to the finest of three grids of which each is r
+//! times finer than the one before. The estimate of the error of the finest is |v₃ − v₀| times a
+//! factor of safety, that of Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405):
+//! three for two grids, and 1.25 from three grids on.
 //!
 //! Deviations: p is the lower of the order that is seen, however low, and the one that the model
-//! expects of itself, since quantities that move in steps with the elements at the edge of a contact
-//! show too high an order by chance; it is the expected one where none is seen. Two grids may agree by
-//! chance, so that coarser pairs count too: the error that each of them tells, brought to the finest
-//! grid by the expected order; the largest is taken.
+//! expects of itself, since quantities that move in steps with the elements at the edge of a
+//! contact show too high an order by chance; it is the expected one where none is seen. Two grids
+//! may agree by chance, so that coarser pairs count too: the error that each of them tells, brought
+//! to the finest grid by the expected order; the largest is taken.
 //!
 //! **The limit itself as the answer.** Two pairs of three grids give two limits, L₁ of the coarser and L₂ of the finer pair, at the
 //! expected order p. What is left in them beyond C h^p moves with the elements at the edges, and was measured to fall like

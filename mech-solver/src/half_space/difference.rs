@@ -23,17 +23,17 @@
 //! it falls with Δx⁴. With the upwind difference the mean of the tractions at both ends of a step
 //! does the work, and there is no dissipation ([`super::tangential`]).
 //!
-//! **In time.** In transient rolling an element's displacement changes besides. With u' and u'' what
-//! it was one and two steps of Δx/V ago, the slip with the second-order backward difference is
+//! **In time.** In transient rolling an element's displacement changes besides. With the displacements
+//! u' and u'' one and two steps of Δx/V ago, the slip with the second-order backward difference is
 //!
 //! Δx (s − w) = Δx ∂u/∂x + (3u − 4u' + u'')/2,
 //!
-//! so that a steady state is that of the same grid. Over the area of an element tractions p with this
-//! slip do the work −p·s Δx = −p·w Δx − (E − E') − ⅛ δ²p·A δ²p − ¼ δ_t²p·A δ_t²p, with the elastic
-//! energy E = ¼ (p·A p + (2p − p')·A(2p − p')), and δ_t²p = p − 2p' + p''.
+//! so that a steady state is that of the same grid. Over the area of an element tractions p with
+//! this slip do the work −p·s Δx = −p·w Δx − (E − E') − ⅛ δ²p·A δ²p − ¼ δ_t²p·A δ_t²p, with the
+//! elastic energy E = ¼ (p·A p + (2p − p')·A(2p − p')), and δ_t²p = p − 2p' + p''.
 //!
-//! Source: J. E. Fromm, J. Comput. Phys. 3 (1968) 176, for the difference. For the energy of
-//! the backward difference: C. W. Gear, Numerical Initial Value Problems (1971), G. Dahlquist, BIT 18
+//! Source: J. E. Fromm, J. Comput. Phys. 3 (1968) 176, for the difference. For the energy of the
+//! backward difference: C. W. Gear, Numerical Initial Value Problems (1971), G. Dahlquist, BIT 18
 //! (1978) 384. Their use in rolling contact is this project's.
 
 /// A difference along the direction of rolling.

@@ -6,9 +6,9 @@
 //!
 //! It is largest where tractions change within an element: at the border of adhesion and at the
 //! trailing edge. The grid does not resolve the slip there. Counted as friction power of these
-//! elements, it makes the power of friction equal to that of the forces at every resolution, and the
-//! temperature more accurate (test `dissipation_is_heat_where_slip_is_not_resolved`). The products
-//! δ²p·u of single elements may be negative; the sum is shared by |δ²p|², to which the
+//! elements, it makes the power of friction equal to that of the forces at every resolution, and
+//! the temperature more accurate (test `dissipation_is_heat_where_slip_is_not_resolved`). The
+//! products δ²p·u of single elements may be negative; the sum is shared by |δ²p|², to which the
 //! displacement of the element itself is proportional.
 
 use super::coupling::Coupling;
@@ -74,8 +74,8 @@ impl Dissipation {
     }
 }
 
-/// The total of weight · Σ p·u, shared among the elements by |p|²: no element loses power that way, and none gains from
-/// another's displacement.
+/// The total of weight · Σ p·u, shared among the elements by |p|²: no element loses power that way,
+/// and none gains from another's displacement.
 #[must_use]
 pub fn shared(traction: [&[f64]; 2], displacement: [&[f64]; 2], weight: f64) -> Vec<f64> {
     let dot = |[x, y]: [&[f64]; 2], [u, v]: [&[f64]; 2], at: usize| x[at] * u[at] + y[at] * v[at];

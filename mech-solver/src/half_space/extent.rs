@@ -96,8 +96,9 @@ pub fn sample(grid: &Structured, function: &dyn Fn(f64, f64) -> f64) -> Vec<f64>
     (0..grid.points()).map(at).collect()
 }
 
-/// Means of √(1 − (x/a)² − (y/b)²) over the elements whose centres are inside the ellipse; on a single
-/// row, a line of contact, of √(1 − (x/a)²). Exact along x, by Gauss's rule of eight points across.
+/// Means of √(1 − (x/a)² − (y/b)²) over the elements whose centres are inside the ellipse; on a
+/// single row, a line of contact, of √(1 − (x/a)²). Exact along x, by Gauss's rule of eight points
+/// across.
 #[must_use]
 pub fn elliptic(grid: &Structured, [a, b]: [f64; 2]) -> Vec<f64> {
     let (dx, dy) = (grid.dx() / a, grid.dy() / b);

@@ -41,8 +41,8 @@ const BEYOND: f64 = 1e-6;
 pub enum Motion {
     /// Steady rolling along x.
     SteadyRolling,
-    /// The first step of transient rolling along x, by one element: the slip is the displacement less
-    /// that of the particle one step ago.
+    /// The first step of transient rolling along x, by one element: the slip is the displacement
+    /// less that of the particle one step ago.
     FirstRollingStep,
     /// A step of transient rolling that follows on another: the slip has the difference along x of
     /// steady rolling, and the second-order backward difference in time.

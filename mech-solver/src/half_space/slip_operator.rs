@@ -15,8 +15,9 @@
 //! This is the upwind difference of [`super::difference`]; Fromm's is B = (1 − S)(S⁻¹ + 4 − S) A/4.
 //!
 //! **Further steps of transient rolling** take the difference of steady rolling along x, and the
-//! second-order backward difference in time: S = w Δq + B p + (3A p − 4u' + u'')/2, with the displacement
-//! differences u' and u'' of the same element one and two steps ago ([`super::difference`]).
+//! second-order backward difference in time: S = w Δq + B p + (3A p − 4u' + u'')/2, with the
+//! displacement differences u' and u'' of the same element one and two steps ago
+//! ([`super::difference`]).
 //!
 //! **Memory.** Viscoelastic bodies have the K of [`super::viscoelastic`] in place of A. The layer has none.
 //!

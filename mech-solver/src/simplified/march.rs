@@ -8,14 +8,15 @@
 //!
 //! **Cells.** A strip has m cells, of equal length Δ under the parabolic bound (`bound` has the other). With the traction p at a cell's front, the
 //! rigid slip w at its middle and the springs L, the predictor p* = p − Δ w/L is the traction at
-//! its rear if |p*| ≤ g there; otherwise the slip over V is s = L (p_rear − p*)/Δ, against the mean of the directions n and n_rear
-//! of the tractions at both ends: p_rear = p* − ½μ(n + n_rear) with |p_rear| = g, so that n_rear is the direction of p* − ½μ n with
-//! μ = (|p*|² − g²)/(g + p*·n). Where spin turns the tractions this is of second order; along p* alone, as in a cell that does not
-//! slip at its front, it is of first. In adhesion p is exact, since w is linear in x. The bound g is
-//! exact at the nodes and linear between, with a factor that makes the trapezoidal sum of every strip
-//! exact, so that full slip carries f N (`bound`). A cell in which slip begins is cut there,
-//! where |p| = g, so that slip zones much shorter than a cell are resolved, and Kalker's slopes with
-//! them.
+//! its rear if |p*| ≤ g there; otherwise the slip over V is s = L (p_rear − p*)/Δ, against the mean
+//! of the directions n and n_rear of the tractions at both ends: p_rear = p* − ½μ(n + n_rear) with
+//! |p_rear| = g, so that n_rear is the direction of p* − ½μ n with μ = (|p*|² − g²)/(g + p*·n).
+//! Where spin turns the tractions this is of second order; along p* alone, as in a cell that does
+//! not slip at its front, it is of first. In adhesion p is exact, since w is linear in x. The bound
+//! g is exact at the nodes and linear between, with a factor that makes the trapezoidal sum of
+//! every strip exact, so that full slip carries f N (`bound`). A cell in which slip begins is cut
+//! there, where |p| = g, so that slip zones much shorter than a cell are resolved, and Kalker's
+//! slopes with them.
 //!
 //! **Means.** A cell's traction is p̄ = (p + p_rear)/2. Then p̄·s = p̄·w + L(p_rear² − p²)/(2Δ); the
 //! second term adds up to nothing over a strip, which ends with g = 0 on either side, so that

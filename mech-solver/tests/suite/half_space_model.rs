@@ -31,7 +31,8 @@ fn power_of_the_forces(run: &Run, speed: f64, ahead: f64) -> f64 {
     -speed * (xi * x + eta * y + phi * (run.number("spin_moment_nm") - arm * y))
 }
 
-/// The moment is taken a third of an element ahead with the upwind difference. Tolerance: rounding of the sums.
+/// The moment is taken a third of an element ahead with the upwind difference. Tolerance: rounding
+/// of the sums.
 #[test]
 fn friction_power_is_that_of_the_forces_at_every_resolution() {
     for (difference, ahead) in [("fromm", 0.0), ("upwind", 1.0 / 3.0)] {

@@ -68,8 +68,9 @@ fn hertz_along_a_line() {
     }
 }
 
-/// F/fN = 0.64: within 0.1 % on one row of 25 elements per semi-axis, and 0.01 % on 100. With the upwind difference errors halve
-/// with the element, and on 25 elements it is CONTACT's on the same elements, 0.6480.
+/// F/fN = 0.64: within 0.1 % on one row of 25 elements per semi-axis, and 0.01 % on 100. With the
+/// upwind difference errors halve with the element, and on 25 elements it is CONTACT's on the same
+/// elements, 0.6480.
 #[test]
 fn carter_on_one_row() {
     let on = |difference: &str, n: usize| {
@@ -119,10 +120,11 @@ fn closed_form_of_a_line() {
     );
 }
 
-/// Different rollers that roll freely: without slip the creepage is Bufler's, whose pressure and traction oscillate at the ends, so that
-/// on a grid an element of the edge more or less decides on 1.5 %, and on 0.3 % where it is 800 to the half length; under next to no
-/// friction it is the one at which half of the load slips either way, and Newton's method alone would not find that. Tolerance:
-/// the first order at a/100.
+/// Different rollers that roll freely: without slip the creepage is Bufler's, whose pressure and
+/// traction oscillate at the ends, so that on a grid an element of the edge more or less decides on
+/// 1.5 %, and on 0.3 % where it is 800 to the half length; under next to no friction it is the one
+/// at which half of the load slips either way, and Newton's method alone would not find that.
+/// Tolerance: the first order at a/100.
 #[test]
 fn different_rollers() {
     let bodies = Elasticity::of_pair(&ALUMINIUM, &STEEL);

@@ -224,10 +224,10 @@ fn different_and_viscoelastic_bodies_lose_no_power() {
     }
 }
 
-/// A contact that begins to roll has built up its force after 6 a as far on every grid: the difference
-/// to the steady state is that of the way, and not of the grid (to 5e-4 of f N). After 2 a the error
-/// is less than half of that of the upwind difference, and falls; the reference is a/40. The power
-/// balance holds in every step.
+/// A contact that begins to roll has built up its force after 6 a as far on every grid: the
+/// difference to the steady state is that of the way, and not of the grid (to 5e-4 of f N). After 2
+/// a the error is less than half of that of the upwind difference, and falls; the reference is
+/// a/40. The power balance holds in every step.
 #[test]
 fn a_transient_start_converges() {
     let force = |difference: &str, n: usize| -> [f64; 2] {

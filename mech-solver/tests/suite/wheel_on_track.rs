@@ -64,8 +64,9 @@ fn totals_are_told_in_both_axes() {
     }
 }
 
-/// In the plane of a patch −V(ξ F_x + η F_y + φ M_z) is its friction power, with a stick zone and without; with the upwind
-/// difference the moment is taken a third of an element ahead. Tolerance: rounding.
+/// In the plane of a patch −V(ξ F_x + η F_y + φ M_z) is its friction power, with a stick zone and
+/// without; with the upwind difference the moment is taken a third of an element ahead. Tolerance:
+/// rounding.
 #[test]
 fn friction_power_is_that_of_the_creepages() {
     for (partial, difference) in

@@ -157,8 +157,9 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
     );
 }
 
-/// A case on its own grid and two coarser ones; the answer is the one of smaller stated error. 227.47 K is the limit of both differences
-/// on grids of 160 and 320 elements, to 1e-4 (docs/theory/accuracy.md).
+/// A case on its own grid and two coarser ones; the answer is the one of smaller stated error.
+/// 227.47 K is the limit of both differences on grids of 160 and 320 elements, to 1e-4
+/// (docs/theory/accuracy.md).
 #[test]
 fn a_plain_run_is_extrapolated() {
     let place = Place::new();

@@ -123,8 +123,9 @@ impl Case {
         passage
     }
 
-    /// The pressure of the ellipse that the case gives, scaled so that it carries the ellipse's load; zero if it is to be solved for.
-    /// Means of the elements; with the upwind difference values at their centres, as in CONTACT.
+    /// The pressure of the ellipse that the case gives, scaled so that it carries the ellipse's
+    /// load; zero if it is to be solved for. Means of the elements; with the upwind difference
+    /// values at their centres, as in CONTACT.
     pub(super) fn given_pressure(&self) -> Vec<f64> {
         let grid = &self.footprint.grid;
         let (None, Some(ellipse)) = (&self.footprint.gap, &self.footprint.ellipse) else {
@@ -182,7 +183,8 @@ pub(super) enum Begin {
 }
 
 impl Passage {
-    /// Mean of the tractions at the begin and at the end of the step of an element, in rows of nx [Pa].
+    /// Mean of the tractions at the begin and at the end of the step of an element, in rows of nx
+    /// [Pa].
     pub(super) fn mean(&self, nx: usize, start: &[f64], end: &[f64], index: usize) -> f64 {
         let start = match self.begins {
             Begin::Upstream if (index + 1).is_multiple_of(nx) => 0.0,
@@ -193,7 +195,8 @@ impl Passage {
         0.5 * (start + end[index])
     }
 
-    /// Power −p̄·S/Δt of every element, with the mean traction p̄ [W/m²]; adding zero turns −0 into 0.
+    /// Power −p̄·S/Δt of every element, with the mean traction p̄ [W/m²]; adding zero turns −0 into
+    /// 0.
     pub(super) fn power(
         &self,
         grid: &Structured,

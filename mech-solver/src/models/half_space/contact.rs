@@ -30,8 +30,8 @@ const LOOP_TOLERANCE: f64 = 1e-10;
 const ALMOST_ALL: f64 = 0.999;
 /// Turns of normal and tangential contact after which they are given up.
 const MOST_ALTERNATIONS: usize = 30;
-/// Turns after which the pressure only goes half of the way: where tractions are far larger than the pressure, an element of the edge
-/// may come and go.
+/// Turns after which the pressure only goes half of the way: where tractions are far larger than
+/// the pressure, an element of the edge may come and go.
 const WHOLE_ALTERNATIONS: usize = 10;
 
 /// Why an instant has no solution.
@@ -367,7 +367,8 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// The pressure under a distance that goes this share of the way to the one under the tractions; its change.
+    /// The pressure under a distance that goes this share of the way to the one under the
+    /// tractions; its change.
     fn yield_to(&mut self, state: &TangentialState, share: f64) -> Result<f64, ContactError> {
         let (Some(coupling), Some(normal)) = (&mut self.coupling, &mut self.normal) else {
             return Ok(0.0);

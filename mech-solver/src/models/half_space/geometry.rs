@@ -314,11 +314,12 @@ fn of_weight(fitted: &Fitted) -> impl Iterator<Item = Patch> {
     found.into_iter().filter(move |patch| patch.sum > PATCH_SHARE * all)
 }
 
-/// Moves a grid along x by a part of an element, so that the leading edge of an ellipse falls between two elements in the mean over the
-/// rows, weighted by the square of their chords.
+/// Moves a grid along x by a part of an element, so that the leading edge of an ellipse falls
+/// between two elements in the mean over the rows, weighted by the square of their chords.
 ///
-/// With the second-order difference nearly all that is left of the error of the forces is due to where elements end: it is
-/// proportional to that mean (correlation 0.96 to 0.99 over 32 positions of the grid at a/7 to a/20; docs/theory/half-space.md).
+/// With the second-order difference nearly all that is left of the error of the forces is due to
+/// where elements end: it is proportional to that mean (correlation 0.96 to 0.99 over 32 positions
+/// of the grid at a/7 to a/20; docs/theory/half-space.md).
 fn align(grid: &mut Structured, [a, b]: [f64; 2]) {
     let dx = grid.dx();
     let chords: Vec<f64> = match grid.nj {

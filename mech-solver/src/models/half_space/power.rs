@@ -30,12 +30,12 @@
 //!
 //! P Δt = −Σ ½(S p' + p)·w Δq dA − Δ(½ pᵀA p) dA.
 //!
-//! With Fromm's difference the tractions at the end of a step after the first do the work, with an elastic energy of their own and
-//! numerical dissipation ([`crate::half_space::difference`]).
+//! With Fromm's difference the tractions at the end of a step after the first do the work, with an
+//! elastic energy of their own and numerical dissipation ([`crate::half_space::difference`]).
 //!
-//! Of bodies whose compliance grows, there is besides what is dissipated in them, D = Σ ½ (p' + p)·(u − u') less the energy that is stored
-//! ([`crate::half_space::retarded`]). With different constants the energy of the normal contact takes part too. It is not kept, and
-//! there is no balance.
+//! Bodies whose compliance grows dissipate besides D = Σ ½ (p' + p)·(u − u'), less the energy that is
+//! stored ([`crate::half_space::retarded`]). With different constants the energy of the normal
+//! contact takes part too. It is not kept, and there is no balance.
 
 use super::answer::Answer;
 use super::balance::{Balance, Hysteresis, PressurePower};
@@ -82,7 +82,8 @@ impl Balance {
     }
 
     /// That of a step from these tractions with the creepages or the shift `creepage`; `energy` is
-    /// the elastic energy before and after, and `taken` what bodies with a memory dissipate of the work along the plane [Pa m].
+    /// the elastic energy before and after, and `taken` what bodies with a memory dissipate of the
+    /// work along the plane [Pa m].
     pub(super) fn step(
         case: &Case,
         answer: &Answer,

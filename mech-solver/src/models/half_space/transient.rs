@@ -7,13 +7,13 @@
 //!
 //! Σ −½(S p' + p)·S = −Σ ½(S p' + p)·w Δq − (½ pᵀu − ½ p'ᵀu'):
 //!
-//! what the forces put in less the change of elastic energy. With the upwind difference every step is such a one, with Fromm's
-//! the first only: those that follow take Fromm's difference along x and the second-order backward difference in time
-//! ([`crate::half_space::difference`]).
+//! what the forces put in less the change of elastic energy. With the upwind difference every step
+//! is such a one, with Fromm's the first only: those that follow take Fromm's difference along x
+//! and the second-order backward difference in time ([`crate::half_space::difference`]).
 //!
-//! The mechanical steps need not fit into
-//! the windows of the coupling: a step that reaches beyond a window goes on in the next one, and the
-//! friction power of a window is the mean over the parts of steps in it, so that no heat is lost.
+//! The mechanical steps need not fit into the windows of the coupling: a step that reaches beyond a
+//! window goes on in the next one, and the friction power of a window is the mean over the parts of
+//! steps in it, so that no heat is lost.
 //!
 //! A contact that does not roll is shifted by what the case says, in the first window; where load, shift or forces are
 //! columns of a table, to where they are at the end of every window, in one step a window.
@@ -48,9 +48,9 @@ const ROUNDING: f64 = 1e-9;
 pub(super) struct Transient {
     case: Case,
     following: Option<Following>,
-    /// Of all steps, or of the first one.
+    /// Solver of all steps, or of the first one.
     contact: ContactSolver,
-    /// Of further steps, where they differ.
+    /// Solver of further steps, where they differ.
     further: Option<ContactSolver>,
     creeping: Option<Creeping>,
     accepted: Memory,
@@ -71,7 +71,7 @@ struct Memory {
     approach: Option<f64>,
     /// Displacement differences u, x and y [m].
     displacement: [Vec<f64>; 2],
-    /// What held a step before, where further steps differ from the first.
+    /// State a step before, where further steps differ from the first.
     earlier: Option<Tangential>,
     /// Of bodies that creep; empty of others.
     crept: Crept,
@@ -102,7 +102,8 @@ impl Tangential {
         0.5 * self.traction.iter().zip(&self.displacement).map(products).sum::<f64>()
     }
 
-    /// Elastic energy with the second-order difference in time, ¼ Σ (p·u + (2p − p')·(2u − u')) [Pa m].
+    /// Elastic energy with the second-order difference in time, ¼ Σ (p·u + (2p − p')·(2u − u')) [Pa
+    /// m].
     fn energy(&self, before: &Self) -> f64 {
         let of = |k: usize| {
             let [p, u] = [&self.traction[k], &self.displacement[k]];
@@ -113,7 +114,8 @@ impl Tangential {
         0.25 * (of(0) + of(1))
     }
 
-    /// Numerical dissipation of that difference, ¼ Σ δ_t²p·δ_t²u over the duration of a step [W/m²].
+    /// Numerical dissipation of that difference, ¼ Σ δ_t²p·δ_t²u over the duration of a step
+    /// [W/m²].
     fn dissipated(&self, before: &Self, earlier: &Self, duration: f64) -> Vec<f64> {
         let second_difference = |of: fn(&Self) -> &[Vec<f64>; 2]| {
             let [now, before, earlier] = [self, before, earlier].map(of);
@@ -412,7 +414,7 @@ impl Transient {
     }
 }
 
-/// Where a field of particles is at the start of a step.
+/// Places of particles at the start of a step.
 #[derive(Clone, Copy)]
 struct Start {
     /// Elements of a row.
