@@ -43,7 +43,7 @@ pub(crate) fn lateral(
 }
 
 /// A factor on the friction coefficient of the case.
-pub(crate) trait FrictionFactor: Debug {
+pub(crate) trait FrictionFactor: Debug + Send + Sync {
     /// Writes the factors of the elements, which enter as ones. A law that has coefficients divides them by that of the case.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ pub(crate) trait FrictionFactor: Debug {
 }
 
 /// A bound of the traction, whatever the pressure and the friction coefficient.
-pub(crate) trait TractionBound: Debug {
+pub(crate) trait TractionBound: Debug + Send + Sync {
     /// Bound at an element [Pa].
     fn at(&self, state: &FrictionState<'_>, index: usize) -> f64;
 

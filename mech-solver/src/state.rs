@@ -5,7 +5,7 @@ use proto::model::StateError;
 use std::io::{self, Read, Write};
 
 /// State of a term. A term without any leaves all of it out.
-pub(crate) trait State {
+pub(crate) trait State: Send + Sync {
     /// The last solve becomes the accepted state.
     fn accept(&mut self) {}
 

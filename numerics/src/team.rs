@@ -6,9 +6,11 @@
 //!
 //! Threads are those of a pool that is started when it is first needed and stays. To hand out work
 //! costs some ten microseconds; a sweep gets no more threads than it has [`WORTH`] operations for
-//! each.
+//! each. Work within a piece of work has the threads that are left to it: half of them in [`both`],
+//! one in a sweep.
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -18,12 +20,18 @@ pub const ROWS: usize = 4;
 /// Multiply-adds that are worth a thread of their own: 0.15 ms.
 pub const WORTH: u64 = 1_500_000;
 
-/// Threads of a [`Team::of_process`].
+/// Threads that the process may compute on.
 static LIMIT: AtomicUsize = AtomicUsize::new(1);
 
-/// Sets how many threads teams of the process have that are made from now on.
+/// Sets how many threads the process may compute on, for teams that are made from now on.
 pub fn limit(threads: usize) {
     LIMIT.store(threads.max(1), Ordering::Relaxed);
+}
+
+/// Threads that the process may compute on.
+#[must_use]
+pub fn threads() -> usize {
+    LIMIT.load(Ordering::Relaxed)
 }
 
 /// The pool of so many threads; `None` where the system does not start them.
@@ -38,17 +46,32 @@ fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
     Some(pool)
 }
 
-/// Does two things, at the same time if there are two threads.
+thread_local! {
+    /// Threads that a piece of work may compute on, where others compute at the same time.
+    static SHARE: Cell<usize> = const { Cell::new(usize::MAX) };
+}
+
+/// Computes with a share of the threads.
+fn with_share<T>(threads: usize, compute: impl FnOnce() -> T) -> T {
+    let before = SHARE.replace(threads);
+    let value = compute();
+    SHARE.set(before);
+    value
+}
+
+/// Does two things, at the same time if there are two threads; each has half of them.
 pub fn both<A: Send, B: Send>(
     threads: usize,
     one: impl FnOnce() -> A + Send,
     other: impl FnOnce() -> B + Send,
 ) -> (A, B) {
+    let threads = threads.min(SHARE.get());
     let Some(pool) = (threads > 1).then(|| pool(1)).flatten() else { return (one(), other()) };
+    let half = threads / 2;
     let mut of_other = None;
     let of_one = pool.in_place_scope(|scope| {
-        scope.spawn(|_| of_other = Some(other()));
-        one()
+        scope.spawn(|_| of_other = Some(with_share(half, other)));
+        with_share(threads - half, one)
     });
     (of_one, of_other.expect("a scope ends when all of it has"))
 }
@@ -67,7 +90,23 @@ impl<S: Clone + Send> Team<S> {
     /// As many threads as the process has ([`limit`]), with copies of a scratch.
     #[must_use]
     pub fn of_process(scratch: S) -> Self {
-        Self::new(LIMIT.load(Ordering::Relaxed), scratch)
+        Self::new(threads(), scratch)
+    }
+}
+
+impl<S> From<Vec<S>> for Team<S> {
+    /// As many threads as there are scratches: one at least.
+    fn from(scratches: Vec<S>) -> Self {
+        assert!(!scratches.is_empty(), "a team of no threads");
+        Self(scratches)
+    }
+}
+
+impl<S> Team<S> {
+    /// The scratch of the first thread, to read.
+    #[must_use]
+    pub fn read(&self) -> &S {
+        self.0.first().expect("there is at least one")
     }
 }
 
@@ -86,7 +125,7 @@ impl<S: Send> Team<S> {
         each: impl Fn(&mut S, T) -> u64 + Sync,
     ) -> u64 {
         let worth = usize::try_from(operations / WORTH).unwrap_or(usize::MAX);
-        let threads = worth.clamp(1, self.0.len());
+        let threads = worth.clamp(1, self.0.len().min(SHARE.get()));
         let (own, others) = self.0[..threads].split_first_mut().expect("there is at least one");
         let Some(pool) = Some(others.len()).filter(|others| *others > 0).and_then(pool) else {
             return items.map(|item| each(own, item)).sum();
@@ -94,9 +133,11 @@ impl<S: Send> Team<S> {
         let (items, work) = (Mutex::new(items), AtomicU64::new(0));
         let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
         let compute = |scratch: &mut S| {
-            while let Some(item) = next() {
-                work.fetch_add(each(scratch, item), Ordering::Relaxed);
-            }
+            with_share(1, || {
+                while let Some(item) = next() {
+                    work.fetch_add(each(scratch, item), Ordering::Relaxed);
+                }
+            });
         };
         // This thread computes until the others are awake, too.
         pool.in_place_scope(|scope| {

@@ -37,7 +37,7 @@ pub trait Setup {
 }
 
 /// Inputs of a solve, read in place.
-pub trait Inputs {
+pub trait Inputs: Sync {
     /// Values of a field, component-major, with its grid; `None` when no active effect needs it.
     fn get(&self, field: &FieldSpec) -> Option<InputField<'_>>;
 

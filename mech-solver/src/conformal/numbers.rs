@@ -26,6 +26,7 @@ use crate::half_space::influence::{Elasticity, Influence};
 use crate::scene::Material;
 use faer::Mat;
 use numerics::rows::{Kernel, Parity, Rows};
+use numerics::team::{self, Team};
 use std::f64::consts::PI;
 
 /// Longest wave that is computed, over the length of the grid or the radius of the surface, divided by 2π. With ten times longer waves, two thirds of
@@ -137,7 +138,13 @@ impl Numbers {
             }
             change
         };
-        let changes: Vec<Mat<f64>> = waves.iter().map(|k| change(*k)).collect();
+        let mut changes = vec![Mat::zeros(0, 0); waves.len()];
+        let places = waves.iter().zip(&mut changes);
+        let operations = team::WORTH * waves.len() as u64;
+        Team::of_process(()).sweep(operations, places, |(), (k, place)| {
+            *place = change(*k);
+            1
+        });
         let [even, odd] = weights(&waves, self.patch);
         // Of a row the element below its middle, and how far it is from that to the next.
         let between = |row: usize| {
@@ -146,7 +153,8 @@ impl Numbers {
             (below as usize, if ny > 1 { at - below } else { 0.0 })
         };
         let (len, share) = (nx * rows * rows, 1.0 / joined as f64);
-        let mut series = vec![0.0; waves.len()];
+        let series = vec![0.0; waves.len()];
+        let operations = (len * waves.len()) as u64;
         for (pair, values) in self.values.chunks_exact_mut(len).enumerate() {
             let (a, b) = (pair / COMPONENTS, pair % COMPONENTS);
             let (weights, sign) = match (a, b) {
@@ -154,24 +162,32 @@ impl Numbers {
                 (1 | 2, 0) => (&odd, 1.0),
                 _ => (&even, 1.0),
             };
-            for (at, values) in values.chunks_exact_mut(nx).enumerate() {
-                let [(t, part_t), (q, part_q)] = [at / rows, at % rows].map(between);
-                for (value, change) in series.iter_mut().zip(&changes) {
-                    let of = |t: usize, q: usize| change[(COMPONENTS * t + a, COMPONENTS * q + b)];
-                    let along = |t: usize| match part_q {
-                        0.0 => of(t, q),
-                        _ => (1.0 - part_q) * of(t, q) + part_q * of(t, q + 1),
+            let targets = values.chunks_exact_mut(nx * rows).enumerate();
+            Team::of_process(series.clone()).sweep(operations, targets, |series, (t, values)| {
+                let (t, part_t) = between(t);
+                for (q, values) in values.chunks_exact_mut(nx).enumerate() {
+                    let (q, part_q) = between(q);
+                    let change = |change: &Mat<f64>| {
+                        let of =
+                            |t: usize, q: usize| change[(COMPONENTS * t + a, COMPONENTS * q + b)];
+                        let along = |t: usize| match part_q {
+                            0.0 => of(t, q),
+                            _ => (1.0 - part_q) * of(t, q) + part_q * of(t, q + 1),
+                        };
+                        let all = match part_t {
+                            0.0 => along(t),
+                            _ => (1.0 - part_t) * along(t) + part_t * along(t + 1),
+                        };
+                        sign * share * all
                     };
-                    let all = match part_t {
-                        0.0 => along(t),
-                        _ => (1.0 - part_t) * along(t) + part_t * along(t + 1),
-                    };
-                    *value = sign * share * all;
+                    series.iter_mut().zip(&changes).for_each(|(value, of)| *value = change(of));
+                    for (value, weights) in values.iter_mut().zip(weights.chunks_exact(waves.len()))
+                    {
+                        *value += weights.iter().zip(&*series).map(|(w, v)| w * v).sum::<f64>();
+                    }
                 }
-                for (value, weights) in values.iter_mut().zip(weights.chunks_exact(waves.len())) {
-                    *value += weights.iter().zip(&series).map(|(w, v)| w * v).sum::<f64>();
-                }
-            }
+                nx as u64
+            });
         }
     }
 

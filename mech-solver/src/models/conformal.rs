@@ -118,6 +118,7 @@ impl Setup for Prepared {
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { case, footprint, terms, configuration, .. } = *self;
-        Ok(Box::new(EachWindow::new(Running::new(case, &footprint, terms, configuration))))
+        let running = Running::new(case, &footprint, terms, &configuration);
+        Ok(Box::new(EachWindow::new(running, &configuration)))
     }
 }

@@ -10,6 +10,7 @@ use proto::grid::{Grid, Structured};
 use proto::model::{InputField, Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
+use std::iter;
 
 /// What solves windows.
 pub(super) trait Windows {
@@ -29,6 +30,16 @@ pub(super) trait Windows {
     /// # Errors
     /// There is no solution.
     fn solve(&mut self, row: &Self::Row, inputs: &dyn Inputs) -> Result<Self::Window, StepError>;
+
+    /// Solves windows into which nothing comes, at the same time if it can.
+    fn solve_all(&mut self, rows: &[Self::Row]) -> Vec<Result<Self::Window, StepError>> {
+        rows.iter().map(|row| self.solve(row, &Nothing)).collect()
+    }
+
+    /// How many windows [`Windows::solve_all`] takes at once, if they are rows of a history.
+    fn at_once(&self) -> usize {
+        1
+    }
 
     /// Speed of rolling [m/s].
     fn speed(&self, row: &Self::Row) -> f64;
@@ -51,8 +62,8 @@ pub(super) trait Windows {
     fn effort(&self, window: &Self::Window) -> [usize; 2];
 }
 
-/// Nothing comes in.
-struct Nothing;
+/// Inputs of a window into which nothing comes.
+pub(super) struct Nothing;
 
 impl Inputs for Nothing {
     fn get(&self, _: &FieldSpec) -> Option<InputField<'_>> {
@@ -65,11 +76,20 @@ pub(super) struct EachWindow<W: Windows> {
     windows: W,
     trial: Option<(W::Row, W::Window)>,
     accepted: Option<W::Window>,
+    /// Rows of a history; 0 if there is none.
+    rows: u64,
+    /// Windows to come, the next one last, that were solved with one before.
+    ahead: Vec<(W::Row, Answer<W>)>,
 }
 
+/// Answer to a row.
+type Answer<W> = Result<<W as Windows>::Window, StepError>;
+
 impl<W: Windows> EachWindow<W> {
-    pub(super) fn new(windows: W) -> Self {
-        Self { windows, trial: None, accepted: None }
+    pub(super) fn new(windows: W, configuration: &Configuration) -> Self {
+        let history = configuration.histories.as_ref();
+        let rows = history.filter(|of| of.rows && of.live.is_none()).map_or(0, |of| of.times.len());
+        Self { windows, trial: None, accepted: None, rows: rows as u64, ahead: Vec::new() }
     }
 
     /// A window; the last one of the same values is it, unless it depends on what comes in.
@@ -79,12 +99,28 @@ impl<W: Windows> EachWindow<W> {
         inputs: &dyn Inputs,
     ) -> Result<(W::Row, W::Window), StepError> {
         let row = self.windows.row(step)?;
-        let follows = self.windows.follows_inputs();
-        if let Some(same) = self.trial.take().filter(|(last, _)| !follows && *last == row) {
+        if self.windows.follows_inputs() {
+            let window = self.windows.solve(&row, inputs)?;
+            return Ok((row, window));
+        }
+        if let Some(same) = self.trial.take().filter(|(last, _)| *last == row) {
             return Ok(same);
         }
-        let window = self.windows.solve(&row, inputs)?;
-        Ok((row, window))
+        if self.ahead.last().is_none_or(|(next, _)| *next != row) {
+            self.solve_from(row, step);
+        }
+        let (row, window) = self.ahead.pop().expect("at least the window asked for");
+        Ok((row, window?))
+    }
+
+    /// Solves a window and those behind it.
+    fn solve_from(&mut self, row: W::Row, step: &Step) {
+        let last = self.rows.min(step.window + self.windows.at_once() as u64);
+        let behind = (step.window + 1..last)
+            .map_while(|window| self.windows.row(&Step { window, ..*step }).ok());
+        let rows: Vec<W::Row> = iter::once(row).chain(behind).collect();
+        let solved = self.windows.solve_all(&rows);
+        self.ahead = rows.into_iter().zip(solved).rev().collect();
     }
 
     fn write(&self, window: &W::Window, outputs: &mut dyn Outputs) {

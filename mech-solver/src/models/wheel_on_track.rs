@@ -162,6 +162,7 @@ impl Setup for Prepared {
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { case, plane, configuration, .. } = *self;
-        Ok(Box::new(EachWindow::new(Running::new(case, plane, configuration)?)))
+        let running = Running::new(case, plane, &configuration)?;
+        Ok(Box::new(EachWindow::new(running, &configuration)))
     }
 }

@@ -19,6 +19,7 @@ use super::rail::{Deviation, Side};
 use super::root::Search;
 use super::settings::Vertical;
 use super::wheelset::{Motion, Wheelset};
+use numerics::team;
 
 /// Difference of the heights of both wheels, over the tolerance of their forces and their depth.
 const SAME_HEIGHT: f64 = 3.0;
@@ -187,7 +188,7 @@ impl WheelsetOnTrack {
         Ok(heights)
     }
 
-    /// Every wheel by itself.
+    /// Every wheel by itself, both at the same time.
     fn each(
         &mut self,
         motion: &Motion,
@@ -195,14 +196,20 @@ impl WheelsetOnTrack {
         given: &Given,
         interface: &dyn Interface,
     ) -> Result<Balanced, TrackError> {
-        let mut wheels = Vec::with_capacity(self.wheels.len());
-        let mut work = Work::default();
-        for (side, wheel) in &mut self.wheels {
+        let solve = |(side, wheel): &mut (Side, WheelOnRail)| {
             let vertical = given.vertical[usize::from(*side == Side::Right)];
-            let solved = wheel.solve(motion, deviation, vertical, interface)?;
-            work = work.and(&solved.work);
-            wheels.push((*side, solved));
-        }
+            Ok::<_, TrackError>((*side, wheel.solve(motion, deviation, vertical, interface)?))
+        };
+        let solved = match &mut self.wheels[..] {
+            [left, right] => {
+                let [left, right] =
+                    <[_; 2]>::from(team::both(team::threads(), || solve(left), || solve(right)));
+                vec![left?, right?]
+            }
+            wheels => wheels.iter_mut().map(solve).collect::<Result<_, _>>()?,
+        };
+        let wheels: Vec<(Side, Solved)> = solved;
+        let work = wheels.iter().fold(Work::default(), |work, (_, solved)| work.and(&solved.work));
         let z = wheels.iter().map(|(_, solved)| solved.z).sum::<f64>() / wheels.len() as f64;
         Ok(Balanced { motion: Motion { z, ..*motion }, wheels, work })
     }

@@ -27,7 +27,7 @@ pub struct Elements<'a> {
 }
 
 /// Heights and friction between wheel and rail.
-pub trait Interface {
+pub trait Interface: Sync {
     /// Heights are to be added to the undeformed distance.
     fn is_rough(&self) -> bool {
         false

@@ -1,6 +1,7 @@
 //! Accuracy and energy of Fromm's difference, beside the upwind one.
 //!
-//! The table of errors: `cargo test --release --workspace --locked --test suite -- second_order --nocapture`.
+//! The table of errors: `cargo test --release --workspace --locked --test suite -- forces_of_second_order
+//! --nocapture`; with `FINEST=320` in the environment to a/160, in minutes.
 
 use super::common::{assert_close, run};
 use super::half_space_model::{InTime, half_space, rolling};
@@ -9,7 +10,7 @@ use mech_solver::half_space::difference::Difference;
 use mech_solver::half_space::extent::{elliptic, sample};
 use mech_solver::half_space::influence::Elasticity;
 use mech_solver::half_space::levels::{Contact, Levels, Motion};
-use mech_solver::half_space::tangential::Prescribed;
+use mech_solver::half_space::tangential::{ElementState, Prescribed};
 use mech_solver::scene::Material;
 use proto::grid::Structured;
 use serde_json::json;
@@ -42,6 +43,8 @@ struct Found {
     peaks: [f64; 2],
     /// Power of the slip over that of the forces.
     power: f64,
+    /// Area of slip over the area of the contact.
+    slip_area: f64,
 }
 
 /// Solves on elements of a/n at a position of the grid.
@@ -93,7 +96,11 @@ fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2
     let forces = [sums[0], sums[1], sums[2] / (a * b).sqrt()].map(|sum| sum * scale);
     let peaks = [&heat, &all]
         .map(|heat| heat.chunks_exact(nx).map(|row| peak(row, dx / SPEED)).fold(0.0, f64::max));
-    Found { forces, peaks, power: heat.iter().sum::<f64>() / work }
+    let count =
+        |wanted: ElementState| state.element.iter().filter(|s| **s == wanted).count() as f64;
+    let [slips, adheres] = [ElementState::Slip, ElementState::Adhesion].map(count);
+    let slip_area = slips / (slips + adheres);
+    Found { forces, peaks, power: heat.iter().sum::<f64>() / work, slip_area }
 }
 
 /// Largest rise in a row of elements that half of this heat passes over, one in every `step` [s], heat linear in between.
@@ -127,33 +134,34 @@ fn positions(difference: Difference, creepage: [f64; 3], n: usize) -> Vec<Found>
 /// positions at a/80, whose own error is 0.02 %.
 #[test]
 fn forces_of_second_order() {
-    println!("rms/mean of the errors over five positions [% of f N, of f N √(ab), of the rise]");
+    let finest = std::env::var("FINEST").map_or(80, |finest| finest.parse().unwrap());
+    let ladder = || [5, 10, 20, 40, 80, 160].into_iter().take_while(|n| *n < finest);
+    println!(
+        "rms/mean of the errors over five positions of the grid [% of f N; of f N √(ab); of the rise; \
+         of the contact's area]; numerical dissipation [% of the power]"
+    );
     for (name, creepage) in CREEPAGES {
-        let finest = positions(Difference::Fromm, creepage, 80);
-        let mean = |of: &dyn Fn(&Found) -> f64| finest.iter().map(of).sum::<f64>() / 5.0;
+        let reference = positions(Difference::Fromm, creepage, finest);
+        let mean = |of: &dyn Fn(&Found) -> f64| reference.iter().map(of).sum::<f64>() / 5.0;
         let forces: [f64; 3] = std::array::from_fn(|k| mean(&|found| found.forces[k]));
-        let rise = mean(&|found| found.peaks[1]);
+        let (rise, area) = (mean(&|found| found.peaks[1]), mean(&|found| found.slip_area));
         for difference in [Difference::Upwind, Difference::Fromm] {
-            for (n, most) in [(10, 0.5), (20, 0.3), (40, 0.1)] {
+            for n in ladder() {
                 let found = positions(difference, creepage, n);
-                let errors: [[f64; 2]; 3] = std::array::from_fn(|k| {
-                    spread(found.iter().map(|found| 100.0 * (found.forces[k] - forces[k])))
-                });
-                let of_rise = |k: usize| {
-                    spread(found.iter().map(|found| 100.0 * (found.peaks[k] / rise - 1.0)))
-                };
-                let lost = spread(found.iter().map(|found| 100.0 * (1.0 - found.power)));
+                let errors =
+                    |of: &dyn Fn(&Found) -> f64| spread(found.iter().map(|f| 100.0 * of(f)));
+                let of_force: [[f64; 2]; 3] =
+                    std::array::from_fn(|k| errors(&|found| found.forces[k] - forces[k]));
+                let of_rise = errors(&|found| found.peaks[1] / rise - 1.0);
+                let of_area = errors(&|found| found.slip_area - area);
+                let [_, lost] = errors(&|found| 1.0 - found.power);
                 println!(
-                    "{name}, {difference:?}, a/{n}: F_x {:.3?} F_y {:.3?} M_z {:.3?} rise by slip {:.2?} by all {:.2?}, dissipation {:.2} %",
-                    errors[0],
-                    errors[1],
-                    errors[2],
-                    of_rise(0),
-                    of_rise(1),
-                    lost[1]
+                    "{name}, {difference:?}, a/{n}: F_x, F_y, M_z {of_force:.3?} rise {of_rise:.2?} \
+                     slip area {of_area:.2?} dissipation {lost:.3}",
                 );
-                if difference == Difference::Fromm {
-                    for [rms, _] in errors {
+                let most = [(10, 0.5), (20, 0.3), (40, 0.1)].into_iter().find(|(of, _)| *of == n);
+                if let (Difference::Fromm, Some((_, most))) = (difference, most) {
+                    for [rms, _] in of_force {
                         assert!(rms <= most, "{name} a/{n}: {rms} % of f N");
                     }
                 }

@@ -170,24 +170,44 @@ impl InputPorts {
         Ok(())
     }
 
-    fn port(&self, field: &FieldSpec) -> Option<&InputPort> {
-        self.ports.iter().find(|port| port.field.name == field.name)
+    /// The values in use.
+    pub(super) fn values(&self) -> InputValues<'_> {
+        let values = self.ports.iter().filter_map(|port| {
+            let values = port.sample.as_ref()?.values();
+            let start = port.start.as_ref().and_then(|start| match start {
+                Start { in_use: true, .. } => Some(values),
+                Start { values, .. } => Some(values.as_slice()).filter(|v| !v.is_empty()),
+            });
+            let grid = &self.grids[port.grid].grid;
+            Some(InputValue { name: &port.field.name, now: InputField { values, grid }, start })
+        });
+        InputValues(values.collect())
     }
 }
 
-impl Inputs for InputPorts {
+/// Values that are in use, in shared memory; unlike their ports, any thread may read them.
+pub(super) struct InputValues<'a>(Vec<InputValue<'a>>);
+
+struct InputValue<'a> {
+    name: &'a str,
+    now: InputField<'a>,
+    /// Values at the start of the window.
+    start: Option<&'a [f64]>,
+}
+
+impl InputValues<'_> {
+    fn of(&self, field: &FieldSpec) -> Option<&InputValue<'_>> {
+        self.0.iter().find(|value| value.name == field.name)
+    }
+}
+
+impl Inputs for InputValues<'_> {
     fn get(&self, field: &FieldSpec) -> Option<InputField<'_>> {
-        let port = self.port(field)?;
-        let sample = port.sample.as_ref()?;
-        Some(InputField { values: sample.values(), grid: &self.grids[port.grid].grid })
+        self.of(field).map(|value| value.now)
     }
 
     fn start(&self, field: &FieldSpec) -> Option<&[f64]> {
-        let port = self.port(field)?;
-        match port.start.as_ref()? {
-            Start { in_use: true, .. } => port.sample.as_ref().map(FieldSample::values),
-            Start { values, .. } => Some(values.as_slice()).filter(|v| !v.is_empty()),
-        }
+        self.of(field)?.start
     }
 }
 

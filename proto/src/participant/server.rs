@@ -331,7 +331,7 @@ impl Running {
         outputs.loan()?;
         self.step = command.step();
         let start = Instant::now();
-        let solved = self.model.solve(&self.step, inputs, outputs);
+        let solved = self.model.solve(&self.step, &inputs.values(), outputs);
         let spent = start.elapsed();
         self.model_time += spent;
         match solved {

@@ -68,6 +68,31 @@ fn thermal_models_answer_the_same_on_any_number_of_threads() {
     });
 }
 
+/// Threads take rows of a history that need nothing of each other, among them one without an answer.
+#[test]
+fn rows_of_a_history_are_the_same_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = folder.path().join("rows.csv");
+    let places = (0..11).map(|row| if row == 6 { 0.2 } else { 5e-4 * f64::from(row) });
+    let lines: String = places.enumerate().map(|(row, y)| format!("{row}, {y}\n")).collect();
+    std::fs::write(&rows, format!("row, y\n{lines}")).unwrap();
+    let column =
+        |key: &str, name: &str| format!("{key}={{file='{}', column='{name}'}}", rows.display());
+    let [y, row] = [column("wheelset.y", "y"), column("time.history", "row")];
+    let history = |threads: usize| {
+        let place = Place::new();
+        let limit = format!("limits.threads={threads}");
+        let settings = [y.as_str(), &row, "mech.resolution=5", &limit];
+        let summary = place.summary(&case("wheelset-lateral.toml"), &sets(&settings));
+        assert_eq!(summary["coupling"]["windows"], 10);
+        std::fs::read_to_string(place.out().join("history.csv")).unwrap()
+    };
+    let one = history(1);
+    assert_eq!(one, history(2));
+    assert_eq!(one, history(3));
+    assert_eq!(one.lines().count(), 12);
+}
+
 /// Those that compute at once share the threads, what is over goes to the first, and each has one.
 #[test]
 fn a_parallel_scheme_shares_the_threads() {

@@ -27,14 +27,14 @@ impl Running {
         case: Case,
         footprint: &Footprint,
         terms: Terms,
-        configuration: Configuration,
+        configuration: &Configuration,
     ) -> Self {
         let Footprint { grid, semi_axes } = *footprint;
         let solver = {
             let surfaces = (case.arcs, case.turn);
             ConformalSolver::new(&case.materials, surfaces, &grid, semi_axes, case.difference)
         };
-        Self { case, grid, terms, configuration, solver }
+        Self { case, grid, terms, configuration: configuration.clone(), solver }
     }
 }
 

@@ -4,17 +4,21 @@ use super::case::{Case, Position};
 use super::interface::Between;
 use super::plane::Plane;
 use super::summary::summary;
-use crate::models::each_window::{Windows, write_pair};
+use crate::models::each_window::{Nothing, Windows, write_pair};
 use crate::models::varying::no_answer;
 use crate::terms::Accepted;
 use crate::track::balance::{Balanced, WheelsetOnTrack};
 use crate::track::developed::Developed;
 use crate::track::patch::Patch;
 use crate::track::rail::Side;
+use numerics::team::{self, Team};
 use proto::configuration::{Configuration, Refusal};
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Outputs, Step, StepError};
 use serde_json::Value;
+
+/// Rows of a history that each thread is given at once, so that none waits long for another.
+const ROWS_OF_A_THREAD: usize = 4;
 
 /// A window that is solved.
 pub(super) struct Window {
@@ -28,17 +32,44 @@ pub(super) struct Running {
     case: Case,
     plane: Plane,
     configuration: Configuration,
-    wheelset: WheelsetOnTrack,
+    /// The solver, once for each thread.
+    solvers: Team<WheelsetOnTrack>,
+    /// Windows that are solved at once.
+    at_once: usize,
 }
 
 impl Running {
     pub(super) fn new(
         case: Case,
         plane: Plane,
-        configuration: Configuration,
+        configuration: &Configuration,
     ) -> Result<Self, Refusal> {
-        let wheelset = case.wheelset_on_track(1.0, case.settings.patch_surface)?;
-        Ok(Self { case, plane, configuration, wheelset })
+        let threads = match configuration.histories {
+            Some(_) if !case.terms.follow_inputs() => team::threads(),
+            _ => 1,
+        };
+        let solver = |_| case.wheelset_on_track(1.0, case.settings.patch_surface);
+        let solvers = (0..threads).map(solver).collect::<Result<Vec<_>, _>>()?;
+        let at_once = if threads > 1 { ROWS_OF_A_THREAD * threads } else { 1 };
+        let configuration = configuration.clone();
+        Ok(Self { case, plane, configuration, solvers: solvers.into(), at_once })
+    }
+
+    /// Solves a window from nothing, on a thread with its solver.
+    fn solved(
+        (case, plane): (&Case, &Plane),
+        solver: &mut WheelsetOnTrack,
+        position: &Position,
+        inputs: &dyn Inputs,
+    ) -> Result<Window, StepError> {
+        let Position { motion, deviation, given, .. } = position;
+        let shifts = [Side::Left, Side::Right].map(|side| plane.shift(side));
+        let between = Between { case, position, solving: Some((inputs, shifts)) };
+        solver.forget();
+        let balanced = solver.solve(motion, deviation, given, &between);
+        let balanced = balanced.map_err(|error| StepError::NoSolution(error.to_string()))?;
+        let fields = plane.fields(&balanced)?;
+        Ok(Window { position: *position, balanced, fields })
     }
 }
 
@@ -51,15 +82,23 @@ impl Windows for Running {
     }
 
     fn solve(&mut self, position: &Position, inputs: &dyn Inputs) -> Result<Window, StepError> {
-        let Position { motion, deviation, given, .. } = position;
-        let case = &self.case;
-        let shifts = [Side::Left, Side::Right].map(|side| self.plane.shift(side));
-        let between = Between { case, position, solving: Some((inputs, shifts)) };
-        self.wheelset.forget();
-        let balanced = self.wheelset.solve(motion, deviation, given, &between);
-        let balanced = balanced.map_err(|error| StepError::NoSolution(error.to_string()))?;
-        let fields = self.plane.fields(&balanced)?;
-        Ok(Window { position: *position, balanced, fields })
+        Self::solved((&self.case, &self.plane), self.solvers.first(), position, inputs)
+    }
+
+    fn solve_all(&mut self, positions: &[Position]) -> Vec<Result<Window, StepError>> {
+        let mut solved: Vec<_> = positions.iter().map(|_| None).collect();
+        let of = (&self.case, &self.plane);
+        let places = positions.iter().zip(&mut solved);
+        let operations = team::WORTH * positions.len() as u64;
+        self.solvers.sweep(operations, places, |solver, (position, place)| {
+            *place = Some(Self::solved(of, solver, position, &Nothing));
+            1
+        });
+        solved.into_iter().flatten().collect()
+    }
+
+    fn at_once(&self) -> usize {
+        self.at_once
     }
 
     fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
@@ -101,7 +140,7 @@ impl Windows for Running {
     fn summary(&self, window: &Window) -> Value {
         let given = &window.position.given;
         let shift = |side| self.plane.shift(side);
-        let mut summary = summary(&window.balanced, given, &self.wheelset, &shift);
+        let mut summary = summary(&window.balanced, given, self.solvers.read(), &shift);
         for (section, figures) in self.case.terms.observations.iter().filter_map(|t| t.summary()) {
             summary[section] = figures;
         }
