@@ -21,6 +21,7 @@ pub(crate) mod spent;
 pub(crate) mod table;
 
 use crate::case_arguments::read_case;
+use axis::Axis;
 use case::RawCase;
 use run::error::RunError;
 use run::perform::{self, RunStart};
@@ -44,12 +45,21 @@ pub(crate) struct Variant {
 }
 
 impl Variant {
-    /// The same with one more key set.
+    /// The same with a key set, instead of what it was set to before.
     #[must_use]
     pub(crate) fn with(&self, key: &str, value: impl std::fmt::Display) -> Self {
         let mut more = self.clone();
+        more.set.retain(|option| set_key(option) != key);
         more.set.push(format!("{key}={value}"));
         more
+    }
+
+    /// What its keys are set to, each an axis of one value.
+    pub(crate) fn axes(&self) -> impl Iterator<Item = Axis> {
+        self.set.iter().filter_map(|option| {
+            let (key, value) = option.split_once('=')?;
+            Some(Axis { key: key.trim().to_owned(), values: vec![value.trim().to_owned()] })
+        })
     }
 
     /// The options that make a `run` of it.
@@ -59,6 +69,11 @@ impl Variant {
         let unset = self.unset.iter().flat_map(|key| ["--unset".to_owned(), key.clone()]);
         set.chain(unset).collect()
     }
+}
+
+/// The key of an option of `--set`.
+fn set_key(option: &str) -> &str {
+    option.split_once('=').map_or(option, |(key, _)| key).trim()
 }
 
 /// Plans a case with a variant's changes.

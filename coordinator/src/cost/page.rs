@@ -9,6 +9,7 @@ use crate::study::output::Shown;
 use contract::figure::Measure;
 use run::error::RunError;
 use run::format::{of_key, seconds};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 impl Shown for Study {
@@ -75,11 +76,15 @@ pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
     let mut figure = Figure::new(title, "time in solvers and coupling [s]", measured);
     (figure.decades, figure.decades_x) = (true, true);
     for (number, level) in study.levels.iter().enumerate() {
-        let own = study.runs.iter().filter(|run| run.level == number);
-        let point = |run: &Run| Some([run.cost.solve_s, *run.errors.get(&one.key)?]);
-        let points: Vec<[f64; 2]> = own.filter_map(point).filter(|p| p[1] > 0.0).collect();
-        if !points.is_empty() {
-            figure = figure.with(&level.name, points);
+        let mut lines: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();
+        for run in study.runs.iter().filter(|run| run.level == number) {
+            if let Some(error) = run.errors.get(&one.key).filter(|error| **error > 0.0) {
+                let point = [run.cost.solve_s, *error];
+                lines.entry(line(&level.name, run)).or_default().push(point);
+            }
+        }
+        for (name, points) in lines {
+            figure = figure.with(name, points);
         }
     }
     let known = match reference.uncertainty {
@@ -89,6 +94,13 @@ pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
     };
     figure.note = format!("Against {}{known}.", reference.source);
     figure.has_points().then_some(figure)
+}
+
+/// The line of a run: its models, and the values that are words, which no line can lead along.
+fn line(models: &str, run: &Run) -> String {
+    let is_word = |value: &&str| value.starts_with(|first: char| first.is_ascii_alphabetic());
+    let values = run.settings.iter().map(|(_, value)| value.trim_matches('"')).filter(is_word);
+    std::iter::once(models).chain(values).collect::<Vec<_>>().join(", ")
 }
 
 fn references(study: &Study) -> Option<Section> {

@@ -65,7 +65,8 @@ pub(super) fn sweep(
 ) -> Result<Sweep, RunError> {
     let Offer { mut levels, refused } = offered(&request.case, &request.base)?;
     check(&levels, &refused, &request.vary)?;
-    choose(&mut levels, &request.vary);
+    let held: Vec<Axis> = request.vary.iter().cloned().chain(request.base.axes()).collect();
+    choose(&mut levels, &held);
     let axes = axes(&levels, request, &standing.plan);
     let mut sweep = Sweep {
         refused,
@@ -134,9 +135,9 @@ fn check(levels: &[Level], refused: &[(String, String)], vary: &[Axis]) -> Resul
     Ok(())
 }
 
-/// Keeps the models, and takes the resolutions, that were asked for.
-fn choose(levels: &mut Vec<Level>, vary: &[Axis]) {
-    let wanted = |role: &str| vary.iter().find(|axis| axis.key == format!("{role}.model"));
+/// Keeps the models, and takes the resolutions, that were asked for, by `--vary` or by `--set`.
+fn choose(levels: &mut Vec<Level>, held: &[Axis]) {
+    let wanted = |role: &str| held.iter().find(|axis| axis.key == format!("{role}.model"));
     levels.retain(|level| {
         let asked = |(role, model): &(String, String)| {
             wanted(role).is_none_or(|axis| axis.values.iter().any(|v| v.trim_matches('"') == model))
@@ -144,7 +145,7 @@ fn choose(levels: &mut Vec<Level>, vary: &[Axis]) {
         level.models.iter().all(asked)
     });
     for refinement in levels.iter_mut().flat_map(|level| &mut level.refinements) {
-        let asked = vary.iter().find(|axis| axis.key == refinement.key);
+        let asked = held.iter().find(|axis| axis.key == refinement.key);
         let mut given: Vec<u32> =
             asked.iter().flat_map(|a| &a.values).filter_map(|v| v.parse().ok()).collect();
         if !given.is_empty() {
@@ -165,8 +166,9 @@ fn axes(levels: &[Level], request: &Request, plan: &Plan) -> Vec<Axis> {
     };
     let mut axes: Vec<Axis> =
         request.vary.iter().filter(|axis| !is_level(&axis.key)).cloned().collect();
+    let set: Vec<Axis> = request.base.axes().collect();
     let mut by_default = |key: &str, values: Vec<String>| {
-        if axes.iter().all(|axis| axis.key != key) {
+        if axes.iter().chain(&set).all(|axis| axis.key != key) {
             axes.push(Axis { key: key.to_owned(), values });
         }
     };

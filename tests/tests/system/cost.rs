@@ -131,6 +131,24 @@ fn tolerances_windows_and_refusals() {
     assert_eq!(windows[..4], [8e-5, 4e-5, 2e-5, 1e-5]);
 }
 
+/// What is set is not varied, and stands once in the options of a run.
+#[test]
+fn what_is_set_is_not_varied() {
+    let place = Place::new();
+    let set = ["mech.model=hertz-carter", "thermal.model=ertz-knothe", "mech.resolution=7"];
+    let options: Vec<&str> = set.iter().flat_map(|key| ["--set", key]).collect();
+    let study = study(&place, "wheel-rail.toml", &options);
+    let [run] = runs(&study) else { panic!("{}", study["runs"]) };
+    let mut given: Vec<&str> =
+        run["options"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    given.retain(|option| *option != "--set");
+    given.sort_unstable();
+    assert_eq!(
+        given,
+        ["mech.model=hertz-carter", "mech.resolution=7", "thermal.model=ertz-knothe"]
+    );
+}
+
 #[test]
 fn the_files_agree_and_the_report_can_be_made_again() {
     let place = Place::new();
