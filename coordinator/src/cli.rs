@@ -488,6 +488,7 @@ fn run_case(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<(), 
 /// The error is stated. With a target models and resolution are chosen, and once more if the error turns out too large. The answer that there
 /// is stays until a better one has come to its end.
 fn run_to(asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
+    let _participants = run::crew::keep();
     let case = asked.case.as_ref().expect("required unless a run is resumed");
     let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
     let (relative, quantity) = (asked.accuracy, asked.quantity.clone());

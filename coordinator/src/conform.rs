@@ -77,6 +77,7 @@ const CHECKS: &[&Check] = &[
     &leaving::HEART,
     &leaving::COORDINATOR_DIES,
     &leaving::FIGURES,
+    &leaving::REUSE,
     &leaving::FINISH,
 ];
 

@@ -29,7 +29,7 @@ pub(crate) use cli::{Arguments, main};
 pub(crate) use record::Record;
 
 use crate::output::Speaker;
-use crate::study::arguments::FolderArguments;
+use crate::study::arguments::StudyArguments;
 use crate::study::output::{Kept, Shown};
 use render::Rendered;
 use run::error::{RunError, file_failure};
@@ -43,7 +43,7 @@ pub(crate) struct Request<'a> {
     /// The study's file.
     pub study: &'a Path,
     /// Where runs, text and plots go.
-    pub folder: &'a FolderArguments,
+    pub folder: &'a StudyArguments,
     /// A further place for the text; its plots go into `img/NAME` beside it.
     pub write: Option<&'a Path>,
     /// A text that is kept, with its plots, to be compared.

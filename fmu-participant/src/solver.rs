@@ -110,6 +110,7 @@ impl Solver for FmuSolver {
             standalone: true,
             estimates: true,
             advises: false,
+            reusable: false,
             models: vec![self.fmu.model()],
             effects: Vec::new(),
             keys,

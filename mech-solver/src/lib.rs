@@ -84,6 +84,7 @@ impl Solver for MechSolver {
             standalone: true,
             estimates: true,
             advises: true,
+            reusable: true,
             models: models::MODELS.iter().map(|model| (model.spec)()).collect(),
             effects: EFFECTS.iter().map(|effect| effect.spec(support::models_of(effect))).collect(),
             keys: scene::body_keys(),

@@ -48,6 +48,7 @@ impl Solver for ShortColumns {
             standalone: false,
             estimates: true,
             advises: false,
+            reusable: true,
             models: vec![ModelSpec {
                 name: "short".to_owned(),
                 summary: "Abel's integral".to_owned(),

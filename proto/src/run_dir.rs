@@ -193,13 +193,19 @@ pub fn free_shared_memory() -> u64 {
     rustix::fs::statvfs(SHARED_MEMORY).map_or(u64::MAX, |s| s.f_bavail.saturating_mul(s.f_frsize))
 }
 
-/// Largest resident memory of this process so far [byte]; 0 where it cannot be known.
+/// Largest resident memory of this process so far, or since it was last forgotten [byte]; 0 where it
+/// cannot be known.
 #[must_use]
 pub fn peak_resident_memory() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<u64>().ok());
     kib.unwrap_or(0) * 1024
+}
+
+/// Lets [`peak_resident_memory`] begin anew, where the system can (`proc_pid_clear_refs(5)`).
+pub fn forget_peak_resident_memory() {
+    let _ = fs::write("/proc/self/clear_refs", "5");
 }
 
 /// Processor seconds of this process so far, in itself and in the kernel.

@@ -220,6 +220,7 @@ impl Solver for Lumped {
             standalone: true,
             estimates: true,
             advises: false,
+            reusable: true,
             models: vec![
                 self.model("lumped", "one heat capacity and what heats it"),
                 self.model("split", "the same, with the flux in two fields"),

@@ -56,6 +56,7 @@ impl Solver for ThermalSolver {
             standalone: false,
             estimates: true,
             advises: true,
+            reusable: true,
             models: models::REGISTRY.iter().map(|model| (model.spec)()).collect(),
             effects: effects::REGISTRY.iter().map(|effect| (effect.spec)()).collect(),
             keys: scene::keys(),

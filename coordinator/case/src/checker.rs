@@ -85,7 +85,7 @@ impl<'a> Checker<'a> {
 
     /// The keys that read a dotted key.
     pub(super) fn readers(&self, key: &str) -> Vec<&'a Known> {
-        self.known.iter().filter(|k| super::known::matches(&k.spec.path, key)).collect()
+        self.known.iter().filter(|k| k.spec.is_of(key)).collect()
     }
 
     /// The usual program of a role, in the place of which another one runs, reads such a key.

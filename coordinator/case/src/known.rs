@@ -136,18 +136,12 @@ pub(super) fn all_keys(description: &Description) -> impl Iterator<Item = &KeySp
     description.keys.iter().chain(models).chain(effects)
 }
 
-/// A dotted key matches a path with `*`.
-pub(super) fn matches(pattern: &str, key: &str) -> bool {
-    pattern.split('.').count() == key.split('.').count() && starts(pattern, key)
-}
-
 /// A dotted key is a section on the way to a path with `*`.
 pub(super) fn leads_to(key: &str, pattern: &str) -> bool {
-    key.split('.').count() < pattern.split('.').count() && starts(pattern, key)
-}
-
-fn starts(pattern: &str, key: &str) -> bool {
-    pattern.split('.').zip(key.split('.')).all(|(p, k)| p == "*" || p == k)
+    let mut pattern = pattern.split('.');
+    let leads =
+        key.split('.').all(|name| pattern.next().is_some_and(|part| part == "*" || part == name));
+    leads && pattern.next().is_some()
 }
 
 /// The keys that a path with `*` stands for, with the names that took the place of the `*`.

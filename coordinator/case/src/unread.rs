@@ -1,7 +1,7 @@
 //! Keys that stand in the case and that nothing reads: not the chosen models, not the active effects.
 
 use super::checker::Checker;
-use super::known::{COORDINATOR, all_keys, matches};
+use super::known::{COORDINATOR, all_keys};
 use super::tree::{Node, Origin, Table};
 use contract::description::Description;
 
@@ -58,7 +58,7 @@ impl Checker<'_> {
         };
         if readers.is_empty() {
             let reads = |(_, description): &&(String, Description)| {
-                all_keys(description).any(|spec| matches(&spec.path, &key))
+                all_keys(description).any(|spec| spec.is_of(&key))
             };
             let usual = self.replaced.iter().filter(reads);
             words.extend(usual.map(|(role, of)| format!("{} as {role}", of.name)));

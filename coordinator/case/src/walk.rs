@@ -2,11 +2,11 @@
 
 use super::check::{Fault, check};
 use super::checker::{Checker, put};
-use super::known::{COORDINATOR, Known, leads_to, matches};
+use super::known::{COORDINATOR, Known, leads_to};
 use super::live::is_live;
 use super::schema::{ON_FAILURE, SECTIONS};
 use super::tree::{Node, Table, Value};
-use contract::description::KeyKind;
+use contract::description::{KeyKind, matches};
 use contract::suggest::{all_of, any_of, nearest};
 use contract::text::check_line;
 use serde_json::{Map, Value as Json};
@@ -109,7 +109,7 @@ impl Checker<'_> {
         if section == "effects" {
             return self.unknown_effect(key, name, node);
         }
-        if self.is_read_by_replaced(|spec| matches(&spec.path, key)) {
+        if self.is_read_by_replaced(|spec| spec.is_of(key)) {
             return;
         }
         let kind = if section.is_empty() && node.table().is_some() { "section" } else { "key" };

@@ -5,6 +5,7 @@
 
 pub mod advice;
 pub mod checkpoint;
+pub mod crew;
 pub mod damage;
 pub mod deadlines;
 pub mod error;

@@ -24,7 +24,7 @@ use crate::record::Recorder;
 use crate::signals;
 use crate::supervise::{Exit, Launch, Supervisor};
 use arrayvec::ArrayVec;
-use contract::message::{Command, MOST_PARTICIPANTS, Reply, Status};
+use contract::message::{Command, CommandKind, MOST_PARTICIPANTS, Reply, Status};
 use coupling::ParticipantIndex;
 use patience::Patience;
 use proto::run_dir::{RunDir, RunInfo};
@@ -42,7 +42,7 @@ pub const COORDINATOR: &str = "coordinator";
 pub const LEAVE: Duration = Duration::from_secs(2);
 
 /// A place in a run, and what is to take it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Seat {
     /// Role to play.
     pub role: String,
@@ -57,6 +57,13 @@ pub struct Seat {
 /// folder goes last.
 #[derive(Debug)]
 pub struct EndsFirst(Option<Arc<Supervisor>>);
+
+impl EndsFirst {
+    /// Lets the processes live.
+    pub(crate) fn spare(mut self) {
+        self.0 = None;
+    }
+}
 
 impl Drop for EndsFirst {
     fn drop(&mut self) {
@@ -76,6 +83,7 @@ pub type Answer = (ParticipantIndex, Result<Message<Reply>, RunError>);
 // Fields drop in this order: processes end first, ports close next, the run's folder goes last.
 #[derive(Debug)]
 pub struct Peers {
+    seats: Vec<Seat>,
     supervisor: Arc<Supervisor>,
     recorder: Option<Arc<Recorder>>,
     all: TiVec<ParticipantIndex, Peer>,
@@ -142,7 +150,43 @@ impl Peers {
         let all = all.map_err(opened)?;
         let supervisor = Arc::new(launch(seats, &info)?);
         let (screen, phase) = (silent(), Phase::Starting);
-        Ok(Self { supervisor, recorder, all, doorbell, endpoint, run, deadlines, screen, phase })
+        let seats = seats.to_vec();
+        Ok(Self {
+            seats,
+            supervisor,
+            recorder,
+            all,
+            doorbell,
+            endpoint,
+            run,
+            deadlines,
+            screen,
+            phase,
+        })
+    }
+
+    /// The same participants after a run, which nothing of it holds any more.
+    #[must_use]
+    pub(crate) fn after_run(self) -> Self {
+        Self { recorder: None, screen: silent(), ..self }
+    }
+
+    /// The same participants for another run.
+    #[must_use]
+    pub(crate) fn for_run(self, deadlines: Deadlines, recorder: Option<Arc<Recorder>>) -> Self {
+        Self { deadlines, recorder, ..self }
+    }
+
+    /// Lets participants go that wait for a run.
+    pub(crate) fn dismiss(mut self) {
+        self.phase = Phase::Finishing;
+        for one in self.all.keys() {
+            if let Err(error) = self.post(one, Command::new(CommandKind::Finish), &[], true) {
+                tracing::debug!("a participant that waited has gone: {error}");
+                return;
+            }
+        }
+        self.wait_for_exits();
     }
 
     /// Shows there, from now on, how far participants are with long work.
@@ -462,6 +506,12 @@ impl Peers {
     #[must_use]
     pub fn end_first(&self) -> EndsFirst {
         EndsFirst(Some(Arc::clone(&self.supervisor)))
+    }
+
+    /// The places in the run.
+    #[must_use]
+    pub fn seats(&self) -> &[Seat] {
+        &self.seats
     }
 
     /// Everybody, in the order of the seats.

@@ -134,8 +134,9 @@ pub struct FieldPlan {
 /// # Errors
 /// The file system.
 pub fn write(plan: &Plan, folder: &ResultFolder) -> Result<(), RunError> {
-    folder.write(TEXT, text(plan).as_bytes())?;
-    folder.write(FILE, json(&PlanFile::of(plan)).as_bytes())
+    let file = PlanFile::of(plan);
+    folder.write(TEXT, text(&file).as_bytes())?;
+    folder.write(FILE, json(&file).as_bytes())
 }
 
 /// Warnings of the stored plan of a resumed run, if it can be read. The stored case already contains
@@ -146,8 +147,9 @@ pub(crate) fn first_warnings(folder: &ResultFolder) -> Vec<Warning> {
 }
 
 /// The plan, and the versions of all that take part.
-fn text(plan: &Plan) -> String {
-    let PlanFile { coordinator, protocol, participants, mut text, .. } = PlanFile::of(plan);
+fn text(plan: &PlanFile) -> String {
+    let PlanFile { coordinator, protocol, participants, text, .. } = plan;
+    let mut text = text.clone();
     let _ =
         writeln!(text, "\nversions\ncoordinator\tcoordinator\t{coordinator}\tprotocol {protocol}");
     for ParticipantPlan { role, program, version, model, .. } in participants {

@@ -17,6 +17,7 @@ use serde::de::DeserializeOwned;
 use std::io;
 use std::os::fd::AsFd;
 use std::process::{Output, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::process::Command;
@@ -29,6 +30,22 @@ impl Program {
     /// What the program says of itself.
     pub async fn describe(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
         self.ask(role, "--describe", Vec::new(), deadline).await
+    }
+
+    /// The same, checked, and asked once in the life of this process: all runs of a study are of the same
+    /// programs. Of another version of the contract it is as it is.
+    pub async fn known(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
+        static KNOWN: Mutex<Vec<(Program, Description)>> = Mutex::new(Vec::new());
+        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, description)) = known().iter().find(|(program, _)| program == self) {
+            return Ok(description.clone());
+        }
+        let description = self.describe(role, deadline).await?;
+        if description.protocol == contract::PROTOCOL_VERSION {
+            description.check().map_err(|fault| self.misled(role, fault))?;
+        }
+        known().push((self.clone(), description.clone()));
+        Ok(description)
     }
 
     /// What the program makes of a configuration.

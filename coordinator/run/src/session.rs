@@ -39,6 +39,7 @@ pub use solved::SolveRecord;
 pub use tap::{Consumer, Tap};
 
 use crate::peers::{EndsFirst, Peers};
+use crate::record::Recorder;
 use crate::warnings::Warning;
 use coupling::{Part, ParticipantIndex};
 use feedback::Feedback;
@@ -47,6 +48,7 @@ use index::{MappedIndex, MovingIndex, PartIndex, TapIndex};
 use live::LiveValues;
 use mapped::Mapped;
 use memory::SharedMemory;
+use std::sync::Arc;
 use typed_index_collections::{TiSlice, TiVec};
 
 /// Which participants publish their observed fields when a window is accepted.
@@ -61,10 +63,14 @@ pub enum Observed {
 }
 
 /// A run in progress.
-// Fields drop in this order: processes end first, ports close next, the run's folder goes last.
+// Fields drop in this order: the recording is closed, processes end, ports close, the run's folder
+// goes last.
 #[derive(Debug)]
 pub struct Session {
-    _guard: EndsFirst,
+    _recording: Recording,
+    guard: EndsFirst,
+    /// All participants may stay after the run.
+    reusable: bool,
     taps: TiVec<TapIndex, Tap>,
     feedback: TiVec<PartIndex, Feedback>,
     mapped: TiVec<MappedIndex, Mapped>,
@@ -142,9 +148,13 @@ impl Session {
     }
 }
 
-impl Drop for Session {
+/// The recording of a run, closed at its end however that comes.
+#[derive(Debug)]
+struct Recording(Option<Arc<Recorder>>);
+
+impl Drop for Recording {
     fn drop(&mut self) {
-        if let Some(recorder) = self.peers.recorder() {
+        if let Some(recorder) = &self.0 {
             // Its failure has been reported by whatever noticed it, or will be by `finish`.
             recorder.close();
         }

@@ -3,7 +3,7 @@
 use super::perform::{Request, study};
 use super::runs;
 use super::study::Study;
-use crate::study::arguments::{CaseArguments, FolderArguments, RepeatArguments};
+use crate::study::arguments::{CaseArguments, RepeatArguments, StudyArguments};
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::planned;
 use clap::Args;
@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     times: RepeatArguments,
     #[command(flatten)]
-    folder: FolderArguments,
+    folder: StudyArguments,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -29,6 +29,7 @@ pub(crate) struct Arguments {
 /// # Errors
 /// A case that cannot run, the file system.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+    let _participants = asked.folder.keep();
     let (case, base) = (asked.of.case.clone(), asked.of.base());
     let standing = planned(&case, &base)?;
     crate::logging::log_warnings(&standing.plan.warnings);

@@ -126,6 +126,7 @@ fn nobody(role: &str) -> Description {
         standalone: false,
         estimates: false,
         advises: false,
+        reusable: true,
         models: Vec::new(),
         effects: Vec::new(),
         keys: Vec::new(),

@@ -5,6 +5,8 @@ use super::check::Check;
 use super::fault::{Fault, Seen, broken, late};
 use super::grids::largest;
 use super::life::Life;
+use super::setting::Setting;
+use super::solving::same;
 use contract::figure::value;
 use contract::message::Command;
 use contract::message::CommandKind;
@@ -36,8 +38,19 @@ pub(super) const FINISH: Check = Check {
     run: finish,
 };
 
+pub(super) const REUSE: Check = Check {
+    name: "reuse",
+    demand: "after Finish with STAY the process takes part in another run, on other grids and in other \
+             settings: a window has the bits of a new process, whatever the run before",
+    fix: "begin anew with every Configure, close the ports of the run with Finish; or describe \
+          `\"reusable\": false`",
+    run: reuse,
+};
+
 /// How long the heart is listened to while nothing is computed.
 const IDLE: Duration = Duration::from_millis(1500);
+/// Elements of a small run.
+const SMALL: [usize; 2] = [8, 6];
 /// The longest silence that is no fault: a few hundred milliseconds, and a busy machine.
 const SILENCE: Duration = Duration::from_secs(1);
 
@@ -85,6 +98,25 @@ fn heart(bench: &Bench) -> Result<Seen, Fault> {
         ms(longest.1),
         ms(longest.0)
     ))
+}
+
+fn reuse(bench: &Bench) -> Result<Seen, Fault> {
+    if !bench.subject.description.reusable {
+        return Seen::inapplicable("it describes itself as not reusable");
+    }
+    let smaller = bench.settings.iter().take(1).filter_map(|setting| setting.resized(SMALL));
+    let settings: Vec<Setting> = bench.settings.iter().cloned().chain(smaller).collect();
+    let mut life = bench.joined()?;
+    // Every setting after the one before it, after the one behind it, and one after itself.
+    for setting in settings.iter().chain(settings.iter().rev()) {
+        life.prepare(setting)?;
+        let found = life.published(&setting.step(0), 0)?;
+        let why = || format!("{}, after another run of the process", setting.label());
+        same(&found, &bench.reference(setting)?.first, &why())?;
+        life.rest()?;
+    }
+    bench.keep_joined(life);
+    Seen::kept(format!("{} runs of one process", 2 * settings.len()))
 }
 
 fn coordinator_dies(bench: &Bench) -> Result<Seen, Fault> {

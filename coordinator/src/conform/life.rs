@@ -16,8 +16,8 @@ use contract::configuration::{Configuration, Layout};
 use contract::description::Description;
 use contract::grid::Grid;
 use contract::message::{
-    Command, CommandKind, FIGURES, FieldHeader, GeometryTopic, OBSERVE, Reply, Status, Topic,
-    Topics,
+    Command, CommandKind, FIGURES, FieldHeader, Finished, GeometryTopic, OBSERVE, Reply, STAY,
+    Status, Topic, Topics,
 };
 use coupling::ParticipantIndex;
 use ending::{Abandoned, nothing_left};
@@ -289,6 +289,15 @@ impl Life {
             topics.inputs.push(topic);
         }
         Ok(topics)
+    }
+
+    /// `Finish`, after which it stays for another run; our ports close, as its own have.
+    pub(super) fn rest(&mut self) -> Result<(), Fault> {
+        let finish = Command { flags: STAY, ..Command::new(CommandKind::Finish) };
+        self.ask(finish, &[])?.done()?.json::<Finished>("a summary")?;
+        (self.outputs, self.observed, self.volumes, self.inputs) = Default::default();
+        self.accepted = None;
+        Ok(())
     }
 
     /// What can be solved next: the window after the accepted one.

@@ -4,7 +4,7 @@ use super::finished::FinishedRuns;
 use super::study::{Request, Study};
 use super::sweep::Places;
 use super::{analysis, page, runs, show, sweep};
-use crate::study::arguments::{CaseArguments, FolderArguments, RepeatArguments};
+use crate::study::arguments::{CaseArguments, RepeatArguments, StudyArguments};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, Printing, Shown};
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SECONDS", default_value_t = 2.0)]
     longest_run: f64,
     #[command(flatten)]
-    folder: FolderArguments,
+    folder: StudyArguments,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -48,6 +48,7 @@ pub(crate) struct Arguments {
 /// # Errors
 /// A case that cannot run, options that cannot be, the file system.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+    let _participants = asked.folder.keep();
     let request = request(asked)?;
     let standing = planned(&request.case, &request.base)?;
     crate::logging::log_warnings(&standing.plan.warnings);

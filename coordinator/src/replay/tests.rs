@@ -40,6 +40,7 @@ fn description() -> Description {
         standalone: true,
         estimates: false,
         advises: false,
+        reusable: true,
         models: vec![model],
         effects: Vec::new(),
         keys: Vec::new(),

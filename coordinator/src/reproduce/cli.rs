@@ -2,7 +2,7 @@
 
 use super::{Request, reproduce};
 use crate::output::Speaker;
-use crate::study::arguments::FolderArguments;
+use crate::study::arguments::StudyArguments;
 use clap::Args;
 use run::error::RunError;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ pub(crate) struct Arguments {
     #[arg(default_value = "cases/paper/study.toml")]
     study: PathBuf,
     #[command(flatten)]
-    folder: FolderArguments,
+    folder: StudyArguments,
     /// Write the text here too, and its plots into img/NAME beside it.
     #[arg(long, value_name = "FILE")]
     write: Option<PathBuf>,
@@ -28,6 +28,7 @@ pub(crate) struct Arguments {
 /// # Errors
 /// A study that is wrong, those of its runs, a text that is stale.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+    let _participants = asked.folder.keep();
     let request = Request {
         study: &asked.study,
         folder: &asked.folder,

@@ -4,7 +4,7 @@ use super::report::Report;
 use super::suite::Suite;
 use super::{Request, limits, show, stability};
 use crate::output::{Speaker, print};
-use crate::study::arguments::FolderArguments;
+use crate::study::arguments::StudyArguments;
 use crate::study::output::{Kept, Shown};
 use clap::Args;
 use contract::text::json;
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    folder: FolderArguments,
+    folder: StudyArguments,
     /// Write the edges that were found, as Markdown.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["only", "no_sweep"])]
     write_limits: Option<PathBuf>,
@@ -39,6 +39,7 @@ pub(crate) struct Arguments {
 /// # Errors
 /// What is asked for cannot be, or a case went otherwise than expected.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+    let _participants = asked.folder.keep();
     let suite = Suite::read(&asked.suite)?;
     // A case that the suite does not have is reported before anything is printed.
     suite.chosen(&asked.only)?;

@@ -3,7 +3,7 @@
 use super::page;
 use super::perform::{Request, study};
 use super::study::Study;
-use crate::study::arguments::{CaseArguments, FolderArguments};
+use crate::study::arguments::{CaseArguments, StudyArguments};
 use crate::study::axis::Axis;
 use crate::study::output::{Kept, Printing, Shown};
 use crate::study::{planned, refuse_unread};
@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "KEY=A,B,C|FROM..TO/COUNT", value_parser = Axis::read)]
     start: Axis,
     #[command(flatten)]
-    folder: FolderArguments,
+    folder: StudyArguments,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -31,6 +31,7 @@ pub(crate) struct Arguments {
 /// # Errors
 /// A case that cannot run or is not steady, the file system.
 pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
+    let _participants = asked.folder.keep();
     let (case, base) = (asked.of.case.clone(), asked.of.base());
     let standing = planned(&case, &base.with(&asked.start.key, &asked.start.values[0]))?;
     refuse_unread(&standing, &asked.start.key, "--start")?;

@@ -3,6 +3,7 @@
 use super::Variant;
 use super::folder::{StudyFolder, Wanted};
 use clap::Args;
+use run::crew::{self, Keeps};
 use run::error::RunError;
 use std::path::{Path, PathBuf};
 
@@ -36,18 +37,26 @@ impl CaseArguments {
     }
 }
 
-/// Where a study writes.
+/// Where a study writes, and who takes part in its runs.
 #[derive(Debug, Args)]
-pub(crate) struct FolderArguments {
+pub(crate) struct StudyArguments {
     /// Folder of the study [default: results/NAME, or NAME-2 and so on].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace an earlier study of its kind in that folder.
     #[arg(long)]
     pub replace: bool,
+    /// Start new processes for every run, for solvers that keep something of one run in the next.
+    #[arg(long)]
+    pub fresh: bool,
 }
 
-impl FolderArguments {
+impl StudyArguments {
+    /// Lets participants stay from run to run on this thread, unless every run is to have new ones.
+    pub(crate) fn keep(&self) -> Option<Keeps> {
+        (!self.fresh).then(crew::keep)
+    }
+
     /// The folder for a study that a command makes, and which has this name by default. One in which the
     /// same study was stopped is used again.
     ///

@@ -9,7 +9,7 @@ use super::study::Study;
 use super::{page, table};
 use crate::fit;
 use crate::output;
-use crate::study::arguments::{CaseArguments, FolderArguments};
+use crate::study::arguments::{CaseArguments, StudyArguments};
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Kept, Printing, Shown};
@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     engine: engine::Asked,
     #[command(flatten)]
-    folder: FolderArguments,
+    folder: StudyArguments,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -190,7 +190,7 @@ fn here(
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let (case, base, scratch) = (&*asked.of.case, &asked.of.base(), scratch.path());
     let jobs = asked.jobs.map_or_else(cores, usize::from);
-    fill(sweep, &How { case, base, quantities, jobs, scratch, quiet })
+    fill(sweep, &How { case, base, quantities, jobs, scratch, quiet, study: &asked.folder })
 }
 
 /// The parts for a scheduler: as many as are under way, as are asked for, or as make tasks of a minute.
@@ -208,7 +208,8 @@ fn tasks(
     let parts = engine::parts_under_way(folder).or(asked.engine.parts.map(|parts| parts as usize));
     let parts = parts.unwrap_or_else(|| Tasks::parts_for(study.count(), seconds));
     let case = asked.of.case.display().to_string();
-    let options = [vec![case], asked.of.base().options(), asked.points.options()].concat();
+    let fresh = asked.folder.fresh.then(|| "--fresh".to_owned()).into_iter().collect();
+    let options = [vec![case], asked.of.base().options(), asked.points.options(), fresh].concat();
     Tasks::new(folder, parts, options, asked.jobs)
 }
 

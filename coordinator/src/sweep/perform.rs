@@ -2,6 +2,7 @@
 
 use super::rows::Growing;
 use super::study::{Row, Study};
+use crate::study::arguments::StudyArguments;
 use crate::study::axis::Axis;
 use crate::study::levels::reason;
 use crate::study::progress::Steps;
@@ -29,6 +30,8 @@ pub(super) struct How<'a> {
     pub scratch: &'a Path,
     /// No progress is shown.
     pub quiet: bool,
+    /// Whether participants stay from point to point.
+    pub study: &'a StudyArguments,
 }
 
 /// How a run has ended, and the seconds that it took.
@@ -90,6 +93,7 @@ fn work(
     stopped: &AtomicBool,
     send: &Sender<(usize, Ended)>,
 ) {
+    let _participants = how.study.keep();
     let folder = how.scratch.join(job.to_string());
     while !stopped.load(Ordering::Relaxed) {
         let n = next.fetch_add(1, Ordering::Relaxed);

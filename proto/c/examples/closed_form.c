@@ -31,7 +31,7 @@ static const double PI = 3.14159265358979323846;
 static const char *const SURFACE[BODIES] = {"upper_temperature", "lower_temperature"};
 
 static const char *const DESCRIPTION = COSIM_JSON({
-    "name": "closed-form", "version": "1.0", "role": "thermal",
+    "name": "closed-form", "version": "1.0", "role": "thermal", "reusable": true,
     "models": [{
         "name": "ertz-knothe", "steady": true, "transient": false,
         "summary": "closed form for the elliptic flux with the moments of each row, in C",
@@ -283,9 +283,17 @@ static int configure(void *user, const cosim_configuration *told, cosim_layout *
     return cosim_layout_cost(layout, 30e-9 * (double)cf->grid.points, 2 * field_size(cf));
 }
 
+static void destroy(void *user)
+{
+    struct closed_form *cf = user;
+    free(cf->trial);
+    free(cf->accepted);
+}
+
 static int build(void *user)
 {
     struct closed_form *cf = user;
+    destroy(cf); /* what the run before has left */
     cf->trial = calloc(1, field_size(cf));
     cf->accepted = calloc(1, field_size(cf));
     return cf->trial && cf->accepted ? COSIM_OK : cosim_fail("out of memory");
@@ -371,13 +379,6 @@ static const char *summary(void *user)
     snprintf(cf->summary, sizeof cf->summary, "{\"temperature\": {\"%s\": %s, \"%s\": %s}}",
              cf->name[LOWER], part[LOWER], cf->name[UPPER], part[UPPER]);
     return cf->summary;
-}
-
-static void destroy(void *user)
-{
-    struct closed_form *cf = user;
-    free(cf->trial);
-    free(cf->accepted);
 }
 
 int main(int argc, char **argv)

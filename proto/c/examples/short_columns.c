@@ -17,7 +17,7 @@ static const double PI = 3.14159265358979323846;
 static const char *const SURFACE[] = {"lower_temperature", "upper_temperature"};
 
 static const char *const DESCRIPTION = COSIM_JSON({
-    "name": "short-columns", "version": "1.0", "role": "thermal",
+    "name": "short-columns", "version": "1.0", "role": "thermal", "reusable": true,
     "models": [{
         "name": "short", "steady": true, "transient": false,
         "summary": "Abel's integral", "source": "Carslaw & Jaeger, Conduction of Heat in Solids, 2.9",
@@ -102,9 +102,18 @@ static int configure(void *user, const cosim_configuration *told, cosim_layout *
     return cosim_layout_cost(layout, 1e-9 * (double)(n * c->grid.ni), 8 * (2 * n + c->grid.ni));
 }
 
+static void destroy(void *user)
+{
+    struct columns *c = user;
+    free(c->shape);
+    free(c->trial);
+    free(c->accepted);
+}
+
 static int build(void *user)
 {
     struct columns *c = user;
+    destroy(c); /* what the run before has left */
     size_t n = c->grid.points, ni = c->grid.ni;
     c->shape = calloc(ni, sizeof *c->shape);
     c->trial = calloc(n, sizeof *c->trial);
@@ -186,14 +195,6 @@ static const char *summary(void *user)
              "{\"temperature\": {\"%s\": {\"max_rise_k\": %.17g}, \"%s\": {\"max_rise_k\": %.17g}}}",
              c->name[0], c->scale[0] * peak, c->name[1], c->scale[1] * peak);
     return c->summary;
-}
-
-static void destroy(void *user)
-{
-    struct columns *c = user;
-    free(c->shape);
-    free(c->trial);
-    free(c->accepted);
 }
 
 int main(int argc, char **argv)

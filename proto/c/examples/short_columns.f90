@@ -43,7 +43,8 @@ contains
       character(len=:), allocatable :: text
       character(len=*), parameter :: FIELDS = '"consumes": ["friction_power"], '// &
          '"provides": ["lower_temperature", "upper_temperature"]'
-      text = '{"name": "short-columns", "version": "1.0", "role": "thermal", "models": [{"name": "short", '// &
+      text = '{"name": "short-columns", "version": "1.0", "role": "thermal", '// &
+         '"reusable": true, "models": [{"name": "short", '// &
          '"steady": true, "transient": false, "summary": "Abel''s integral", '// &
          '"source": "Carslaw & Jaeger, Conduction of Heat in Solids, 2.9", '//FIELDS//'}], '// &
          '"effects": [{"name": "friction_heat", "models": ["short"], "law": "q/2 into each body", '// &
@@ -141,6 +142,7 @@ contains
       call c_f_pointer(user, c)
       associate (ni => c%grid%ni, nj => c%grid%nj, h => c%grid%step_i(1))
          c%shape = [(sqrt((k + 0.5_c_double)*h) - sqrt(max(k - 0.5_c_double, 0.0_c_double)*h), k=0, int(ni) - 1)]
+         if (allocated(c%trial)) deallocate (c%trial, c%accepted) ! of the run before
          allocate (c%trial(ni, nj), c%accepted(ni, nj))
       end associate
       c%accepted = 0

@@ -182,7 +182,9 @@ typedef struct cosim_solver {
                      const struct cosim_configuration *configuration,
                      struct cosim_layout *layout);
     /**
-     * Allocates everything the solver needs. NULL: nothing.
+     * Allocates everything the solver needs. NULL: nothing. A program that describes itself as
+     * "reusable" is configured and built again for another run, and frees and clears what it made
+     * for the one before.
      */
     int (*build)(void *user);
     /**
@@ -228,7 +230,7 @@ typedef struct cosim_solver {
     void (*destroy)(void *user);
     /**
      * Writes the geometry of the volume of this name, all `count` values, as cosim_volume says.
-     * Called once, after build, for each volume with an output or observed field of this run. NULL:
+     * Called after build, once for each volume with an output or observed field of this run. NULL:
      * there are no volumes.
      */
     int (*volume_geometry)(void *user, const char *volume, double *values, size_t count);

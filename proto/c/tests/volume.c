@@ -10,6 +10,7 @@
 
 static const char *const DESCRIPTION = COSIM_JSON({
     "name": "block", "version": "1", "role": "volume", "standalone": true,
+    "reusable": true,
     "models": [{"name": "law", "summary": "a law", "source": "a closed form",
                 "steady": true, "transient": true,
                 "provides": ["volume_temperature", "volume_place"]}],
@@ -70,6 +71,7 @@ static const char *describe(void *user)
 static int configure(void *user, const cosim_configuration *told, cosim_layout *layout)
 {
     struct block *block = user;
+    block->windows = 0;
     int64_t along;
     const char *kind = cosim_case_text(told, "volume.hexahedra");
     const char *fault = cosim_case_text(told, "volume.fault");

@@ -35,6 +35,10 @@ pub struct Description {
     /// It answers `--advise`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub advises: bool,
+    /// Its process can take part in one run after the other ([`crate::message::STAY`]), and a run
+    /// leaves nothing behind for the next.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub reusable: bool,
     /// Models, cheapest first.
     pub models: Vec<ModelSpec>,
     /// Effects it can take part in.
@@ -336,13 +340,24 @@ impl KeyKind {
     }
 }
 
+/// A dotted path is of a pattern, in which `*` stands for any one name.
+#[must_use]
+pub fn matches(pattern: &str, path: &str) -> bool {
+    let (mut pattern, mut path) = (pattern.split('.'), path.split('.'));
+    loop {
+        match (pattern.next(), path.next()) {
+            (None, None) => return true,
+            (Some(part), Some(name)) if part == "*" || part == name => {}
+            _ => return false,
+        }
+    }
+}
+
 impl KeySpec {
     /// A dotted path is of this key; `*` stands for any one name.
     #[must_use]
     pub fn is_of(&self, path: &str) -> bool {
-        let (known, own) = (self.path.split('.'), path.split('.'));
-        known.clone().count() == own.clone().count()
-            && known.zip(own).all(|(known, own)| known == "*" || known == own)
+        matches(&self.path, path)
     }
 
     fn new(path: &str, kind: KeyKind, help: &str) -> Self {
@@ -567,6 +582,7 @@ mod tests {
             standalone: true,
             estimates: true,
             advises: false,
+            reusable: true,
             models: vec![model("coarse", false), model("fine", true)],
             effects: vec![effect],
             keys: Vec::new(),

@@ -49,4 +49,4 @@ pub mod text;
 pub mod unit;
 
 /// Version of the contract. Raised whenever a layout, a command or the meaning of a key changes.
-pub const PROTOCOL_VERSION: u32 = 4;
+pub const PROTOCOL_VERSION: u32 = 5;

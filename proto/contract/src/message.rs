@@ -79,7 +79,8 @@ pub enum CommandKind {
     /// command's step, the `outputs` with its labels, and then the geometry of every grid that has
     /// moved when it was accepted; reply. The state is that at the end of this step.
     Restore = 8,
-    /// Reply with the summary ([`Finished`]) and leave the run.
+    /// Reply with the summary ([`Finished`]) and leave; with [`STAY`] close all ports but those of
+    /// commands instead, and wait for the `Configure` of another run, which is as that of the first.
     Finish = 9,
 }
 
@@ -110,6 +111,10 @@ pub const OBSERVE: u32 = 1;
 /// Flag of [`Command`] with kind `Accept`: reply with the figures of the accepted state.
 pub const FIGURES: u32 = 2;
 
+/// Flag of [`Command`] with kind `Finish`: stay for another run. Only sent to participants that are
+/// [`crate::description::Description::reusable`].
+pub const STAY: u32 = 1;
+
 /// From the coordinator to one participant.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -124,7 +129,7 @@ pub struct Command {
     pub window: u64,
     /// Iteration within the window, from 1.
     pub iteration: u32,
-    /// [`OBSERVE`], [`FIGURES`].
+    /// [`OBSERVE`], [`FIGURES`], [`STAY`].
     pub flags: u32,
     /// Start of the window [s].
     pub start: f64,

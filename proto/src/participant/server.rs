@@ -6,15 +6,19 @@ use super::ports::{InputPorts, OutputPorts};
 use super::pulse::{Activity, Voice};
 use crate::command_ports::CommandPorts;
 use crate::configuration::{Configuration, Refusal};
+use crate::description::Description;
 use crate::figure;
 use crate::grid::Grid;
 use crate::live::Live;
 use crate::message::{
-    Command, CommandKind, FIGURES, Failure, Finished, OBSERVE, Reply, StateFile, Status, Topics,
+    Command, CommandKind, FIGURES, Failure, Finished, OBSERVE, Reply, STAY, StateFile, Status,
+    Topics,
 };
 use crate::model::{Model, Setup, Solver, StateError, Step, StepError};
 use crate::progress::Progress;
-use crate::run_dir::{RunInfo, peak_resident_memory, processor_seconds};
+use crate::run_dir::{
+    RunInfo, forget_peak_resident_memory, peak_resident_memory, processor_seconds,
+};
 use crate::transport::{Doorbell, Endpoint, Receiver, Ringer, Sender, TransportError};
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
@@ -97,10 +101,13 @@ struct Answer {
 
 pub(super) struct Server<'a> {
     solver: &'a dyn Solver,
+    description: Description,
     role: String,
     stage: Stage,
     activity: Activity,
     progress: Progress,
+    /// Processor seconds of the process before this run.
+    spent_before: f64,
     commands: Receiver<Command>,
     replies: Sender<Reply>,
     coordinator: Ringer,
@@ -130,10 +137,12 @@ impl<'a> Server<'a> {
         };
         let server = Self {
             solver,
+            description: solver.description(),
             role: role.to_owned(),
             stage: Stage::Joined,
             activity,
             progress,
+            spent_before: 0.0,
             commands,
             replies,
             coordinator,
@@ -143,7 +152,7 @@ impl<'a> Server<'a> {
         Ok((server, voice))
     }
 
-    /// Answers commands until the run is finished. The heartbeat thread ends the process when the
+    /// Answers commands until the last run is finished. The heartbeat thread ends the process when the
     /// coordinator dies, so that this wait needs no deadline of its own.
     pub(super) fn serve(&mut self) -> Result<(), TransportError> {
         while !matches!(self.stage, Stage::Left) {
@@ -186,7 +195,7 @@ impl<'a> Server<'a> {
         .entered();
         let done = Reply::new(Status::Done, command.sequence);
         let reply = match kind {
-            CommandKind::Describe => return json_answer(done, &self.solver.description()),
+            CommandKind::Describe => return json_answer(done, &self.description),
             CommandKind::Configure => return self.configure(done, body),
             CommandKind::Connect => self.connect(done, body)?,
             CommandKind::Initialise => self.initialise(done)?,
@@ -202,7 +211,7 @@ impl<'a> Server<'a> {
                 if let Stage::Running(_) = self.stage {
                     self.running(kind)?;
                 }
-                return self.finish(done);
+                return self.finish(command.flags & STAY != 0, done);
             }
         };
         Ok(Some(Answer { reply, body: Vec::new() }))
@@ -220,7 +229,7 @@ impl<'a> Server<'a> {
 
     fn configure(&mut self, done: Reply, body: &[u8]) -> Result<Option<Answer>, CommandError> {
         let configuration: Configuration = serde_json::from_slice(body)?;
-        self.solver.description().admit(&configuration)?;
+        self.description.admit(&configuration)?;
         let setup = self.solver.configure(&configuration)?;
         let answer = json_answer(done, setup.layout())?;
         self.stage = Stage::Configured { setup, configuration };
@@ -234,8 +243,7 @@ impl<'a> Server<'a> {
         else {
             return Err(CommandError::Protocol("Connect before Configure".to_owned()));
         };
-        let description = self.solver.description();
-        let kind = |name: &str| description.field_kind(name);
+        let kind = |name: &str| self.description.field_kind(name);
         let (published, observed): (Vec<_>, Vec<_>) =
             topics.outputs.iter().cloned().partition(|t| configuration.outputs.contains(&t.field));
         let fields = configuration.inputs.iter().map(|i| i.field.clone());
@@ -271,16 +279,25 @@ impl<'a> Server<'a> {
         }
     }
 
-    fn finish(&mut self, done: Reply) -> Result<Option<Answer>, CommandError> {
-        let finished = match std::mem::replace(&mut self.stage, Stage::Left) {
-            Stage::Running(running) => Finished {
-                summary: running.model.summary(),
-                model_seconds: running.model_time.as_secs_f64(),
-                peak_rss_bytes: peak_resident_memory(),
-                cpu_seconds: processor_seconds(),
-            },
+    /// Ends the run. Its ports are closed before the coordinator hears of it, and may open others of the
+    /// same names.
+    fn finish(&mut self, stays: bool, done: Reply) -> Result<Option<Answer>, CommandError> {
+        let next = if stays { Stage::Joined } else { Stage::Left };
+        let finished = match std::mem::replace(&mut self.stage, next) {
+            Stage::Running(running) => {
+                let spent = processor_seconds();
+                Finished {
+                    summary: running.model.summary(),
+                    model_seconds: running.model_time.as_secs_f64(),
+                    peak_rss_bytes: peak_resident_memory(),
+                    cpu_seconds: spent - std::mem::replace(&mut self.spent_before, spent),
+                }
+            }
             _ => Finished::default(),
         };
+        if stays {
+            forget_peak_resident_memory();
+        }
         json_answer(done, &finished)
     }
 }

@@ -14,6 +14,7 @@ fn head() -> Head {
         standalone: false,
         estimates: false,
         advises: false,
+        reusable: true,
         models: Vec::new(),
         effects: Vec::new(),
         keys: Vec::new(),

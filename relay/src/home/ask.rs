@@ -92,6 +92,18 @@ pub(super) fn out_of_turn() -> HomeError {
     HomeError::of("the far end says something out of turn")
 }
 
+/// A description without `reusable`: the line to the far end closes with a run. What is none stays as it
+/// is.
+pub(super) fn of_one_run(said: Vec<u8>) -> Vec<u8> {
+    match serde_json::from_slice::<serde_json::Map<String, serde_json::Value>>(&said) {
+        Ok(mut description) => {
+            description.remove("reusable");
+            serde_json::to_vec_pretty(&description).expect("what was parsed is written")
+        }
+        Err(_) => said,
+    }
+}
+
 /// Asks the far program `--describe`, `--estimate` or `--advise`; what it says.
 ///
 /// # Errors
@@ -107,7 +119,10 @@ pub fn ask(home: &Home, option: &str, input: &[u8]) -> Result<Vec<u8>, HomeError
         let description = kept.description()?;
         send_files(&kept.sending, &description, input)?;
     }
-    let said = kept.ask(question, input)?;
+    let mut said = kept.ask(question, input)?;
+    if question == Question::Describe {
+        said = of_one_run(said);
+    }
     kept.close();
     Ok(said)
 }

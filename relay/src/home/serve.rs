@@ -1,7 +1,7 @@
 //! From command to reply: what belongs to it goes to the far end, and what comes back enters the run.
 
 use super::HomeError;
-use super::ask::{Kept, out_of_turn};
+use super::ask::{Kept, of_one_run, out_of_turn};
 use super::files::{pieces, send_files};
 use super::seat::Seat;
 use crate::frame::Frame;
@@ -126,7 +126,10 @@ impl<'a> Server<'a> {
         if kind == Some(CommandKind::Accept) && command.flags == 0 && !moves {
             return Ok(Dealt::Silently);
         }
-        let (mut reply, body) = self.answer()?;
+        let (mut reply, mut body) = self.answer()?;
+        if kind == Some(CommandKind::Describe) {
+            body = of_one_run(body);
+        }
         reply.sequence = reply.sequence.saturating_add(self.kept_back);
         let saved = self.saving.take().map(Saving::finish);
         match (reply.status == Status::Done as u32, saved) {

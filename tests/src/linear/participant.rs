@@ -130,6 +130,7 @@ impl Solver for Linear {
             standalone: true,
             estimates: true,
             advises: false,
+            reusable: true,
             models: vec![self.model()],
             effects: Vec::new(),
             keys: vec![

@@ -68,6 +68,7 @@ mod report;
 mod reproduce;
 mod results;
 mod resume;
+mod reuse;
 mod rods;
 mod scenes;
 mod site;

@@ -83,6 +83,7 @@ fn description(role: &str, standalone: bool) -> Description {
         standalone,
         estimates: false,
         advises: false,
+        reusable: true,
         models: Vec::new(),
         effects: Vec::new(),
         keys: Vec::new(),

@@ -9,6 +9,7 @@ use super::rewind::{cannot_rewind, cannot_vary};
 use super::route::{self, Candidate};
 use super::threads;
 use super::volume;
+use crate::crew;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::peers::COORDINATOR;
@@ -71,7 +72,7 @@ async fn describe<'a>(
     for (index, section) in sections.iter().enumerate() {
         let program = Program::of_role(&section.role, section.command.as_deref());
         let role = section.role.clone();
-        asked.spawn(async move { (index, program.describe(&role, ANSWER).await) });
+        asked.spawn(async move { (index, program.known(&role, ANSWER).await) });
     }
     let mut answers = asked.join_all().await;
     answers.sort_by_key(|(index, _)| *index);
@@ -94,8 +95,6 @@ async fn describe<'a>(
                 ));
             }
             Ok(description) => {
-                let program = Program::of_role(&section.role, section.command.as_deref());
-                description.check().map_err(|fault| program.misled(&section.role, fault))?;
                 described.push((section, description));
             }
             // A section with a model and nothing else may be a table that a participant reads.
@@ -163,7 +162,7 @@ async fn describe_absent(sections: &[RawParticipant]) -> Vec<(String, Descriptio
     let mut described = Vec::new();
     for role in WELL_KNOWN_ROLES {
         if sections.iter().all(|section| section.role != *role)
-            && let Ok(description) = Program::of_role(role, None).describe(role, ANSWER).await
+            && let Ok(description) = Program::of_role(role, None).known(role, ANSWER).await
         {
             described.push(((*role).to_owned(), description));
         }
@@ -178,7 +177,7 @@ async fn describe_replaced(sections: &[RawParticipant]) -> Vec<(String, Descript
         let (usual, program) =
             (Program::of_role(role, None), Program::of_role(role, command.as_deref()));
         if usual.path != program.path
-            && let Ok(description) = usual.describe(role, ANSWER).await
+            && let Ok(description) = usual.known(role, ANSWER).await
         {
             described.push((role.clone(), description));
         }
@@ -439,7 +438,12 @@ async fn estimate_one(
     if !participant.description.estimates {
         return Ok(());
     }
-    match participant.program.estimate(&participant.configuration, ANSWER).await? {
+    let stayed = crew::estimate(&participant.program, &participant.configuration, ANSWER);
+    let estimate = match stayed {
+        Some(estimate) => estimate,
+        None => participant.program.estimate(&participant.configuration, ANSWER).await?,
+    };
+    match estimate {
         Estimate::Layout(layout) => {
             layout.check().map_err(|fault| participant.program.misled(&participant.role, fault))?;
             plan.participants[index].estimate = Some(layout);

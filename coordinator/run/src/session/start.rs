@@ -1,6 +1,5 @@
 //! From a plan to a session that is ready for its first window.
 
-use super::Session;
 use super::feedback::Feedback;
 use super::figures::Figures;
 use super::layout::layout_fault;
@@ -12,6 +11,8 @@ use super::outlet::Outlet;
 use super::solved::SolveRecord;
 use super::subscription::{Subscription, consumer, is_informed, readers, subscription};
 use super::tap::{Consumer, Tap};
+use super::{Recording, Session};
+use crate::crew;
 use crate::error::{Failure, RunError, machine_failure};
 use crate::peers::{COORDINATOR, Peers, Phase, Seat};
 use crate::plan::{Field, Participant, Plan};
@@ -38,8 +39,9 @@ fn topics_of(plan: &Plan) -> usize {
 }
 
 impl Session {
-    /// Starts the participants of a plan and brings them to the first window. With a recorder,
-    /// everything that is exchanged is recorded. Long work is shown on the screen.
+    /// Starts the participants of a plan, or takes those that have stayed ([`crate::crew`]), and brings
+    /// them to the first window. With a recorder, everything that is exchanged is recorded. Long work is
+    /// shown on the screen.
     ///
     /// # Errors
     /// The machine; a participant that fails, refuses the case or violates the contract.
@@ -57,14 +59,22 @@ impl Session {
             attach: p.attach,
         };
         let seats: Vec<Seat> = plan.participants.iter().map(seat).collect();
-        let peers = Peers::start(&seats, plan.deadlines, recorder)?;
+        let stayed = crew::take(&seats);
+        let is_new = stayed.is_none();
+        let peers = match stayed {
+            Some(peers) => peers.for_run(plan.deadlines, recorder),
+            None => Peers::start(&seats, plan.deadlines, recorder)?,
+        };
         let mut session = Self::of(plan, peers, memory);
         session.peers.show_on(screen);
-        session.peers.join()?;
-        session.peers.phase = Phase::Configuring;
-        for (index, participant) in plan.participants.iter_enumerated() {
-            session.check_description(index, participant)?;
+        if is_new {
+            session.peers.join()?;
+            session.peers.phase = Phase::Configuring;
+            for (index, participant) in plan.participants.iter_enumerated() {
+                session.check_description(index, participant)?;
+            }
         }
+        session.peers.phase = Phase::Configuring;
         let layouts = session.configure(plan)?;
         session.check_informed(plan, &layouts)?;
         session.memory = SharedMemory::check(plan, |index| layouts.get(index))?;
@@ -77,8 +87,11 @@ impl Session {
     }
 
     fn of(plan: &Plan, peers: Peers, memory: SharedMemory) -> Self {
+        let reusable = |p: &Participant| p.description.reusable && !p.attach;
         Self {
-            _guard: peers.end_first(),
+            _recording: Recording(peers.recorder().cloned()),
+            guard: peers.end_first(),
+            reusable: plan.participants.iter().all(reusable),
             taps: TiVec::new(),
             feedback: TiVec::new(),
             mapped: TiVec::new(),

@@ -2,9 +2,10 @@
 
 use super::solved::SolveRecord;
 use super::{Observed, Session, audit};
+use crate::crew;
 use crate::error::RunError;
 use crate::peers::{Participants, Phase};
-use contract::message::{Command, CommandKind, FIGURES, Finished, OBSERVE};
+use contract::message::{Command, CommandKind, FIGURES, Finished, OBSERVE, STAY};
 use contract::step::Step;
 use coupling::{Exchange, Part, ParticipantIndex};
 
@@ -84,15 +85,18 @@ impl Session {
         }
     }
 
-    /// Asks every participant for its summary and lets it go.
+    /// Asks every participant for its summary and lets it go, or stay for the next run.
     pub fn finish(mut self) -> Result<Vec<Finished>, RunError> {
         self.peers.phase = Phase::Finishing;
         if let Some(recorder) = self.peers.recorder() {
             recorder.stop_listening()?;
         }
         self.tell_mappings();
+        let stay = self.reusable && crew::stays();
+        let flags = if stay { STAY } else { 0 };
         for one in self.peers.all().keys() {
-            self.peers.post(one, Command::new(CommandKind::Finish), &[], true)?;
+            let command = Command { flags, ..Command::new(CommandKind::Finish) };
+            self.peers.post(one, command, &[], true)?;
         }
         let mut finished = Vec::with_capacity(self.peers.all().len());
         let deadline = self.peers.deadlines().solve;
@@ -108,8 +112,16 @@ impl Session {
             }
             finished.push(said);
         }
-        // They end by themselves now; one that does not is ended when the session is dropped.
-        self.peers.wait_for_exits();
+        if stay {
+            let Self { guard, peers, taps, feedback, mapped, moving, live, .. } = self;
+            guard.spare();
+            // The next run opens ports of the same names.
+            drop((taps, feedback, mapped, moving, live));
+            crew::stay(peers.after_run());
+        } else {
+            // They end by themselves now; one that does not is ended when the session is dropped.
+            self.peers.wait_for_exits();
+        }
         Ok(finished)
     }
 }

@@ -36,7 +36,7 @@ def main(solver: type[Solver], arguments: Sequence[str] | None = None) -> None:
     elif given.estimate:
         _print(_estimate(solver(), json.load(sys.stdin)))
     elif given.join and given.role:
-        _take_part(solver(), given.join, given.role)
+        _take_part(solver, given.join, given.role)
     else:
         sys.exit(
             "error: nothing to do; started by hand, a participant needs --describe, --estimate or "
@@ -56,7 +56,7 @@ def _estimate(solver: Solver, configuration: dict[str, Any]) -> dict[str, Any]:
         return {"refused": refusal.to_json()}
 
 
-def _take_part(solver: Solver, folder: Path, role: str) -> None:
+def _take_part(solver: type[Solver], folder: Path, role: str) -> None:
     # Only a run needs shared memory: a program that describes itself starts without it.
     from .heart import Heart
     from .run_dir import Membership, RunError

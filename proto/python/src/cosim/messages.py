@@ -12,7 +12,7 @@ import enum
 from typing import ClassVar
 
 #: Version of the contract, `PROTOCOL_VERSION` of the crate `proto`.
-PROTOCOL_VERSION = 4
+PROTOCOL_VERSION = 5
 
 #: The most inputs one participant can have.
 MAX_INPUTS = 16
@@ -22,6 +22,9 @@ OBSERVE = 1
 
 #: Flag of `Accept`: reply with the figures of the accepted state.
 FIGURES = 2
+
+#: Flag of `Finish`: stay for another run.
+STAY = 1
 
 
 class CommandKind(enum.IntEnum):

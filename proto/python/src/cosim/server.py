@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import math
 import time
@@ -20,7 +21,16 @@ from .fields import TABLE
 from .geometry import GeometryError, GeometryPorts, GeometryTopic
 from .grids import Array, Grid
 from .heart import Heart
-from .messages import FIGURES, OBSERVE, PROTOCOL_VERSION, Command, CommandKind, Reply, Status
+from .messages import (
+    FIGURES,
+    OBSERVE,
+    PROTOCOL_VERSION,
+    STAY,
+    Command,
+    CommandKind,
+    Reply,
+    Status,
+)
 from .ports import (
     InputPort,
     Inputs,
@@ -32,7 +42,7 @@ from .ports import (
     open_inputs,
     open_outputs,
 )
-from .run_dir import Membership, peak_resident_memory
+from .run_dir import Membership, forget_peak_resident_memory, peak_resident_memory
 from .solver import Solver, StateError, Step, StepError, StepReport, checked_layout
 from .transport import Endpoint, TransportError
 from .views import KeptView
@@ -103,10 +113,13 @@ class Running:
 
 
 class Server:
-    """Answers the commands of a run for one solver."""
+    """Answers the commands of one run after the other, with a new solver for each configuration."""
 
-    def __init__(self, solver: Solver, membership: Membership, role: str, heart: Heart) -> None:
-        self._solver, self._role, self._heart = solver, role, heart
+    def __init__(
+        self, kind: type[Solver], membership: Membership, role: str, heart: Heart
+    ) -> None:
+        self._kind, self._role, self._heart = kind, role, heart
+        self._solver = kind()
         self._connected: Connected | None = None
         self._configuration: Configuration | None = None
         self._grids: Sequence[Grid] = ()
@@ -115,7 +128,7 @@ class Server:
         self._live: Histories | None = None
         self._model_seconds = 0.0
         self._late: Exception | None = None
-        solver.report_to(heart.report)
+        self._spent_before = 0.0
         self._endpoint = Endpoint(membership.info)
         self._doorbell = self._endpoint.doorbell(role)
         self._replies = self._endpoint.reply_sender(role)
@@ -154,7 +167,7 @@ class Server:
         done = _reply(Status.DONE, command)
         match kind:
             case CommandKind.DESCRIBE:
-                return done, to_json(self._solver.description())
+                return done, to_json(self._kind.description())
             case CommandKind.CONFIGURE:
                 return done, self._configure(body)
             case CommandKind.CONNECT:
@@ -175,7 +188,7 @@ class Server:
             case CommandKind.RESTORE:
                 self._restore(self._ready(kind), command, parse(body))
             case CommandKind.FINISH:
-                return done, self._finish()
+                return done, self._finish(stays=bool(command.flags & STAY))
         return done, b""
 
     def _ready(self, kind: CommandKind) -> Running:
@@ -194,6 +207,8 @@ class Server:
 
     def _configure(self, body: bytes) -> bytes:
         configuration = understood(Configuration.from_json, parse(body))
+        self._solver = self._kind()
+        self._solver.report_to(self._heart.report)
         layout = checked_layout(self._solver, configuration)
         self._configuration, self._grids = configuration, layout.grids
         return to_json(layout.to_json())
@@ -204,7 +219,7 @@ class Server:
             raise ProtocolError("Connect before Configure")
         histories = configuration.histories
         self._live = histories if histories is not None and histories.live is not None else None
-        kinds = {**{kind.name: kind for kind in self._solver.fields}, **TABLE}
+        kinds = {**{kind.name: kind for kind in self._kind.fields}, **TABLE}
         inputs, outputs = (
             [understood(Topic.from_json, topic) for topic in topics[name]]
             for name in ("inputs", "outputs")
@@ -241,7 +256,7 @@ class Server:
             Step(0, 0, 0.0, 0.0),
             {},
         )
-        if type(self._solver).observe is Solver.observe:
+        if self._kind.observe is Solver.observe:
             ports = running.observed.items()
             running.unpublished = {name: np.zeros(port.shape) for name, port in ports}
         running.move_to(self._moved_grids(running), running.step)
@@ -269,8 +284,8 @@ class Server:
 
     @cached_property
     def _provided(self) -> frozenset[str]:
-        claims = [model.provides for model in self._solver.models]
-        claims += [effect.provides for effect in self._solver.effects]
+        claims = [model.provides for model in self._kind.models]
+        claims += [effect.provides for effect in self._kind.effects]
         return frozenset(name for claim in claims for name in claim)
 
     def _solve(self, running: Running, command: Command, done: Reply) -> None:
@@ -348,17 +363,26 @@ class Server:
         self._write(running.outputs, running.step, lambda outputs: outputs.read(files))
         running.move_to(self._moved_grids(running), running.step)
 
-    def _finish(self) -> bytes:
-        self._finished = True
+    def _finish(self, *, stays: bool) -> bytes:
+        """End the run. Its ports are closed before the coordinator hears of it."""
+        self._finished = not stays
         finished: dict[str, Any] = {"summary": None, "model_seconds": 0.0, "peak_rss_bytes": 0}
         if self._running is not None:
             finished = {
                 "summary": self._solver.summary(),
                 "model_seconds": self._model_seconds,
                 "peak_rss_bytes": peak_resident_memory(),
-                "cpu_seconds": time.process_time(),
+                "cpu_seconds": time.process_time() - self._spent_before,
             }
-        return to_json(finished)
+        said = to_json(finished)
+        if stays:
+            self._solver = self._kind()
+            self._connected = self._running = self._configuration = self._live = None
+            self._grids, self._model_seconds = (), 0.0
+            gc.collect()
+            self._spent_before = time.process_time()
+            forget_peak_resident_memory()
+        return said
 
 
 def parse(body: bytes) -> dict[str, Any]:

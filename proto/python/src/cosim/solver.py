@@ -122,6 +122,9 @@ class Solver:
     """It has an answer of its own even if no effect is active."""
     estimates: ClassVar[bool] = True
     """It answers `--estimate`, so that a plan knows its grids."""
+    reusable: ClassVar[bool] = True
+    """Its process can take part in one run after the other, each with an object of its own: nothing
+    of a run is kept in the class, in a module or in a library."""
     follows_moving_grids: ClassVar[bool] = False
     """It asks `inputs.grid(field)` in every solve, so that the grids of its inputs may move."""
     models: ClassVar[Sequence[Model]] = ()
@@ -223,6 +226,7 @@ class Solver:
             "role": cls.role,
             "standalone": cls.standalone,
             "estimates": cls.estimates,
+            "reusable": cls.reusable,
             "models": [model.to_json() for model in cls.models],
             "effects": [effect.to_json() for effect in cls.effects],
             "keys": [key.to_json() for key in cls.keys],

@@ -34,9 +34,11 @@ class Astray(StripColumns):
     """Misbehaves where its library lets a solver do so."""
 
     calls = 0
+    configured = 0
+    built = 0
 
     def configure(self, configuration):
-        self.calls += 1
+        Astray.configured += 1
         if FAULT == "unknown-model":
             configuration = dataclasses.replace(configuration, model="columns")
         try:
@@ -51,11 +53,12 @@ class Astray(StripColumns):
             layout.grids.append(self.moved_grids()[0].announced())
             layout.fields["depth"] = "inside"
         if FAULT == "configure":
-            layout.solve_seconds = float(self.calls)
+            layout.solve_seconds = float(Astray.configured)
         return layout
 
     def build(self):
         super().build()
+        Astray.built += 1
         self.earliest = np.inf
         if FAULT == "growing-grids" and self.grid.points > 1000:
             raise StepError("too many elements")
@@ -89,7 +92,9 @@ class Astray(StripColumns):
             self.accepted = []
 
     def remember(self, outputs):
-        """What is published depends on how often it was solved."""
+        """What is published depends on how often it was solved, or built."""
+        if FAULT == "reuse" and "lower_temperature" in outputs:
+            outputs["lower_temperature"][0] += Astray.built
         if FAULT == "repeat" and "lower_temperature" in outputs:
             outputs["lower_temperature"][0] += self.calls
 

@@ -1,0 +1,97 @@
+//! Participants that stay from run to run of a study: how many processes there are, that a run leaves
+//! nothing behind for the next, and what becomes of a process in which something goes wrong.
+
+use crate::conform::counted;
+use crate::harness::python::interpreter;
+use crate::harness::{Place, Table, case, root};
+use std::fs::read_to_string;
+
+/// A sweep on one thread: its table, and how often the participant of `role` was started.
+fn swept(name: &str, role: &str, program: &[String], more: &[&str]) -> (Table, usize) {
+    let folder = tempfile::tempdir().unwrap();
+    let place = Place::new();
+    let (file, out) = (case(name), place.out().display().to_string());
+    let command = format!("{role}.command={:?}", counted(folder.path(), program));
+    let fixed = ["sweep", &file, "--jobs", "1", "--out", &out, "--set", &command];
+    let ended = place.start(&[&fixed[..], more].concat()).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    place.assert_nothing_left();
+    let starts = read_to_string(folder.path().join("count")).unwrap().lines().count();
+    (Table::read(&place.out().join("sweep.csv")), starts)
+}
+
+/// A point has the bits that it has in a process of its own: in every model, on grids that change
+/// from point to point, in windows of time.
+#[test]
+fn points_are_the_same_in_one_process_and_in_many() {
+    let program = ["thermal-solver".to_owned()];
+    let transient = r#"time={mode="transient", window="20 us", end="100 us"}"#;
+    for (name, settings, points) in [
+        (
+            "wheel-rail.toml",
+            &["--vary", "mech.resolution=5,9,6", "--vary", "motion.speed=20,30"][..],
+            6,
+        ),
+        ("falling-friction.toml", &["--vary", "mech.resolution=6,8,6"], 3),
+        (
+            "full-slip.toml",
+            &["--set", transient, "--vary", "thermal.model=columns,moving-source,fe,columns"],
+            4,
+        ),
+        ("wheel-rail.toml", &["--vary", "mech.model=fastsim,half-space,hertz-carter,fastsim"], 4),
+    ] {
+        let (one, once) = swept(name, "thermal", &program, settings);
+        let fresh = [settings, &["--fresh"]].concat();
+        let (many, often) = swept(name, "thermal", &program, &fresh);
+        assert_eq!((once, often), (1, points), "{name} {settings:?}");
+        let answers = |table: Table| table.of(|name| name != "wall_s");
+        let (one, many) = (answers(one), answers(many));
+        assert_eq!(one, many, "{name} {settings:?}");
+        assert_eq!(one.texts("failed").concat(), "");
+    }
+}
+
+/// What takes long to import is imported once.
+#[test]
+fn a_solver_in_python_stays() {
+    let script = root().join("proto/python/examples/short_columns.py");
+    let program = [interpreter().display().to_string(), script.display().to_string()];
+    let model = ["--set", "thermal.model=short", "--set", "mech.model=hertz-carter"];
+    let vary = [&model[..], &["--vary", "mech.resolution=5,9,6,5"]].concat();
+    let (table, starts) = swept("wheel-rail.toml", "thermal", &program, &vary);
+    assert_eq!(starts, 1);
+    let rises = table.texts("temperature.rail.max_rise_k");
+    assert_eq!(rises[0], rises[3]);
+    assert!(rises[0] != rises[1] && rises[1] != rises[2], "{rises:?}");
+}
+
+/// A point that fails is lost, and no other; the process in which it failed ends.
+#[test]
+fn a_failed_point_takes_no_other_with_it() {
+    let faults = "none,error,none,exit,none,panic,none,refuse-build,not-finite,none,none";
+    let vary = format!("left.fault={faults}");
+    let words = ["--set", "time.end=3", "--set", "left.fault_window=1", "--vary", &vary];
+    let program = ["toy-left".to_owned()];
+    let (table, starts) = swept("exchange.toml", "left", &program, &words);
+    let failed = table.texts("failed");
+    for (fault, failed) in faults.split(',').zip(&failed) {
+        assert_eq!(fault == "none", failed.is_empty(), "{fault}: {failed}");
+    }
+    // Whatever fails is followed by a new process.
+    assert_eq!(starts, 6);
+}
+
+/// A case that a participant refuses while it is planned leaves its process as it was.
+#[test]
+fn a_refused_point_ends_no_process() {
+    let vary = ["--set", "mech.model=half-space", "--set", "mech.resolution=6", "--vary"];
+    let points = ["motion.traction_coefficient=0.3,0.7,0.4,0.9,0.3"];
+    let program = ["mech-solver".to_owned()];
+    let (table, starts) =
+        swept("wheel-rail.toml", "mech", &program, &[&vary[..], &points].concat());
+    let failed: Vec<bool> = table.texts("failed").iter().map(|failed| !failed.is_empty()).collect();
+    assert_eq!(failed, [false, true, false, true, false]);
+    assert_eq!(starts, 1);
+    let rises = table.texts("temperature.rail.max_rise_k");
+    assert_eq!(rises[0], rises[4]);
+}
