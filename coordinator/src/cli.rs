@@ -39,6 +39,7 @@ use clap::{Args, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use contract::description::Description;
 use contract::text::{json, one_line, visible};
 use run::checkpoint::{Checkpoint, Checkpoints, Corrupt};
+use run::crew;
 use run::error::{RunError, file_failure};
 use run::perform::{self, Outcome, RunStart};
 use run::plan::{Planned, Shown, plan};
@@ -274,7 +275,10 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                         Ok(print(arguments.quiet, &text)?)
                     }
                 },
-                None => run_case(&begin(run, log)?, run, &screen),
+                None => {
+                    let _participants = run.record.is_none().then(crew::start_early);
+                    run_case(&begin(run, log)?, run, &screen)
+                }
             }
         }
         Command::Drive(asked) => Ok(drive::main(asked, log, since)?),
@@ -488,7 +492,7 @@ fn run_case(begun: &Begun, asked: &RunArguments, screen: &Screen) -> Result<(), 
 /// The error is stated. With a target models and resolution are chosen, and once more if the error turns out too large. The answer that there
 /// is stays until a better one has come to its end.
 fn run_to(asked: &RunArguments, screen: &Screen) -> Result<(), Ended> {
-    let _participants = run::crew::keep();
+    let _participants = crew::keep();
     let case = asked.case.as_ref().expect("required unless a run is resumed");
     let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
     let (relative, quantity) = (asked.accuracy, asked.quantity.clone());

@@ -25,6 +25,7 @@ enum Request<'a> {
     Save,
     Restore { state: u64 },
     Free { state: u64 },
+    Reset,
 }
 
 /// All that may be answered.
@@ -36,6 +37,18 @@ struct Answer {
     state: Option<u64>,
     error: Option<String>,
     kind: String,
+}
+
+impl Answer {
+    /// It is the first of a run, of a coordinator that speaks our version.
+    fn is_ready(&self) -> Result<(), Fault> {
+        match self.ready {
+            Some(VERSION) => Ok(()),
+            other => Err(ended(format!(
+                "the coordinator of this FMU speaks version {other:?}, its library {VERSION}"
+            ))),
+        }
+    }
 }
 
 /// Why something was not done.
@@ -92,12 +105,17 @@ impl Coordinator {
         drop(command);
         let from = process.stdout.take().expect("its standard output is a pipe");
         let mut this = Self { process, to: Some(ours), from: BufReader::new(from), outputs };
-        match this.hear()?.ready {
-            Some(VERSION) => Ok(this),
-            other => Err(ended(format!(
-                "the coordinator of this FMU speaks version {other:?}, its library {VERSION}"
-            ))),
-        }
+        let first = this.hear()?;
+        first.is_ready().map(|()| this)
+    }
+
+    /// Begins the run again, with the same participants, and waits until its first window can be asked
+    /// for.
+    ///
+    /// # Errors
+    /// It does not start, or the run has ended.
+    pub fn reset(&mut self) -> Result<(), Fault> {
+        self.ask(&Request::Reset)?.is_ready()
     }
 
     /// Solves the window up to a time [s] with these values of the live keys; the figures, NaN for

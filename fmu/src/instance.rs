@@ -85,10 +85,13 @@ impl Instance {
         matches!(self.source, Source::Surrogate(_))
     }
 
-    /// A new run from the beginning.
+    /// A new run from the beginning: of the same processes, unless the run before has failed.
     pub fn reset(&mut self) {
-        if let Source::Run(coordinator) = &mut self.source {
-            *coordinator = None;
+        if let Source::Run(run) = &mut self.source {
+            // A state that is kept holds the run that it is of.
+            let again =
+                |run: &SharedCoordinator| Arc::strong_count(run) == 1 && lock(run).reset().is_ok();
+            *run = run.take().filter(again);
         }
         self.values = Values::first(&self.manifest);
     }

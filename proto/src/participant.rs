@@ -126,5 +126,8 @@ fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<d
     let outcome = server.serve();
     drop(pulse);
     outcome?;
+    // The ports of the last run are closed; those of commands are left to the last member of the run,
+    // which removes all that the run has made.
+    std::mem::forget(server);
     Ok(())
 }

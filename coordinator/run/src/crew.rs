@@ -1,109 +1,168 @@
-//! Participants that stay after a run, for the next one on the same thread.
+//! Participants that are there before a run, or stay after it, on the same thread.
 //!
-//! While [`keep`] is in force, the participants of a run that has ended well stay, if all of them are
-//! reusable ([`contract::description::Description::reusable`]). They are asked for their estimates
-//! while the next run is planned, and take part in it if it has the same programs in the same roles.
-//! Whatever goes wrong ends the processes, and the next run starts new ones.
+//! While [`keep`] or [`start_early`] is in force, planning starts the participants of a case and asks
+//! these very processes what they are and what they make of it; the run then has them take part. With
+//! [`keep`], participants of a run that has ended well stay for the next one, if all of them are
+//! reusable ([`contract::description::Description::reusable`]). Whatever goes wrong ends the
+//! processes, and the next run starts new ones.
 
+use crate::deadlines::Deadlines;
+use crate::error::RunError;
 use crate::peers::{Peers, Phase, Seat};
 use crate::programs::Program;
-use contract::configuration::{Configuration, Estimate};
+use crate::session::{layout_fault, open_files};
+use contract::configuration::{Configuration, Estimate, Layout};
+use contract::description::Description;
 use contract::message::{Command, CommandKind};
 use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::time::Duration;
 
+/// Topics of a participant, as far as files are provided for while its run is not planned.
+const TOPICS: usize = 4;
+
+/// How long participants are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kept {
+    /// A run starts its own.
+    No,
+    /// From the planning of a run to its end.
+    ForOneRun,
+    /// From run to run.
+    ForAll,
+}
+
 /// Participants of this thread that wait for a run.
-enum Crew {
-    /// None stay.
-    Leaves,
-    /// Those that have stayed, if any.
-    Stays(Option<Peers>),
+struct Crew {
+    kept: Kept,
+    peers: Option<Peers>,
 }
 
 thread_local! {
-    static CREW: RefCell<Crew> = const { RefCell::new(Crew::Leaves) };
+    static CREW: RefCell<Crew> = const { RefCell::new(Crew { kept: Kept::No, peers: None }) };
 }
 
-/// Lets participants stay on this thread. Dropping it lets them leave.
+/// Keeps participants on this thread. Dropping it lets those leave that wait.
 #[derive(Debug)]
 #[must_use]
 pub struct Keeps {
-    /// The outermost one of the thread.
-    outermost: bool,
+    before: Kept,
     /// Of one thread.
     of_thread: PhantomData<*const ()>,
 }
 
 /// From here on participants of this thread's runs stay for the next run.
 pub fn keep() -> Keeps {
-    let outermost = CREW.with_borrow_mut(|crew| {
-        let leaves = matches!(crew, Crew::Leaves);
-        if leaves {
-            *crew = Crew::Stays(None);
-        }
-        leaves
-    });
-    Keeps { outermost, of_thread: PhantomData }
+    Keeps::new(Kept::ForAll)
+}
+
+/// From here on participants of this thread's runs are started as soon as they are planned.
+pub fn start_early() -> Keeps {
+    Keeps::new(Kept::ForOneRun)
+}
+
+impl Keeps {
+    fn new(kept: Kept) -> Self {
+        let before = CREW.with_borrow_mut(|crew| std::mem::replace(&mut crew.kept, kept));
+        Self { before, of_thread: PhantomData }
+    }
 }
 
 impl Drop for Keeps {
     fn drop(&mut self) {
-        if self.outermost
-            && let Crew::Stays(Some(peers)) = CREW.replace(Crew::Leaves)
-        {
-            peers.dismiss();
+        CREW.with_borrow_mut(|crew| crew.kept = self.before);
+        if self.before == Kept::No {
+            leave();
         }
     }
 }
 
 /// Whether participants stay after a run.
 pub(crate) fn stays() -> bool {
-    CREW.with_borrow(|crew| matches!(crew, Crew::Stays(_)))
+    CREW.with_borrow(|crew| crew.kept == Kept::ForAll)
 }
 
 /// Keeps the participants of a run that has ended.
 pub(crate) fn stay(peers: Peers) {
-    let before = CREW.replace(Crew::Stays(Some(peers)));
-    debug_assert!(matches!(before, Crew::Stays(None)));
+    let before = CREW.with_borrow_mut(|crew| crew.peers.replace(peers));
+    before.into_iter().for_each(Peers::dismiss);
 }
 
-/// Those that have stayed, if they are these and all of them live; others leave.
+/// Those that wait, if all of these are among them and live; whoever is not needed leaves.
 pub(crate) fn take(seats: &[Seat]) -> Option<Peers> {
-    let peers = CREW.with_borrow_mut(|crew| match crew {
-        Crew::Leaves => None,
-        Crew::Stays(peers) => peers.take(),
-    })?;
-    if peers.seats() == seats && peers.supervisor().exits().is_empty() {
-        return Some(peers);
+    let peers = CREW.with_borrow_mut(|crew| crew.peers.take())?;
+    match peers.seated(seats) {
+        Ok(peers) => Some(peers),
+        Err(others) => {
+            others.dismiss();
+            None
+        }
     }
-    peers.dismiss();
-    None
 }
 
-/// What a participant that has stayed makes of a configuration; `None` if there is none of this
-/// program, or it does not answer: it is left to a new process then.
+/// Lets those go that wait.
+pub(crate) fn leave() {
+    let peers = CREW.with_borrow_mut(|crew| crew.peers.take());
+    peers.into_iter().for_each(Peers::dismiss);
+}
+
+/// Starts these participants and asks what they are, unless some wait already or none are kept. If that
+/// fails, planning asks programs that it starts for each question, and reports what is wrong.
+pub(crate) fn start(seats: &[Seat], patience: Duration) {
+    let wanted = CREW.with_borrow(|crew| crew.kept != Kept::No && crew.peers.is_none());
+    if !wanted || seats.is_empty() || seats.iter().any(|seat| seat.attach) {
+        return;
+    }
+    match described(seats, patience) {
+        Ok(peers) => CREW.with_borrow_mut(|crew| crew.peers = Some(peers)),
+        Err(error) => tracing::debug!("participants are not started for planning: {error}"),
+    }
+}
+
+/// Participants that have joined, and whose descriptions are known.
+fn described(seats: &[Seat], patience: Duration) -> Result<Peers, RunError> {
+    open_files::provide(seats.len(), TOPICS * seats.len(), false)?;
+    let deadlines =
+        Deadlines { start: patience, build: patience, solve: patience, heartbeat: patience };
+    let mut peers = Peers::start(seats, deadlines, None)?;
+    peers.join()?;
+    peers.phase = Phase::Configuring;
+    for one in peers.all().keys() {
+        peers.post(one, Command::new(CommandKind::Describe), &[], true)?;
+    }
+    for (one, seat) in peers.all().keys().zip(seats) {
+        let message = peers.done(one, patience)?;
+        let description: Description = serde_json::from_slice(message.body())
+            .map_err(|error| peers.misbehaved(one, error.to_string()))?;
+        seat.program.learn(&seat.role, description)?;
+    }
+    Ok(peers)
+}
+
+/// What a participant that waits makes of a configuration; `None` if there is none of this program, or
+/// its answer is none: it is left to a new process then.
 pub(crate) fn estimate(
     program: &Program,
     configuration: &Configuration,
     patience: Duration,
 ) -> Option<Estimate> {
     CREW.with_borrow_mut(|crew| {
-        let Crew::Stays(Some(peers)) = crew else { return None };
+        let peers = crew.peers.as_mut()?;
         let is_it = |seat: &Seat| seat.role == configuration.role && seat.program == *program;
         let one = peers.seats().iter().position(is_it)?.into();
         peers.phase = Phase::Configuring;
         let body = serde_json::to_vec(configuration).expect("a configuration is plain data");
         let asked = peers.post(one, Command::new(CommandKind::Configure), &body, true);
         let estimate = match asked.and_then(|()| peers.done(one, patience)) {
-            Ok(message) => serde_json::from_slice(message.body()).ok().map(Estimate::Layout),
-            Err(crate::error::RunError::Refused { refusal, .. }) => {
-                Some(Estimate::Refused(refusal))
-            }
+            Ok(message) => serde_json::from_slice::<Layout>(message.body())
+                .ok()
+                .filter(|layout| layout_fault(configuration, layout).is_none())
+                .map(Estimate::Layout),
+            Err(RunError::Refused { refusal, .. }) => Some(Estimate::Refused(refusal)),
             Err(_) => None,
         };
         if estimate.is_none() {
-            *crew = Crew::Stays(None);
+            crew.peers = None;
         }
         estimate
     })

@@ -87,6 +87,8 @@ pub struct Peers {
     supervisor: Arc<Supervisor>,
     recorder: Option<Arc<Recorder>>,
     all: TiVec<ParticipantIndex, Peer>,
+    /// Who beats with each number; nobody who has left.
+    hearts: Vec<Option<ParticipantIndex>>,
     doorbell: Doorbell,
     endpoint: Endpoint,
     run: RunDir,
@@ -150,9 +152,11 @@ impl Peers {
         let all = all.map_err(opened)?;
         let supervisor = Arc::new(launch(seats, &info)?);
         let (screen, phase) = (silent(), Phase::Starting);
+        let hearts = all.keys().map(Some).collect();
         let seats = seats.to_vec();
         Ok(Self {
             seats,
+            hearts,
             supervisor,
             recorder,
             all,
@@ -175,6 +179,33 @@ impl Peers {
     #[must_use]
     pub(crate) fn for_run(self, deadlines: Deadlines, recorder: Option<Arc<Recorder>>) -> Self {
         Self { deadlines, recorder, ..self }
+    }
+
+    /// These seats in their order, if all of them are taken by the living; those in other seats leave.
+    ///
+    /// # Errors
+    /// All of them as they were.
+    pub(crate) fn seated(mut self, seats: &[Seat]) -> Result<Self, Self> {
+        let place = |seat: &Seat| self.seats.iter().position(|own| own == seat);
+        let places: Option<Vec<usize>> = seats.iter().map(place).collect();
+        let Some(places) = places.filter(|_| self.exits().is_empty()) else { return Err(self) };
+        for one in self.all.keys().filter(|one| !places.contains(&usize::from(*one))) {
+            if self.post(one, Command::new(CommandKind::Finish), &[], true).is_err() {
+                return Err(self);
+            }
+        }
+        let now = |before: ParticipantIndex| {
+            places.iter().position(|place| *place == usize::from(before)).map(Into::into)
+        };
+        self.hearts = self.hearts.iter().map(|heart| heart.and_then(now)).collect();
+        let mut before: Vec<Option<Peer>> = self.all.into_iter().map(Some).collect();
+        let all = places.iter().filter_map(|place| before[*place].take()).collect();
+        Ok(Self { all, seats: seats.to_vec(), ..self })
+    }
+
+    /// Those of its participants that have ended.
+    fn exits(&self) -> Vec<Exit> {
+        exits(&self.supervisor, &self.all)
     }
 
     /// Lets participants go that wait for a run.
@@ -287,7 +318,9 @@ impl Peers {
         mut beat: impl FnMut(),
     ) -> Result<(ParticipantIndex, Message<Reply>), Stopped> {
         let one = pending[0];
-        let Self { all, doorbell, supervisor, run, deadlines, phase, recorder, screen, .. } = self;
+        let Self {
+            all, hearts, doorbell, supervisor, run, deadlines, phase, recorder, screen, ..
+        } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
         let all = RefCell::new(all);
         let mut waited = Patience::new();
@@ -307,8 +340,8 @@ impl Peers {
             }
         };
         let heard = |index: usize, what| {
-            if let Some(peer) = all.borrow_mut().get_mut(ParticipantIndex::from(index)) {
-                peer.beat_received(what);
+            if let Some(Some(one)) = hearts.get(index) {
+                all.borrow_mut()[*one].beat_received(what);
                 beat();
             }
         };
@@ -338,9 +371,9 @@ impl Peers {
         mut found: impl FnMut() -> Option<T>,
         mut beat: impl FnMut(),
     ) -> Result<T, Stopped> {
-        let Self { doorbell, supervisor, .. } = self;
+        let Self { doorbell, supervisor, all, .. } = self;
         let poll = || -> Result<_, Stopped> {
-            interrupted_or_exited(supervisor, |_| false)?;
+            interrupted_or_exited(supervisor, all, |_| false)?;
             Ok(found())
         };
         doorbell.wait(poll, |_, _| beat())
@@ -477,7 +510,7 @@ impl Peers {
     fn exit_soon(&self) -> Option<Exit> {
         let until = Instant::now() + Duration::from_millis(100);
         while Instant::now() < until {
-            if let Some(exit) = self.supervisor.exits().into_iter().next() {
+            if let Some(exit) = self.exits().into_iter().next() {
                 return Some(exit);
             }
             std::thread::sleep(Duration::from_millis(1));
@@ -620,7 +653,8 @@ impl Watch<'_> {
         // A participant that has been asked to finish, and is not the one we wait for, may have
         // left in peace.
         let in_peace = |role: &str| self.phase == Phase::Finishing && role != all[one].role();
-        interrupted_or_exited(self.supervisor, |exit| in_peace(&exit.role) && exit.is_success())?;
+        let left = |exit: &Exit| in_peace(&exit.role) && exit.is_success();
+        interrupted_or_exited(self.supervisor, all, left)?;
         // A participant started by hand is not our child: its lock tells of its death.
         let has_left = |peer: &Peer| {
             peer.is_attached() && !in_peace(peer.role()) && self.run.has_left(peer.role())
@@ -644,15 +678,23 @@ impl Watch<'_> {
     }
 }
 
+/// Those of these participants that have ended.
+fn exits(supervisor: &Supervisor, all: &TiSlice<ParticipantIndex, Peer>) -> Vec<Exit> {
+    let mut exits = supervisor.exits();
+    exits.retain(|exit| all.iter().any(|peer| peer.role() == exit.role));
+    exits
+}
+
 /// The user wants to stop, or a process has ended, and not in peace.
 fn interrupted_or_exited(
     supervisor: &Supervisor,
+    all: &TiSlice<ParticipantIndex, Peer>,
     in_peace: impl Fn(&Exit) -> bool,
 ) -> Result<(), Stopped> {
     if let Some(signal) = signals::received() {
         return Err(Stopped::Interrupted(signal));
     }
-    match supervisor.exits().into_iter().find(|exit| !in_peace(exit)) {
+    match exits(supervisor, all).into_iter().find(|exit| !in_peace(exit)) {
         Some(exit) => {
             let signal = exit.status.and_then(signals::received_like);
             Err(signal.map_or(Stopped::Exited(exit), Stopped::Interrupted))

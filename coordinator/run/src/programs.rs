@@ -17,7 +17,7 @@ use serde::de::DeserializeOwned;
 use std::io;
 use std::os::fd::AsFd;
 use std::process::{Output, Stdio};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::process::Command;
@@ -25,6 +25,12 @@ use tokio::sync::watch;
 
 /// More of an answer is not read [byte].
 const LONGEST_ANSWER: usize = 16 << 20;
+
+/// What programs have said of themselves.
+fn known() -> MutexGuard<'static, Vec<(Program, Description)>> {
+    static KNOWN: Mutex<Vec<(Program, Description)>> = Mutex::new(Vec::new());
+    KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 impl Program {
     /// What the program says of itself.
@@ -35,17 +41,23 @@ impl Program {
     /// The same, checked, and asked once in the life of this process: all runs of a study are of the same
     /// programs. Of another version of the contract it is as it is.
     pub async fn known(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
-        static KNOWN: Mutex<Vec<(Program, Description)>> = Mutex::new(Vec::new());
-        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, description)) = known().iter().find(|(program, _)| program == self) {
             return Ok(description.clone());
         }
         let description = self.describe(role, deadline).await?;
+        self.learn(role, description.clone())?;
+        Ok(description)
+    }
+
+    /// Keeps what the program has said of itself.
+    pub(crate) fn learn(&self, role: &str, description: Description) -> Result<(), RunError> {
         if description.protocol == contract::PROTOCOL_VERSION {
             description.check().map_err(|fault| self.misled(role, fault))?;
         }
-        known().push((self.clone(), description.clone()));
-        Ok(description)
+        let mut known = known();
+        known.retain(|(program, _)| program != self);
+        known.push((self.clone(), description));
+        Ok(())
     }
 
     /// What the program makes of a configuration.

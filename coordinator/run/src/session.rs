@@ -21,7 +21,7 @@ mod mapped;
 mod mapping;
 mod memory;
 mod moving;
-mod open_files;
+pub(crate) mod open_files;
 mod outlet;
 mod solved;
 mod start;

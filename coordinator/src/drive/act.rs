@@ -8,6 +8,7 @@ use crate::logging::{Logging, log_warnings};
 use case::Case;
 use clap::Args;
 use coupling::windows::Windows;
+use run::crew;
 use run::error::{RunError, file_failure};
 use run::perform::{self, Driven, Driver, Fault, RunStart};
 use run::plan::Planned;
@@ -61,6 +62,7 @@ fn drive(
         let why = "standard input has the lines that drive the run; name a file of the case";
         return Err(RunError::Usage(why.to_owned()));
     }
+    let _participants = crew::keep();
     let planned = planned(&asked.of)?;
     let plan_seconds = since.elapsed().as_secs_f64();
     let unkept = match &asked.out {
@@ -69,20 +71,38 @@ fn drive(
     };
     let unkept_path = unkept.as_ref().map(|folder| folder.path().join("results"));
     let path = asked.out.as_deref().or(unkept_path.as_deref()).unwrap_or(Path::new("results"));
-    let folder = ResultFolder::prepare(path, &asked.of.case, Existing::option(asked.replace))?;
-    log.write_to(folder.log()?).map_err(|error| file_failure(&folder.shown_log(), &error))?;
     let ear = Ear::open(BufReader::new(std::io::stdin()));
-    let mut lines = Lines { ear, answers, finish: false };
-    let start = RunStart { since, plan_seconds };
-    let outcome = perform::drive(&planned, &folder, &silent(), start, &mut lines);
-    if unkept.is_some() {
-        log.release();
+    let mut lines = Lines { ear, answers, end: End::OfInput };
+    let mut existing = Existing::option(asked.replace);
+    let mut start = RunStart { since, plan_seconds };
+    loop {
+        let folder = ResultFolder::prepare(path, &asked.of.case, existing)?;
+        log.write_to(folder.log()?).map_err(|error| file_failure(&folder.shown_log(), &error))?;
+        let outcome = perform::drive(&planned, &folder, &silent(), start, &mut lines);
+        if unkept.is_some() || lines.end == End::Reset {
+            log.release();
+        }
+        match (outcome.error, lines.end) {
+            (Some(error), _) => return Err(error),
+            (None, End::OfInput) => return Ok(()),
+            (None, End::Finish) => return answers.write_last(Answer::DONE.line()),
+            (None, End::Reset) => {
+                existing = Existing::Replace;
+                start = RunStart { since: Instant::now(), plan_seconds: 0.0 };
+            }
+        }
     }
-    match outcome.error {
-        Some(error) => Err(error),
-        None if lines.finish => answers.write_last(Answer::DONE.line()),
-        None => Ok(()),
-    }
+}
+
+/// How the lines end a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    /// There are no more.
+    OfInput,
+    /// The end was asked for, and is to be confirmed.
+    Finish,
+    /// Another run was asked for.
+    Reset,
 }
 
 /// The plan of a case that is driven.
@@ -122,8 +142,7 @@ fn open(case: &Case, windows: &Windows) -> Result<Windows, RunError> {
 struct Lines<'a> {
     ear: Ear,
     answers: &'a Answers,
-    /// The end was asked for, and is to be confirmed.
-    finish: bool,
+    end: End,
 }
 
 impl Driver for Lines<'_> {
@@ -139,12 +158,19 @@ impl Driver for Lines<'_> {
                     run.idle(time)?;
                     continue;
                 }
-                Heard::End => return Ok(()),
+                Heard::End => {
+                    self.end = End::OfInput;
+                    return Ok(());
+                }
                 Heard::Noise(what) => Answer::refused(what),
                 Heard::Line(line) => match Request::read(&line) {
                     Err(what) => Answer::refused(what),
                     Ok(Request::Finish {}) => {
-                        self.finish = true;
+                        self.end = End::Finish;
+                        return Ok(());
+                    }
+                    Ok(Request::Reset {}) => {
+                        self.end = End::Reset;
                         return Ok(());
                     }
                     Ok(request) => match act(run, request) {
@@ -189,6 +215,6 @@ fn act(run: &mut Driven<'_, '_>, request: Request) -> Result<Answer<'static>, Fa
         Request::Save {} => run.save().map(|state| Answer::Saved { state }),
         Request::Restore { state } => run.restore(state).map(|()| Answer::DONE),
         Request::Free { state } => run.free(state).map(|()| Answer::DONE),
-        Request::Finish {} => Ok(Answer::DONE),
+        Request::Finish {} | Request::Reset {} => Ok(Answer::DONE),
     }
 }

@@ -32,6 +32,8 @@ pub(super) enum Request {
     Restore { state: u64 },
     /// Forget a state.
     Free { state: u64 },
+    /// End the run, and begin it again with the same participants.
+    Reset {},
     /// End the run.
     Finish {},
 }
@@ -62,7 +64,7 @@ pub(super) struct LiveKey<'a> {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub(super) enum Answer<'a> {
-    /// Once, before anything is asked for.
+    /// At the beginning of a run, before anything is asked for.
     Ready {
         /// Version of this language.
         ready: u32,

@@ -100,7 +100,9 @@ pub struct CosimSolver {
             layout: *mut CosimLayout,
         ) -> c_int,
     >,
-    /// Allocates everything the solver needs. NULL: nothing.
+    /// Allocates everything the solver needs. NULL: nothing. A program that describes itself as
+    /// "reusable" is configured and built again for another run, and frees and clears what it made
+    /// for the one before.
     pub build: Option<unsafe extern "C" fn(user: *mut c_void) -> c_int>,
     /// Writes the outputs that hold before the first solve. NULL: zeros.
     pub first_outputs:
@@ -134,7 +136,7 @@ pub struct CosimSolver {
     /// Frees what `user` holds; called once, last.
     pub destroy: Option<unsafe extern "C" fn(user: *mut c_void)>,
     /// Writes the geometry of the volume of this name, all `count` values, as cosim_volume says.
-    /// Called once, after build, for each volume with an output or observed field of this run. NULL:
+    /// Called after build, once for each volume with an output or observed field of this run. NULL:
     /// there are no volumes.
     pub volume_geometry: Option<
         unsafe extern "C" fn(

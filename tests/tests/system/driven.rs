@@ -133,6 +133,21 @@ fn windows_in_time_have_the_values_that_are_given() {
     }
 }
 
+/// A reset begins the run again: the same answers, of processes that have been there before.
+#[test]
+fn a_reset_begins_the_run_again() {
+    let place = Place::new();
+    let run = steps(LOAD, &[7e4, 1.2e5]);
+    let again = [&run[..], &[json!({"do": "reset"})], &run, &[json!({"do": "finish"})]].concat();
+    let (ended, said) = drive(&place, "wheel-rail.toml", &["mech.resolution=8", LIVE], &again);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(said.len(), 7);
+    assert!(said[0]["ready"] == 1 && said[..3] == said[3..6], "{said:#?}");
+    assert_eq!(said[6], json!({"done": true}));
+    let rows = history(&place).lines().count();
+    assert_eq!(rows, 3, "a head, and the windows of the last run");
+}
+
 /// A state that is returned to gives the same windows again, to the bit, as if nothing had been between;
 /// several are kept, and a window without an answer leaves the state before it.
 #[test]

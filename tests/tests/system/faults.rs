@@ -288,7 +288,8 @@ fn a_moving_grid_that_nobody_was_told_of_is_refused() {
     let file = folder.path().join("turned.toml");
     std::fs::write(&file, parts.concat()).unwrap();
     let place = Place::new();
-    let more = ["--set", "left.command=[\"rogue\"]", "--set", "left.fault=flat"];
+    // A recorded run is planned with the answers of other processes than those that take part.
+    let more = ["--record", "--set", "left.command=[\"rogue\"]", "--set", "left.fault=flat"];
     let ended = place.run(&file.display().to_string(), &more);
     let what = "its grid `numbers` may move, of which right, which subscribes to `left_value` on \
                 it, could not";

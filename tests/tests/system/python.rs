@@ -274,7 +274,8 @@ fn ranks_that_all_take_part_are_told_what_to_do() {
     let command = ranks("proto/python/examples/short_columns.py");
     let more = [&settings[..], &[&command]].concat();
     let more = sets(&more);
-    let ended = place.run(&case("wheel-rail.toml"), &more);
+    let file = case("wheel-rail.toml");
+    let ended = place.start(&[&["plan", &file][..], &more].concat()).wait();
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     for part in ["asked to describe", "it answers more than once", "MPI ranks", "only one answers"]
     {

@@ -12,7 +12,7 @@ use super::volume;
 use crate::crew;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
-use crate::peers::COORDINATOR;
+use crate::peers::{COORDINATOR, Seat};
 use crate::programs::Program;
 use crate::warnings::Warning;
 use case::schema::WELL_KNOWN_ROLES;
@@ -39,11 +39,25 @@ const ANSWER: Duration = Duration::from_secs(30);
 
 /// Plans a case; every error of the case is reported at once.
 pub fn plan(raw: RawCase) -> Result<Planned, RunError> {
+    crew::start(&seats(&raw), ANSWER);
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
         .map_err(|e| crate::error::file_failure(std::path::Path::new("tokio"), &e))?;
     runtime.block_on(plan_async(raw))
+}
+
+/// The participants that a case is likely to have.
+fn seats(raw: &RawCase) -> Vec<Seat> {
+    let is_participant = |section: &RawParticipant| {
+        section.command.is_some() || WELL_KNOWN_ROLES.contains(&section.role.as_str())
+    };
+    let seat = |section: RawParticipant| Seat {
+        program: Program::of_role(&section.role, section.command.as_deref()),
+        role: section.role,
+        attach: section.attach,
+    };
+    raw.participants().into_iter().filter(is_participant).map(seat).collect()
 }
 
 async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {

@@ -20,20 +20,26 @@ const PER_TOPIC: u64 = 8;
 /// Files for recording one topic.
 const PER_RECORDED: u64 = 8;
 
-/// Makes sure that a process of a run may open as many files as it needs.
+/// Makes sure that a process of a run may open as many files as it needs; whether that is news, which
+/// processes that run already have not heard.
 ///
 /// # Errors
 /// The hard limit is lower than that.
-pub(super) fn provide(participants: usize, topics: usize, recorded: bool) -> Result<(), RunError> {
+pub(crate) fn provide(
+    participants: usize,
+    topics: usize,
+    recorded: bool,
+) -> Result<bool, RunError> {
     let per_topic = PER_TOPIC + if recorded { PER_RECORDED } else { 0 };
     let needed = OWN + PER_PARTICIPANT * participants as u64 + per_topic * topics as u64;
     let limit = getrlimit(Resource::Nofile);
     if limit.current.is_none_or(|current| current >= needed) {
-        return Ok(());
+        return Ok(false);
     }
     let raised = Rlimit { current: Some(needed), ..limit };
     if limit.maximum.is_none_or(|most| most >= needed) {
-        return setrlimit(Resource::Nofile, raised).map_err(|error| refused(needed, error));
+        let set = setrlimit(Resource::Nofile, raised).map_err(|error| refused(needed, error));
+        return set.map(|()| true);
     }
     let most = limit.maximum.unwrap_or(u64::MAX);
     Err(refused(needed, format!("{most} are allowed")))

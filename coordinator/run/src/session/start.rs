@@ -51,7 +51,10 @@ impl Session {
         screen: &Rc<dyn Progress>,
     ) -> Result<Self, RunError> {
         // Before anything exists, with what the participants expect; once more with what they say.
-        open_files::provide(plan.participants.len(), topics_of(plan), recorder.is_some())?;
+        let participants = plan.participants.len();
+        if open_files::provide(participants, topics_of(plan), recorder.is_some())? {
+            crew::leave();
+        }
         let memory = SharedMemory::check(plan, |index| plan.participants[index].estimate.as_ref())?;
         let seat = |p: &Participant| Seat {
             role: p.role.clone(),
@@ -59,7 +62,14 @@ impl Session {
             attach: p.attach,
         };
         let seats: Vec<Seat> = plan.participants.iter().map(seat).collect();
-        let stayed = crew::take(&seats);
+        // A recording begins with the start of its participants.
+        let stayed = match recorder {
+            None => crew::take(&seats),
+            Some(_) => {
+                crew::leave();
+                None
+            }
+        };
         let is_new = stayed.is_none();
         let peers = match stayed {
             Some(peers) => peers.for_run(plan.deadlines, recorder),
@@ -91,7 +101,7 @@ impl Session {
         Self {
             _recording: Recording(peers.recorder().cloned()),
             guard: peers.end_first(),
-            reusable: plan.participants.iter().all(reusable),
+            reusable: peers.recorder().is_none() && plan.participants.iter().all(reusable),
             taps: TiVec::new(),
             feedback: TiVec::new(),
             mapped: TiVec::new(),
