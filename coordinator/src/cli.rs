@@ -276,7 +276,7 @@ fn act(arguments: &Arguments, log: &Logging, since: Instant) -> Result<(), Ended
                     }
                 },
                 None => {
-                    let _participants = run.record.is_none().then(crew::start_early);
+                    let _participants = crew::start_early();
                     run_case(&begin(run, log)?, run, &screen)
                 }
             }

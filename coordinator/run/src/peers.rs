@@ -185,13 +185,15 @@ impl Peers {
     ///
     /// # Errors
     /// All of them as they were.
-    pub(crate) fn seated(mut self, seats: &[Seat]) -> Result<Self, Self> {
+    pub(crate) fn seated(mut self, seats: &[Seat]) -> Result<Self, Box<Self>> {
         let place = |seat: &Seat| self.seats.iter().position(|own| own == seat);
         let places: Option<Vec<usize>> = seats.iter().map(place).collect();
-        let Some(places) = places.filter(|_| self.exits().is_empty()) else { return Err(self) };
+        let Some(places) = places.filter(|_| self.exits().is_empty()) else {
+            return Err(Box::new(self));
+        };
         for one in self.all.keys().filter(|one| !places.contains(&usize::from(*one))) {
             if self.post(one, Command::new(CommandKind::Finish), &[], true).is_err() {
-                return Err(self);
+                return Err(Box::new(self));
             }
         }
         let now = |before: ParticipantIndex| {

@@ -288,12 +288,18 @@ fn a_moving_grid_that_nobody_was_told_of_is_refused() {
     let file = folder.path().join("turned.toml");
     std::fs::write(&file, parts.concat()).unwrap();
     let place = Place::new();
-    // A recorded run is planned with the answers of other processes than those that take part.
-    let more = ["--record", "--set", "left.command=[\"rogue\"]", "--set", "left.fault=flat"];
+    // One that does not join at once is planned with the answers of another process.
+    let late = format!(
+        "case $1 in --join) mkdir {0}/tried && exit 1;; esac; exec {1} \"$@\"",
+        folder.path().display(),
+        programs().join("rogue").display()
+    );
+    let command = format!("left.command=[\"sh\", \"-c\", {late:?}, \"sh\"]");
+    let more = ["--set", &command, "--set", "left.fault=flat"];
     let ended = place.run(&file.display().to_string(), &more);
     let what = "its grid `numbers` may move, of which right, which subscribes to `left_value` on \
                 it, could not";
-    assert_failed(&place, &ended, &["left (rogue) failed", "while being configured", what]);
+    assert_failed(&place, &ended, &["left (sh) failed", "while being configured", what]);
 }
 
 #[test]

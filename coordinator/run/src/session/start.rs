@@ -62,14 +62,7 @@ impl Session {
             attach: p.attach,
         };
         let seats: Vec<Seat> = plan.participants.iter().map(seat).collect();
-        // A recording begins with the start of its participants.
-        let stayed = match recorder {
-            None => crew::take(&seats),
-            Some(_) => {
-                crew::leave();
-                None
-            }
-        };
+        let stayed = crew::take(&seats);
         let is_new = stayed.is_none();
         let peers = match stayed {
             Some(peers) => peers.for_run(plan.deadlines, recorder),
@@ -79,12 +72,14 @@ impl Session {
         session.peers.show_on(screen);
         if is_new {
             session.peers.join()?;
-            session.peers.phase = Phase::Configuring;
+        }
+        session.peers.phase = Phase::Configuring;
+        // A recording has what they say of themselves.
+        if is_new || session.peers.recorder().is_some() {
             for (index, participant) in plan.participants.iter_enumerated() {
                 session.check_description(index, participant)?;
             }
         }
-        session.peers.phase = Phase::Configuring;
         let layouts = session.configure(plan)?;
         session.check_informed(plan, &layouts)?;
         session.memory = SharedMemory::check(plan, |index| layouts.get(index))?;
@@ -101,7 +96,7 @@ impl Session {
         Self {
             _recording: Recording(peers.recorder().cloned()),
             guard: peers.end_first(),
-            reusable: peers.recorder().is_none() && plan.participants.iter().all(reusable),
+            reusable: plan.participants.iter().all(reusable),
             taps: TiVec::new(),
             feedback: TiVec::new(),
             mapped: TiVec::new(),
