@@ -3,7 +3,9 @@
 
 use crate::conform::counted;
 use crate::harness::python::interpreter;
-use crate::harness::{Place, Table, case, root};
+use crate::harness::{Place, Table, case, root, wait_until};
+use crate::sweeps::points;
+use rustix::process::{Pid, Signal, kill_process, test_kill_process};
 use std::fs::read_to_string;
 
 /// A sweep on one thread: its table, and how often the participant of `role` was started.
@@ -94,4 +96,46 @@ fn a_refused_point_ends_no_process() {
     assert_eq!(starts, 1);
     let rises = table.texts("temperature.rail.max_rise_k");
     assert_eq!(rises[0], rises[4]);
+}
+
+/// A process that is killed or stopped in its second run loses that point at most.
+fn loses_one_point(signal: Signal) {
+    let place = Place::new();
+    let (file, out) = (case("exchange.toml"), place.out().display().to_string());
+    let settings = ["time.end=20", "left.delay=0.03", "coupling.heartbeat_deadline=1"];
+    let settings: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+    let vary = ["--vary", "right.delay=0,1e-5,2e-5,3e-5", "--jobs", "1", "--out", &out];
+    let running = place.start(&[&["sweep", &file][..], &settings, &vary].concat());
+    wait_until("the first point", || points(&place.out()).len() == 1);
+    let left = child(running.pid(), "toy-left");
+    kill_process(left, signal).unwrap();
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let table = Table::read(&place.out().join("sweep.csv"));
+    let failed: Vec<&str> =
+        table.texts("failed").into_iter().filter(|failed| !failed.is_empty()).collect();
+    // None if it waited for its next run just then.
+    assert!(table.rows.len() == 4 && failed.len() <= 1, "{failed:?}");
+    assert!(test_kill_process(left).is_err(), "it still runs");
+    place.assert_nothing_left();
+}
+
+/// The child of a process that runs this program.
+fn child(of: Pid, program: &str) -> Pid {
+    let tasks = std::fs::read_dir(format!("/proc/{}/task", of.as_raw_nonzero())).unwrap();
+    let children = tasks.flatten().map(|task| read_to_string(task.path().join("children")));
+    let all: String = children.map(Result::unwrap_or_default).collect();
+    let name = |pid: &&str| read_to_string(format!("/proc/{pid}/comm")).unwrap_or_default();
+    let found = all.split_whitespace().find(|pid| name(pid).trim() == program).unwrap();
+    Pid::from_raw(found.parse().unwrap()).unwrap()
+}
+
+#[test]
+fn a_participant_that_is_killed_in_its_second_run_loses_one_point() {
+    loses_one_point(Signal::KILL);
+}
+
+#[test]
+fn a_participant_that_is_stopped_in_its_second_run_loses_one_point() {
+    loses_one_point(Signal::STOP);
 }
