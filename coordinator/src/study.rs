@@ -45,7 +45,7 @@ pub(crate) struct Variant {
 }
 
 impl Variant {
-    /// The same with a key set, instead of what it was set to before.
+    /// Sets a key, replacing an earlier value.
     #[must_use]
     pub(crate) fn with(&self, key: &str, value: impl std::fmt::Display) -> Self {
         let mut more = self.clone();
@@ -54,7 +54,7 @@ impl Variant {
         more
     }
 
-    /// What its keys are set to, each an axis of one value.
+    /// Returns the keys that are set, each as an axis of one value.
     pub(crate) fn axes(&self) -> impl Iterator<Item = Axis> {
         self.set.iter().filter_map(|option| {
             let (key, value) = option.split_once('=')?;

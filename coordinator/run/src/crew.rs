@@ -1,10 +1,10 @@
-//! Participants that are there before a run, or stay after it, on the same thread.
+//! Participants that outlive a run.
 //!
-//! While [`keep`] or [`start_early`] is in force, planning starts the participants of a case and asks
-//! these very processes what they are and what they make of it; the run then has them take part. With
-//! [`keep`], participants of a run that has ended well stay for the next one, if all of them are
-//! reusable ([`contract::description::Description::reusable`]). Whatever goes wrong ends the
-//! processes, and the next run starts new ones.
+//! While [`keep`] or [`start_early`] is in force on a thread, planning starts the participants of a
+//! case and asks these processes for their descriptions and estimates; the run then uses them. With
+//! [`keep`], the participants of a run that succeeded also stay for the next one, if all of them are
+//! reusable ([`contract::description::Description::reusable`]). Any failure ends the processes, and
+//! the next run starts new ones.
 
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
@@ -18,10 +18,10 @@ use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::time::Duration;
 
-/// Topics of a participant, as far as files are provided for while its run is not planned.
+/// Topics of a participant, assumed when the limit of open files is checked before planning.
 const TOPICS: usize = 4;
 
-/// How long participants are kept.
+/// Lifetime of participants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kept {
     /// A run starts its own.
@@ -42,21 +42,21 @@ thread_local! {
     static CREW: RefCell<Crew> = const { RefCell::new(Crew { kept: Kept::No, peers: None }) };
 }
 
-/// Keeps participants on this thread. Dropping it lets those leave that wait.
+/// Keeps participants on this thread. Dropping it dismisses those that wait.
 #[derive(Debug)]
 #[must_use]
 pub struct Keeps {
     before: Kept,
-    /// Of one thread.
+    /// Makes it stay on its thread.
     of_thread: PhantomData<*const ()>,
 }
 
-/// From here on participants of this thread's runs stay for the next run.
+/// Lets participants of this thread's runs stay for the next run, from here on.
 pub fn keep() -> Keeps {
     Keeps::new(Kept::ForAll)
 }
 
-/// From here on participants of this thread's runs are started as soon as they are planned.
+/// Lets planning on this thread start the participants of its run, from here on.
 pub fn start_early() -> Keeps {
     Keeps::new(Kept::ForOneRun)
 }
@@ -77,7 +77,7 @@ impl Drop for Keeps {
     }
 }
 
-/// Whether participants stay after a run.
+/// Returns whether participants stay after a run.
 pub(crate) fn stays() -> bool {
     CREW.with_borrow(|crew| crew.kept == Kept::ForAll)
 }
@@ -88,7 +88,8 @@ pub(crate) fn stay(peers: Peers) {
     before.into_iter().for_each(Peers::dismiss);
 }
 
-/// Those that wait, if all of these are among them and live; whoever is not needed leaves.
+/// Takes the participants that wait, if they hold all these seats and are alive. Participants in
+/// other seats are dismissed.
 pub(crate) fn take(seats: &[Seat]) -> Option<Peers> {
     let peers = CREW.with_borrow_mut(|crew| crew.peers.take())?;
     match peers.seated(seats) {
@@ -100,14 +101,14 @@ pub(crate) fn take(seats: &[Seat]) -> Option<Peers> {
     }
 }
 
-/// Lets those go that wait.
+/// Dismisses the participants that wait.
 pub(crate) fn leave() {
     let peers = CREW.with_borrow_mut(|crew| crew.peers.take());
     peers.into_iter().for_each(Peers::dismiss);
 }
 
-/// Starts these participants and asks what they are, unless some wait already or none are kept. If that
-/// fails, planning asks programs that it starts for each question, and reports what is wrong.
+/// Starts participants and asks for their descriptions, unless some wait already or none are kept.
+/// If that fails, planning starts a process for each question and reports the error.
 pub(crate) fn start(seats: &[Seat], patience: Duration) {
     let wanted = CREW.with_borrow(|crew| crew.kept != Kept::No && crew.peers.is_none());
     if !wanted || seats.is_empty() || seats.iter().any(|seat| seat.attach) {
@@ -119,7 +120,7 @@ pub(crate) fn start(seats: &[Seat], patience: Duration) {
     }
 }
 
-/// Participants that have joined, and whose descriptions are known.
+/// Starts participants, waits until they have joined, and keeps their descriptions.
 fn described(seats: &[Seat], patience: Duration) -> Result<Peers, RunError> {
     open_files::provide(seats.len(), TOPICS * seats.len(), false)?;
     let deadlines =
@@ -139,8 +140,8 @@ fn described(seats: &[Seat], patience: Duration) -> Result<Peers, RunError> {
     Ok(peers)
 }
 
-/// What a participant that waits makes of a configuration; `None` if there is none of this program, or
-/// its answer is none: it is left to a new process then.
+/// Asks a participant that waits for its estimate. `None` if no participant runs this program, or if
+/// it fails or answers with a faulty layout; planning asks a new process then.
 pub(crate) fn estimate(
     program: &Program,
     configuration: &Configuration,

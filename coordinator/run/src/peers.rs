@@ -87,7 +87,7 @@ pub struct Peers {
     supervisor: Arc<Supervisor>,
     recorder: Option<Arc<Recorder>>,
     all: TiVec<ParticipantIndex, Peer>,
-    /// Who beats with each number; nobody who has left.
+    /// Participant of each heartbeat number; `None` for one that was dismissed.
     hearts: Vec<Option<ParticipantIndex>>,
     doorbell: Doorbell,
     endpoint: Endpoint,
@@ -169,22 +169,22 @@ impl Peers {
         })
     }
 
-    /// The same participants after a run, which nothing of it holds any more.
+    /// Detaches the participants from the run that has ended.
     #[must_use]
     pub(crate) fn after_run(self) -> Self {
         Self { recorder: None, screen: silent(), ..self }
     }
 
-    /// The same participants for another run.
+    /// Attaches the participants to another run.
     #[must_use]
     pub(crate) fn for_run(self, deadlines: Deadlines, recorder: Option<Arc<Recorder>>) -> Self {
         Self { deadlines, recorder, ..self }
     }
 
-    /// These seats in their order, if all of them are taken by the living; those in other seats leave.
+    /// Reduces the participants to these seats, in this order. Those in other seats are asked to leave.
     ///
     /// # Errors
-    /// All of them as they were.
+    /// A seat is not there, or a participant has ended; returns them unchanged.
     pub(crate) fn seated(mut self, seats: &[Seat]) -> Result<Self, Box<Self>> {
         let place = |seat: &Seat| self.seats.iter().position(|own| own == seat);
         let places: Option<Vec<usize>> = seats.iter().map(place).collect();
@@ -205,12 +205,12 @@ impl Peers {
         Ok(Self { all, seats: seats.to_vec(), ..self })
     }
 
-    /// Those of its participants that have ended.
+    /// Exits of its participants so far.
     fn exits(&self) -> Vec<Exit> {
         exits(&self.supervisor, &self.all)
     }
 
-    /// Lets participants go that wait for a run.
+    /// Asks participants that wait for a run to leave, and waits for their exits.
     pub(crate) fn dismiss(mut self) {
         self.phase = Phase::Finishing;
         for one in self.all.keys() {
@@ -680,7 +680,7 @@ impl Watch<'_> {
     }
 }
 
-/// Those of these participants that have ended.
+/// Exits of these participants so far.
 fn exits(supervisor: &Supervisor, all: &TiSlice<ParticipantIndex, Peer>) -> Vec<Exit> {
     let mut exits = supervisor.exits();
     exits.retain(|exit| all.iter().any(|peer| peer.role() == exit.role));

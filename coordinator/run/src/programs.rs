@@ -26,7 +26,7 @@ use tokio::sync::watch;
 /// More of an answer is not read [byte].
 const LONGEST_ANSWER: usize = 16 << 20;
 
-/// What programs have said of themselves.
+/// Descriptions of the programs asked so far.
 fn known() -> MutexGuard<'static, Vec<(Program, Description)>> {
     static KNOWN: Mutex<Vec<(Program, Description)>> = Mutex::new(Vec::new());
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
@@ -38,8 +38,8 @@ impl Program {
         self.ask(role, "--describe", Vec::new(), deadline).await
     }
 
-    /// The same, checked, and asked once in the life of this process: all runs of a study are of the same
-    /// programs. Of another version of the contract it is as it is.
+    /// Returns the description, checked; each program is asked once in the life of this process, since
+    /// all runs of a study use the same programs. One of another contract version is not checked.
     pub async fn known(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
         if let Some((_, description)) = known().iter().find(|(program, _)| program == self) {
             return Ok(description.clone());
@@ -49,7 +49,7 @@ impl Program {
         Ok(description)
     }
 
-    /// Keeps what the program has said of itself.
+    /// Checks and keeps a description.
     pub(crate) fn learn(&self, role: &str, description: Description) -> Result<(), RunError> {
         if description.protocol == contract::PROTOCOL_VERSION {
             description.check().map_err(|fault| self.misled(role, fault))?;

@@ -94,7 +94,7 @@ fn drive(
     }
 }
 
-/// How the lines end a run.
+/// Reason why a driven run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
     /// There are no more.

@@ -37,7 +37,7 @@ impl CaseArguments {
     }
 }
 
-/// Where a study writes, and who takes part in its runs.
+/// Options of every study: its folder, and the processes of its runs.
 #[derive(Debug, Args)]
 pub(crate) struct StudyArguments {
     /// Folder of the study [default: results/NAME, or NAME-2 and so on].

@@ -30,7 +30,7 @@ pub(super) struct How<'a> {
     pub scratch: &'a Path,
     /// No progress is shown.
     pub quiet: bool,
-    /// Whether participants stay from point to point.
+    /// Options that decide whether participants stay from point to point.
     pub study: &'a StudyArguments,
 }
 

@@ -36,7 +36,7 @@ pub(super) trait Windows {
         rows.iter().map(|row| self.solve(row, &Nothing)).collect()
     }
 
-    /// How many windows [`Windows::solve_all`] takes at once, if they are rows of a history.
+    /// Number of windows that [`Windows::solve_all`] takes at once, for rows of a history.
     fn at_once(&self) -> usize {
         1
     }

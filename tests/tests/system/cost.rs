@@ -131,7 +131,7 @@ fn tolerances_windows_and_refusals() {
     assert_eq!(windows[..4], [8e-5, 4e-5, 2e-5, 1e-5]);
 }
 
-/// What is set is not varied, and stands once in the options of a run.
+/// A key given with `--set` is not varied, and is given once in the options of a run.
 #[test]
 fn what_is_set_is_not_varied() {
     let place = Place::new();

@@ -53,7 +53,7 @@ fn points_are_the_same_in_one_process_and_in_many() {
     }
 }
 
-/// What takes long to import is imported once.
+/// A Python program starts once, so that its imports are paid for once.
 #[test]
 fn a_solver_in_python_stays() {
     let script = root().join("proto/python/examples/short_columns.py");
@@ -79,7 +79,7 @@ fn a_failed_point_takes_no_other_with_it() {
     for (fault, failed) in faults.split(',').zip(&failed) {
         assert_eq!(fault == "none", failed.is_empty(), "{fault}: {failed}");
     }
-    // Whatever fails is followed by a new process.
+    // A new process follows each failure.
     assert_eq!(starts, 6);
 }
 

@@ -47,7 +47,7 @@ pub fn plan(raw: RawCase) -> Result<Planned, RunError> {
     runtime.block_on(plan_async(raw))
 }
 
-/// The participants that a case is likely to have.
+/// Participants that the case probably has; none if their roles are not valid.
 fn seats(raw: &RawCase) -> Vec<Seat> {
     let is_participant = |section: &RawParticipant| {
         section.command.is_some() || WELL_KNOWN_ROLES.contains(&section.role.as_str())
@@ -57,7 +57,12 @@ fn seats(raw: &RawCase) -> Vec<Seat> {
         role: section.role,
         attach: section.attach,
     };
-    raw.participants().into_iter().filter(is_participant).map(seat).collect()
+    let is_valid = |seat: &Seat| {
+        check_name("role", &seat.role).is_ok() && !RESERVED_ROLES.contains(&seat.role.as_str())
+    };
+    let seats: Vec<Seat> =
+        raw.participants().into_iter().filter(is_participant).map(seat).collect();
+    if seats.len() <= MOST_PARTICIPANTS && seats.iter().all(is_valid) { seats } else { Vec::new() }
 }
 
 async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {

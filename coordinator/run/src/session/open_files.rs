@@ -20,8 +20,8 @@ const PER_TOPIC: u64 = 8;
 /// Files for recording one topic.
 const PER_RECORDED: u64 = 8;
 
-/// Makes sure that a process of a run may open as many files as it needs; whether that is news, which
-/// processes that run already have not heard.
+/// Raises the limit of open files to what a process of the run needs. Returns whether it was raised;
+/// processes started before keep the old limit.
 ///
 /// # Errors
 /// The hard limit is lower than that.
