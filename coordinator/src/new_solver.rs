@@ -160,7 +160,7 @@ fn made(
     let (include, library) = library(asked)?;
     let (include, library) = (include.display(), library.display());
     let make = format!(
-        "# Header and library of the project; in its sources `cargo build --release -p cosim-c` makes the latter.\nINCLUDE = {include}\nLIBRARY = {library}\n\n{build}"
+        "# Header and library of the project; in its sources `cargo build --release` makes the latter.\nINCLUDE = {include}\nLIBRARY = {library}\n\n{build}"
     );
     let files = vec![source, ("Makefile".to_owned(), make)];
     Ok(Template { files, build: Some("make"), command: vec![format!("./{name}/{name}")] })

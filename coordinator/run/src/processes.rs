@@ -16,7 +16,9 @@ use std::time::{Duration, Instant};
 use tokio::process::{Child, Command};
 
 /// Environment of what we start: our process number.
-const MARK: &str = "COSIM_COORDINATOR";
+const MARK: &str = "COSIM_STARTED_BY";
+/// Environment of what we start: our executable, beside which participants in Python find `libcosim`.
+const EXECUTABLE: &str = "COSIM_COORDINATOR";
 /// An orphan that is killed and has not ended by then is left alone.
 const PATIENCE: Duration = Duration::from_secs(1);
 
@@ -66,6 +68,11 @@ impl Process {
     pub(crate) fn start(command: &mut Command) -> io::Result<Self> {
         let mark = getpid().as_raw_nonzero().get().to_string();
         command.env(MARK, mark).process_group(0).kill_on_drop(true);
+        if std::env::var_os(EXECUTABLE).is_none()
+            && let Ok(executable) = std::env::current_exe()
+        {
+            command.env(EXECUTABLE, executable);
+        }
         // Within the lock, because a child that does not stand in the list is taken for an orphan.
         let mut started = started();
         let child = command.spawn()?;

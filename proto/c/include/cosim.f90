@@ -10,7 +10,7 @@ module cosim
    integer(c_int), parameter :: COSIM_UPPER = 0, COSIM_LOWER = 1
    integer(c_int), parameter :: COSIM_OK = 0, COSIM_REFUSED = 1, COSIM_FAILED = 2
    integer(c_int), parameter :: COSIM_STRUCTURED = 1, COSIM_QUADRILATERALS = 2
-   integer(c_int32_t), parameter :: COSIM_VERSION = 2
+   integer(c_int32_t), parameter :: COSIM_VERSION = 3
 
    type, bind(c) :: cosim_step
       integer(c_int64_t) :: window
@@ -42,7 +42,7 @@ module cosim
       type(c_funptr) :: first_outputs = c_null_funptr, solve = c_null_funptr, accept = c_null_funptr
       type(c_funptr) :: observe = c_null_funptr, save = c_null_funptr, restore = c_null_funptr
       type(c_funptr) :: summary = c_null_funptr, destroy = c_null_funptr
-      type(c_funptr) :: volume_geometry = c_null_funptr
+      type(c_funptr) :: moved_grids = c_null_funptr, finish = c_null_funptr
    end type
 
    interface

@@ -59,7 +59,7 @@
 /**
  * Version of this interface. Raised when a program has to be changed, and not only compiled again.
  */
-#define COSIM_VERSION 2
+#define COSIM_VERSION 3
 
 /**
  * Kind of a volume: ni x nj x nk boxes between the nodes of three axes.
@@ -96,6 +96,11 @@ typedef struct cosim_inputs cosim_inputs;
  * What configure answers: the program's grids, which field lives on which, and the expected cost.
  */
 typedef struct cosim_layout cosim_layout;
+
+/**
+ * Grids whose geometry a program may give: those that move, and volumes.
+ */
+typedef struct cosim_moves cosim_moves;
 
 /**
  * The outputs of a callback.
@@ -183,8 +188,8 @@ typedef struct cosim_solver {
                      struct cosim_layout *layout);
     /**
      * Allocates everything the solver needs. NULL: nothing. A program that describes itself as
-     * "reusable" is configured and built again for another run, and frees and clears what it made
-     * for the one before.
+     * "reusable" is configured and built again for another run, in which nothing of the one before
+     * may be left.
      */
     int (*build)(void *user);
     /**
@@ -229,11 +234,16 @@ typedef struct cosim_solver {
      */
     void (*destroy)(void *user);
     /**
-     * Writes the geometry of the volume of this name, all `count` values, as cosim_volume says.
-     * Called after build, once for each volume with an output or observed field of this run. NULL:
-     * there are no volumes.
+     * Gives the geometry of the layout's volumes and of its grids that move, as they are in the
+     * accepted state, with cosim_geometry(). Called after build, accept and restore, if anybody
+     * needs one of them; between these calls they stay. NULL: there are none.
      */
-    int (*volume_geometry)(void *user, const char *volume, double *values, size_t count);
+    int (*moved_grids)(void *user, struct cosim_moves *moves);
+    /**
+     * Frees what build has allocated: the run is over. Called after a build that succeeded, also
+     * if the run failed. NULL: destroy or the next build does it.
+     */
+    int (*finish)(void *user);
 } cosim_solver;
 
 /**
@@ -302,7 +312,7 @@ typedef struct cosim_grid {
  * A volume: hexahedra on which fields are only written out. The value of element (i, j, k) stands at
  * (k nj + j) ni + i.
  *
- * Its geometry is what `volume_geometry` of the solver writes: vectors of three components [m], the
+ * Its geometry is what cosim_geometry() has a place for: vectors of three components [m], the
  * first components of all of them, then the second, then the third. Rectilinear: the n-th nodes of
  * the axes x, y and z, as many as the longest axis has, 0 beyond the last of a shorter one.
  * Structured: the (ni + 1) (nj + 1) (nk + 1) vertices, i fastest, then j. Unstructured: the vertices,
@@ -513,12 +523,28 @@ int cosim_blob_read(struct cosim_blob *blob,
                     size_t size);
 
 /**
+ * Takes at most `size` of the next bytes of the state, for restore; how many that were, 0 at its end
+ * and on failure.
+ */
+size_t cosim_blob_read_some(struct cosim_blob *blob,
+                            void *bytes,
+                            size_t size);
+
+/**
+ * Sets the whole layout from JSON, as docs/write-a-solver.md has it, for what has no function of its
+ * own. COSIM_FAILED if it is none, or cannot be: a grid without area, a field on a grid that there
+ * is not.
+ */
+int cosim_layout_json(struct cosim_layout *layout,
+                      const char *json);
+
+/**
  * Adds a grid, which is copied. COSIM_FAILED if it cannot be: name, counts, elements without area.
  */
 int cosim_layout_grid(struct cosim_layout *layout, const struct cosim_grid *grid);
 
 /**
- * Adds a volume, which is copied; its geometry is asked for after `build`. COSIM_FAILED if it cannot
+ * Adds a volume, which is copied; its geometry is asked for with `moved_grids`. COSIM_FAILED if it cannot
  * be: name, counts.
  */
 int cosim_layout_volume(struct cosim_layout *layout,
@@ -564,6 +590,19 @@ int cosim_layout_closed_form(struct cosim_layout *layout, const char *key, doubl
  * Adds a line to what `coordinator plan` prints: what the model makes of the case. It is copied.
  */
 int cosim_layout_remark(struct cosim_layout *layout, const char *remark);
+
+/**
+ * The place for the geometry of a grid in a revision: vectors of three components [m], the first
+ * components of all of them, then the second, then the third, every value to be written. NULL, and
+ * a count of 0, if it is known already or nobody needs it.
+ *
+ * Structured: origin, step_i, step_j and (ni, nj, 1). Quadrilaterals: the vertices. Volume: see
+ * cosim_volume. Writes the number of values; `count` may be NULL.
+ */
+double *cosim_geometry(struct cosim_moves *moves,
+                       const char *grid,
+                       uint64_t revision,
+                       size_t *count);
 
 /**
  * Says how far build, solve, save or restore is: `done` of `of` in the program's own measure, `of`

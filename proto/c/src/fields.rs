@@ -5,7 +5,7 @@ use crate::grid::CosimGrid;
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Outputs, StateError, StepError, first_non_finite};
 use std::ffi::{c_char, c_int, c_void};
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
 
 /// The inputs of a solve.
 pub struct CosimInputs<'a> {
@@ -180,23 +180,51 @@ pub unsafe extern "C" fn cosim_blob_read(
     size: usize,
 ) -> c_int {
     guard("cosim_blob_read", || {
-        // SAFETY: the header asks for a blob.
-        let Way::Restoring(from) = &mut unsafe { exclusive("blob", blob)? }.0 else {
-            return Err(Fault::Misused("this state is saved, not restored".to_owned()));
-        };
-        if size > 0 {
-            // SAFETY: the header asks for room for `size` bytes, of which there is at least one;
-            // zeros make them bytes that may be looked at.
-            let bytes = unsafe {
-                let first = std::ptr::from_mut(exclusive("bytes", bytes.cast::<u8>())?);
-                first.write_bytes(0, size);
-                std::slice::from_raw_parts_mut(first, size)
-            };
-            let failed = |error| Fault::Failed(StateError::from(error).0);
-            from.read_exact(bytes).map_err(failed)?;
-        }
+        // SAFETY: the header asks for a blob and room for `size` bytes.
+        unsafe { reading(blob, bytes, size, |from, bytes| from.read_exact(bytes))? };
         Ok(COSIM_OK)
     })
+}
+
+/// Takes at most `size` of the next bytes of the state, for restore; how many that were, 0 at its end
+/// and on failure.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_blob_read_some(
+    blob: *mut CosimBlob<'_>,
+    bytes: *mut c_void,
+    size: usize,
+) -> usize {
+    guard("cosim_blob_read_some", || {
+        // SAFETY: the header asks for a blob and room for `size` bytes.
+        unsafe { reading(blob, bytes, size, |from, bytes| from.read(bytes)) }
+    })
+}
+
+/// Reads with `read` into `size` bytes.
+///
+/// # Safety
+/// `blob` is NULL or the library's, and `bytes` is NULL or has room for `size` bytes.
+unsafe fn reading<T: Default>(
+    blob: *mut CosimBlob<'_>,
+    bytes: *mut c_void,
+    size: usize,
+    read: impl FnOnce(&mut dyn Read, &mut [u8]) -> io::Result<T>,
+) -> Result<T, Fault> {
+    // SAFETY: the caller answers for it.
+    let Way::Restoring(from) = &mut unsafe { exclusive("blob", blob)? }.0 else {
+        return Err(Fault::Misused("this state is saved, not restored".to_owned()));
+    };
+    if size == 0 {
+        return Ok(T::default());
+    }
+    // SAFETY: the caller answers for room for `size` bytes, of which there is at least one; zeros
+    // make them bytes that may be looked at.
+    let bytes = unsafe {
+        let first = std::ptr::from_mut(exclusive("bytes", bytes.cast::<u8>())?);
+        first.write_bytes(0, size);
+        std::slice::from_raw_parts_mut(first, size)
+    };
+    read(*from, bytes).map_err(|error| Fault::Failed(StateError::from(error).0))
 }
 
 #[cfg(test)]
@@ -333,10 +361,17 @@ mod tests {
         let (of, into) = (&raw mut restoring, (&raw mut back).cast::<c_void>());
         unsafe {
             assert_eq!(cosim_blob_read(of, into, 8), COSIM_OK);
+            assert_eq!(cosim_blob_read_some(of, into, 8), 0);
             let short = call("restore", || cosim_blob_read(of, into, 1)).unwrap_err();
             assert_eq!(short.to_string(), "it is truncated");
             assert!(call("restore", || cosim_blob_write(of, from, 8)).is_err());
         }
         assert_eq!((bytes[0], back), (7, 1.5));
+        let mut rest = &bytes[..3];
+        let mut restoring = CosimBlob(Way::Restoring(&mut rest));
+        let mut room = [9_u8; 8];
+        let (of, into) = (&raw mut restoring, room.as_mut_ptr().cast());
+        let taken = [0, 1].map(|_| unsafe { cosim_blob_read_some(of, into, 8) });
+        assert_eq!((taken, &room[..3]), ([3, 0], &bytes[..3]));
     }
 }

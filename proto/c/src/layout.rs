@@ -24,6 +24,22 @@ fn placed(
     Ok(COSIM_OK)
 }
 
+/// Sets the whole layout from JSON, as docs/write-a-solver.md has it, for what has no function of its
+/// own. COSIM_FAILED if it is none, or cannot be: a grid without area, a field on a grid that there
+/// is not.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cosim_layout_json(layout: *mut CosimLayout, json: *const c_char) -> c_int {
+    guard("cosim_layout_json", || {
+        // SAFETY: the header asks for a layout and a string.
+        let (layout, json) = unsafe { (exclusive("layout", layout)?, text("json", json)?) };
+        let wrong = |why: String| Fault::Failed(format!("the layout as JSON: {why}"));
+        let given: Layout = serde_json::from_str(json).map_err(|error| wrong(error.to_string()))?;
+        given.check().map_err(wrong)?;
+        layout.layout = given;
+        Ok(COSIM_OK)
+    })
+}
+
 /// Adds a grid, which is copied. COSIM_FAILED if it cannot be: name, counts, elements without area.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_grid(
@@ -39,8 +55,8 @@ pub unsafe extern "C" fn cosim_layout_grid(
     })
 }
 
-/// Adds a volume, which is copied; its geometry is asked for after `build`. COSIM_FAILED if it cannot
-/// be: name, counts.
+/// Adds a volume, which is copied; `moved_grids` gives its geometry. COSIM_FAILED if it cannot be:
+/// name, counts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_volume(
     layout: *mut CosimLayout,
@@ -208,6 +224,29 @@ mod tests {
         assert_eq!(layout.layout.grid_of("lower_temperature"), Some(&grid));
         assert_eq!(layout.layout.input_grid("friction_power"), Some(&grid));
         assert_eq!(layout.layout.check(), Ok(()));
+    }
+
+    #[test]
+    fn a_layout_as_json() {
+        let grid = Grid::structured("contact", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 2, 3));
+        let whole = Layout { moving: vec!["contact".to_owned()], ..Layout::default() };
+        let whole = Layout { grids: vec![grid], seconds_per_second: 2.0, ..whole };
+        let mut layout = CosimLayout::default();
+        let to = &raw mut layout;
+        let give = |json: &str| {
+            let json = std::ffi::CString::new(json).unwrap();
+            call("configure", || unsafe { cosim_layout_json(to, json.as_ptr()) })
+        };
+        give(&serde_json::to_string(&whole).unwrap()).unwrap();
+        assert_eq!(layout.layout, whole);
+        let nowhere = Layout { grids: Vec::new(), ..whole };
+        for (json, why) in [
+            ("[]", "the layout as JSON: "),
+            (&serde_json::to_string(&nowhere).unwrap(), "`contact`"),
+        ] {
+            let fault = give(json).unwrap_err().to_string();
+            assert!(fault.contains(why), "{fault}");
+        }
     }
 
     #[test]

@@ -9,7 +9,8 @@
 //! | [`solver`] | the table of callbacks, a step, a report |
 //! | [`fault`] | refusals and failures; no panic crosses |
 //! | [`configuration`], [`layout`] | what a program is given and what it answers |
-//! | [`fields`], [`grid`], [`volume`] | inputs and outputs in place, state piece by piece; grids and volumes |
+//! | [`fields`] | inputs and outputs in place, state piece by piece |
+//! | [`grid`], [`volume`], [`moves`] | grids, volumes, and their geometry where it changes |
 //! | [`progress`] | how far it is |
 //!
 //! The header is written from these sources by `tests/header.rs`.
@@ -24,6 +25,7 @@ pub mod fault;
 pub mod fields;
 pub mod grid;
 pub mod layout;
+pub mod moves;
 mod participant;
 pub mod progress;
 pub mod solver;

@@ -9,6 +9,7 @@ use crate::configuration::CosimConfiguration;
 use crate::fault::{Fault, call, call_text};
 use crate::fields::{CosimBlob, CosimInputs, CosimOutputs, Way};
 use crate::layout::CosimLayout;
+use crate::moves::Followed;
 use crate::progress;
 use crate::solver::{CosimReport, CosimSolver, CosimStep};
 use proto::configuration::{Configuration, Layout, Refusal};
@@ -21,7 +22,7 @@ use proto::model::{
 use proto::progress::Progress;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
-use std::ffi::{CString, c_void};
+use std::ffi::c_void;
 use std::io::{self, Read, Write};
 use std::panic::resume_unwind;
 use std::sync::{Mutex, PoisonError};
@@ -36,21 +37,13 @@ struct Callbacks {
 }
 
 impl Callbacks {
-    /// An announced volume with the geometry that the program writes.
-    fn geometry(&self, volume: &Grid) -> Result<Grid, Fault> {
-        let name = CString::new(volume.name.as_str()).expect("a grid name is a plain word");
-        let Some(write) = self.table.volume_geometry else {
-            let name = &volume.name;
-            let why = format!("there is no `volume_geometry` that would write volume `{name}`");
-            return Err(Fault::Failed(why));
+    /// Asks where the grids are that somebody follows.
+    fn move_grids(&self, followed: &mut Followed) -> Result<(), Fault> {
+        let Some(moved_grids) = self.table.moved_grids else {
+            return Ok(());
         };
-        // What is not written is not finite.
-        let mut values = vec![f64::NAN; 3 * volume.geometry_points()];
         // SAFETY: the caller answers for the callbacks.
-        call("volume_geometry", || unsafe {
-            write(self.user, name.as_ptr(), values.as_mut_ptr(), values.len())
-        })?;
-        volume.with_geometry(&values, 1).map_err(Fault::Failed)
+        followed.ask(|moves| unsafe { moved_grids(self.user, moves) })
     }
 }
 
@@ -148,19 +141,22 @@ impl Solver for Program {
         }
         Ok(Box::new(Prepared {
             callbacks: self.callbacks,
-            volumes: volumes(&layout.layout, configuration),
+            followed: followed(&layout.layout, configuration),
             layout: layout.layout,
             fields: fields(&self.description, configuration),
         }))
     }
 }
 
-/// The volumes of a layout that a field of this run is on.
-fn volumes(layout: &Layout, configuration: &Configuration) -> Vec<Grid> {
-    let sent = configuration.outputs.iter().chain(&configuration.observed);
-    let volumes = layout.grids.iter().filter(|grid| grid.is_volume());
-    let is_used = |grid: &&Grid| sent.clone().any(|field| layout.grid_of(field) == Some(*grid));
-    volumes.filter(is_used).cloned().collect()
+/// The grids of a layout that move, and the volumes that a field of this run is on.
+fn followed(layout: &Layout, configuration: &Configuration) -> Followed {
+    let Configuration { outputs, observed, .. } = configuration;
+    let is_used = |grid: &Grid| {
+        outputs.iter().chain(observed).any(|field| layout.grid_of(field) == Some(grid))
+    };
+    Followed::among(&layout.grids, |grid| {
+        layout.moving.contains(&grid.name) || (grid.is_volume() && is_used(grid))
+    })
 }
 
 /// Every field that the program may ask for in this run.
@@ -206,8 +202,7 @@ fn refusing(called: Result<(), Fault>) -> Result<(), Refusal> {
 struct Prepared {
     callbacks: Callbacks,
     layout: Layout,
-    /// The announced volumes that a field of this run is on.
-    volumes: Vec<Grid>,
+    followed: Followed,
     fields: Vec<FieldSpec>,
 }
 
@@ -223,18 +218,38 @@ impl Setup for Prepared {
             // SAFETY: the caller answers for the callbacks.
             refusing(call("build", || unsafe { build(user) }))?;
         }
-        let with_geometry = |volume: &Grid| self.callbacks.geometry(volume);
-        let volumes = self.volumes.iter().map(with_geometry).collect::<Result<_, _>>();
-        let volumes = volumes.unwrap_or_else(|fault| end(&fault));
-        Ok(Box::new(Built { callbacks: self.callbacks, volumes, fields: self.fields }))
+        let mut built =
+            Built { callbacks: self.callbacks, followed: self.followed, fields: self.fields };
+        built.move_grids();
+        Ok(Box::new(built))
     }
 }
 
 struct Built {
     callbacks: Callbacks,
-    /// With their geometry; they do not move.
-    volumes: Vec<Grid>,
+    followed: Followed,
     fields: Vec<FieldSpec>,
+}
+
+impl Built {
+    fn move_grids(&mut self) {
+        self.callbacks.move_grids(&mut self.followed).unwrap_or_else(|fault| end(&fault));
+    }
+}
+
+impl Drop for Built {
+    fn drop(&mut self) {
+        let Callbacks { table, user } = self.callbacks;
+        if let Some(finish) = table.finish {
+            // SAFETY: the caller answers for the callbacks.
+            let finished = call("finish", || unsafe { finish(user) });
+            if let Err(fault) = finished
+                && !std::thread::panicking()
+            {
+                end(&fault);
+            }
+        }
+    }
 }
 
 /// What a program says last, on the way to `cosim_main`.
@@ -288,10 +303,11 @@ impl Model for Built {
             // SAFETY: the caller answers for the callbacks.
             call("accept", || unsafe { accept(user) }).unwrap_or_else(|fault| end(&fault));
         }
+        self.move_grids();
     }
 
     fn moved_grids(&self) -> &[Grid] {
-        &self.volumes
+        &self.followed.grids
     }
 
     fn observe(&mut self, outputs: &mut dyn Outputs) {
@@ -332,6 +348,7 @@ impl Model for Built {
         let mut blob = CosimBlob(Way::Restoring(from));
         // SAFETY: the caller answers for the callbacks.
         call("restore", || unsafe { restore(user, &raw mut blob) })
+            .and_then(|()| self.callbacks.move_grids(&mut self.followed))
             .map_err(|fault| StateError(fault.to_string()))
     }
 }

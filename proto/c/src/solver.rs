@@ -3,15 +3,16 @@
 use crate::configuration::CosimConfiguration;
 use crate::fields::{CosimBlob, CosimInputs, CosimOutputs};
 use crate::layout::CosimLayout;
+use crate::moves::CosimMoves;
 use proto::model::{Step, StepReport};
 use std::ffi::{c_char, c_int, c_void};
-use std::mem::{MaybeUninit, offset_of};
+use std::mem::MaybeUninit;
 
 /// Version of this interface. Raised when a program has to be changed, and not only compiled again.
-pub const COSIM_VERSION: u32 = 2;
+pub const COSIM_VERSION: u32 = 3;
 
 /// The smallest table that there has ever been under this version [byte].
-const FIRST_SIZE: usize = offset_of!(CosimSolver, volume_geometry);
+const FIRST_SIZE: usize = size_of::<CosimSolver>();
 
 /// One iteration of one window.
 #[repr(C)]
@@ -101,8 +102,8 @@ pub struct CosimSolver {
         ) -> c_int,
     >,
     /// Allocates everything the solver needs. NULL: nothing. A program that describes itself as
-    /// "reusable" is configured and built again for another run, and frees and clears what it made
-    /// for the one before.
+    /// "reusable" is configured and built again for another run, in which nothing of the one before
+    /// may be left.
     pub build: Option<unsafe extern "C" fn(user: *mut c_void) -> c_int>,
     /// Writes the outputs that hold before the first solve. NULL: zeros.
     pub first_outputs:
@@ -135,17 +136,14 @@ pub struct CosimSolver {
     pub summary: Option<unsafe extern "C" fn(user: *mut c_void) -> *const c_char>,
     /// Frees what `user` holds; called once, last.
     pub destroy: Option<unsafe extern "C" fn(user: *mut c_void)>,
-    /// Writes the geometry of the volume of this name, all `count` values, as cosim_volume says.
-    /// Called after build, once for each volume with an output or observed field of this run. NULL:
-    /// there are no volumes.
-    pub volume_geometry: Option<
-        unsafe extern "C" fn(
-            user: *mut c_void,
-            volume: *const c_char,
-            values: *mut f64,
-            count: usize,
-        ) -> c_int,
-    >,
+    /// Gives the geometry of the layout's volumes and of its grids that move, as they are in the
+    /// accepted state, with cosim_geometry(). Called after build, accept and restore, if anybody
+    /// needs one of them; between these calls they stay. NULL: there are none.
+    pub moved_grids:
+        Option<unsafe extern "C" fn(user: *mut c_void, moves: *mut CosimMoves<'_>) -> c_int>,
+    /// Frees what build has allocated: the run is over. Called after a build that succeeded, also
+    /// if the run failed. NULL: destroy or the next build does it.
+    pub finish: Option<unsafe extern "C" fn(user: *mut c_void) -> c_int>,
 }
 
 /// The table with every callback unset, as `{0}` makes it in C.

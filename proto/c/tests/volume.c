@@ -97,13 +97,13 @@ static int configure(void *user, const cosim_configuration *told, cosim_layout *
            cosim_layout_output(layout, "volume_place", "block");
 }
 
-static int volume_geometry(void *user, const char *volume, double *values, size_t count)
+static int moved_grids(void *user, cosim_moves *moves)
 {
     struct block *block = user;
+    size_t count = 0;
+    double *values = cosim_geometry(moves, "block", 1, &count);
     size_t vectors = count / 3, *n = block->n, at = 0, d[3];
-    if (strcmp(volume, "block") != 0)
-        return cosim_fail("there is no other volume");
-    if (strcmp(block->fault, "unwritten") == 0)
+    if (!values || strcmp(block->fault, "unwritten") == 0)
         return COSIM_OK;
     memset(values, 0, count * sizeof *values);
     if (!block->bent) {
@@ -191,7 +191,7 @@ int main(int argc, char **argv)
     cosim_solver solver = {
         .size = sizeof solver, .version = COSIM_VERSION,
         .describe = describe, .configure = configure, .solve = solve, .accept = accept,
-        .observe = observe, .save = save, .restore = restore, .volume_geometry = volume_geometry,
+        .observe = observe, .save = save, .restore = restore, .moved_grids = moved_grids,
     };
     return cosim_main(argc, argv, &solver, &block);
 }

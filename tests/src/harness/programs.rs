@@ -48,6 +48,7 @@ pub fn programs() -> &'static Path {
             sources.push(root().join(package).join(main));
             fresh(&folder.join(name), &sources)?;
         }
+        beside_programs(&folder)?;
         Ok(folder)
     });
     checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
@@ -64,6 +65,20 @@ pub fn library() -> &'static Path {
         Ok(deps())
     });
     checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
+}
+
+/// Puts `libcosim.so` beside the executables, where participants in Python look for it: `cargo build`
+/// does so, and `cargo test` does not.
+fn beside_programs(folder: &Path) -> Result<(), String> {
+    let (built, place) = (deps().join("libcosim.so"), folder.join("libcosim.so"));
+    fresh(&built, &sources_of("proto/c"))?;
+    let partial = folder.join(format!("libcosim.so.{}", std::process::id()));
+    let copied = std::fs::hard_link(&built, &partial).and_then(|()| {
+        let renamed = std::fs::rename(&partial, &place);
+        // Two names of one file: nothing was renamed.
+        std::fs::remove_file(&partial).or(renamed)
+    });
+    copied.map_err(|error| format!("{}: {error}", place.display()))
 }
 
 /// An example of the crate `proto`, which `cargo test` builds.

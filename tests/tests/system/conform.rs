@@ -322,7 +322,8 @@ fn check_names() -> Vec<String> {
 
 /// For each check there is a participant that fails it, and in the way that the check is about.
 mod every_check_can_fail {
-    use super::{COARSE, assert_fails, case, check_names, conform, script};
+    use super::{COARSE, assert_fails, case, check_names, conform, programs, script};
+    use std::collections::BTreeSet;
 
     /// In the scene that the tutorial uses nobody consumes a temperature: it is compared as it is observed.
     fn goes_astray_unconsumed(check: &str, words: &str) {
@@ -348,56 +349,68 @@ mod every_check_can_fail {
         assert_fails(&told, check, words);
     }
 
+    /// A participant by hand fails what the library does for every other one.
+    fn goes_rogue(check: &str, words: &str) {
+        let rogue = [programs().join("rogue").display().to_string()];
+        let options = ["--only", check, "--deadline", "10"];
+        assert_fails(&conform("left", &case("exchange.toml"), &options, &rogue), check, words);
+    }
+
     /// A test for each check, named as it is.
     macro_rules! checks {
-        ($($check:ident: $words:literal,)+) => {
-            $(
+        ($($by:ident { $($check:ident: $words:literal,)+ })+) => {
+            $($(
                 #[test]
                 fn $check() {
-                    goes_astray(&stringify!($check).replace('_', "-"), $words);
+                    $by(&stringify!($check).replace('_', "-"), $words);
                 }
-            )+
+            )+)+
 
             #[test]
             fn every_check_is_here() {
-                let here = [$(stringify!($check)),+].map(|check| check.replace('_', "-"));
-                assert_eq!(here.to_vec(), check_names());
+                let here = [$($(stringify!($check)),+),+].map(|check| check.replace('_', "-"));
+                let sorted = |names: Vec<String>| BTreeSet::from_iter(names);
+                assert_eq!(sorted(here.to_vec()), sorted(check_names()));
             }
         };
     }
 
     checks! {
-        describe: "no summary or cites no source",
-        estimate: "--estimate and Configure answer with other grids",
-        version: "999 is not named",
-        configure: "a second Configure answers with another layout",
-        unknown_model: "in spite of a model that does not exist",
-        unknown_effect: "in spite of an effect that does not exist",
-        missing_key: "is refused with the key `case`",
-        unknown_field: "it has to be refused",
-        initialise: "`lower_temperature` is not finite at index 0",
-        solve: "`lower_temperature` is not finite at index 0",
-        heat_received: "the integral",
-        repeat: "solved again with the same samples: `lower_temperature`[0]",
-        other_end: "after another one",
-        no_duration: "ended with exit code 3",
-        accept: "after an iteration that was not the last",
-        observe: "observing changes the next solve",
-        restore: "the restored process continues differently",
-        damaged_state: "in spite of a state truncated to 0 of",
-        growing_grids: "too many elements",
-        volumes: "element 0 has the volume -",
-        missing_sample: "never came, and it fails with: input `surface_speed` is missing",
-        wrong_sample: "in spite of a gap in the sequence numbers",
-        not_finite: "NaN in `friction_power` fails with",
-        unknown_command: "ended with exit code 4",
-        malformed: "ended with exit code 4",
-        out_of_order: "ended with exit code 4",
-        heart: "no heartbeat for",
-        coordinator_dies: "it still runs 2 s later",
-        figures: "is 0e0 instead of",
-        reuse: "after another run of the process: `lower_temperature`[0]",
-        finish: "`temperature.rail` of its summary is null",
+        goes_astray {
+            describe: "no summary or cites no source",
+            estimate: "--estimate and Configure answer with other grids",
+            configure: "a second Configure answers with another layout",
+            missing_key: "is refused with the key `case`",
+            initialise: "`lower_temperature` is not finite at index 0",
+            solve: "`lower_temperature` is not finite at index 0",
+            heat_received: "the integral",
+            repeat: "solved again with the same samples: `lower_temperature`[0]",
+            other_end: "after another one",
+            no_duration: "ended with exit code 3",
+            accept: "after an iteration that was not the last",
+            observe: "observing changes the next solve",
+            restore: "the restored process continues differently",
+            damaged_state: "in spite of a state truncated to 0 of",
+            growing_grids: "too many elements",
+            volumes: "element 0 has the volume -",
+            figures: "instead of",
+            reuse: "after another run of the process: `lower_temperature`[0]",
+            finish: "`temperature.rail` of its summary is null",
+        }
+        goes_rogue {
+            version: "999 is not named",
+            unknown_model: "in spite of a model that does not exist",
+            unknown_effect: "in spite of an effect that does not exist",
+            unknown_field: "in spite of a field that it does not provide",
+            missing_sample: "in spite of a sample that never came",
+            wrong_sample: "in spite of a gap in the sequence numbers",
+            not_finite: "in spite of NaN",
+            unknown_command: "ended with exit code 1",
+            malformed: "ended with exit code 1",
+            out_of_order: "in spite of its coming too early",
+            heart: "no heartbeat for",
+            coordinator_dies: "it still runs 2 s later",
+        }
     }
 }
 

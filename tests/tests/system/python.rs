@@ -547,7 +547,7 @@ fn what_python_refuses_is_an_error_of_the_case() {
         (vec!["thermal.model=ertz-knothe".to_owned(), strip_columns()], 2, "thermal.model"),
         (vec![faulty("refuse")], 2, "told to refuse"),
         (vec!["thermal.resolution=1".to_owned(), strip_columns()], 2, "thermal.resolution"),
-        (vec![faulty("layout")], 1, "the layout has no grid for `lower_temperature`"),
+        (vec![faulty("layout")], 1, "its layout has no grid for `lower_temperature`"),
     ];
     for (settings, code, what) in refused {
         let place = Place::new();

@@ -13,6 +13,7 @@ struct Counter {
     fault: &'static str,
     trial: u64,
     accepted: u64,
+    finished: u32,
     destroyed: u32,
 }
 
@@ -110,6 +111,13 @@ unsafe extern "C" fn destroy_it(user: *mut c_void) {
     unsafe { counter(user).destroyed += 1 };
 }
 
+unsafe extern "C" fn finish(user: *mut c_void) -> c_int {
+    unsafe {
+        counter(user).finished += 1;
+        failing(user, "finish")
+    }
+}
+
 fn table() -> CosimSolver {
     CosimSolver {
         describe: Some(describe),
@@ -123,6 +131,7 @@ fn table() -> CosimSolver {
         restore: Some(restore),
         summary: Some(summary),
         destroy: Some(destroy_it),
+        finish: Some(finish),
         ..empty()
     }
 }
@@ -230,7 +239,8 @@ fn faults_become_the_errors_of_the_contract() {
 #[test]
 fn faults_without_an_error_unwind_to_main() {
     type Act = fn(&mut dyn Model);
-    let acts: [(&'static str, Act, &str); 8] = [
+    let acts: [(&'static str, Act, &str); 9] = [
+        ("finish", |_| (), "told to fail"),
         ("configure", |_| (), "told to fail"),
         ("build", |_| (), "told to fail"),
         ("write", |m| m.first_outputs(&mut Number(vec![0.0])), "told to fail"),
@@ -250,6 +260,18 @@ fn faults_without_an_error_unwind_to_main() {
     }
 }
 
+/// What a run has built is freed when the run is over, and not when building failed.
+#[test]
+fn a_run_is_finished_once() {
+    let mut counter = Counter::default();
+    let program = program(&mut counter, table());
+    drop(model(&program));
+    drop(model(&program));
+    drop(program.configure(&configuration()));
+    drop(program);
+    assert_eq!((counter.finished, counter.destroyed), (2, 1));
+}
+
 #[test]
 fn what_is_left_out() {
     let least = CosimSolver {
@@ -261,6 +283,7 @@ fn what_is_left_out() {
         restore: None,
         summary: None,
         destroy: None,
+        finish: None,
         ..table()
     };
     let mut counter = Counter::default();

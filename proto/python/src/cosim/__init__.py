@@ -16,7 +16,6 @@ from .fields import FieldKind
 from .front import Study, cost, plan, run, sweep
 from .grids import Array, Grid, Quadrilaterals, Structured
 from .main import main
-from .messages import PROTOCOL_VERSION
 from .ports import Inputs, Outputs
 from .recording import Recording, Sample, Samples
 from .results import Results, Section
@@ -33,7 +32,6 @@ from .solver import (
 from .volumes import Volume
 
 __all__ = [
-    "PROTOCOL_VERSION",
     "Array",
     "Case",
     "Configuration",

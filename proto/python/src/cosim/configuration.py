@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from .fields import FieldKind
 from .grids import Grid
-from .volumes import Volume
 
 if TYPE_CHECKING:
     from .solver import Step
@@ -221,7 +220,7 @@ class Configuration:
 
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> Configuration:
-        """As it travelled; raises `KeyError`, `TypeError` or `ValueError` for what is none."""
+        """As it travelled."""
         return cls(
             role=value["role"],
             model=value["model"],
@@ -247,11 +246,6 @@ class Simplification:
     """Where the number comes from."""
     with_effects: Sequence[str] = ()
     """It matters only with one of these effects; empty: always."""
-
-    def check(self) -> None:
-        """Raise `ValueError` for an error that is none."""
-        if not (math.isfinite(self.error) and self.error >= 0.0):
-            raise ValueError(f"`{self.what}` has an error of {self.error}")
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
@@ -292,39 +286,6 @@ class Layout:
     def grid(self, name: str) -> Grid | None:
         """A grid of the layout, by name."""
         return next((grid for grid in self.grids if grid.name == name), None)
-
-    def check(self) -> None:
-        """Raise `ValueError` for what no coordinator would take."""
-        for grid in self.grids:
-            grid.check()
-            if sum(other.name == grid.name for other in self.grids) > 1:
-                raise ValueError(f"two grids are called `{grid.name}`")
-        for placed in (self.fields, self.inputs):
-            for name, grid_name in placed.items():
-                if self.grid(grid_name) is None:
-                    raise ValueError(f"`{name}` is placed on `{grid_name}`, which is not a grid")
-        self._check_volumes()
-        for name in self.moving:
-            if self.grid(name) is None:
-                raise ValueError(f"`{name}` moves, which is not a grid")
-        for seconds in (self.solve_seconds, self.seconds_per_second, self.build_seconds):
-            if not (math.isfinite(seconds) and seconds >= 0.0):
-                raise ValueError(f"an expected time of {seconds} s")
-        for one in self.left_out:
-            one.check()
-        for key, exact in self.closed_forms.items():
-            if not math.isfinite(exact):
-                raise ValueError(f"the closed form of `{key}` is {exact}")
-
-    def _check_volumes(self) -> None:
-        volumes = [grid for grid in self.grids if isinstance(grid.shape, Volume)]
-        for volume in volumes:
-            if not volume.is_announced:
-                raise ValueError(f"the geometry of `{volume.name}` follows: see `Grid.announced`")
-        names = [volume.name for volume in volumes]
-        for name, grid_name in self.inputs.items():
-            if grid_name in names:
-                raise ValueError(f"the input `{name}` is wanted on the volume `{grid_name}`")
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""

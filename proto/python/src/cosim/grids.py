@@ -7,7 +7,6 @@ along y, to the left. Fields on volumes (`cosim.volumes`) are only written out.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -17,24 +16,6 @@ from numpy.typing import NDArray
 from .volumes import Volume
 
 Array = NDArray[np.float64]
-
-
-def check_name(what: str, name: str) -> None:
-    """Demand a name that fits labels and file names.
-
-    Raises `ValueError` for anything but 1 to 31 letters, digits, `_` or `-`.
-    """
-    if not re.fullmatch(r"[A-Za-z0-9_-]{1,31}", name):
-        raise ValueError(
-            f"the {what} name {name[:40]!r} is not 1 to 31 letters, digits, `_` or `-`"
-        )
-
-
-def check_dotted(what: str, name: str) -> None:
-    """Demand such a name, or several with dots between: the field of a live value (`case_at`)."""
-    parts = name.split(".")
-    for part in parts if len(name) <= 31 else [name]:
-        check_name(what, part)
 
 
 @dataclass(frozen=True)
@@ -110,14 +91,6 @@ class Structured:
             and self.dy > 0.0
         )
 
-    def check(self) -> None:
-        """Raise `ValueError` for no points, or for elements without an area."""
-        if self.ni < 1 or self.nj < 1 or self.points > 1 << 36:
-            raise ValueError(f"{self.ni} x {self.nj} points")
-        finite = np.isfinite([*self.origin, *self.step_i, *self.step_j]).all()
-        if not finite or self.element_area <= 0.0:
-            raise ValueError("elements without an area")
-
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
         return {
@@ -162,22 +135,6 @@ class Quadrilaterals:
         """Element areas [m²], shape (points,)."""
         a, b, c, d = self.corners().swapaxes(0, 1)
         return np.asarray(0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=1), dtype=np.float64)
-
-    def check(self) -> None:
-        """Raise `ValueError` for missing vertices or elements that are not convex."""
-        vertices, elements = self.points_xyz, self.elements
-        if elements.ndim != 2 or elements.shape[1] != 4 or len(elements) == 0:
-            raise ValueError("no elements of four vertices")
-        if vertices.ndim != 2 or vertices.shape[1] != 3 or not np.isfinite(vertices).all():
-            raise ValueError("vertices that are not three finite numbers")
-        if elements.max() >= len(vertices):
-            raise ValueError(f"an element names vertex {elements.max()} of {len(vertices)}")
-        corners = self.corners()
-        edges = np.roll(corners, -1, axis=1) - corners
-        turns = np.cross(edges, np.roll(edges, -1, axis=1))
-        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        if not (np.einsum("nkc,nc->nk", turns, normal) > 0.0).all():
-            raise ValueError("an element that is not a convex quadrilateral with an area")
 
     def to_json(self) -> dict[str, Any]:
         """As it travels."""
@@ -231,32 +188,12 @@ class Grid:
             return self.shape.element_area * float(np.sum(values))
         return float(np.sum(self.areas() * values))
 
-    def check(self) -> None:
-        """Raise `ValueError` for what no coordinator would take."""
-        check_name("grid", self.name)
-        if isinstance(self.shape, Volume) and self.is_announced != (self.revision == 0):
-            raise ValueError(
-                f"volume `{self.name}` has revision {self.revision}: it is announced in revision "
-                "0, and its geometry follows with revision 1"
-            )
-        try:
-            self.shape.check()
-        except ValueError as why:
-            raise ValueError(f"grid `{self.name}` has {why}") from None
-
     def moved(self, shape: Structured | Quadrilaterals | Volume) -> Grid:
         """This grid with another geometry, in the next revision.
 
         Of quadrilaterals and volumes only the vertices move.
         """
         return Grid(self.name, shape, self.revision + 1)
-
-    @property
-    def geometry_vectors(self) -> int:
-        """Number of vectors of the encoded geometry."""
-        if isinstance(self.shape, Volume):
-            return self.shape.vectors
-        return 4 if isinstance(self.shape, Structured) else len(self.shape.points_xyz)
 
     def encoded_geometry(self) -> Array:
         """The geometry as the values of a field [m], shape (3, vectors).
@@ -272,48 +209,11 @@ class Grid:
             return np.array([shape.origin, shape.step_i, shape.step_j, counts]).T
         return shape.points_xyz.T
 
-    def with_geometry(self, values: Array, revision: int) -> Grid:
-        """This grid with a geometry of shape (3, vectors); raises `ValueError` for what is none."""
-        if revision <= self.revision:
-            raise ValueError(f"grid `{self.name}` has revision {revision} after {self.revision}")
-        shape: Structured | Quadrilaterals | Volume
-        if isinstance(self.shape, Volume):
-            shape = self.shape.with_geometry(np.array(values))
-        elif isinstance(self.shape, Structured):
-            origin, step_i, step_j = (_vector(values[:, n].tolist()) for n in range(3))
-            ni, nj, one = values[:, 3].tolist()
-            if not (ni.is_integer() and nj.is_integer() and one == 1.0):
-                raise ValueError(f"the counts of grid `{self.name}` are ({ni}, {nj}, {one})")
-            shape = Structured(origin, step_i, step_j, int(ni), int(nj))
-        else:
-            shape = Quadrilaterals(np.array(values.T), self.shape.elements)
-        grid = Grid(self.name, shape, revision)
-        grid.check()
-        return grid
-
-    def check_moved(self, moved: Grid) -> None:
-        """Raise `ValueError` if `moved` is not this grid, moved."""
-        same = type(moved.shape) is type(self.shape) and moved.name == self.name
-        if isinstance(self.shape, Quadrilaterals) and isinstance(moved.shape, Quadrilaterals):
-            same = same and np.array_equal(self.shape.elements, moved.shape.elements)
-            same = same and len(self.shape.points_xyz) == len(moved.shape.points_xyz)
-        if isinstance(self.shape, Volume) and isinstance(moved.shape, Volume):
-            same = same and self.shape.has_elements_of(moved.shape)
-        if not same:
-            raise ValueError(f"`{moved.name}` is not the grid `{self.name}`, moved")
-        if moved.revision < self.revision:
-            last = self.revision
-            raise ValueError(f"grid `{self.name}` has revision {moved.revision} after {last}")
-        if moved.revision == self.revision and not self._is_where(moved):
-            raise ValueError(f"grid `{self.name}` has moved and still has revision {self.revision}")
-        moved.check()
-
-    def _is_where(self, other: Grid) -> bool:
+    def is_where(self, other: Grid) -> bool:
+        """The other one has the same geometry."""
         if self.is_announced or other.is_announced:
             return self.is_announced == other.is_announced
-        return self.geometry_vectors == other.geometry_vectors and np.array_equal(
-            self.encoded_geometry(), other.encoded_geometry()
-        )
+        return np.array_equal(self.encoded_geometry(), other.encoded_geometry())
 
     def _surface(self) -> Structured | Quadrilaterals:
         if isinstance(self.shape, Volume):
@@ -326,8 +226,8 @@ class Grid:
 
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> Grid:
-        """As it travelled; raises `KeyError` or `ValueError` for what is no grid."""
-        shape: Structured | Quadrilaterals | Volume
+        """As it travelled, of an input."""
+        shape: Structured | Quadrilaterals
         if value["kind"] == Structured.kind:
             origin, step_i, step_j = (
                 _vector(value[name]) for name in ("origin", "step_i", "step_j")
@@ -337,8 +237,6 @@ class Grid:
             vertices = np.array(value["points"], dtype=np.float64).reshape(-1, 3)
             elements = np.array(value["elements"], dtype=np.uint32).reshape(-1, 4)
             shape = Quadrilaterals(vertices, elements)
-        elif value["kind"] == Volume.kind:
-            shape = Volume.from_json(value)
         else:
             raise ValueError(f"unknown kind of grid `{value['kind']}`")
         return cls(value["name"], shape, int(value["revision"]))

@@ -10,7 +10,6 @@ package mcap.
 
 from __future__ import annotations
 
-import ctypes
 import functools
 import json
 import struct
@@ -22,15 +21,31 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from .command import call
-from .messages import FieldHeader
 from .results import Section
 from .series import Array, Field
 
 if TYPE_CHECKING:
     import os
 
-LABEL = ctypes.sizeof(FieldHeader)
-"""Bytes of a label, which stands before the values of a sample."""
+LABEL = np.dtype(
+    [
+        ("protocol", "<u4"),
+        ("components", "<u4"),
+        ("points", "<u8"),
+        ("grid_revision", "<u8"),
+        ("window", "<u8"),
+        ("iteration", "<u4"),
+        ("reserved", "<u4"),
+        ("start", "<f8"),
+        ("end", "<f8"),
+        ("sequence", "<u8"),
+        ("name", "S32"),
+        ("unit", "S16"),
+        ("producer", "S32"),
+        ("grid", "S32"),
+    ]
+)
+"""A label, which stands before the values of a sample."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +93,7 @@ class Samples(Sequence[Sample]):
     def places(self) -> list[tuple[int, int]]:
         """Window and iteration of each sample."""
         labels = map(label, self._messages)
-        return [(int(one.window), int(one.iteration)) for one in labels]
+        return [(int(one["window"]), int(one["iteration"])) for one in labels]
 
     def at(self, window: int, iteration: int | None = None) -> Sample:
         """The sample of an iteration, by default the last one of its window."""
@@ -178,37 +193,38 @@ class Recording(Mapping[str, Samples]):
         return f"<recording of {told['case']}, {told['scheme']}: {counts}; {', '.join(self)}>"
 
 
-def label(message: bytes) -> FieldHeader:
+def label(message: bytes) -> np.void:
     """What stands before the values."""
-    return FieldHeader.from_buffer_copy(message)
+    about: np.void = np.frombuffer(message, LABEL, 1)[0]
+    return about
 
 
 def sample(message: bytes, plane: Mapping[str, Any] | None) -> Sample:
     """The values with their places, on a plane of equal elements if there is one."""
     about = label(message)
-    values = np.frombuffer(message, "<f8", offset=LABEL)
-    components = int(about.components)
+    values = np.frombuffer(message, "<f8", offset=LABEL.itemsize)
+    components = int(about["components"])
     if components > 1:
         values = values.reshape(components, -1)
     x = y = z = np.empty(0)
-    if plane is not None and plane["ni"] * plane["nj"] == about.points:
+    if plane is not None and plane["ni"] * plane["nj"] == about["points"]:
         shape = (plane["nj"], plane["ni"])
         values = np.moveaxis(values.reshape(components, *shape), 0, -1)
         values = values[..., 0] if components == 1 else values
         x, y, z = (middles(plane, axis) for axis in range(3))
     return Sample(
-        name=about.name.decode(),
-        unit=about.unit.decode(),
-        time=float(about.end),
+        name=about["name"].decode(),
+        unit=about["unit"].decode(),
+        time=float(about["end"]),
         values=values,
         x=x,
         y=y,
         z=z,
-        producer=about.producer.decode(),
-        grid=about.grid.decode(),
-        window=int(about.window),
-        iteration=int(about.iteration),
-        start=float(about.start),
+        producer=about["producer"].decode(),
+        grid=about["grid"].decode(),
+        window=int(about["window"]),
+        iteration=int(about["iteration"]),
+        start=float(about["start"]),
     )
 
 

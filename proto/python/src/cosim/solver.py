@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
 
 import numpy as np
 
-from .configuration import Configuration, Layout, Refusal
+from .configuration import Configuration, Layout
 from .description import Effect, Figure, Key, Model
 from .fields import FieldKind
-from .grids import Array, Grid, check_dotted, check_name
-from .messages import PROTOCOL_VERSION
+from .grids import Array, Grid
 
 if TYPE_CHECKING:
     from .ports import Inputs, Outputs
@@ -54,6 +53,7 @@ class StateError(Exception):
 
     def __init__(self, reason: str) -> None:
         super().__init__(f"state does not fit: {reason}")
+        self.reason = reason
 
 
 @dataclass(frozen=True)
@@ -215,12 +215,8 @@ class Solver:
 
     @classmethod
     def description(cls) -> dict[str, Any]:
-        """What `--describe` prints. Raises `ValueError` for names that cannot travel."""
-        check_name("role", cls.role)
-        for kind in cls.fields:
-            check_dotted("field", kind.name)
+        """What `--describe` prints, but for the version of the contract."""
         return {
-            "protocol": PROTOCOL_VERSION,
             "name": cls.title(),
             "version": cls.version,
             "role": cls.role,
@@ -233,68 +229,3 @@ class Solver:
             "fields": [kind.to_json() for kind in cls.fields],
             "figures": [figure.to_json() for figure in cls.figures],
         }
-
-
-def admit(solver: Solver, configuration: Configuration) -> None:
-    """Refuse what no program that describes itself like this can take."""
-    role = solver.role
-    models = {model.name: model for model in solver.models}
-    model = models.get(configuration.model)
-    if model is None:
-        raise Refusal(
-            f"{role}.model",
-            f"`{configuration.model}` is not a model of {solver.title()}",
-            f"write one of: {', '.join(models)}",
-        )
-    if not (model.steady if configuration.is_steady else model.transient):
-        other = "transient" if configuration.is_steady else "steady"
-        raise Refusal(
-            "time.mode", f"model `{model.name}` answers {other} cases only", f'write "{other}"'
-        )
-    effects = {effect.name: effect for effect in solver.effects}
-    for name in configuration.case.get("effects", {}):
-        if name not in effects:
-            raise Refusal(
-                f"effects.{name}",
-                f"{solver.title()} has no such effect",
-                f"remove it; known are: {', '.join(effects)}",
-            )
-        if model.name not in effects[name].models:
-            raise Refusal(
-                f"effects.{name}",
-                f"the model `{model.name}` does not support it",
-                f"choose one of {', '.join(effects[name].models)}, or remove the effect",
-            )
-    claims: list[Model | Effect] = [model, *effects.values()]
-    provided = {field for claim in claims for field in claim.provides}
-    for field in (*configuration.outputs, *configuration.observed):
-        if field not in provided:
-            raise Refusal(
-                f"{role}.model",
-                f"`{model.name}` does not provide the field `{field}`",
-                "do not request this field, or name a model that provides it",
-            )
-
-
-def checked_layout(solver: Solver, configuration: Configuration) -> Layout:
-    """`Solver.configure`, with what no solver can take refused before, and its answer checked."""
-    admit(solver, configuration)
-    for given in configuration.inputs:
-        if given.moves and not solver.follows_moving_grids:
-            raise Refusal(
-                f"{given.producer}.model",
-                f"the grid of `{given.field.name}` moves, and `{type(solver).__name__}` takes "
-                "grids that stay",
-                f"name a model of {given.producer} whose grid stays",
-            )
-    layout = solver.configure(configuration)
-    layout.check()
-    grids_known = all(given.grid is not None for given in configuration.inputs)
-    unplaced = [
-        name
-        for name in [*configuration.outputs, *configuration.observed]
-        if grids_known and name not in layout.fields
-    ]
-    if unplaced:
-        raise ValueError(f"the layout has no grid for `{unplaced[0]}`, which the run needs")
-    return layout

@@ -1,24 +1,18 @@
-"""numpy views of shared memory that can neither outlive it nor be kept unnoticed.
+"""numpy views of shared memory that cannot be kept unnoticed.
 
-numpy has no way to take an array's memory back, and an array over foreign memory does not keep that
-memory alive by itself. Therefore every view stands on a `Place`:
+numpy has no way to take an array's memory back. Therefore every view stands on a `Place`:
 
-- the array's `base` is the place, and the place holds what the memory belongs to: the received
-  sample, or the publisher of a loan. As long as any array, slice or reshape of it lives, its memory
-  stays mapped, and a sample's values stay what they were. No view ever reads freed memory.
-- A place of a received sample offers its memory read-only and no writable buffer, so that numpy
-  refuses both a write and `setflags(write=True)`. The memory is mapped read-only; a write would end
-  the process.
-- When a solve is over, every place must be gone. One that is not was kept, and is an error with the
-  name of the field: what a solver keeps would hold a queue's slot, and would be the shared memory
-  that its consumers read.
+- the array's `base` is the place, so that the place lives as long as any array, slice or reshape of
+  it. When a call is over, every place must be gone. One that is not was kept, and is an error with
+  the name of the field: what it shows is the library's again.
+- A place of an input offers its memory read-only and no writable buffer, so that numpy refuses both
+  a write and `setflags(write=True)`. The memory is mapped read-only; a write would end the process.
 """
 
 from __future__ import annotations
 
 import gc
 import weakref
-from typing import Any
 
 import numpy as np
 
@@ -36,12 +30,11 @@ class KeptView(Exception):
 
 
 class Place:
-    """Memory that arrays may stand on, and what keeps it mapped."""
+    """Memory that arrays may stand on."""
 
-    __slots__ = ("__array_interface__", "__weakref__", "owner")
+    __slots__ = ("__array_interface__", "__weakref__")
 
-    def __init__(self, pointer: int, shape: tuple[int, ...], owner: Any, read_only: bool) -> None:
-        self.owner = owner
+    def __init__(self, pointer: int, shape: tuple[int, ...], read_only: bool) -> None:
         self.__array_interface__ = {
             "version": 3,
             "shape": shape,
@@ -57,10 +50,10 @@ class Views:
         self._places: list[tuple[str, weakref.ref[Place]]] = []
 
     def view(
-        self, field: str, pointer: int, shape: tuple[int, ...], owner: Any, *, read_only: bool
+        self, field: str, pointer: int, shape: tuple[int, ...], *, read_only: bool
     ) -> Array:
-        """A new array over doubles at `pointer`, which stay mapped while `owner` lives."""
-        place = Place(pointer, shape, owner, read_only)
+        """A new array over doubles at `pointer`."""
+        place = Place(pointer, shape, read_only)
         self._places.append((field, weakref.ref(place)))
         return np.asarray(place)
 

@@ -66,13 +66,6 @@ class Volume:
         """The same elements, with a geometry that is to follow."""
         return Volume(self.hexahedra, self.counts)
 
-    def with_geometry(self, geometry: _Array) -> Volume:
-        """Take a geometry that has travelled; raises `ValueError` for elements of others."""
-        volume = Volume(self.hexahedra, self.counts, geometry)
-        if not self.has_elements_of(volume):
-            raise ValueError("elements of other vertices than before")
-        return volume
-
     def known(self) -> _Array:
         """The geometry; raises `ValueError` if it is to follow."""
         if self.geometry is None:
@@ -92,13 +85,6 @@ class Volume:
         if self.hexahedra == "unstructured":
             return self.counts[0]
         return int(np.prod([int(count) + 1 for count in self.counts], dtype=object))
-
-    @property
-    def vectors(self) -> int:
-        """Number of vectors of the geometry."""
-        if self.hexahedra == "rectilinear":
-            return max(self.counts) + 1
-        return self.vertex_count + (3 * self.points if self.hexahedra == "unstructured" else 0)
 
     def vertices(self) -> _Array:
         """Vertices [m], shape (vertices, 3)."""
@@ -133,58 +119,10 @@ class Volume:
         twelve = _triple(from_1 + to_7, from_3, to_2) + _triple(to_7, from_3 + to_5, from_4)
         return np.asarray((twelve + _triple(from_1, to_5, from_4 + to_2)) / 12.0)
 
-    def has_elements_of(self, other: Volume) -> bool:
-        """The other one is made of the same vertices."""
-        if (self.hexahedra, self.counts) != (other.hexahedra, other.counts):
-            return False
-        if self.hexahedra != "unstructured" or self.geometry is None or other.geometry is None:
-            return True
-        corners = slice(self.vertex_count, None)
-        return np.array_equal(self.geometry[:, corners], other.geometry[:, corners])
-
-    def check(self) -> None:
-        """Raise `ValueError` for counts, or for a geometry that is known, that cannot be."""
-        known = self._COUNTS.get(self.hexahedra)
-        if known is None or len(known) != len(self.counts):
-            raise ValueError(f"`{self.hexahedra}` hexahedra with {len(self.counts)} counts")
-        if not (8 <= self.vertex_count <= _MOST and 1 <= self.points <= _MOST):
-            raise ValueError(f"{self.points} elements and {self.vertex_count} vertices")
-        if self.geometry is None:
-            return
-        if self.geometry.shape != (3, self.vectors):
-            raise ValueError(f"a geometry of shape {self.geometry.shape}, not (3, {self.vectors})")
-        if not np.isfinite(self.geometry).all():
-            raise ValueError("a geometry that is not finite")
-        if self.hexahedra == "unstructured":
-            self._check_corners(self.geometry[:, self.vertex_count :].T.reshape(-1, 9))
-        if self.hexahedra == "rectilinear":
-            for axis, count in zip(self.geometry, self.counts, strict=True):
-                if not (np.diff(axis[: count + 1]) > 0.0).all() or axis[count + 1 :].any():
-                    raise ValueError("nodes along an axis that do not rise, or are too many")
-        elif not (self.volumes() > 0.0).all():
-            at = int(np.argmin(self.volumes() > 0.0))
-            raise ValueError(
-                f"element {at} without a positive volume: its corners are not in VTK's order, or "
-                "it is turned inside out"
-            )
-
-    def _check_corners(self, numbers: _Array) -> None:
-        corners = numbers[:, :8]
-        whole = (corners == np.floor(corners)) & (corners >= 0) & (corners < self.vertex_count)
-        if not whole.all() or numbers[:, 8].any():
-            at = int(np.argmin(whole.all(axis=1) & (numbers[:, 8] == 0.0)))
-            raise ValueError(f"element {at}, which names what is no vertex: {numbers[at].tolist()}")
-
     def to_json(self) -> dict[str, Any]:
         """As it travels: kind and counts."""
         counts = zip(self._COUNTS[self.hexahedra], map(int, self.counts), strict=True)
         return {"kind": self.kind, "hexahedra": self.hexahedra, **dict(counts)}
-
-    @classmethod
-    def from_json(cls, value: dict[str, Any]) -> Volume:
-        """As it travelled; raises `KeyError` for what is no volume."""
-        hexahedra = value["hexahedra"]
-        return cls(hexahedra, tuple(int(value[name]) for name in cls._COUNTS[hexahedra]))
 
 
 def _vectors(places: ArrayLike) -> _Array:
