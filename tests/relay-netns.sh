@@ -66,7 +66,7 @@ at_home() { COSIM_RUNTIME_DIR="$shm/home" ip netns exec "$home" "$programs/coord
 # Starts the far end of a program; further words are options.
 begin() {
   local program=$1; shift
-  COSIM_RUNTIME_DIR="$shm/far" ip netns exec "$far" "$programs/cosim-relay" --listen tcp/10.77.0.2:7447 --key "$work/key" "$@" \
+  COSIM_RUNTIME_DIR="$shm/far" ip netns exec "$far" "$programs/cosim-relay" --listen 10.77.0.2:7447 --key "$work/key" "$@" \
     -- "$program" 2>"$work/far.log" &
   far_pid=$!
   for _ in $(seq 200); do grep -qs "listening" "$work/far.log" && return; sleep 0.05; done
@@ -79,7 +79,7 @@ end() {
 # The key of a role's command.
 command_of() { # role, options
   local role=$1; shift
-  local words='"cosim-relay", "--connect", "tcp/10.77.0.2:7447", "--key", "'$work/key'"'
+  local words='"cosim-relay", "--connect", "10.77.0.2:7447", "--key", "'$work/key'"'
   for word in "$@"; do words+=", \"$word\""; done
   echo "$role.command=[$words]"
 }

@@ -1,6 +1,7 @@
 //! The key that both ends have: a file that nobody else can read, and nothing of which ever travels.
 
 use contract::input_file::{self, InputFileError};
+use ring::digest::{SHA256, digest};
 use ring::rand::{SecureRandom, SystemRandom};
 use std::fs::OpenOptions;
 use std::io::{self, Read, Write};
@@ -91,32 +92,25 @@ impl Key {
     /// The file exists, or cannot be written.
     pub fn create(path: &Path) -> Result<(), KeyError> {
         let failed = |error| KeyError::File { path: path.display().to_string(), error };
-        let text: String = random::<NEW>().iter().map(|byte| format!("{byte:02x}")).collect();
+        let mut bytes = [0; NEW];
+        SystemRandom::new().fill(&mut bytes).expect("the system has random numbers");
+        let text: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
         let mut options = OpenOptions::new();
         let mut file =
             options.write(true).create_new(true).mode(0o600).open(path).map_err(failed)?;
         writeln!(file, "{text}").and_then(|()| file.sync_all()).map_err(failed)
     }
 
-    /// The bytes.
-    pub(crate) fn bytes(&self) -> &[u8] {
-        &self.0
+    /// What the handshake takes for it.
+    pub(crate) fn pre_shared(&self) -> [u8; 32] {
+        let hashed = digest(&SHA256, &[b"cosim relay: key", &self.0[..]].concat());
+        hashed.as_ref().try_into().expect("SHA-256 has 32 bytes")
     }
 
     #[cfg(test)]
     pub(crate) fn of(bytes: &[u8]) -> Self {
         Self(bytes.to_vec())
     }
-}
-
-/// Random bytes that nobody can foretell.
-///
-/// # Panics
-/// The system has none.
-pub(crate) fn random<const N: usize>() -> [u8; N] {
-    let mut bytes = [0; N];
-    SystemRandom::new().fill(&mut bytes).expect("the system has random numbers");
-    bytes
 }
 
 #[cfg(test)]
@@ -130,7 +124,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("key");
         Key::create(&path).unwrap();
-        assert_eq!(Key::read(&path).unwrap().bytes().len(), 2 * NEW);
+        assert_eq!(Key::read(&path).unwrap().0.len(), 2 * NEW);
         assert!(Key::create(&path).unwrap_err().to_string().contains("exists"));
         for mode in [0o640, 0o604, 0o660] {
             std::fs::set_permissions(&path, Permissions::from_mode(mode)).unwrap();

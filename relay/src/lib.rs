@@ -1,29 +1,24 @@
-//! A participant on another machine: one end listens there and starts the program, the other takes its place in
-//! the run at home, and neither the program nor the coordinator sees that there is a network between them.
+//! A participant on another machine: a server there starts the program, a client takes its place in the
+//! run, and neither the program nor the coordinator sees that there is a network between them.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`key`] | the key that both ends have |
-//! | `hail`, `greet` | the first words, by which both show that they have it |
-//! | `seal`, `line` | pieces that nobody else can read or make; messages, and signs of life |
-//! | `fabric` | the only module that knows zenoh |
+//! | `handshake` | the first words, by which both prove that they have it |
+//! | `link` | one TCP connection: sealed records, messages of them, signs of life, and their monitor |
 //! | `frame`, `pack` | the bytes of messages; values, compressed without loss |
 //! | `routes` | topics, numbered alike at both ends |
-//! | [`home`], [`far`] | the two ends |
+//! | [`client`], [`server`] | the two ends |
 
-mod fabric;
-pub mod far;
+pub mod client;
 mod frame;
-mod greet;
-mod hail;
-pub mod home;
+mod handshake;
 pub mod key;
-mod line;
+mod link;
 mod pack;
 mod routes;
-mod seal;
+pub mod server;
 
-pub use fabric::Certificates;
 pub use pack::Packing;
 
 /// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.

@@ -2,10 +2,10 @@
 
 use clap::{Args, Parser};
 use proto::logging::wanted;
-use relay::far::{Far, serve};
-use relay::home::{Home, ask, join};
+use relay::Packing;
+use relay::client::{Client, ask, join};
 use relay::key::Key;
-use relay::{Certificates, Packing};
+use relay::server::{Server, serve};
 use std::io::{Read, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,11 +15,11 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
 
-/// Carries a participant on another machine to the run at home.
+/// Lets a participant on another machine take part in a run.
 ///
-/// There: coordinator relay --listen tcp/0.0.0.0:7447 --key FILE -- thermal-solver
+/// There: coordinator relay --listen 0.0.0.0:7447 --key FILE -- thermal-solver
 ///
-/// At home, in the case: thermal.command = ["cosim-relay", "--connect", "tcp/HOST:7447", "--key", "FILE"]
+/// Here, in the case: thermal.command = ["cosim-relay", "--connect", "HOST:7447", "--key", "FILE"]
 #[derive(Debug, Parser)]
 #[command(name = "cosim-relay", version, max_term_width = 80)]
 struct Arguments {
@@ -31,15 +31,6 @@ struct Arguments {
     /// Without a sign of life of the other end for so long the link is lost [s].
     #[arg(long, value_name = "SECONDS", default_value_t = 5.0, value_parser = seconds)]
     silence: f64,
-    /// For tls/...: PEM file with the authorities that the other end's certificate is checked against.
-    #[arg(long, value_name = "FILE")]
-    authority: Option<PathBuf>,
-    /// For tls/...: PEM file with the certificate of this end.
-    #[arg(long, value_name = "FILE", requires = "private_key")]
-    certificate: Option<PathBuf>,
-    /// For tls/...: PEM file with the private key of this end.
-    #[arg(long, value_name = "FILE", requires = "certificate")]
-    private_key: Option<PathBuf>,
     #[command(flatten)]
     listening: Listening,
     #[command(flatten)]
@@ -49,11 +40,11 @@ struct Arguments {
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct Mode {
-    /// On the other machine: wait for runs at tcp/ADDRESS:PORT or tls/ADDRESS:PORT.
-    #[arg(long, value_name = "ENDPOINT", requires = "program")]
+    /// On the other machine: wait for clients at ADDRESS:PORT.
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = address, requires = "program")]
     listen: Option<String>,
-    /// At home: be the participant that runs at tcp/HOST:PORT or tls/HOST:PORT.
-    #[arg(long, value_name = "ENDPOINT")]
+    /// Here: be the participant that runs at HOST:PORT.
+    #[arg(long, value_name = "HOST:PORT", value_parser = address)]
     connect: Option<String>,
     /// Write a new key to a file, for both ends.
     #[arg(long, value_name = "FILE")]
@@ -95,6 +86,14 @@ struct Connecting {
     role: Option<String>,
 }
 
+fn address(text: &str) -> Result<String, String> {
+    let plain = !text.contains('/')
+        && text
+            .rsplit_once(':')
+            .is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok());
+    plain.then(|| text.to_owned()).ok_or_else(|| "write HOST:PORT, as in 10.0.0.2:7447".to_owned())
+}
+
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if (0.1..=86_400.0).contains(&value) => Ok(value),
@@ -131,7 +130,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The far end says what it does, and what its program says; the end at home what is wrong.
+/// A server says what it does, and what its program says; a client what is wrong.
 fn log(listens: bool) {
     let own = |level| {
         let targets = Targets::new().with_default(LevelFilter::OFF);
@@ -152,39 +151,28 @@ fn log(listens: bool) {
 }
 
 fn act(arguments: Arguments) -> Result<(), Ended> {
-    let Arguments {
-        mode,
-        key,
-        silence,
-        authority,
-        certificate,
-        private_key,
-        listening,
-        connecting,
-    } = arguments;
+    let Arguments { mode, key, silence, listening, connecting } = arguments;
     if let Some(path) = &mode.new_key {
         return Key::create(path).map_err(Ended::of);
     }
     let key = Key::read(&key.expect("required unless a new one is made")).map_err(Ended::of)?;
-    let certificates = Certificates { authority, certificate, private_key };
     let silence = Duration::from_secs_f64(silence);
-    if let Some(endpoint) = mode.listen {
+    if let Some(address) = mode.listen {
         let Listening { once, program: command } = listening;
         run::signals::listen().map_err(Ended::of)?;
         run::processes::adopt_orphans().map_err(Ended::of)?;
-        let far = Far { endpoint, key, certificates, command, silence, once };
-        return serve(far).map_err(Ended::of);
+        let server = Server { address, key, command, silence, once };
+        return serve(server).map_err(Ended::of);
     }
-    let home = Home {
-        endpoint: mode.connect.expect("one of the three is required"),
+    let client = Client {
+        address: mode.connect.expect("one of the three is required"),
         key,
-        certificates,
         packing: connecting.compress,
         patience: Duration::from_secs_f64(connecting.patience),
         silence,
     };
     if let (Some(folder), Some(role)) = (&connecting.join, &connecting.role) {
-        return join(&home, folder, role).map_err(|error| Ended(error.words, error.code));
+        return join(&client, folder, role).map_err(|error| Ended(error.words, error.code));
     }
     let option = match (connecting.describe, connecting.estimate, connecting.advise) {
         (true, ..) => "--describe",
@@ -200,6 +188,6 @@ fn act(arguments: Arguments) -> Result<(), Ended> {
     if option != "--describe" {
         std::io::stdin().lock().read_to_end(&mut input).map_err(Ended::of)?;
     }
-    let said = ask(&home, option, &input).map_err(|error| Ended(error.words, error.code))?;
+    let said = ask(&client, option, &input).map_err(|error| Ended(error.words, error.code))?;
     std::io::stdout().write_all(&said).map_err(Ended::of)
 }

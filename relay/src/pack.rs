@@ -3,10 +3,25 @@
 //! Before they are compressed the bytes of all values are put side by side by their significance: neighbours of
 //! a smooth field have signs, exponents and first digits in common, which a compressor finds only then.
 
+use std::borrow::Cow;
 use std::fmt;
+use zerocopy::{Immutable, IntoBytes, KnownLayout, TryFromBytes};
 
 /// How values are packed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    clap::ValueEnum,
+    Immutable,
+    IntoBytes,
+    KnownLayout,
+    TryFromBytes,
+)]
+#[repr(u8)]
 pub enum Packing {
     /// As they are.
     #[default]
@@ -27,18 +42,6 @@ pub(crate) struct Unpackable {
 /// The level of Zstandard: higher ones are slower than the networks that they would save.
 const LEVEL: i32 = 1;
 
-impl Packing {
-    /// Its number on the way.
-    pub(crate) fn number(self) -> u8 {
-        self as u8
-    }
-
-    /// The one with this number.
-    pub(crate) fn from_number(number: u8) -> Option<Self> {
-        [Self::None, Self::Lz4, Self::Zstd].into_iter().find(|one| one.number() == number)
-    }
-}
-
 impl fmt::Display for Packing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -50,7 +53,7 @@ impl fmt::Display for Packing {
 }
 
 /// The bytes of values, and how they are packed: as asked, or not at all where that is shorter.
-pub(crate) fn pack(values: &[f64], wanted: Packing) -> (Packing, Vec<u8>) {
+pub(crate) fn pack(values: &[f64], wanted: Packing) -> (Packing, Cow<'_, [u8]>) {
     let planes = || {
         let mut planes = vec![0; size_of_val(values)];
         let count = values.len();
@@ -67,8 +70,8 @@ pub(crate) fn pack(values: &[f64], wanted: Packing) -> (Packing, Vec<u8>) {
         Packing::Zstd => zstd::bulk::compress(&planes(), LEVEL).ok(),
     };
     match packed.filter(|packed| packed.len() < size_of_val(values)) {
-        Some(packed) => (wanted, packed),
-        None => (Packing::None, values.iter().flat_map(|value| value.to_le_bytes()).collect()),
+        Some(packed) => (wanted, packed.into()),
+        None => (Packing::None, values.as_bytes().into()),
     }
 }
 
@@ -80,9 +83,7 @@ pub(crate) fn unpack(packing: Packing, bytes: &[u8], values: &mut [f64]) -> Resu
             if bytes.len() != length {
                 return Err(unpackable);
             }
-            for (value, bytes) in values.iter_mut().zip(bytes.as_chunks().0) {
-                *value = f64::from_le_bytes(*bytes);
-            }
+            values.as_mut_bytes().copy_from_slice(bytes);
             return Ok(());
         }
         Packing::Lz4 | Packing::Zstd => vec![0; length],
@@ -147,13 +148,5 @@ mod tests {
         }
         let (packing, bytes) = pack(&[1.0], Packing::Zstd);
         assert_eq!((packing, bytes.len()), (Packing::None, 8), "shorter as it is");
-    }
-
-    #[test]
-    fn numbers_are_those_of_the_wire() {
-        for packing in ALL {
-            assert_eq!(Packing::from_number(packing.number()), Some(packing));
-        }
-        assert_eq!(Packing::from_number(3), None);
     }
 }

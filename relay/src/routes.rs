@@ -1,7 +1,7 @@
 //! The topics of a participant, numbered alike at both ends, and the samples that pass through them.
 
 use crate::frame::Frame;
-use crate::line::{Fault, SHORT, Sending};
+use crate::link::{Fault, SHORT, Sending};
 use crate::pack::{Packing, Unpackable, pack, unpack};
 use contract::configuration::Configuration;
 use contract::description::Description;
@@ -21,7 +21,7 @@ pub(crate) struct Route {
     pub(crate) service: String,
     /// Values of a sample, as announced.
     values: usize,
-    /// Who subscribes at home.
+    /// Who subscribes beside the coordinator.
     subscribers: usize,
 }
 
@@ -85,7 +85,7 @@ impl Routes {
         routes
     }
 
-    /// What it publishes itself does not come from home.
+    /// What it publishes itself does not come from the client.
     fn add(&mut self, service: &str, values: usize) {
         let known = self.inward.iter().chain(&self.outward).any(|route| route.service == service);
         if !known {
@@ -93,17 +93,17 @@ impl Routes {
         }
     }
 
-    /// The topics as the far participant is to open them: one who reads each, and itself.
-    pub(crate) fn far(topics: &Topics) -> Topics {
-        let mut far = topics.clone();
+    /// The topics as the participant at the server is to open them: one who reads each, and itself.
+    pub(crate) fn at_server(topics: &Topics) -> Topics {
+        let mut there = topics.clone();
         let own = |service: &str| topics.inputs.iter().any(|input| input.service == service);
-        for topic in &mut far.outputs {
+        for topic in &mut there.outputs {
             topic.subscribers = 1 + usize::from(own(&topic.service));
         }
-        for topic in &mut far.geometry {
+        for topic in &mut there.geometry {
             topic.subscribers = 1;
         }
-        far
+        there
     }
 
     /// The longest message with a sample [byte].
@@ -160,7 +160,7 @@ pub(crate) enum ForwardError {
     #[error(transparent)]
     Transport(#[from] TransportError),
     #[error(transparent)]
-    Line(#[from] Fault),
+    Link(#[from] Fault),
 }
 
 /// Where samples of the other end enter the run.
@@ -245,9 +245,9 @@ mod tests {
         let inward = ["field/mech/friction_power", "field/mech/pressure", "geometry/mech/g"];
         assert_eq!(names(&routes.inward), inward);
         assert_eq!(names(&routes.outward), ["field/thermal/x", "geometry/thermal/g"]);
-        let far = Routes::far(&topics);
-        assert_eq!((far.outputs[0].subscribers, far.geometry[0].subscribers), (2, 1));
-        assert_eq!(names(&Routes::of(&far, &components).inward), inward);
+        let there = Routes::at_server(&topics);
+        assert_eq!((there.outputs[0].subscribers, there.geometry[0].subscribers), (2, 1));
+        assert_eq!(names(&Routes::of(&there, &components).inward), inward);
         assert_eq!(routes.longest(), SHORT + 100 * GROWTH * 8);
     }
 

@@ -30,7 +30,7 @@ fn a_key_is_made_once_and_read_by_its_owner_alone() {
     assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600);
     refused(&["--new-key", key], "exists");
     std::fs::set_permissions(&path, Permissions::from_mode(0o644)).unwrap();
-    for mode in [["--connect", "tcp/127.0.0.1:1"], ["--listen", "tcp/127.0.0.1:0"]] {
+    for mode in [["--connect", "127.0.0.1:1"], ["--listen", "127.0.0.1:0"]] {
         let more: &[&str] = if mode[0] == "--listen" { &["--", "true"] } else { &["--describe"] };
         let arguments = [&mode[..], &["--key", key], more].concat();
         refused(&arguments, "can be read by others (mode 644); make it yours alone: chmod 600");
@@ -42,15 +42,16 @@ fn what_cannot_be_is_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("key");
     let key = path.to_str().unwrap();
-    refused(&["--connect", "tcp/127.0.0.1:1", "--describe"], "--key");
-    refused(&["--connect", "tcp/127.0.0.1:1", "--key", key, "--describe"], "the key file");
+    refused(&["--connect", "127.0.0.1:1", "--describe"], "--key");
+    refused(&["--connect", "127.0.0.1:1", "--key", key, "--describe"], "the key file");
     assert!(relay(&["--new-key", key]).status.success());
-    refused(&["--connect", "tcp/127.0.0.1:1", "--key", key], "nothing to do");
-    refused(&["--listen", "tcp/127.0.0.1:0", "--key", key, "--", "./none"], "./none");
-    refused(&["--listen", "tcp/127.0.0.1:0", "--key", key, "--", "true"], "not valid");
-    let connect = ["--connect", "udp/127.0.0.1:1", "--key", key, "--patience", "0.5", "--describe"];
-    refused(&connect, "no far end is reached at udp/127.0.0.1:1");
-    let tls =
-        ["--connect", "tls/localhost:1", "--key", key, "--authority", "none.pem", "--describe"];
-    refused(&tls, "none.pem");
+    refused(&["--connect", "127.0.0.1:1", "--key", key], "nothing to do");
+    refused(&["--listen", "127.0.0.1:0", "--key", key, "--", "./none"], "./none");
+    refused(&["--listen", "127.0.0.1:0", "--key", key, "--", "true"], "not valid");
+    for address in ["tcp/127.0.0.1:1", "127.0.0.1", ":7447", "127.0.0.1:x"] {
+        refused(&["--connect", address, "--key", key, "--describe"], "write HOST:PORT");
+    }
+    let nobody = ["--connect", "127.0.0.1:1", "--key", key, "--patience", "0.5", "--describe"];
+    refused(&nobody, "no server is reached at 127.0.0.1:1 within 0 s");
+    refused(&["--listen", "192.0.2.1:1", "--key", key, "--", "./none"], "./none");
 }

@@ -1,13 +1,14 @@
 //! Fixed layouts of everything that crosses shared memory.
 //!
-//! All types are `#[repr(C)]`, self-contained (no pointers), with explicit padding, so that C and
-//! Python lay them out alike; the tests pin every size and offset. Text sits in zero-padded ASCII
+//! All types are `#[repr(C)]`, self-contained (no pointers), with explicit padding, which their derives
+//! of `zerocopy` demand, so that C lays them out alike; the tests pin every size and offset. Text sits in zero-padded ASCII
 //! labels. Variable-length content (configuration, errors, summaries) travels as JSON bytes behind
 //! a [`Command`] or [`Reply`]; field values travel as `[f64]` behind a [`FieldHeader`]; a
 //! [`ProgressReport`] stands alone.
 
 use crate::step::{Step, StepReport};
 use crate::text::one_line;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// The most participants of a run.
 pub const MOST_PARTICIPANTS: usize = 12;
@@ -16,8 +17,8 @@ pub const MOST_PARTICIPANTS: usize = 12;
 pub const MAX_INPUTS: usize = 16;
 
 /// Zero-padded ASCII text of at most `N - 1` bytes.
-#[repr(C)]
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(transparent)]
+#[derive(Clone, Copy, PartialEq, Eq, FromBytes, Immutable, IntoBytes, KnownLayout)]
 pub struct Label<const N: usize>(pub [u8; N]);
 
 impl<const N: usize> Label<N> {
@@ -117,7 +118,19 @@ pub const STAY: u32 = 1;
 
 /// From the coordinator to one participant.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    serde::Serialize,
+    serde::Deserialize,
+    FromBytes,
+    Immutable,
+    IntoBytes,
+    KnownLayout,
+)]
 pub struct Command {
     /// [`crate::PROTOCOL_VERSION`] of the sender.
     pub protocol: u32,
@@ -188,7 +201,19 @@ impl Status {
 
 /// From one participant to the coordinator.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    serde::Serialize,
+    serde::Deserialize,
+    FromBytes,
+    Immutable,
+    IntoBytes,
+    KnownLayout,
+)]
 pub struct Reply {
     /// [`crate::PROTOCOL_VERSION`] of the sender.
     pub protocol: u32,
@@ -250,7 +275,7 @@ impl Reply {
 
 /// How far a participant is with the command that it works on, for its heartbeat.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, FromBytes, Immutable, IntoBytes, KnownLayout)]
 pub struct ProgressReport {
     /// Sequence number of the command.
     pub sequence: u64,
@@ -278,7 +303,7 @@ impl std::fmt::Display for ProgressReport {
 
 /// Stands before the values of every field: a field never travels unlabelled.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, FromBytes, Immutable, IntoBytes, KnownLayout)]
 pub struct FieldHeader {
     /// [`crate::PROTOCOL_VERSION`] of the sender.
     pub protocol: u32,

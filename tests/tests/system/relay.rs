@@ -7,7 +7,6 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
-use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -42,7 +41,7 @@ fn free_port() -> u16 {
 
 /// What stands in a case for a participant behind the relay.
 fn command_of(role: &str, port: u16, key: &str, more: &[&str]) -> String {
-    let endpoint = format!("tcp/127.0.0.1:{port}");
+    let endpoint = format!("127.0.0.1:{port}");
     let mut words = vec!["cosim-relay", "--connect", &endpoint, "--key", key];
     words.extend(more);
     format!("{role}.command={words:?}")
@@ -57,7 +56,7 @@ struct Far<'a> {
 impl<'a> Far<'a> {
     fn start(place: &'a Place, key: &str, program: &str, more: &[&str]) -> Self {
         let port = free_port();
-        let endpoint = format!("tcp/127.0.0.1:{port}");
+        let endpoint = format!("127.0.0.1:{port}");
         let mut arguments = vec!["--listen", &endpoint, "--key", key];
         arguments.extend(more);
         arguments.extend(["--", program]);
@@ -153,7 +152,7 @@ fn a_killed_run_is_resumed_to_the_bit() {
 fn a_participant_behind_the_relay_conforms() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
     let far = Far::start(&there, &key.path(), "thermal-solver", &[]);
-    let endpoint = format!("tcp/127.0.0.1:{}", far.port);
+    let endpoint = format!("127.0.0.1:{}", far.port);
     let (name, key) = (case("falling-friction.toml"), key.path());
     let program = programs().join("cosim-relay").display().to_string();
     let mut arguments =
@@ -194,7 +193,7 @@ fn a_far_end_that_is_killed_is_named_with_the_window() {
     let running = in_mid_window(&place, &command_of("left", far.port, &key.path(), &[]), &[]);
     far.running.signal(Signal::KILL);
     assert_eq!(far.running.wait().code, None);
-    let lost = format!("the link to tcp/127.0.0.1:{} is lost", far.port);
+    let lost = format!("the link to 127.0.0.1:{} is lost", far.port);
     assert_failed(&place, &running.wait(), &[WHEN, &lost]);
     wait_until("the far participant to leave", || !there.runtime().exists());
 }
@@ -297,7 +296,7 @@ fn a_far_participant_that_is_killed_or_stopped_is_reported() {
     let command = command_of("left", far.port, &key.path(), &[]);
     let running = in_mid_window(&place, &command, &[]);
     kill_process(child_of(far.running.pid()), Signal::KILL).unwrap();
-    assert_failed(&place, &running.wait(), &[WHEN, "at the far end was killed by signal 9"]);
+    assert_failed(&place, &running.wait(), &[WHEN, "at the server was killed by signal 9"]);
     let place = Place::new();
     let running = in_mid_window(&place, &command, &["coupling.heartbeat_deadline=1.5"]);
     kill_process(child_of(far.running.pid()), Signal::STOP).unwrap();
@@ -325,9 +324,9 @@ fn another_key_is_refused_at_both_ends() {
     let command = command_of("left", far.port, &other.path(), &[]);
     let ended = place.run(&case("exchange.toml"), &sets(&[&command]));
     assert_ne!(ended.code, Some(0));
-    assert!(ended.stderr.contains("the far end has another key"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("the server has another key"), "{}", ended.stderr);
     let said = far.stop(&there);
-    assert!(said.contains("a call is refused: the home end has another key"), "{said}");
+    assert!(said.contains("a call is refused: the client has another key"), "{said}");
 }
 
 #[test]
@@ -337,7 +336,7 @@ fn nobody_who_listens_is_named_within_the_patience() {
     let command = command_of("left", port, &key.path(), &["--patience", "1"]);
     let ended = place.run(&case("exchange.toml"), &sets(&[&command]));
     assert_ne!(ended.code, Some(0));
-    let words = format!("no far end is reached at tcp/127.0.0.1:{port} within 1 s");
+    let words = format!("no server is reached at 127.0.0.1:{port} within 1 s");
     assert!(ended.stderr.contains(&words), "{}", ended.stderr);
 }
 
@@ -346,7 +345,7 @@ fn nobody_who_listens_is_named_within_the_patience() {
 fn the_coordinator_becomes_the_relay() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
     let far = Far::start(&there, &key.path(), "toy-left", &[]);
-    let endpoint = format!("tcp/127.0.0.1:{}", far.port);
+    let endpoint = format!("127.0.0.1:{}", far.port);
     let ended =
         place.start(&["relay", "--connect", &endpoint, "--key", &key.path(), "--describe"]).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
@@ -356,7 +355,7 @@ fn the_coordinator_becomes_the_relay() {
     assert!(open.stdout.contains("--new-key"), "{}", open.stdout);
     far.stop(&there);
     let other = free_port();
-    let endpoint = format!("tcp/127.0.0.1:{other}");
+    let endpoint = format!("127.0.0.1:{other}");
     let listens =
         ["relay", "--listen", &endpoint, "--key", &key.path(), "--once", "--", "toy-left"];
     let running = there.start(&listens);
@@ -366,71 +365,68 @@ fn the_coordinator_becomes_the_relay() {
     assert_eq!(running.wait().code, Some(0));
 }
 
-/// A certificate of an authority of its own, for `localhost`; the paths of authority, certificate and key.
-fn certificates(folder: &Path) -> [String; 3] {
-    let openssl = |arguments: &[&str]| {
-        let output = Command::new("openssl").args(arguments).current_dir(folder).output();
-        let output = output.expect("openssl is installed (apt-get install openssl)");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+/// A run that is under way takes no notice of callers without the key, and others that come after them are served.
+fn goes_on_beside(attack: impl Fn(u16)) {
+    let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
+    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let command = command_of("left", far.port, &key.path(), &["--silence", "2"]);
+    let more = ["left.delay=0.05", "time.end=40", &command];
+    let running = place.start_run(&case("exchange.toml"), &sets(&more));
+    place.wait_for_log("every participant is ready");
+    attack(far.port);
+    let next = Place::new();
+    next.summary(&case("exchange.toml"), &sets(&["time.end=3", &command]));
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    far.stop(&there);
+}
+
+/// So many connections, on each of which the same is said.
+fn callers(port: u16, count: usize, said: &[u8]) -> Vec<TcpStream> {
+    let call = |_| {
+        let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+        // One that was closed already takes nothing.
+        let _ = stream.write_all(said);
+        stream
     };
-    let new = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2"];
-    let authority =
-        ["req", "-x509", "-subj", "/CN=authority", "-keyout", "ca.key", "-out", "ca.pem"];
-    openssl(&[&authority[..], &new].concat());
-    let signed = [
-        "req",
-        "-x509",
-        "-CA",
-        "ca.pem",
-        "-CAkey",
-        "ca.key",
-        "-subj",
-        "/CN=localhost",
-        "-addext",
-        "subjectAltName=DNS:localhost",
-        "-addext",
-        "basicConstraints=CA:FALSE",
-        "-keyout",
-        "end.key",
-        "-out",
-        "end.pem",
-    ];
-    openssl(&[&signed[..], &new].concat());
-    ["ca.pem", "end.pem", "end.key"].map(|name| folder.join(name).display().to_string())
+    (0..count).map(call).collect()
+}
+
+/// They stay open while the next run comes; each waits for five seconds at most.
+#[test]
+fn callers_that_are_silent_keep_nobody_out() {
+    let open = std::sync::Mutex::new(Vec::new());
+    goes_on_beside(|port| {
+        open.lock().unwrap().extend(callers(port, 80, b""));
+        open.lock().unwrap().extend(callers(port, 80, b"cosR"));
+    });
+    let mut first = open.into_inner().unwrap().remove(0);
+    first.set_read_timeout(Some(std::time::Duration::from_secs(60))).unwrap();
+    assert!(matches!(first.read(&mut [0]), Ok(0) | Err(_)), "its connection is closed");
 }
 
 #[test]
-fn certificates_are_checked() {
-    let (key, there, place, folder) =
-        (KeyFile::new(), Place::new(), Place::new(), tempfile::tempdir().unwrap());
-    let ([authority, certificate, private], path) = (certificates(folder.path()), key.path());
-    let (port, other) = (free_port(), tempfile::tempdir().unwrap());
-    let endpoint = format!("tls/localhost:{port}");
-    let own = ["--certificate", &certificate, "--private-key", &private];
-    let listens =
-        [&["--listen", &endpoint, "--key", &path][..], &own, &["--", "toy-left"]].concat();
-    let command = Command::new(programs().join("cosim-relay"));
-    let running = there.launch(there.becoming(command, &listens));
-    wait_until("the far end to listen", || TcpStream::connect(("localhost", port)).is_ok());
-    let command = |authority: &str| {
-        let words = [
-            "cosim-relay",
-            "--connect",
-            &endpoint,
-            "--key",
-            &path,
-            "--authority",
-            authority,
-            "--patience",
-            "5",
-        ];
-        format!("left.command={words:?}")
-    };
-    place.summary(&case("exchange.toml"), &sets(&["time.end=3", &command(&authority)]));
-    let [stranger, ..] = certificates(other.path());
-    let ended = place.run(&case("exchange.toml"), &sets(&[&command(&stranger)]));
-    assert_ne!(ended.code, Some(0));
-    assert!(ended.stderr.contains("no far end is reached at tls/localhost"), "{}", ended.stderr);
-    running.signal(Signal::INT);
-    assert_eq!(running.wait().code, Some(0));
+fn greetings_without_a_proof_keep_nobody_out() {
+    let versions = [2_u32.to_le_bytes(), proto::PROTOCOL_VERSION.to_le_bytes()].concat();
+    let greeting = [&b"cosR"[..], &versions, &[7; 48]].concat();
+    let words = [&greeting[..], b"GET / HTTP/1.1\r\n\r\n", &[0xff; 1 << 20]];
+    goes_on_beside(|port| {
+        for said in words {
+            drop(callers(port, 100, said));
+        }
+    });
+}
+
+/// Who has the key and does not take what is sent is lost like one who is silent.
+#[test]
+fn a_far_end_that_stops_is_lost_at_home() {
+    let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
+    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let command = command_of("left", far.port, &key.path(), &["--silence", "1"]);
+    let running = in_mid_window(&place, &command, &[]);
+    far.running.signal(Signal::STOP);
+    let ended = running.wait();
+    far.running.signal(Signal::CONT);
+    assert_failed(&place, &ended, &[WHEN, "is lost: nothing was received for 1.0 s"]);
+    far.stop(&there);
 }

@@ -1,10 +1,9 @@
-//! Taking part in the run at home in the place of the far participant.
+//! Taking part in a run in the place of the participant at the server.
 
-use super::ask::{Kept, out_of_turn};
-use super::keeper::{Membership, leave};
-use super::seat::Seat;
-use super::serve::Server;
-use super::{Home, HomeError};
+use super::connection::{Connection, Membership, leave, out_of_turn};
+use super::participant::LocalParticipant;
+use super::serve::Service;
+use super::{Client, ClientError};
 use crate::frame::Frame;
 use proto::run_dir::RunDir;
 use std::io::Write;
@@ -19,39 +18,39 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Takes part in a run.
 ///
 /// # Errors
-/// The run cannot be joined, the far end not reached; or how the far participant has ended.
-pub fn join(home: &Home, folder: &Path, role: &str) -> Result<(), HomeError> {
-    let run = RunDir::join(folder, role).map_err(HomeError::of)?;
+/// The run cannot be joined, the server not reached; or how the participant there has ended.
+pub fn join(client: &Client, folder: &Path, role: &str) -> Result<(), ClientError> {
+    let run = RunDir::join(folder, role).map_err(ClientError::of)?;
     let info = run.info().clone();
-    let watch = run.watch().map_err(HomeError::of)?;
+    let watch = run.watch().map_err(ClientError::of)?;
     // Declared first: whatever ends the process, ports close before the run's folder is left.
     let membership: Membership = Arc::new(Mutex::new(Some(run)));
     let finished = Arc::new(Mutex::new(false));
     follow(move || watch.is_alive(), Arc::clone(&membership), Arc::clone(&finished));
-    let mut kept = Kept::open(home, &membership)?;
-    let description = kept.description()?;
+    let connection = Connection::open(client, &membership)?;
+    let description = connection.description()?;
     if description.role != role {
         let (name, plays) = (&description.name, &description.role);
-        return Err(HomeError::of(format!(
+        return Err(ClientError::of(format!(
             "{}: the program there, `{name}`, plays `{plays}`, not `{role}`",
-            home.endpoint
+            client.address
         )));
     }
-    kept.sending.send(&Frame::Join { packing: home.packing }).map_err(HomeError::of)?;
-    let answer = kept.next()?;
-    if Frame::read(&answer).map_err(HomeError::of)? != Frame::Joined {
+    connection.send(&Frame::Join { packing: client.packing })?;
+    let answer = connection.next()?;
+    if Frame::read(&answer).map_err(ClientError::of)? != Frame::Joined {
         return Err(out_of_turn());
     }
-    let (seat, heart) = Seat::open(&info, role).map_err(HomeError::of)?;
-    *kept.ears.lock().unwrap_or_else(PoisonError::into_inner) = Some(heart);
-    let mut server = Server::new(seat, &mut kept, description, home.packing);
+    let (participant, heart) = LocalParticipant::open(&info, role).map_err(ClientError::of)?;
+    connection.link.listen(Some(heart));
+    let mut service = Service::new(participant, &connection, description, client.packing);
     // The coordinator ends after the reply to `Finish`, which is no fault any more.
-    let served = server.serve(|| *finished.lock().unwrap_or_else(PoisonError::into_inner) = true);
-    drop(server);
+    let served = service.serve(|| *finished.lock().unwrap_or_else(PoisonError::into_inner) = true);
+    drop(service);
     // Its ports belong to the node, which closes after them.
-    *kept.ears.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    connection.link.listen(None);
     served?;
-    kept.close();
+    connection.close();
     Ok(())
 }
 

@@ -128,7 +128,7 @@ impl Place {
         }
     }
 
-    /// A configuration with the paths here in the place of those at home.
+    /// A configuration with the paths here in the place of the client's.
     pub(super) fn configuration(&self, body: &[u8]) -> Vec<u8> {
         let file = |(key, path): (&String, &PathBuf)| CaseFile {
             key: key.clone(),

@@ -1,49 +1,45 @@
-//! The end at home: for the coordinator a participant like any other, which asks the far end whatever it is
-//! asked itself.
+//! The end beside the coordinator, for which it is a participant like any other: it asks the server
+//! whatever it is asked itself.
 
-mod ask;
+mod connection;
 mod files;
 mod join;
-mod keeper;
-mod seat;
+mod participant;
 mod serve;
 
-pub use ask::ask;
+pub use connection::ask;
 pub use join::join;
 
-use crate::fabric::Certificates;
 use crate::key::Key;
 use crate::pack::Packing;
 use std::time::Duration;
 
-/// How the far end is reached.
+/// How the server is reached.
 #[derive(Debug)]
-pub struct Home {
-    /// Where it listens: `tcp/HOST:PORT` or `tls/HOST:PORT`.
-    pub endpoint: String,
+pub struct Client {
+    /// Where it listens: `HOST:PORT`.
+    pub address: String,
     /// The key that both ends have.
     pub key: Key,
-    /// Certificates for `tls`.
-    pub certificates: Certificates,
     /// How values are packed, both ways.
     pub packing: Packing,
-    /// Longest wait for the far end to answer the call.
+    /// Longest wait for the server to answer the call.
     pub patience: Duration,
     /// Without a sign of life for so long, the link is lost.
     pub silence: Duration,
 }
 
-/// How the end at home ends badly.
+/// How the client ends badly.
 #[derive(Debug, thiserror::Error)]
 #[error("{words}")]
-pub struct HomeError {
+pub struct ClientError {
     /// What to say of it.
     pub words: String,
     /// The exit code.
     pub code: u8,
 }
 
-impl HomeError {
+impl ClientError {
     fn of(words: impl std::fmt::Display) -> Self {
         Self { words: words.to_string(), code: 1 }
     }

@@ -1,14 +1,14 @@
 //! One conversation: questions, and perhaps a run.
 
 use super::drive::{Over, run};
-use super::guard::Guard;
-use super::offer::Offer;
 use super::place::Place;
+use super::{CONVERSATIONS, Offer};
 use crate::frame::{Frame, Question};
-use crate::line::{Fault, Incoming, Line, Sending};
+use crate::link::{Fault, Link, Sealed};
 use contract::text::one_line;
+use run::peers::EndsFirst;
 use run::signals;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// From one look at the line to the next.
@@ -22,7 +22,7 @@ const FAREWELL: Duration = Duration::from_secs(5);
 enum Ends {
     /// There is nobody to say it to.
     Lost(String),
-    /// The end at home is told.
+    /// The client is told.
     Told { code: u8, words: String },
 }
 
@@ -48,18 +48,58 @@ pub(super) fn runtime() -> std::io::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_current_thread().enable_all().build()
 }
 
-/// Talks to the end at home until it leaves; whether there was a run.
-pub(super) fn talk(line: Line, offer: &Offer) -> bool {
-    let Line { sending, messages, life, hold } = line;
-    let guard = Guard::start(life, hold, Arc::clone(&sending), offer.silence);
-    let mut session = Session { sending, messages, guard, offer, run: None };
-    let ended = session.talk();
-    // However the end at home leaves once it has all.
+/// The processes of a run, which end with the link.
+#[derive(Clone, Default)]
+pub(super) struct Processes(Arc<Mutex<Option<EndsFirst>>>);
+
+impl Processes {
+    /// These end with the link.
+    pub(super) fn end_with(&self, link: &Link, processes: EndsFirst) {
+        self.set(Some(processes));
+        if link.lost().is_some() {
+            self.set(None);
+        }
+    }
+
+    /// The run is over.
+    pub(super) fn let_go(&self) {
+        self.set(None);
+    }
+
+    fn set(&self, processes: Option<EndsFirst>) {
+        let before = {
+            let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            std::mem::replace(&mut *held, processes)
+        };
+        // Ends them, which takes a while.
+        drop(before);
+    }
+}
+
+/// Talks to a client until it leaves, if there is room for it; whether there was a run.
+pub(super) fn talk(sealed: Sealed, offer: &Offer, has_room: bool) -> bool {
+    let processes = Processes::default();
+    let ends = processes.clone();
+    let link = match Link::open(sealed, offer.silence, move |_| ends.let_go()) {
+        Ok(link) => link,
+        Err(error) => {
+            tracing::warn!("a call is not answered: {error}");
+            return false;
+        }
+    };
+    let mut session = Session { link, processes, offer, run: None };
+    let ended = match has_room {
+        true => session.talk(),
+        false => {
+            Err(told(format!("the server has {CONVERSATIONS} conversations, and takes no more")))
+        }
+    };
+    // However the client leaves once it has all.
     if session.run == Some(Course::Finished) {
         tracing::info!("the run is finished");
         return true;
     }
-    let why = match (session.guard.lost(), ended) {
+    let why = match (session.link.lost(), ended) {
         (Some(lost), Err(Ends::Told { words, .. })) => format!("the link is lost: {lost}; {words}"),
         (Some(lost), _) => format!("the link is lost: {lost}"),
         (None, Err(Ends::Lost(why))) => why,
@@ -67,7 +107,7 @@ pub(super) fn talk(line: Line, offer: &Offer) -> bool {
             session.tell(code, &words);
             words
         }
-        (None, Ok(())) => "the end at home has left".to_owned(),
+        (None, Ok(())) => "the client has left".to_owned(),
     };
     match session.run {
         Some(_) => tracing::warn!("the run is over: {}", one_line(&why)),
@@ -84,9 +124,8 @@ enum Course {
 }
 
 struct Session<'a> {
-    sending: Arc<Sending>,
-    messages: Incoming,
-    guard: Guard,
+    link: Link,
+    processes: Processes,
     offer: &'a Offer,
     run: Option<Course>,
 }
@@ -95,12 +134,9 @@ impl Session<'_> {
     fn talk(&mut self) -> Result<(), Ends> {
         let mut place = Place::new(None).map_err(told)?;
         loop {
-            let Some(message) = self.messages.within(LOOK)? else {
-                if let Some(lost) = self.guard.lost() {
-                    return Err(Ends::Lost(lost));
-                }
+            let Some(message) = self.link.within(LOOK)? else {
                 if let Some(signal) = signals::received() {
-                    return Err(told(format!("the far end was interrupted by {signal}")));
+                    return Err(told(format!("the server was interrupted by {signal}")));
                 }
                 continue;
             };
@@ -111,12 +147,11 @@ impl Session<'_> {
                 }
                 Frame::Join { packing } => {
                     self.run = Some(Course::Begun);
-                    let line = (&self.sending, &mut self.messages, &self.guard);
-                    run(self.offer, line, packing)?;
+                    run(self.offer, &self.link, &self.processes, packing)?;
                     self.run = Some(Course::Finished);
                 }
                 Frame::Bye => return Ok(()),
-                _ => return Err(told("the end at home says something out of turn")),
+                _ => return Err(told("the client says something out of turn")),
             }
         }
     }
@@ -130,7 +165,7 @@ impl Session<'_> {
         let Offer { program, role, .. } = self.offer;
         let answered = runtime().map_err(told)?.block_on(async {
             let leaves = async {
-                while !self.guard.is_over() {
+                while !self.link.is_over() {
                     tokio::time::sleep(LOOK).await;
                 }
             };
@@ -146,17 +181,17 @@ impl Session<'_> {
             Ok(said) => (0, said),
             Err(error) => (1, error.to_string().into_bytes()),
         };
-        Ok(self.sending.send(&Frame::Answer { code, said: &said })?)
+        Ok(self.link.sending.send(&Frame::Answer { code, said: &said })?)
     }
 
     /// Last words, and the time to read them.
     fn tell(&self, code: u8, words: &str) {
         let words = one_line(words);
-        // To whoever waits for a message, and to the keeper of the line if nobody does.
+        // To whoever waits for a message, and to the monitor of the link if nobody does.
         let ended = Frame::Ended { code, words: &words };
-        if self.sending.send(&ended).is_ok() && self.sending.sign(&ended).is_ok() {
+        if self.link.sending.send(&ended).is_ok() && self.link.sending.sign(&ended).is_ok() {
             let until = Instant::now() + FAREWELL;
-            while !self.guard.is_over() && Instant::now() < until {
+            while !self.link.is_over() && Instant::now() < until {
                 std::thread::sleep(LOOK / 10);
             }
         }

@@ -1,8 +1,8 @@
 //! Files that a case names travel with it, and no path does.
 
-use super::HomeError;
+use super::ClientError;
 use crate::frame::Frame;
-use crate::line::Sending;
+use crate::link::Sending;
 use contract::description::Description;
 use run::record::named_files;
 use serde_json::Value;
@@ -20,7 +20,7 @@ pub(super) fn send_files(
     sending: &Sending,
     description: &Description,
     configuration: &[u8],
-) -> Result<(), HomeError> {
+) -> Result<(), ClientError> {
     let Ok(configuration) = serde_json::from_slice::<Value>(configuration) else { return Ok(()) };
     for (key, path) in named_files(description, &configuration["case"]) {
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
@@ -29,7 +29,7 @@ pub(super) fn send_files(
         let sent = pieces(&path, |bytes, last| {
             sending.send(&Frame::File { key: &key, ending, last, bytes })
         });
-        sent.map_err(|why| HomeError::of(format!("{key}: {}: {why}", path.display())))?;
+        sent.map_err(|why| ClientError::of(format!("{key}: {}: {why}", path.display())))?;
     }
     Ok(())
 }

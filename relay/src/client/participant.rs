@@ -1,6 +1,6 @@
-//! The place of the far participant in the run at home: its ports, and the heart that beats as its own does.
+//! The place of the participant in the run: its ports, and the heart that beats as its own does.
 
-use super::keeper::Hears;
+use crate::link::LivenessSink;
 use contract::message::{Command, ProgressReport, Reply};
 use proto::command_ports::CommandPorts;
 use proto::run_dir::RunInfo;
@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const BUSY: u64 = u64::MAX;
 
 /// The ports of a participant.
-pub(super) struct Seat {
+pub(super) struct LocalParticipant {
     commands: Receiver<Command>,
     replies: Sender<Reply>,
     coordinator: Ringer,
@@ -24,7 +24,7 @@ pub(super) struct Seat {
     pub(super) endpoint: Endpoint,
 }
 
-/// The far participant's signs of life, as the coordinator at home knows them.
+/// Its signs of life at the server, as the coordinator knows them.
 struct Heart {
     index: usize,
     coordinator: Ringer,
@@ -32,12 +32,12 @@ struct Heart {
     activity: Arc<AtomicU64>,
 }
 
-impl Seat {
+impl LocalParticipant {
     /// Joins, as the participant of this role; and who hears its signs of life.
     pub(super) fn open(
         run: &RunInfo,
         role: &str,
-    ) -> Result<(Self, Box<dyn Hears>), TransportError> {
+    ) -> Result<(Self, Box<dyn LivenessSink>), TransportError> {
         let CommandPorts { commands, replies, reports, coordinator, doorbell, endpoint } =
             CommandPorts::open(run, role)?;
         let index = run.roles.iter().position(|known| known == role).unwrap_or_default();
@@ -69,7 +69,7 @@ impl Seat {
     }
 }
 
-impl Hears for Heart {
+impl LivenessSink for Heart {
     fn beat(&mut self) {
         let beat = match self.activity.load(Ordering::Acquire) {
             BUSY => Beat::Busy,

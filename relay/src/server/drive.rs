@@ -1,14 +1,14 @@
-//! The program as a participant of a run that exists here only: what the coordinator at home sends it reaches it
-//! through shared memory, as if the coordinator were here.
+//! The program as a participant of a run that exists here only: what the coordinator sends it reaches it through
+//! shared memory, as if the coordinator were here.
 //!
-//! Nothing here has a deadline of its own but the start: the coordinator at home has them all, hears every
-//! heartbeat, and leaves when it does not want to wait any longer; with it goes the participant.
+//! Nothing here has a deadline of its own but the start: the coordinator has them all, hears every heartbeat, and
+//! leaves when it does not want to wait any longer; with it goes the participant.
 
-use super::guard::Guard;
-use super::offer::Offer;
+use super::Offer;
 use super::place::Place;
+use super::session::Processes;
 use crate::frame::Frame;
-use crate::line::{Fault, Incoming, Sending};
+use crate::link::{Fault, Link, Sending};
 use crate::pack::Packing;
 use crate::routes::{Components, ForwardError, Readers, Routes, SampleError, Writers};
 use contract::message::{Command, CommandKind, Reply, StateFile, Status, Topics};
@@ -25,12 +25,11 @@ use std::io::Read;
 use std::os::unix::process::ExitStatusExt;
 use std::path::PathBuf;
 use std::rc::Rc;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The participant.
 const ONE: ParticipantIndex = ParticipantIndex::FIRST;
-/// Longer than anybody at home waits.
+/// Longer than any coordinator waits.
 const FOR_EVER: Duration = Duration::from_secs(365 * 86_400);
 const DEADLINES: Deadlines = Deadlines {
     start: Duration::from_secs(300),
@@ -43,7 +42,7 @@ const PIECE: u64 = 1 << 20;
 /// Of an error of a process that has just ended.
 const EXITS: Duration = Duration::from_millis(200);
 
-/// How a run ends early: the exit code and the last words of the end at home.
+/// How a run ends early: the exit code and the last words of the client.
 #[derive(Debug)]
 pub(super) struct Over {
     pub(super) code: u8,
@@ -67,8 +66,8 @@ impl Over {
         };
         let words = match (&exit.last_words, signal) {
             (Some(last), None) => last.clone(),
-            (Some(last), Some(_)) => format!("the process at the far end {how}, saying: {last}"),
-            (None, _) => format!("the process at the far end {how}"),
+            (Some(last), Some(_)) => format!("the process at the server {how}, saying: {last}"),
+            (None, _) => format!("the process at the server {how}"),
         };
         let killed = || 128 + signal.and_then(|signal| u8::try_from(signal).ok()).unwrap_or(0);
         Self { code: code.unwrap_or_else(killed).max(1), words }
@@ -84,51 +83,47 @@ macro_rules! over_of {
 }
 over_of!(Fault, TransportError, ForwardError, SampleError, RunError, std::io::Error);
 
-/// Long work is shown at home.
-struct ToHome(Arc<Sending>);
+/// Long work is shown at the client.
+struct ToClient(Sending);
 
-impl std::fmt::Debug for ToHome {
+impl std::fmt::Debug for ToClient {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("ToHome")
+        f.write_str("ToClient")
     }
 }
 
-impl Progress for ToHome {
+impl Progress for ToClient {
     fn window(&self, _done: u64, _reached: f64) {}
 
     fn working(&self, work: &Work<'_>) {
-        // A line that is lost is the guard's to notice.
+        // A link that is lost is the monitor's to notice.
         let _ = self.0.sign(&Frame::Progress(work.report));
     }
 
     fn finish(&self) {}
 }
 
-/// The line to the end at home.
-type ToAndFro<'a> = (&'a Arc<Sending>, &'a mut Incoming, &'a Guard);
-
-/// Takes part until the end at home finishes or leaves.
+/// Takes part until the client finishes or leaves.
 pub(super) fn run(
     offer: &Offer,
-    (sending, messages, guard): ToAndFro<'_>,
+    link: &Link,
+    processes: &Processes,
     packing: Packing,
 ) -> Result<(), Over> {
     let Offer { program, role, components, .. } = offer;
     let seat = Seat { role: role.clone(), program: program.clone(), attach: false };
     let mut peers = Peers::start(&[seat], DEADLINES, None)?;
-    guard.end_with_it(peers.end_first());
-    peers.show_on(&(Rc::new(ToHome(Arc::clone(sending))) as Rc<dyn Progress>));
+    processes.end_with(link, peers.end_first());
+    peers.show_on(&(Rc::new(ToClient(link.sending.clone())) as Rc<dyn Progress>));
     let bell = peers.endpoint().ringer(COORDINATOR)?;
-    guard.ring(Some(Box::new(move || {
+    link.ring(Some(Box::new(move || {
         let _ = bell.ring();
     })));
     let place = Place::new(Some(&peers.info().folder))?;
     let ends_first = peers.end_first();
     let mut run = Run {
         _ends_first: ends_first,
-        sending,
-        messages,
-        guard,
+        link,
         packing,
         components: components.clone(),
         ports: None,
@@ -137,23 +132,21 @@ pub(super) fn run(
         peers,
     };
     let ended = run.serve();
-    guard.ring(None);
+    link.ring(None);
     let ended = ended.map_err(|over| match run.peers.phase {
         Phase::Starting => over,
-        phase if guard.lost().is_some() => Over { words: format!("{phase}"), ..over },
+        phase if link.lost().is_some() => Over { words: format!("{phase}"), ..over },
         _ => over,
     });
     drop(run);
-    guard.let_go();
+    processes.let_go();
     ended
 }
 
 struct Run<'a> {
     // Processes end first, ports close next, the run's folder goes last.
     _ends_first: EndsFirst,
-    sending: &'a Arc<Sending>,
-    messages: &'a mut Incoming,
-    guard: &'a Guard,
+    link: &'a Link,
     packing: Packing,
     components: Components,
     ports: Option<(Readers, Writers)>,
@@ -167,7 +160,7 @@ impl Run<'_> {
     fn serve(&mut self) -> Result<(), Over> {
         let joined = self.peers.joined(ONE, DEADLINES.start);
         joined.map_err(|stopped| self.over(stopped))?;
-        self.sending.send(&Frame::Joined)?;
+        self.link.sending.send(&Frame::Joined)?;
         tracing::info!("a run has begun");
         loop {
             let message = self.next()?;
@@ -191,22 +184,21 @@ impl Run<'_> {
         }
     }
 
-    /// The next message from home.
+    /// The next message of the client.
     fn next(&mut self) -> Result<Vec<u8>, Over> {
-        let Self { peers, messages, guard, sending, .. } = self;
-        let found = || match (messages.poll(), guard.lost()) {
-            (Ok(Some(message)), _) => Some(Ok(message)),
-            (Err(fault), _) => Some(Err(Over::from(fault))),
-            (Ok(None), Some(lost)) => Some(Err(Over::of(lost))),
-            (Ok(None), None) => None,
+        let Self { peers, link, .. } = self;
+        let found = || match link.poll() {
+            Ok(None) => None,
+            Ok(Some(message)) => Some(Ok(message)),
+            Err(fault) => Some(Err(Over::from(fault))),
         };
         let next = peers.attend(found, || {
-            let _ = sending.sign(&Frame::Beat);
+            let _ = link.sending.sign(&Frame::Beat);
         });
         next.map_err(|stopped| self.over(stopped))?
     }
 
-    /// Passes a command on, and sends home what comes of it; whether it was the last one.
+    /// Passes a command on, and sends back what comes of it; whether it was the last one.
     fn command(&mut self, command: Command, body: &[u8]) -> Result<bool, Over> {
         let kind = CommandKind::from_number(command.kind);
         let (body, topics) = self.local(kind, body)?;
@@ -218,7 +210,7 @@ impl Run<'_> {
         if silent {
             return Ok(false);
         }
-        let sending = Arc::clone(self.sending);
+        let sending = self.link.sending.clone();
         let reply = self.peers.wait(ONE, FOR_EVER, || {
             let _ = sending.sign(&Frame::Beat);
         });
@@ -242,9 +234,9 @@ impl Run<'_> {
             self.place.clear_state();
         }
         if let Some((readers, _)) = &self.ports {
-            readers.forward(self.sending, self.packing)?;
+            readers.forward(&self.link.sending, self.packing)?;
         }
-        self.sending.send(&Frame::Reply(reply, &body))?;
+        self.link.sending.send(&Frame::Reply(reply, &body))?;
         Ok(done && kind == Some(CommandKind::Finish))
     }
 
@@ -264,8 +256,8 @@ impl Run<'_> {
                     return Ok((body.to_vec(), None));
                 };
                 self.open(&topics)?;
-                let far = serde_json::to_vec(&Routes::far(&topics)).expect("topics are plain data");
-                return Ok((far, Some(topics)));
+                let there = serde_json::to_vec(&Routes::at_server(&topics));
+                return Ok((there.expect("topics are plain data"), Some(topics)));
             }
             Some(CommandKind::Save | CommandKind::Restore) => {
                 let Ok(mut file) = serde_json::from_slice::<StateFile>(body) else {
@@ -288,7 +280,7 @@ impl Run<'_> {
         self.ports = None;
         let writers = Writers::open(endpoint, &routes.inward, true)?;
         let readers = Readers::open(endpoint, &routes.outward)?;
-        self.messages.most = routes.longest();
+        self.link.allow(routes.longest());
         self.ports = Some((readers, writers));
         Ok(())
     }
@@ -302,28 +294,30 @@ impl Run<'_> {
             piece.clear();
             let count = file.by_ref().take(PIECE).read_to_end(&mut piece)?;
             let last = (count as u64) < PIECE;
-            self.sending.send(&Frame::State { part: 0, last, bytes: &piece })?;
+            self.link.sending.send(&Frame::State { part: 0, last, bytes: &piece })?;
             if last {
                 return Ok(());
             }
         }
     }
 
-    /// Why a wait has ended, for the end at home.
+    /// Why a wait has ended, for the client.
     fn over(&self, stopped: Stopped) -> Over {
         match stopped {
             Stopped::Interrupted(signal) => {
-                Over::of(format!("the far end was interrupted by {signal}"))
+                Over::of(format!("the server was interrupted by {signal}"))
             }
             Stopped::Exited(exit) => Over::exit(&exit),
             Stopped::ReplyLost(_) => Over::of(
-                "at the far end it has processed the last command, but its reply did not arrive",
+                "at the server it has processed the last command, but its reply did not arrive",
             ),
             Stopped::Late(_, patience) => {
                 let seconds = patience.as_secs_f64();
-                Over::of(format!("at the far end it did not join within {seconds:.0} s"))
+                Over::of(format!("at the server it did not join within {seconds:.0} s"))
             }
-            Stopped::Silent(..) | Stopped::Gone(_) => Over::of("the far participant is gone"),
+            Stopped::Silent(..) | Stopped::Gone(_) => {
+                Over::of("the participant at the server is gone")
+            }
             Stopped::Doorbell(error) => Over::of(one_line(&error.to_string())),
             Stopped::Transport(_, error) => {
                 let until = Instant::now() + EXITS;
@@ -340,5 +334,5 @@ impl Run<'_> {
 }
 
 fn out_of_turn() -> Over {
-    Over::of("the end at home says something out of turn")
+    Over::of("the client says something out of turn")
 }

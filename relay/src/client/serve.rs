@@ -1,9 +1,9 @@
-//! From command to reply: what belongs to it goes to the far end, and what comes back enters the run.
+//! From command to reply: what belongs to it goes to the server, and what comes back enters the run.
 
-use super::HomeError;
-use super::ask::{Kept, of_one_run, out_of_turn};
+use super::ClientError;
+use super::connection::{Connection, of_one_run, out_of_turn};
 use super::files::{pieces, send_files};
-use super::seat::Seat;
+use super::participant::LocalParticipant;
 use crate::frame::Frame;
 use crate::pack::Packing;
 use crate::routes::{Components, Readers, Routes, Writers};
@@ -16,7 +16,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The largest state that is written at home [byte].
+/// The largest state that is written [byte].
 const LARGEST_STATE: u64 = 64 << 30;
 
 /// What of the run is open.
@@ -43,44 +43,44 @@ enum Dealt {
     Silently,
 }
 
-/// Answers commands in the place of the far participant.
-pub(super) struct Server<'a> {
-    kept: &'a mut Kept,
+/// Answers commands in the place of the participant at the server.
+pub(super) struct Service<'a> {
+    connection: &'a Connection,
     description: Description,
     components: Components,
     packing: Packing,
     ports: Option<Ports>,
     saving: Option<Saving>,
-    /// Commands that the far participant has not seen, as they failed here.
+    /// Commands that it has not seen, as they failed here.
     kept_back: u64,
     // Last: ports close before the node that they belong to.
-    seat: Seat,
+    participant: LocalParticipant,
 }
 
-impl<'a> Server<'a> {
+impl<'a> Service<'a> {
     pub(super) fn new(
-        seat: Seat,
-        kept: &'a mut Kept,
+        participant: LocalParticipant,
+        connection: &'a Connection,
         description: Description,
         packing: Packing,
     ) -> Self {
         let components = Components::described(&description);
         Self {
-            kept,
+            connection,
             description,
             components,
             packing,
             ports: None,
             saving: None,
             kept_back: 0,
-            seat,
+            participant,
         }
     }
 
     /// Until the run is finished, which is told before the coordinator learns it.
-    pub(super) fn serve(&mut self, finished: impl Fn()) -> Result<(), HomeError> {
+    pub(super) fn serve(&mut self, finished: impl Fn()) -> Result<(), ClientError> {
         loop {
-            let message = self.seat.command().map_err(HomeError::of)?;
+            let message = self.participant.command().map_err(ClientError::of)?;
             let (command, body) = (*message.header(), message.body().to_vec());
             drop(message);
             let kind = CommandKind::from_number(command.kind);
@@ -92,12 +92,12 @@ impl<'a> Server<'a> {
                     if leaves {
                         finished();
                     }
-                    self.seat.reply(&reply, &body).map_err(HomeError::of)?;
+                    self.participant.reply(&reply, &body).map_err(ClientError::of)?;
                     leaves
                 }
                 Dealt::Silently => false,
             };
-            self.seat.idle_after(command.sequence);
+            self.participant.idle_after(command.sequence);
             if leaves {
                 return Ok(());
             }
@@ -109,7 +109,7 @@ impl<'a> Server<'a> {
         kind: Option<CommandKind>,
         command: &Command,
         body: Vec<u8>,
-    ) -> Result<Dealt, HomeError> {
+    ) -> Result<Dealt, ClientError> {
         let prepared = match self.prepare(kind, body)? {
             Ok(body) => body,
             Err(error) => {
@@ -118,10 +118,10 @@ impl<'a> Server<'a> {
             }
         };
         if let Some(ports) = &self.ports {
-            let forwarded = ports.readers.forward(&self.kept.sending, self.packing);
-            forwarded.map_err(HomeError::of)?;
+            let forwarded = ports.readers.forward(&self.connection.link.sending, self.packing);
+            forwarded.map_err(ClientError::of)?;
         }
-        self.kept.sending.send(&Frame::Command(*command, &prepared)).map_err(HomeError::of)?;
+        self.connection.send(&Frame::Command(*command, &prepared))?;
         let moves = self.ports.as_ref().is_some_and(|ports| ports.moves);
         if kind == Some(CommandKind::Accept) && command.flags == 0 && !moves {
             return Ok(Dealt::Silently);
@@ -144,17 +144,17 @@ impl<'a> Server<'a> {
         }
     }
 
-    /// What the far end needs before a command, and its body as it goes there; within the result, why the
+    /// What the server needs before a command, and its body as it goes there; within the result, why the
     /// command fails here. Bodies that are none are the participant's to refuse.
     fn prepare(
         &mut self,
         kind: Option<CommandKind>,
         body: Vec<u8>,
-    ) -> Result<Result<Vec<u8>, String>, HomeError> {
+    ) -> Result<Result<Vec<u8>, String>, ClientError> {
         match kind {
             Some(CommandKind::Configure) => {
                 self.components.configured(&body);
-                let sent = send_files(&self.kept.sending, &self.description, &body);
+                let sent = send_files(&self.connection.link.sending, &self.description, &body);
                 Ok(sent.map(|()| body).map_err(|error| error.words))
             }
             Some(CommandKind::Connect) => {
@@ -191,12 +191,12 @@ impl<'a> Server<'a> {
     /// Opens the ports of the run.
     fn connect(&mut self, topics: &Topics) -> Result<(), String> {
         let routes = Routes::of(topics, &self.components);
-        let endpoint = &self.seat.endpoint;
+        let endpoint = &self.participant.endpoint;
         let failed = |error: proto::transport::TransportError| error.to_string();
         self.ports = None;
         let readers = Readers::open(endpoint, &routes.inward).map_err(failed)?;
         let writers = Writers::open(endpoint, &routes.outward, false).map_err(failed)?;
-        self.kept.messages.most = routes.longest();
+        self.connection.link.allow(routes.longest());
         let patience = Duration::from_secs_f64(routes.deadline.clamp(0.0, 1e6));
         self.ports = Some(Ports { readers, writers, patience, moves: !topics.geometry.is_empty() });
         Ok(())
@@ -208,7 +208,7 @@ impl<'a> Server<'a> {
         for (part, path) in all.enumerate() {
             pieces(path, |bytes, last| {
                 let part = part as u16;
-                self.kept.sending.send(&Frame::State { part, last, bytes })
+                self.connection.link.sending.send(&Frame::State { part, last, bytes })
             })
             .map_err(|error| format!("{}: {error}", path.display()))?;
         }
@@ -216,15 +216,15 @@ impl<'a> Server<'a> {
     }
 
     /// The reply, and before it all that belongs to it.
-    fn answer(&mut self) -> Result<(Reply, Vec<u8>), HomeError> {
+    fn answer(&mut self) -> Result<(Reply, Vec<u8>), ClientError> {
         loop {
-            let message = self.kept.next()?;
-            match Frame::read(&message).map_err(HomeError::of)? {
+            let message = self.connection.next()?;
+            match Frame::read(&message).map_err(ClientError::of)? {
                 Frame::Reply(reply, body) => return Ok((reply, body.to_vec())),
                 Frame::Sample { topic, header, packing, values, bytes } => {
                     let ports = self.ports.as_ref().ok_or_else(out_of_turn)?;
                     let published = ports.writers.publish(topic, &header, packing, values, bytes);
-                    published.map_err(HomeError::of)?;
+                    published.map_err(ClientError::of)?;
                 }
                 Frame::State { part: 0, bytes, .. } => {
                     self.saving.as_mut().ok_or_else(out_of_turn)?.add(bytes);
@@ -266,7 +266,7 @@ impl Saving {
         self.bytes += bytes.len() as u64;
         if self.bytes > LARGEST_STATE {
             let most = LARGEST_STATE >> 30;
-            return Err(std::io::Error::other(format!("the far end sends more than {most} GiB")));
+            return Err(std::io::Error::other(format!("the server sends more than {most} GiB")));
         }
         let file = match &mut self.file {
             Some(file) => file,
