@@ -9,10 +9,10 @@
 //! caller has proven the key, and takes memory for nothing else.
 
 use crate::key::Key;
-use crate::link::{self, Sealed};
+use crate::record::{Sealed, Unproven, read_by};
 use contract::PROTOCOL_VERSION;
 use snow::{Builder, HandshakeState, StatelessTransportState};
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
@@ -101,30 +101,6 @@ fn sealed(noise: HandshakeState) -> StatelessTransportState {
     noise.into_stateless_transport_mode().expect("both messages are through")
 }
 
-/// Reads what must have come by then.
-pub(crate) fn read_by(
-    mut stream: &TcpStream,
-    bytes: &mut [u8],
-    until: Instant,
-) -> Result<(), io::Error> {
-    let mut read = 0;
-    while read < bytes.len() {
-        let left = until.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(io::ErrorKind::TimedOut.into());
-        }
-        stream.set_read_timeout(Some(left))?;
-        match stream.read(&mut bytes[read..]) {
-            Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
-            Ok(count) => read += count,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
-            Err(error) => return Err(error),
-        }
-    }
-    stream.set_read_timeout(None)
-}
-
 /// Connects to a server, and shows it the key.
 pub(crate) fn connect(address: &str, key: &Key, patience: Duration) -> Result<Sealed, NoLink> {
     let until = Instant::now() + patience;
@@ -203,8 +179,8 @@ pub(crate) fn accept(stream: TcpStream, key: &Key, until: Instant) -> Result<Sea
     let sealed = Sealed::new(stream, sealed(noise));
     match sealed.proven(until) {
         Ok(()) => Ok(sealed),
-        Err(link::Unproven::Late(error)) => Err(NoLink::Lost(error)),
-        Err(link::Unproven::Wrong) => Err(NoLink::OtherKey("client")),
+        Err(Unproven::Late(error)) => Err(NoLink::Lost(error)),
+        Err(Unproven::Wrong) => Err(NoLink::OtherKey("client")),
     }
 }
 

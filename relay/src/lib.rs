@@ -5,7 +5,8 @@
 //! |---|---|
 //! | [`key`] | the key that both ends have |
 //! | `handshake` | the first words, by which both prove that they have it |
-//! | `link` | one TCP connection: sealed records, messages of them, signs of life, and their monitor |
+//! | `record` | sealed records |
+//! | `link` | one TCP connection: messages of records, signs of life, and their monitor |
 //! | `frame`, `pack` | the bytes of messages; values, compressed without loss |
 //! | `routes` | topics, numbered alike at both ends |
 //! | [`client`], [`server`] | the two ends |
@@ -16,6 +17,7 @@ mod handshake;
 pub mod key;
 mod link;
 mod pack;
+mod record;
 mod routes;
 pub mod server;
 

@@ -1,15 +1,14 @@
 //! A link to the other end: one TCP connection, over which messages of any length go in order, and signs
 //! of life between their pieces.
 //!
-//! Bytes go in records: a length (u16, little-endian) and as many sealed bytes, numbered from 0 in each
-//! direction; what was changed, repeated or left out does not open. The first byte of a record says
-//! whether it is a piece of a message, its last one, or a sign.
+//! Bytes go in records. The first byte of each says whether it is a piece of a message, its last one, or
+//! a sign of life.
 //!
 //! Three threads work on a link: the one that owns it sends and takes messages, a reader takes records
 //! from the network, and a monitor sends signs of life and declares the link lost when none has come.
 
 use crate::frame::{Frame, Malformed};
-use crate::handshake::read_by;
+use crate::record::{LAST, MORE, PIECE, RECORD, SIGN, Sealed, seal};
 use contract::message::ProgressReport;
 use contract::text::one_line;
 use snow::StatelessTransportState;
@@ -25,21 +24,12 @@ use std::time::{Duration, Instant};
 const INTERVAL: Duration = Duration::from_millis(100);
 /// Messages that came before the connection was closed are still read for so long.
 const LAST_WORDS: Duration = Duration::from_millis(300);
-/// The longest record (Noise, revision 34, 3), and the bytes of it that are a message's.
-const RECORD: usize = 65_535;
-const PIECE: usize = RECORD - TAG - 1;
-const TAG: usize = 16;
 /// Records that are sealed before they are written.
 const BATCH: usize = 4;
 /// Messages that have come and are not taken yet, before the other end is held back.
 const WAITING: usize = 64;
 /// The longest message before there are fields [byte].
 pub(crate) const SHORT: usize = 256 << 20;
-
-/// What a record is.
-const MORE: u8 = 0;
-const LAST: u8 = 1;
-const SIGN: u8 = 2;
 
 /// Why nothing more goes over a link.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -52,55 +42,6 @@ pub(crate) enum Fault {
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// A connection whose ends have shaken hands.
-pub(crate) struct Sealed {
-    stream: TcpStream,
-    noise: StatelessTransportState,
-}
-
-/// Why a caller is not let in.
-pub(crate) enum Unproven {
-    Late(io::Error),
-    Wrong,
-}
-
-impl Sealed {
-    pub(crate) fn new(stream: TcpStream, noise: StatelessTransportState) -> Self {
-        Self { stream, noise }
-    }
-
-    /// Sends the first record, which only an end with the key can.
-    pub(crate) fn prove(&self) -> io::Result<()> {
-        let mut records = Vec::new();
-        seal(&self.noise, 0, &[SIGN], &mut records);
-        (&self.stream).write_all(&records)
-    }
-
-    /// Takes the first record of a caller.
-    pub(crate) fn proven(&self, until: Instant) -> Result<(), Unproven> {
-        let (mut length, mut record) = ([0; 2], [0; TAG + 1]);
-        read_by(&self.stream, &mut length, until).map_err(Unproven::Late)?;
-        if usize::from(u16::from_le_bytes(length)) != record.len() {
-            return Err(Unproven::Wrong);
-        }
-        read_by(&self.stream, &mut record, until).map_err(Unproven::Late)?;
-        let mut said = [0; 1];
-        match self.noise.read_message(0, &record, &mut said) {
-            Ok(1) if said == [SIGN] => Ok(()),
-            _ => Err(Unproven::Wrong),
-        }
-    }
-}
-
-/// Appends a sealed record.
-fn seal(noise: &StatelessTransportState, number: u64, plain: &[u8], into: &mut Vec<u8>) {
-    let (from, length) = (into.len(), plain.len() + TAG);
-    into.extend((length as u16).to_le_bytes());
-    into.resize(from + 2 + length, 0);
-    let sealed = noise.write_message(number, plain, &mut into[from + 2..]);
-    assert_eq!(sealed.ok(), Some(length), "a piece fits into a record");
 }
 
 /// Hears what the other end says of the participant there.

@@ -4,6 +4,7 @@
 mod doorstep;
 mod drive;
 mod place;
+mod processes;
 mod session;
 
 use crate::handshake::accept;

@@ -6,7 +6,7 @@
 
 use super::Offer;
 use super::place::Place;
-use super::session::Processes;
+use super::processes::Processes;
 use crate::frame::Frame;
 use crate::link::{Fault, Link, Sending};
 use crate::pack::Packing;

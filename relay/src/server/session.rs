@@ -2,13 +2,13 @@
 
 use super::drive::{Over, run};
 use super::place::Place;
+use super::processes::Processes;
 use super::{CONVERSATIONS, Offer};
 use crate::frame::{Frame, Question};
-use crate::link::{Fault, Link, Sealed};
+use crate::link::{Fault, Link};
+use crate::record::Sealed;
 use contract::text::one_line;
-use run::peers::EndsFirst;
 use run::signals;
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// From one look at the line to the next.
@@ -46,34 +46,6 @@ fn told(words: impl std::fmt::Display) -> Ends {
 /// A runtime for questions.
 pub(super) fn runtime() -> std::io::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_current_thread().enable_all().build()
-}
-
-/// The processes of a run, which end with the link.
-#[derive(Clone, Default)]
-pub(super) struct Processes(Arc<Mutex<Option<EndsFirst>>>);
-
-impl Processes {
-    /// These end with the link.
-    pub(super) fn end_with(&self, link: &Link, processes: EndsFirst) {
-        self.set(Some(processes));
-        if link.lost().is_some() {
-            self.set(None);
-        }
-    }
-
-    /// The run is over.
-    pub(super) fn let_go(&self) {
-        self.set(None);
-    }
-
-    fn set(&self, processes: Option<EndsFirst>) {
-        let before = {
-            let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            std::mem::replace(&mut *held, processes)
-        };
-        // Ends them, which takes a while.
-        drop(before);
-    }
 }
 
 /// Talks to a client until it leaves, if there is room for it; whether there was a run.
