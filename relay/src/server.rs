@@ -1,6 +1,7 @@
 //! The end on the other machine: waits for clients, and for each of them asks the program, or starts it as a
 //! participant of a run of its own, which exists here only.
 
+mod config;
 mod doorstep;
 mod drive;
 mod place;
@@ -10,6 +11,7 @@ mod session;
 use crate::handshake::accept;
 use crate::key::Key;
 use crate::routes::Components;
+use config::{CONVERSATIONS, ServerConfig};
 use contract::description::Description;
 use doorstep::Doorstep;
 use run::programs::Program;
@@ -24,9 +26,6 @@ use std::time::{Duration, Instant};
 const LOOK: Duration = Duration::from_millis(50);
 /// Longest wait for what the program says of itself.
 const DESCRIBE: Duration = Duration::from_secs(30);
-/// Conversations at the same time: a run has one, `conform` and sweeps several.
-const CONVERSATIONS: usize = 32;
-
 /// What listens.
 #[derive(Debug)]
 pub struct Server {
@@ -53,18 +52,6 @@ impl ServerError {
     }
 }
 
-/// What every conversation has in common.
-struct Offer {
-    /// The program that takes part.
-    program: Program,
-    /// The role that it plays.
-    role: String,
-    /// Components of its fields.
-    components: Components,
-    key: Key,
-    silence: Duration,
-}
-
 /// Serves until a signal comes, or once.
 ///
 /// # Errors
@@ -80,7 +67,7 @@ pub fn serve(server: Server) -> Result<(), ServerError> {
     let role = description.role;
     let listening = listener.local_addr().map_err(cannot)?;
     tracing::info!("listening on {listening}: {} plays {role}", program.name());
-    let offer = Arc::new(Offer { program, role, components, key, silence });
+    let config = Arc::new(ServerConfig { program, role, components, key, silence });
     let callers = callers(listener);
     let (doorstep, conversations) = (Doorstep::default(), Conversations::default());
     let runs = Arc::new(AtomicUsize::new(0));
@@ -93,16 +80,16 @@ pub fn serve(server: Server) -> Result<(), ServerError> {
         };
         threads.retain(|thread: &std::thread::JoinHandle<()>| !thread.is_finished());
         let Some(waiting) = doorstep.enter(&stream) else { continue };
-        let (offer, runs) = (Arc::clone(&offer), Arc::clone(&runs));
+        let (config, runs) = (Arc::clone(&config), Arc::clone(&runs));
         let conversations = conversations.clone();
         threads.push(std::thread::spawn(move || {
-            let accepted = accept(stream, &offer.key, Instant::now() + doorstep::PATIENCE);
+            let accepted = accept(stream, &config.key, Instant::now() + doorstep::PATIENCE);
             drop(waiting);
             match accepted {
                 Ok(sealed) => {
                     // Held until the thread ends, by a panic too.
                     let slot = conversations.slot();
-                    if session::talk(sealed, &offer, slot.is_some()) {
+                    if session::talk(sealed, &config, slot.is_some()) {
                         runs.fetch_add(1, Ordering::SeqCst);
                     }
                 }

@@ -4,7 +4,7 @@
 //! Nothing here has a deadline of its own but the start: the coordinator has them all, hears every heartbeat, and
 //! leaves when it does not want to wait any longer; with it goes the participant.
 
-use super::Offer;
+use super::config::ServerConfig;
 use super::place::Place;
 use super::processes::Processes;
 use crate::frame::Frame;
@@ -105,12 +105,12 @@ impl Progress for ToClient {
 
 /// Takes part until the client finishes or leaves.
 pub(super) fn run(
-    offer: &Offer,
+    config: &ServerConfig,
     link: &Link,
     processes: &Processes,
     packing: Packing,
 ) -> Result<(), Over> {
-    let Offer { program, role, components, .. } = offer;
+    let ServerConfig { program, role, components, .. } = config;
     let seat = Seat { role: role.clone(), program: program.clone(), attach: false };
     let mut peers = Peers::start(&[seat], DEADLINES, None)?;
     processes.end_with(link, peers.end_first());

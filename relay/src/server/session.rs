@@ -1,9 +1,9 @@
 //! One conversation: questions, and perhaps a run.
 
+use super::config::{CONVERSATIONS, ServerConfig};
 use super::drive::{Over, run};
 use super::place::Place;
 use super::processes::Processes;
-use super::{CONVERSATIONS, Offer};
 use crate::frame::{Frame, Question};
 use crate::link::{Fault, Link};
 use crate::record::Sealed;
@@ -49,17 +49,17 @@ pub(super) fn runtime() -> std::io::Result<tokio::runtime::Runtime> {
 }
 
 /// Talks to a client until it leaves, if there is room for it; whether there was a run.
-pub(super) fn talk(sealed: Sealed, offer: &Offer, has_room: bool) -> bool {
+pub(super) fn talk(sealed: Sealed, config: &ServerConfig, has_room: bool) -> bool {
     let processes = Processes::default();
     let ends = processes.clone();
-    let link = match Link::open(sealed, offer.silence, move |_| ends.let_go()) {
+    let link = match Link::open(sealed, config.silence, move |_| ends.let_go()) {
         Ok(link) => link,
         Err(error) => {
             tracing::warn!("a call is not answered: {error}");
             return false;
         }
     };
-    let mut session = Session { link, processes, offer, run: None };
+    let mut session = Session { link, processes, config, run: None };
     let ended = match has_room {
         true => session.talk(),
         false => {
@@ -98,7 +98,7 @@ enum Course {
 struct Session<'a> {
     link: Link,
     processes: Processes,
-    offer: &'a Offer,
+    config: &'a ServerConfig,
     run: Option<Course>,
 }
 
@@ -119,7 +119,7 @@ impl Session<'_> {
                 }
                 Frame::Join { packing } => {
                     self.run = Some(Course::Begun);
-                    run(self.offer, &self.link, &self.processes, packing)?;
+                    run(self.config, &self.link, &self.processes, packing)?;
                     self.run = Some(Course::Finished);
                 }
                 Frame::Bye => return Ok(()),
@@ -134,7 +134,7 @@ impl Session<'_> {
             Question::Estimate => place.configuration(input),
             Question::Describe | Question::Advise => input.to_vec(),
         };
-        let Offer { program, role, .. } = self.offer;
+        let ServerConfig { program, role, .. } = self.config;
         let answered = runtime().map_err(told)?.block_on(async {
             let leaves = async {
                 while !self.link.is_over() {
