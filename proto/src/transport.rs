@@ -33,7 +33,7 @@ use iceoryx2::{
     service::port_factory::publish_subscribe::PortFactory as TopicFactory,
 };
 use std::cell::Cell;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The thread-safe variant: the heartbeat rings from a thread of its own.
@@ -194,8 +194,15 @@ pub fn silence_iceoryx2() {
 }
 
 /// A process's membership in the shared-memory services of a run.
+///
+/// Ports of fields stay open after their [`FieldReader`] or [`FieldWriter`] is dropped: opening one takes
+/// as long as a small solve, and the next run of the same participants has most of them again.
+/// [`Endpoint::close_unused`] closes those that nobody has.
 #[derive(Debug)]
 pub struct Endpoint {
+    // Before the node, which ports belong to.
+    readers: Mutex<Vec<Arc<ReaderPort>>>,
+    writers: Mutex<Vec<Arc<WriterPort>>>,
     node: Node<Ipc>,
     /// Version of the contract that the run is of; an attribute of its services.
     protocol: u32,
@@ -211,7 +218,8 @@ impl Endpoint {
             .create::<Ipc>()
             .map_err(|e| open_error(&run.prefix, e))?;
         close_to_others(&run.prefix).map_err(|e| open_error(&run.prefix, e))?;
-        Ok(Self { node, protocol: run.protocol })
+        let (readers, writers) = (Mutex::default(), Mutex::default());
+        Ok(Self { readers, writers, node, protocol: run.protocol })
     }
 
     fn topic<P, H>(
@@ -326,6 +334,17 @@ impl Endpoint {
         (room, slots): (usize, usize),
         subscribers: usize,
     ) -> Result<FieldWriter, TransportError> {
+        let mut writers = lock(&self.writers);
+        let is_free = |port: &Arc<WriterPort>| port.name == service && Arc::strong_count(port) == 1;
+        if let Some(at) = writers.iter().position(is_free) {
+            let fits =
+                |port: &WriterPort| (room..=2 * room).contains(&port.room) && port.slots >= slots;
+            if fits(&writers[at]) {
+                return Ok(FieldWriter { port: Arc::clone(&writers[at]), subscribers });
+            }
+            // A topic has one writer.
+            writers.remove(at);
+        }
         let topic = self.topic::<f64, FieldHeader>(service, Queue::Every)?;
         let publisher = topic
             .publisher_builder()
@@ -336,14 +355,35 @@ impl Endpoint {
             .set_backpressure_handler(retry_then_fail)
             .create()
             .map_err(|e| open_error(service, e))?;
-        Ok(FieldWriter { publisher, topic, name: service.to_owned(), subscribers })
+        let name = service.to_owned();
+        let port = Arc::new(WriterPort { publisher, topic, name, room, slots });
+        writers.push(Arc::clone(&port));
+        Ok(FieldWriter { port, subscribers })
     }
 
-    /// A reader of a field's topic.
+    /// A reader of a field's topic, which has nothing to read yet.
     pub fn field_reader(&self, service: &str) -> Result<FieldReader, TransportError> {
+        let mut readers = lock(&self.readers);
+        let is_free =
+            |port: &&Arc<ReaderPort>| port.name == service && Arc::strong_count(port) == 1;
+        if let Some(port) = readers.iter().find(is_free) {
+            let reader = FieldReader { port: Arc::clone(port) };
+            // What was sent in an earlier run and not taken.
+            while reader.receive()?.is_some() {}
+            return Ok(reader);
+        }
         let topic = self.topic::<f64, FieldHeader>(service, Queue::Every)?;
         let subscriber = topic.subscriber_builder().create().map_err(|e| open_error(service, e))?;
-        Ok(FieldReader { subscriber, _topic: topic, name: service.to_owned() })
+        let port = Arc::new(ReaderPort { subscriber, _topic: topic, name: service.to_owned() });
+        readers.push(Arc::clone(&port));
+        Ok(FieldReader { port })
+    }
+
+    /// Closes the ports of fields that nobody has. A writer counts its readers: the ports of an
+    /// earlier run are closed before the next one's are waited for.
+    pub fn close_unused(&self) {
+        lock(&self.readers).retain(|port| Arc::strong_count(port) > 1);
+        lock(&self.writers).retain(|port| Arc::strong_count(port) > 1);
     }
 
     fn bell(&self, name: &str) -> Result<EventFactory<Ipc>, TransportError> {
@@ -514,12 +554,25 @@ impl<H: Header> Receiver<H> {
     }
 }
 
-/// Publishes one field.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// An open port that publishes a field.
 #[derive(Debug)]
-pub struct FieldWriter {
+struct WriterPort {
     publisher: Publisher<Ipc, [f64], Wire<FieldHeader>>,
     topic: TopicFactory<Ipc, [f64], Wire<FieldHeader>>,
     name: String,
+    /// Values of a sample in its first segment, and slots there.
+    room: usize,
+    slots: usize,
+}
+
+/// Publishes one field.
+#[derive(Debug)]
+pub struct FieldWriter {
+    port: Arc<WriterPort>,
     subscribers: usize,
 }
 
@@ -539,20 +592,27 @@ impl FieldWriter {
     /// Waits until all that have to receive the field are there.
     pub fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
         let start = Instant::now();
-        let there = || self.topic.dynamic_config().number_of_subscribers() >= self.subscribers;
+        let there = || self.port.topic.dynamic_config().number_of_subscribers() >= self.subscribers;
         if until(deadline, there) {
-            return self.publisher.update_connections().map_err(|e| exchange_error(&self.name, e));
+            return self
+                .port
+                .publisher
+                .update_connections()
+                .map_err(|e| exchange_error(&self.port.name, e));
         }
         Err(TransportError::NobodyJoined {
-            service: self.name.clone(),
+            service: self.port.name.clone(),
             seconds: start.elapsed().as_secs_f64(),
         })
     }
 
     /// A place for `values` doubles.
     pub fn loan(&self, values: usize) -> Result<FieldLoan, TransportError> {
-        let sample =
-            self.publisher.loan_slice_uninit(values).map_err(|e| exchange_error(&self.name, e))?;
+        let sample = self
+            .port
+            .publisher
+            .loan_slice_uninit(values)
+            .map_err(|e| exchange_error(&self.port.name, e))?;
         // SAFETY: the segment is mapped memory that the kernel zeroed and only doubles were
         // written to; every bit pattern is a valid f64.
         Ok(FieldLoan(unsafe { sample.assume_init() }))
@@ -561,24 +621,30 @@ impl FieldWriter {
     /// Publishes a written loan.
     pub fn publish(&self, mut loan: FieldLoan, header: &FieldHeader) -> Result<(), TransportError> {
         *loan.0.user_header_mut() = Wire(*header);
-        let reached = loan.0.send().map_err(|e| exchange_error(&self.name, e))?;
+        let reached = loan.0.send().map_err(|e| exchange_error(&self.port.name, e))?;
         if reached == self.subscribers {
             return Ok(());
         }
         Err(TransportError::NotDelivered {
-            service: self.name.clone(),
+            service: self.port.name.clone(),
             reached,
             expected: self.subscribers,
         })
     }
 }
 
-/// Receives one field.
+/// An open port that receives a field.
 #[derive(Debug)]
-pub struct FieldReader {
+struct ReaderPort {
     subscriber: Subscriber<Ipc, [f64], Wire<FieldHeader>>,
     _topic: TopicFactory<Ipc, [f64], Wire<FieldHeader>>,
     name: String,
+}
+
+/// Receives one field.
+#[derive(Debug)]
+pub struct FieldReader {
+    port: Arc<ReaderPort>,
 }
 
 /// A received sample of a field, read in place.
@@ -603,12 +669,13 @@ impl FieldReader {
     /// Connects to the writer as it is now: what it sends from here on is received even if it has
     /// left by then. [`FieldReader::receive`] does so too.
     pub fn connect(&self) -> Result<(), TransportError> {
-        self.subscriber.update_connections().map_err(|e| exchange_error(&self.name, e))
+        self.port.subscriber.update_connections().map_err(|e| exchange_error(&self.port.name, e))
     }
 
     /// The next sample, if one has come.
     pub fn receive(&self) -> Result<Option<FieldSample>, TransportError> {
-        let sample = self.subscriber.receive().map_err(|e| exchange_error(&self.name, e))?;
+        let sample =
+            self.port.subscriber.receive().map_err(|e| exchange_error(&self.port.name, e))?;
         Ok(sample.map(FieldSample))
     }
 }
@@ -723,6 +790,61 @@ impl Ringer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::run_dir::RunDir;
+
+    fn within(run: &RunInfo, act: impl FnOnce(&Endpoint, &Endpoint)) {
+        let open = || Endpoint::open(run).unwrap();
+        act(&open(), &open());
+    }
+
+    fn send(writer: &FieldWriter, value: f64) -> Result<(), TransportError> {
+        let mut loan = writer.loan(3)?;
+        loan.values().fill(value);
+        writer.publish(loan, &FieldHeader::default())
+    }
+
+    /// The next run has the ports of the one before, and nothing of what was sent in it.
+    #[test]
+    fn ports_stay_open_until_nobody_wants_them() {
+        let run = RunDir::create(&["one".to_owned()]).unwrap();
+        within(run.info(), |producer, consumer| {
+            let open = || {
+                let reader = consumer.field_reader("field/a").unwrap();
+                let writer = producer.fixed_field_writer("field/a", 3, 1).unwrap();
+                writer.wait_for_subscribers(Instant::now() + DELIVERY).unwrap();
+                (writer, reader)
+            };
+            let (writer, reader) = open();
+            send(&writer, 1.0).unwrap();
+            send(&writer, 2.0).unwrap();
+            assert_eq!(reader.receive().unwrap().unwrap().values(), [1.0; 3]);
+            let ports = (Arc::as_ptr(&writer.port), Arc::as_ptr(&reader.port));
+            drop((writer, reader));
+            let (writer, reader) = open();
+            assert_eq!(ports, (Arc::as_ptr(&writer.port), Arc::as_ptr(&reader.port)));
+            assert!(reader.receive().unwrap().is_none(), "the second sample was of the run before");
+            send(&writer, 3.0).unwrap();
+            assert_eq!(reader.receive().unwrap().unwrap().values(), [3.0; 3]);
+            drop(reader);
+            consumer.close_unused();
+            let lost = send(&writer, 4.0).unwrap_err().to_string();
+            assert!(lost.ends_with("reached 0 of 1 receivers"), "{lost}");
+        });
+    }
+
+    /// A much smaller field does not hold the memory of a larger one, nor has a larger one too little.
+    #[test]
+    fn a_field_of_another_size_gets_a_segment_of_its_own() {
+        let run = RunDir::create(&["one".to_owned()]).unwrap();
+        within(run.info(), |producer, _| {
+            let room = |values| {
+                let writer = producer.fixed_field_writer("field/a", values, 1).unwrap();
+                writer.loan(values).unwrap();
+                writer.port.room
+            };
+            assert_eq!([1000, 700, 500, 499, 1000].map(room), [1000, 1000, 1000, 499, 1000]);
+        });
+    }
 
     /// Every doubling from any room costs one slot, and as many are left as there were.
     #[test]

@@ -16,7 +16,7 @@ pub struct Replaced {
 
 /// The case without the alternatives of the file that an option replaces, and what these are. Two that
 /// both come from options, or both from the file, stay and are reported later.
-pub(super) fn resolve(raw: &RawCase, known: &[Known]) -> (RawCase, Vec<Replaced>) {
+pub(super) fn resolve(raw: &RawCase, known: &[Known<'_>]) -> (RawCase, Vec<Replaced>) {
     let mut case = raw.clone();
     let mut all = Vec::new();
     for group in groups(&instances(known, &raw.tree, &References::new())) {

@@ -20,7 +20,7 @@ pub(super) struct Fault {
 
 /// The SI value of a node, or what is wrong with it. Files of the case are meant from `folder`, those
 /// of options from where the program runs.
-pub(super) fn check(known: &Known, node: &Node, folder: &Path) -> Result<Json, Fault> {
+pub(super) fn check(known: &Known<'_>, node: &Node, folder: &Path) -> Result<Json, Fault> {
     match (known.shape, &node.value) {
         (Shape::List, Value::List(items)) if items.is_empty() => {
             let wanted = example(&known.spec, known.shape);

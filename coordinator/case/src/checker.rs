@@ -30,7 +30,7 @@ pub(super) struct Columns {
 pub(super) struct Checker<'a> {
     pub(super) case: &'a RawCase,
     pub(super) selection: &'a Selection<'a>,
-    pub(super) known: &'a [Known],
+    pub(super) known: &'a [Known<'a>],
     /// Names that active `name_in` keys refer to.
     pub(super) references: References,
     /// Checked values in SI units.
@@ -54,7 +54,7 @@ impl<'a> Checker<'a> {
     pub(super) fn new(
         case: &'a RawCase,
         selection: &'a Selection<'a>,
-        known: &'a [Known],
+        known: &'a [Known<'a>],
         replaced: &'a [(String, Description)],
     ) -> Self {
         Self {
@@ -84,7 +84,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The keys that read a dotted key.
-    pub(super) fn readers(&self, key: &str) -> Vec<&'a Known> {
+    pub(super) fn readers(&self, key: &str) -> Vec<&'a Known<'a>> {
         self.known.iter().filter(|k| k.spec.is_of(key)).collect()
     }
 

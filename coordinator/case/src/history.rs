@@ -35,7 +35,7 @@ struct Reference<'a> {
 
 impl Checker<'_> {
     /// A table at a key that takes a number: a column of a table of data.
-    pub(super) fn column(&mut self, key: &str, node: &Node, table: &Table, readers: &[&Known]) {
+    pub(super) fn column(&mut self, key: &str, node: &Node, table: &Table, readers: &[&Known<'_>]) {
         match self.read_column(node, table, readers) {
             Ok(values) => {
                 put(&mut self.values.0, key, Json::from(values[0]));
@@ -58,10 +58,10 @@ impl Checker<'_> {
         &mut self,
         node: &Node,
         table: &Table,
-        readers: &[&Known],
+        readers: &[&Known<'_>],
     ) -> Result<Vec<f64>, Option<Fault>> {
         let fault = |reason: String, fix: &str| Some(Fault { reason, fix: fix.to_owned() });
-        let active: Vec<&&Known> = readers.iter().filter(|known| known.active).collect();
+        let active: Vec<&&Known<'_>> = readers.iter().filter(|known| known.active).collect();
         let readers = if active.is_empty() { readers.iter().collect() } else { active };
         if let Some(constant) = readers.iter().find(|known| !known.spec.varies) {
             let reason = format!("is a column, and {} reads one number", constant.owner);

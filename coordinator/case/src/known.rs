@@ -9,27 +9,29 @@ use super::schema::{DISTANCE, ON_FAILURE, ROLE, Shape, TIME, own_keys};
 use super::selection::{Player, Selection, TimingWord};
 use super::tree::Table;
 use contract::description::{Description, KeyKind, KeySpec};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// Owner of the coordinator's own keys.
 pub(super) const COORDINATOR: &str = "the coordinator";
 
 /// A key that somebody reads.
 #[derive(Clone, Debug)]
-pub(super) struct Known {
-    pub(super) spec: KeySpec,
+pub(super) struct Known<'a> {
+    pub(super) spec: Cow<'a, KeySpec>,
     pub(super) shape: Shape,
-    pub(super) owner: String,
+    pub(super) owner: &'a str,
     /// What would make the owner read it: a model as `mech.model = "half-space"`, an effect, or its
     /// section.
-    pub(super) reader: String,
+    pub(super) reader: Rc<str>,
     pub(super) active: bool,
 }
 
 /// A known key with names in the place of its `*`.
 #[derive(Clone, Debug)]
 pub(super) struct Instance<'a> {
-    pub(super) known: &'a Known,
+    pub(super) known: &'a Known<'a>,
     /// Dotted key.
     pub(super) path: String,
     /// The names in the place of its `*`, with a dot after each.
@@ -37,26 +39,30 @@ pub(super) struct Instance<'a> {
 }
 
 /// All keys that somebody reads.
-pub(super) fn known_keys(selection: &Selection<'_>, extra_roles: &[String]) -> Vec<Known> {
+pub(super) fn known_keys<'a>(selection: &Selection<'a>, extra_roles: &[String]) -> Vec<Known<'a>> {
     let mut keys = Vec::new();
+    let reader: Rc<str> = COORDINATOR.into();
     let described = selection.players.iter().map(|p| (p.role, Some(p)));
     let others = extra_roles.iter().map(|role| (role.as_str(), None));
     let roles: Vec<_> = described.chain(others).collect();
     for own in own_keys() {
         let known = |spec, active| {
-            let owner = COORDINATOR.to_owned();
-            Known { spec, shape: own.shape, reader: owner.clone(), owner, active }
+            let (owner, reader) = (COORDINATOR, Rc::clone(&reader));
+            Known { spec, shape: own.shape, owner, reader, active }
         };
         match own.spec.path.strip_prefix(ROLE) {
             Some(rest) => keys.extend(roles.iter().map(|(role, player)| {
                 let needed = player.is_some_and(|p| p.needed);
-                known(for_role(&own.spec, role, rest, *player), needed)
+                known(Cow::Owned(for_role(&own.spec, role, rest, *player)), needed)
             })),
             None => {
                 let path = own.spec.path.as_str();
                 let active = is_active(path, selection.timing);
-                let required = own.spec.required || matches!(path, "time.window" | "time.end");
-                keys.push(known(KeySpec { required, ..own.spec.clone() }, active));
+                let spec = match path {
+                    "time.window" | "time.end" => Cow::Owned(own.spec.clone().required()),
+                    _ => Cow::Borrowed(&own.spec),
+                };
+                keys.push(known(spec, active));
             }
         }
     }
@@ -86,36 +92,40 @@ fn for_role(spec: &KeySpec, role: &str, rest: &str, player: Option<&Player<'_>>)
     spec
 }
 
-fn add_player(keys: &mut Vec<Known>, player: &Player<'_>, effects: &[String]) {
+fn add_player<'a>(keys: &mut Vec<Known<'a>>, player: &Player<'a>, effects: &[String]) {
     let role = player.role;
-    let whole = match player.present {
-        true => format!("an effect of {role}"),
-        false => format!("[{role}]"),
+    let whole: Rc<str> = match player.present {
+        true => format!("an effect of {role}").into(),
+        false => format!("[{role}]").into(),
     };
-    let known = |spec: &KeySpec, reader: &str, chosen: bool| Known {
-        spec: spec.clone(),
+    let known = |spec: &'a KeySpec, reader: &Rc<str>, chosen: bool| Known {
+        spec: Cow::Borrowed(spec),
         shape: if spec.list { Shape::OneOrList } else { Shape::One },
-        owner: role.to_owned(),
-        reader: if chosen { whole.clone() } else { reader.to_owned() },
+        owner: role,
+        reader: Rc::clone(if chosen { &whole } else { reader }),
         active: chosen && player.needed,
     };
-    keys.extend(player.description.keys.iter().map(|spec| known(spec, role, true)));
+    keys.extend(player.description.keys.iter().map(|spec| known(spec, &whole, true)));
     // If the case names an unknown model, its keys are checked against the first model.
     let standing = player.model.or(player.description.models.first());
     for model in &player.description.models {
         let chosen = standing.is_some_and(|m| m.name == model.name);
-        let reader = format!("{role}.model = \"{}\"", model.name);
+        let reader = format!("{role}.model = \"{}\"", model.name).into();
         keys.extend(model.keys.iter().map(|spec| known(spec, &reader, chosen)));
     }
     for effect in &player.description.effects {
         let active = effects.contains(&effect.name);
-        let reader = format!("[effects.{}]", effect.name);
+        let reader = format!("[effects.{}]", effect.name).into();
         keys.extend(effect.keys.iter().map(|spec| known(spec, &reader, active)));
     }
 }
 
 /// The keys that a description reads with a model and a choice of effects.
-pub(super) fn read_by(description: &Description, model: &str, effects: &[String]) -> Vec<Known> {
+pub(super) fn read_by<'a>(
+    description: &'a Description,
+    model: &str,
+    effects: &[String],
+) -> Vec<Known<'a>> {
     let player = Player {
         role: &description.role,
         description,
@@ -168,7 +178,7 @@ pub(super) type References = BTreeMap<String, Vec<String>>;
 
 /// The keys that are read: of a table whose names are referred to, only those that are.
 pub(super) fn instances<'a>(
-    keys: impl IntoIterator<Item = &'a Known>,
+    keys: impl IntoIterator<Item = &'a Known<'a>>,
     tree: &Table,
     references: &References,
 ) -> Vec<Instance<'a>> {
@@ -179,7 +189,7 @@ pub(super) fn instances<'a>(
         }
         None => tree.names(table),
     };
-    let each = |known: &'a Known| {
+    let each = |known: &'a Known<'a>| {
         let expanded = expand(&known.spec.path, names);
         expanded.into_iter().map(move |(path, binding)| Instance { known, path, binding })
     };

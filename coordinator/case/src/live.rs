@@ -26,7 +26,7 @@ pub(super) fn is_live(table: &Table) -> bool {
 
 impl Checker<'_> {
     /// A table at a key that takes a number: a value that is given from outside.
-    pub(super) fn live(&mut self, key: &str, node: &Node, table: &Table, readers: &[&Known]) {
+    pub(super) fn live(&mut self, key: &str, node: &Node, table: &Table, readers: &[&Known<'_>]) {
         match self.read_live(key, table, readers) {
             Ok(live) => {
                 put(&mut self.values.0, key, Json::from(live.first));
@@ -36,9 +36,14 @@ impl Checker<'_> {
         }
     }
 
-    fn read_live(&self, key: &str, table: &Table, readers: &[&Known]) -> Result<LiveKey, Fault> {
+    fn read_live(
+        &self,
+        key: &str,
+        table: &Table,
+        readers: &[&Known<'_>],
+    ) -> Result<LiveKey, Fault> {
         let fault = |reason: String, fix: &str| Fault { reason, fix: fix.to_owned() };
-        let active: Vec<&&Known> = readers.iter().filter(|known| known.active).collect();
+        let active: Vec<&&Known<'_>> = readers.iter().filter(|known| known.active).collect();
         let readers = if active.is_empty() { readers.iter().collect() } else { active };
         if let Some(constant) = readers.iter().find(|known| !known.spec.varies) {
             let reason = format!("is a live value, and {} reads one number", constant.owner);

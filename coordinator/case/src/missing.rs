@@ -77,7 +77,7 @@ impl Checker<'_> {
             if !asked || !lacking || self.is_botched(&instance.path) {
                 continue;
             }
-            let owner = instance.known.owner.as_str();
+            let owner = instance.known.owner;
             match found.iter_mut().find(|w| w.instance.path == instance.path) {
                 Some(wanted) if wanted.owners.contains(&owner) => {}
                 Some(wanted) => wanted.owners.push(owner),
@@ -204,7 +204,7 @@ fn lack_of_all(
     readable: &[(&Alternative, Vec<&Instance<'_>>)],
     labels: &[&str],
 ) -> Lack {
-    let owners = readable.iter().flat_map(|(_, readers)| readers).map(|i| i.known.owner.as_str());
+    let owners = readable.iter().flat_map(|(_, readers)| readers).map(|i| i.known.owner);
     let (owner, verb) = owners_verb(owners);
     let short = |label: &str| match group.section.as_str() {
         "" => label.to_owned(),

@@ -3,6 +3,7 @@
 use contract::description::KeySpec;
 use coupling::map::Method;
 use coupling::settings::{Acceleration, Implicit, Preconditioner, Predictor, Scheme};
+use std::sync::LazyLock;
 
 /// Roles that are participants by their section alone.
 pub const WELL_KNOWN_ROLES: &[&str] = &["mech", "thermal"];
@@ -56,13 +57,11 @@ pub struct OwnKey {
 
 /// Every key that the coordinator itself reads; [`ROLE`] in a path stands for a role.
 #[must_use]
-pub fn own_keys() -> Vec<OwnKey> {
-    let mut keys = case_and_time();
-    keys.extend(coupling());
-    keys.extend(mappings());
-    keys.extend(output_and_limits());
-    keys.extend(participant());
-    keys
+pub fn own_keys() -> &'static [OwnKey] {
+    static KEYS: LazyLock<Vec<OwnKey>> = LazyLock::new(|| {
+        [case_and_time(), coupling(), mappings(), output_and_limits(), participant()].concat()
+    });
+    &KEYS
 }
 
 fn one(spec: KeySpec) -> OwnKey {

@@ -53,7 +53,7 @@ impl Checker<'_> {
         }
         let is_usual = named.is_some() && matches!(node.origin, Origin::File { .. });
         let mut words: Vec<String> = match is_named {
-            true => readers.iter().map(|known| known.reader.clone()).collect(),
+            true => readers.iter().map(|known| known.reader.to_string()).collect(),
             false => Vec::new(),
         };
         if readers.is_empty() {

@@ -45,7 +45,7 @@ impl Checker<'_> {
         }
     }
 
-    fn leaf(&mut self, key: &str, node: &Node, readers: &[&Known]) {
+    fn leaf(&mut self, key: &str, node: &Node, readers: &[&Known<'_>]) {
         if readers.iter().all(|r| r.owner == COORDINATOR && !r.active) && key.starts_with("time.") {
             let reason = format!("has no meaning in a {} case", self.selection.timing.word());
             let other = if key == ON_FAILURE { "sequence" } else { "transient" };

@@ -101,6 +101,11 @@ pub(crate) fn take(seats: &[Seat]) -> Option<Peers> {
     }
 }
 
+/// Returns the shared memory that the participants that wait hold [byte].
+pub(crate) fn held_memory() -> u64 {
+    CREW.with_borrow(|crew| crew.peers.as_ref().map_or(0, Peers::held_memory))
+}
+
 /// Dismisses the participants that wait.
 pub(crate) fn leave() {
     let peers = CREW.with_borrow_mut(|crew| crew.peers.take());

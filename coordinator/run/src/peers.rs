@@ -94,6 +94,8 @@ pub struct Peers {
     run: RunDir,
     deadlines: Deadlines,
     screen: Rc<dyn Progress>,
+    /// Shared memory of fields of the run before, in which the next one has its own [byte].
+    held_memory: u64,
     /// What is going on, for messages.
     pub phase: Phase,
 }
@@ -165,14 +167,20 @@ impl Peers {
             run,
             deadlines,
             screen,
+            held_memory: 0,
             phase,
         })
     }
 
-    /// Detaches the participants from the run that has ended.
+    /// Detaches the participants from the run that has ended. They hold so much shared memory on.
     #[must_use]
-    pub(crate) fn after_run(self) -> Self {
-        Self { recorder: None, screen: silent(), ..self }
+    pub(crate) fn after_run(self, held_memory: u64) -> Self {
+        Self { recorder: None, screen: silent(), held_memory, ..self }
+    }
+
+    /// Shared memory that the participants hold between two runs [byte].
+    pub(crate) fn held_memory(&self) -> u64 {
+        self.held_memory
     }
 
     /// Attaches the participants to another run.

@@ -288,6 +288,7 @@ impl Life {
             });
             topics.inputs.push(topic);
         }
+        self.peers.endpoint().close_unused();
         Ok(topics)
     }
 

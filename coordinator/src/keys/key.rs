@@ -31,7 +31,7 @@ pub(super) fn all(described: &[Description]) -> Vec<Key> {
         }
     };
     for OwnKey { spec, shape } in own_keys() {
-        add(&spec, shape, COORDINATOR.to_owned());
+        add(spec, *shape, COORDINATOR.to_owned());
     }
     for Description { role, keys, models, effects, .. } in described {
         keys.iter().for_each(|spec| add(spec, Shape::One, role.clone()));

@@ -544,11 +544,10 @@ int cosim_layout_json(struct cosim_layout *layout,
 int cosim_layout_grid(struct cosim_layout *layout, const struct cosim_grid *grid);
 
 /**
- * Adds a volume, which is copied; its geometry is asked for with `moved_grids`. COSIM_FAILED if it cannot
- * be: name, counts.
+ * Adds a volume, which is copied; `moved_grids` gives its geometry. COSIM_FAILED if it cannot be:
+ * name, counts.
  */
-int cosim_layout_volume(struct cosim_layout *layout,
-                        const struct cosim_volume *volume);
+int cosim_layout_volume(struct cosim_layout *layout, const struct cosim_volume *volume);
 
 /**
  * Says on which of the grids an output, or an observed field, lives. Both names are copied.

@@ -361,17 +361,18 @@ mod tests {
         let (of, into) = (&raw mut restoring, (&raw mut back).cast::<c_void>());
         unsafe {
             assert_eq!(cosim_blob_read(of, into, 8), COSIM_OK);
+            assert_eq!(back, 1.5);
             assert_eq!(cosim_blob_read_some(of, into, 8), 0);
             let short = call("restore", || cosim_blob_read(of, into, 1)).unwrap_err();
             assert_eq!(short.to_string(), "it is truncated");
             assert!(call("restore", || cosim_blob_write(of, from, 8)).is_err());
         }
-        assert_eq!((bytes[0], back), (7, 1.5));
+        assert_eq!(bytes[0], 7);
         let mut rest = &bytes[..3];
         let mut restoring = CosimBlob(Way::Restoring(&mut rest));
         let mut room = [9_u8; 8];
         let (of, into) = (&raw mut restoring, room.as_mut_ptr().cast());
         let taken = [0, 1].map(|_| unsafe { cosim_blob_read_some(of, into, 8) });
-        assert_eq!((taken, &room[..3]), ([3, 0], &bytes[..3]));
+        assert_eq!((taken, rest), ([3, 0], &[][..]));
     }
 }

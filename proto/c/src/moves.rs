@@ -145,7 +145,7 @@ mod tests {
             (c"elsewhere", 1, &MOVED[..], "there is no grid `elsewhere`"),
             (c"patch", 0, &MOVED, "revision 0 after 1"),
             (c"patch", 2, &flat, "without an area"),
-            (c"block", 1, &[f64::NAN; 6], "not finite"),
+            (c"block", 1, &[f64::NAN; 6], "is NaN"),
         ] {
             let fault = give(name, revision, values).map(|_| ()).unwrap_err().to_string();
             assert!(fault.contains(why), "{fault}");

@@ -256,6 +256,7 @@ impl<'a> Server<'a> {
             live: configuration.histories.as_ref().and_then(|histories| histories.live.clone()),
             figures: topics.figures,
         };
+        self.endpoint.close_unused();
         let patience = Duration::from_secs_f64(topics.deadline.clamp(0.0, 1e6));
         self.stage = Stage::Connected { setup, ports, patience };
         Ok(done)
@@ -279,8 +280,7 @@ impl<'a> Server<'a> {
         }
     }
 
-    /// Ends the run. Its ports are closed before the coordinator hears of it, and may open others of the
-    /// same names.
+    /// Ends the run. The ports of one who leaves are closed before the coordinator hears of it.
     fn finish(&mut self, stays: bool, done: Reply) -> Result<Option<Answer>, CommandError> {
         let next = if stays { Stage::Joined } else { Stage::Left };
         let finished = match std::mem::replace(&mut self.stage, next) {
@@ -295,8 +295,9 @@ impl<'a> Server<'a> {
             }
             _ => Finished::default(),
         };
-        if stays {
-            forget_peak_resident_memory();
+        match stays {
+            true => forget_peak_resident_memory(),
+            false => self.endpoint.close_unused(),
         }
         json_answer(done, &finished)
     }

@@ -196,6 +196,7 @@ impl<'a> Service<'a> {
         self.ports = None;
         let readers = Readers::open(endpoint, &routes.inward).map_err(failed)?;
         let writers = Writers::open(endpoint, &routes.outward, false).map_err(failed)?;
+        endpoint.close_unused();
         self.connection.link.allow(routes.longest());
         let patience = Duration::from_secs_f64(routes.deadline.clamp(0.0, 1e6));
         self.ports = Some(Ports { readers, writers, patience, moves: !topics.geometry.is_empty() });

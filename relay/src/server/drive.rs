@@ -280,6 +280,7 @@ impl Run<'_> {
         self.ports = None;
         let writers = Writers::open(endpoint, &routes.inward, true)?;
         let readers = Readers::open(endpoint, &routes.outward)?;
+        endpoint.close_unused();
         self.link.allow(routes.longest());
         self.ports = Some((readers, writers));
         Ok(())

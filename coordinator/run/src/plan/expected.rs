@@ -39,7 +39,7 @@ pub(super) fn warnings<'a>(
         }
     }
     for OwnKey { spec, .. } in own_keys() {
-        warnings.extend(of_numbers(case, &spec, &case.values, None));
+        warnings.extend(of_numbers(case, spec, &case.values, None));
     }
     warnings
 }

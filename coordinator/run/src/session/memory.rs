@@ -22,18 +22,25 @@ pub(super) struct SharedMemory {
 }
 
 impl SharedMemory {
-    /// Counts what the fields of a plan need, as far as layouts are known.
+    /// Counts what the fields of a plan need, as far as layouts are known. Participants that have
+    /// stayed hold `held` bytes of it already.
     ///
     /// # Errors
     /// There is less than that, or the case allows less.
     pub(super) fn check<'a>(
         plan: &'a Plan,
+        held: u64,
         layout: impl Fn(ParticipantIndex) -> Option<&'a Layout>,
     ) -> Result<Self, RunError> {
         let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);
         let taken = OVERHEAD + live(plan) + fields(plan, &layout) + geometry(plan, &layout);
-        check(taken, limit, "before the fields were created")?;
+        check(taken, held, limit, "before the fields were created")?;
         Ok(Self { limit, taken })
+    }
+
+    /// All that it has counted [byte].
+    pub(super) fn taken(&self) -> u64 {
+        self.taken
     }
 
     /// Counts new segments for so many points of fields with these numbers of components.
@@ -48,7 +55,7 @@ impl SharedMemory {
     ) -> Result<(), RunError> {
         let bytes = |components: &u32| topic_bytes(sample_bytes(points, *components));
         let needed = components.iter().map(bytes).sum::<u64>();
-        check(needed, self.limit.saturating_sub(self.taken), when)?;
+        check(needed, 0, self.limit.saturating_sub(self.taken), when)?;
         self.taken += needed;
         Ok(())
     }
@@ -60,7 +67,7 @@ impl SharedMemory {
 /// There is less shared memory than that.
 pub fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
     let topics = samples.into_iter().map(topic_bytes);
-    check(topics.fold(OVERHEAD, u64::saturating_add), u64::MAX, when)
+    check(topics.fold(OVERHEAD, u64::saturating_add), 0, u64::MAX, when)
 }
 
 /// Live values that the coordinator sends [byte].
@@ -88,8 +95,8 @@ fn geometry<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a
     travelling.map(|grid| topic_bytes(geometry_bytes(grid))).sum()
 }
 
-fn check(needed: u64, limit: u64, when: &str) -> Result<(), RunError> {
-    let free = free_shared_memory().min(limit);
+fn check(needed: u64, held: u64, limit: u64, when: &str) -> Result<(), RunError> {
+    let free = free_shared_memory().saturating_add(held).min(limit);
     if needed <= free {
         return Ok(());
     }

@@ -55,7 +55,9 @@ impl Session {
         if open_files::provide(participants, topics_of(plan), recorder.is_some())? {
             crew::leave();
         }
-        let memory = SharedMemory::check(plan, |index| plan.participants[index].estimate.as_ref())?;
+        let held = crew::held_memory();
+        let estimate = |one: ParticipantIndex| plan.participants[one].estimate.as_ref();
+        let memory = SharedMemory::check(plan, held, estimate)?;
         let seat = |p: &Participant| Seat {
             role: p.role.clone(),
             program: p.program.clone(),
@@ -82,7 +84,8 @@ impl Session {
         }
         let layouts = session.configure(plan)?;
         session.check_informed(plan, &layouts)?;
-        session.memory = SharedMemory::check(plan, |index| layouts.get(index))?;
+        let held = if is_new { 0 } else { held };
+        session.memory = SharedMemory::check(plan, held, |index| layouts.get(index))?;
         session.peers.phase = Phase::Connecting;
         session.connect(plan, &layouts)?;
         session.peers.phase = Phase::Initialising;
@@ -231,6 +234,7 @@ impl Session {
             topics.push(topic);
         }
         self.live = LiveValues::open(plan, &self.peers).map_err(|error| not_connected(&error))?;
+        self.peers.endpoint().close_unused();
         let (deadline, interpolation) =
             (self.peers.deadlines().start.as_secs_f64(), plan.interpolation);
         for one in self.peers.all().keys() {

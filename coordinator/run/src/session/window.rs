@@ -113,11 +113,11 @@ impl Session {
             finished.push(said);
         }
         if stay {
-            let Self { guard, peers, taps, feedback, mapped, moving, live, .. } = self;
+            let Self { guard, peers, taps, feedback, mapped, moving, live, memory, .. } = self;
             guard.spare();
-            // The next run opens ports of the same names.
+            // The next run has the same ports.
             drop((taps, feedback, mapped, moving, live));
-            crew::stay(peers.after_run());
+            crew::stay(peers.after_run(memory.taken()));
         } else {
             // They end by themselves now; one that does not is ended when the session is dropped.
             self.peers.wait_for_exits();
