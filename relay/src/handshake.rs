@@ -242,7 +242,7 @@ mod tests {
         let mut noise = noise(&Key::of(&[7; 32]), true);
         noise.write_message(&[], &mut greeting[HELLO..]).unwrap();
         assert!(call(&greeting, Duration::from_millis(50)).contains("the connection ended"));
-        let made_up = [&greeting[..], &24_u16.to_le_bytes(), &[5; 24]].concat();
+        let made_up = [&greeting[..], &16_u16.to_le_bytes(), &[2], &[5; 16]].concat();
         assert!(call(&made_up, SOON).starts_with("the client has another key"));
     }
 }

@@ -1,18 +1,17 @@
 //! A link to the other end: one TCP connection, over which messages of any length go in order, and signs
 //! of life between their pieces.
 //!
-//! Bytes go in records. The first byte of each says whether it is a piece of a message, its last one, or
-//! a sign of life.
+//! Bytes go in records, each a piece of a message, its last one, or a sign of life.
 //!
 //! Three threads work on a link: the one that owns it sends and takes messages, a reader takes records
 //! from the network, and a monitor sends signs of life and declares the link lost when none has come.
 
 use crate::frame::{Frame, Malformed};
-use crate::record::{LAST, MORE, PIECE, RECORD, SIGN, Sealed, seal};
+use crate::record::{Kind, NoRecord, PIECE, RECORD, Records, Sealed, seal};
 use contract::message::ProgressReport;
 use contract::text::one_line;
 use snow::StatelessTransportState;
-use std::io::{self, BufReader, Read, Write};
+use std::io::{self, Write};
 use std::net::{Shutdown, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
@@ -76,24 +75,24 @@ struct Shared {
 
 impl Shared {
     /// Sends the pieces of a message, the last one marked.
-    fn send_message(&self, mut head: &[u8], mut rest: &[u8]) -> Result<(), Fault> {
-        let mut plain = Vec::with_capacity(1 + PIECE);
-        let mut records = Vec::with_capacity(BATCH * (RECORD + 2));
+    fn send_message(&self, head: &[u8], rest: &[u8]) -> Result<(), Fault> {
+        // The first piece has the head, which is short; others are sealed from where they lie.
+        let (with_head, mut rest) = rest.split_at(rest.len().min(PIECE - head.len().min(PIECE)));
+        let first = [head, with_head].concat();
+        let mut first = first.as_slice();
+        let mut records = Vec::with_capacity(BATCH * RECORD);
         loop {
             let mut next = lock(&self.next);
             records.clear();
             let is_last = loop {
-                plain.clear();
-                plain.push(MORE);
-                take(&mut head, &mut plain);
-                take(&mut rest, &mut plain);
-                let is_last = head.is_empty() && rest.is_empty();
-                if is_last {
-                    plain[0] = LAST;
-                }
-                seal(&self.noise, *next, &plain, &mut records);
+                let from = if first.is_empty() { &mut rest } else { &mut first };
+                let (piece, left) = from.split_at(from.len().min(PIECE));
+                *from = left;
+                let is_last = first.is_empty() && rest.is_empty();
+                let kind = if is_last { Kind::Last } else { Kind::More };
+                seal(&self.noise, *next, kind, piece, &mut records);
                 *next += 1;
-                if is_last || records.len() >= BATCH * RECORD {
+                if is_last || records.len() + RECORD > BATCH * RECORD {
                     break is_last;
                 }
             };
@@ -108,11 +107,8 @@ impl Shared {
     /// Sends a sign, which overtakes the pieces of messages.
     fn send_sign(&self, frame: &Frame<'_>, next: &mut u64) -> Result<(), Fault> {
         let (head, rest) = frame.write();
-        let (mut head, mut rest) = (&head[..], rest);
-        let (mut plain, mut records) = (vec![SIGN], Vec::new());
-        take(&mut head, &mut plain);
-        take(&mut rest, &mut plain);
-        seal(&self.noise, *next, &plain, &mut records);
+        let (sign, mut records) = ([&head, rest].concat(), Vec::new());
+        seal(&self.noise, *next, Kind::Sign, &sign[..sign.len().min(PIECE)], &mut records);
         *next += 1;
         self.write(&records)
     }
@@ -146,13 +142,6 @@ impl Shared {
     fn fault(&self, why: &str) -> Fault {
         Fault::Lost(lock(&self.lost).as_deref().unwrap_or(why).to_owned())
     }
-}
-
-/// Moves bytes into a piece, behind its kind, as long as there is room.
-fn take(from: &mut &[u8], into: &mut Vec<u8>) {
-    let count = from.len().min(1 + PIECE - into.len());
-    into.extend_from_slice(&from[..count]);
-    *from = &from[count..];
 }
 
 /// Sends; any thread may.
@@ -327,55 +316,44 @@ impl Drop for Link {
 }
 
 /// Takes records until there are no more; why.
-fn read(
-    shared: &Shared,
-    stream: TcpStream,
-    messages: &SyncSender<Vec<u8>>,
-    mut number: u64,
-) -> String {
-    let mut stream = BufReader::with_capacity(BATCH * RECORD, stream);
-    let (mut record, mut plain) = (vec![0; RECORD], vec![0; RECORD]);
-    let mut message = Vec::new();
+fn read(shared: &Shared, stream: TcpStream, messages: &SyncSender<Vec<u8>>, number: u64) -> String {
+    let mut records = Records::new(stream, number);
+    let (mut message, mut sign, mut longest) = (Vec::new(), Vec::new(), 0);
     loop {
-        let mut length = [0; 2];
-        let read = stream.read_exact(&mut length).and_then(|()| {
-            let record = &mut record[..usize::from(u16::from_le_bytes(length))];
-            stream.read_exact(record).map(|()| record.len())
-        });
-        let length = match read {
-            Ok(length) => length,
-            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+        // A sign comes between the pieces of a message: what came of it goes there.
+        let before = message.len();
+        let kind = match records.open(&shared.noise, &mut message) {
+            Ok(kind) => kind,
+            Err(NoRecord::Network(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
                 return "the other end is gone, or its connection was closed".to_owned();
             }
-            Err(error) => return error.to_string(),
+            Err(NoRecord::Network(error)) => return error.to_string(),
+            Err(NoRecord::Wrong) => return "what came was not sealed by the other end".to_owned(),
         };
-        let opened = shared.noise.read_message(number, &record[..length], &mut plain);
-        let Some((kind, piece)) = opened.ok().and_then(|count| plain[..count].split_first()) else {
-            return "what came was not sealed by the other end".to_owned();
-        };
-        number += 1;
         *lock(&shared.heard) = Instant::now();
-        match *kind {
-            SIGN => {
-                if let Err(error) = hear(shared, piece) {
+        let most = shared.most.load(Ordering::Relaxed);
+        match kind {
+            Kind::Sign => {
+                sign.clear();
+                sign.extend(message.drain(before..));
+                if let Err(error) = hear(shared, &sign) {
                     return error.to_string();
                 }
             }
-            MORE | LAST => {
-                let most = shared.most.load(Ordering::Relaxed);
-                if message.len() + piece.len() > most {
-                    return format!("the other end sends more than {most} bytes at once");
-                }
-                message.extend_from_slice(piece);
-                if *kind == LAST && messages.send(std::mem::take(&mut message)).is_err() {
+            _ if message.len() > most => {
+                return format!("the other end sends more than {most} bytes at once");
+            }
+            Kind::Last => {
+                // Another one may be as long; memory that is not written to is not taken.
+                longest = message.len().max(longest);
+                let next = Vec::with_capacity(longest);
+                if messages.send(std::mem::replace(&mut message, next)).is_err() {
                     return "it is closed".to_owned();
                 }
             }
-            _ => return Malformed.to_string(),
+            Kind::More => continue,
         }
-        if *kind != MORE {
-            shared.ring();
-        }
+        shared.ring();
     }
 }
 
@@ -540,7 +518,7 @@ mod tests {
         let (client, server) = met();
         let (server, _) = open(server, SOON);
         let mut records = Vec::new();
-        seal(&client.noise, 1, &[LAST, 0], &mut records);
+        seal(&client.noise, 1, Kind::Last, &[0], &mut records);
         *records.last_mut().unwrap() ^= 1;
         (&client.stream).write_all(&records).unwrap();
         let fault = server.within(SOON).unwrap_err().to_string();

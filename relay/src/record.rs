@@ -1,5 +1,7 @@
-//! Sealed records, of which a link is made: a length (u16, little-endian) and as many sealed bytes, numbered
-//! from 0 in each direction. What was changed, repeated or left out does not open.
+//! Sealed records, of which a link is made: a length (u16, little-endian), a kind, and as many sealed bytes.
+//!
+//! The nonce of a record has its number in its direction, from 0, and its kind: what was changed, repeated or
+//! left out does not open.
 
 use snow::StatelessTransportState;
 use std::io::{self, Read, Write};
@@ -7,13 +9,37 @@ use std::net::TcpStream;
 use std::time::Instant;
 
 /// The longest record (Noise, revision 34, 3), and the bytes of it that are a message's.
-pub(crate) const RECORD: usize = 65_535;
-pub(crate) const PIECE: usize = RECORD - TAG - 1;
-pub(crate) const TAG: usize = 16;
-/// What a record is: a piece of a message, its last one, or a sign of life.
-pub(crate) const MORE: u8 = 0;
-pub(crate) const LAST: u8 = 1;
-pub(crate) const SIGN: u8 = 2;
+const SEALED: usize = 65_535;
+pub(crate) const PIECE: usize = SEALED - TAG;
+const TAG: usize = 16;
+/// What stands before the sealed bytes.
+const HEADER: usize = 3;
+/// Bytes of a record.
+pub(crate) const RECORD: usize = HEADER + SEALED;
+/// Records that a reader has room for.
+const BATCH: usize = 4;
+
+/// What a record is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Kind {
+    /// A piece of a message.
+    More = 0,
+    /// The last one.
+    Last = 1,
+    /// A sign of life.
+    Sign = 2,
+}
+
+impl Kind {
+    fn from_number(number: u8) -> Option<Self> {
+        [Self::More, Self::Last, Self::Sign].into_iter().find(|kind| *kind as u8 == number)
+    }
+
+    fn nonce(self, number: u64) -> u64 {
+        4 * number + self as u64
+    }
+}
 
 /// A connection whose ends have shaken hands.
 pub(crate) struct Sealed {
@@ -35,33 +61,96 @@ impl Sealed {
     /// Sends the first record, which only an end with the key can.
     pub(crate) fn prove(&self) -> io::Result<()> {
         let mut records = Vec::new();
-        seal(&self.noise, 0, &[SIGN], &mut records);
+        seal(&self.noise, 0, Kind::Sign, &[], &mut records);
         (&self.stream).write_all(&records)
     }
 
     /// Takes the first record of a caller.
     pub(crate) fn proven(&self, until: Instant) -> Result<(), Unproven> {
-        let (mut length, mut record) = ([0; 2], [0; TAG + 1]);
-        read_by(&self.stream, &mut length, until).map_err(Unproven::Late)?;
-        if usize::from(u16::from_le_bytes(length)) != record.len() {
-            return Err(Unproven::Wrong);
-        }
+        let mut record = [0; HEADER + TAG];
         read_by(&self.stream, &mut record, until).map_err(Unproven::Late)?;
-        let mut said = [0; 1];
-        match self.noise.read_message(0, &record, &mut said) {
-            Ok(1) if said == [SIGN] => Ok(()),
-            _ => Err(Unproven::Wrong),
-        }
+        let proof = self.noise.read_message(Kind::Sign.nonce(0), &record[HEADER..], &mut []);
+        proof.map(|_| ()).map_err(|_| Unproven::Wrong)
     }
 }
 
 /// Appends a sealed record.
-pub(crate) fn seal(noise: &StatelessTransportState, number: u64, plain: &[u8], into: &mut Vec<u8>) {
-    let (from, length) = (into.len(), plain.len() + TAG);
+pub(crate) fn seal(
+    noise: &StatelessTransportState,
+    number: u64,
+    kind: Kind,
+    piece: &[u8],
+    into: &mut Vec<u8>,
+) {
+    let (from, length) = (into.len() + HEADER, piece.len() + TAG);
     into.extend((length as u16).to_le_bytes());
-    into.resize(from + 2 + length, 0);
-    let sealed = noise.write_message(number, plain, &mut into[from + 2..]);
+    into.push(kind as u8);
+    into.resize(from + length, 0);
+    let sealed = noise.write_message(kind.nonce(number), piece, &mut into[from..]);
     assert_eq!(sealed.ok(), Some(length), "a piece fits into a record");
+}
+
+/// Takes records from a stream.
+pub(crate) struct Records<R> {
+    stream: R,
+    number: u64,
+    /// What has come and is not opened yet lies from `start` to `end`.
+    bytes: Vec<u8>,
+    start: usize,
+    end: usize,
+}
+
+/// Why there are no more records.
+pub(crate) enum NoRecord {
+    Network(io::Error),
+    /// It was not sealed by the other end, or not as the next one.
+    Wrong,
+}
+
+impl<R: Read> Records<R> {
+    /// Those from this number on.
+    pub(crate) fn new(stream: R, number: u64) -> Self {
+        Self { stream, number, bytes: vec![0; BATCH * RECORD], start: 0, end: 0 }
+    }
+
+    /// Appends what the next record has to `into`.
+    pub(crate) fn open(
+        &mut self,
+        noise: &StatelessTransportState,
+        into: &mut Vec<u8>,
+    ) -> Result<Kind, NoRecord> {
+        self.fill(HEADER)?;
+        let [low, high, kind] = self.bytes[self.start..][..HEADER] else { unreachable!() };
+        let length = usize::from(u16::from_le_bytes([low, high]));
+        self.fill(HEADER + length)?;
+        let kind = Kind::from_number(kind).ok_or(NoRecord::Wrong)?;
+        let record = &self.bytes[self.start + HEADER..][..length];
+        let at = into.len();
+        // Room for the tag makes it open in place.
+        into.resize(at + length, 0);
+        let opened = noise.read_message(kind.nonce(self.number), record, &mut into[at..]);
+        into.truncate(at + opened.map_err(|_| NoRecord::Wrong)?);
+        self.number += 1;
+        self.start += HEADER + length;
+        Ok(kind)
+    }
+
+    /// Reads until so many bytes have come.
+    fn fill(&mut self, count: usize) -> Result<(), NoRecord> {
+        if self.start + count > self.bytes.len() {
+            self.bytes.copy_within(self.start..self.end, 0);
+            (self.start, self.end) = (0, self.end - self.start);
+        }
+        while self.end - self.start < count {
+            match self.stream.read(&mut self.bytes[self.end..]) {
+                Ok(0) => return Err(NoRecord::Network(io::ErrorKind::UnexpectedEof.into())),
+                Ok(read) => self.end += read,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(NoRecord::Network(error)),
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Reads what must have come by then.

@@ -31,8 +31,8 @@ fn points_are_the_same_in_one_process_and_in_many() {
     for (name, settings, points) in [
         (
             "wheel-rail.toml",
-            &["--vary", "mech.resolution=5,9,6", "--vary", "motion.speed=20,30"][..],
-            6,
+            &["--vary", "mech.resolution=5,30,9,6", "--vary", "motion.speed=20,30"][..],
+            8,
         ),
         ("falling-friction.toml", &["--vary", "mech.resolution=6,8,6"], 3),
         (
@@ -96,6 +96,19 @@ fn a_refused_point_ends_no_process() {
     assert_eq!(starts, 1);
     let rises = table.texts("temperature.rail.max_rise_k");
     assert_eq!(rises[0], rises[4]);
+}
+
+/// A point whose fields do not fit into shared memory is refused; those before and after it have the memory
+/// that they had.
+#[test]
+fn a_point_without_room_takes_no_other_with_it() {
+    let program = ["thermal-solver".to_owned()];
+    let settings = ["--set", "limits.shared_memory=2 MB", "--vary", "mech.resolution=10,160,12,10"];
+    let (table, starts) = swept("wheel-rail.toml", "thermal", &program, &settings);
+    let failed = table.texts("failed");
+    assert!(failed[1].contains("shared memory failed"), "{failed:?}");
+    assert_eq!([0, 2, 3].map(|point: usize| failed[point].is_empty()), [true; 3], "{failed:?}");
+    assert_eq!(starts, 1, "nothing had begun");
 }
 
 /// A process that is killed or stopped in its second run loses that point at most.
