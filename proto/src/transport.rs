@@ -195,9 +195,9 @@ pub fn silence_iceoryx2() {
 
 /// A process's membership in the shared-memory services of a run.
 ///
-/// Ports of fields stay open after their [`FieldReader`] or [`FieldWriter`] is dropped: opening one takes
-/// as long as a small solve, and the next run of the same participants has most of them again.
-/// [`Endpoint::close_unused`] closes those that nobody has.
+/// Ports of fields stay open after their [`FieldReader`] or [`FieldWriter`] is dropped: opening one
+/// takes as long as a small solve, and the next run of the same participants needs most of them
+/// again. [`Endpoint::close_unused`] closes those that nobody uses.
 #[derive(Debug)]
 pub struct Endpoint {
     // Before the node, which ports belong to.
@@ -368,7 +368,7 @@ impl Endpoint {
             |port: &&Arc<ReaderPort>| port.name == service && Arc::strong_count(port) == 1;
         if let Some(port) = readers.iter().find(is_free) {
             let reader = FieldReader { port: Arc::clone(port) };
-            // What was sent in an earlier run and not taken.
+            // Samples of an earlier run that nobody has taken.
             while reader.receive()?.is_some() {}
             return Ok(reader);
         }

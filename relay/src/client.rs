@@ -14,10 +14,10 @@ use crate::key::Key;
 use crate::pack::Packing;
 use std::time::Duration;
 
-/// How the server is reached.
+/// Settings of a client: the server, the key, and its patience.
 #[derive(Debug)]
 pub struct Client {
-    /// Where it listens: `HOST:PORT`.
+    /// Address of the server: `HOST:PORT`.
     pub address: String,
     /// The key that both ends have.
     pub key: Key,
@@ -29,7 +29,7 @@ pub struct Client {
     pub silence: Duration,
 }
 
-/// How the client ends badly.
+/// Reason why a client fails.
 #[derive(Debug, thiserror::Error)]
 #[error("{words}")]
 pub struct ClientError {

@@ -1,7 +1,7 @@
-//! What the two ends say to each other: the bytes of each message.
+//! Messages between client and server, and their bytes.
 //!
-//! A message is a number, which says what it is, an entry of fixed layout, and bytes that go on to its end.
-//! Whatever is received is looked at as if anybody could have sent it.
+//! A message is the number of its kind, an entry of fixed layout, and bytes that go on to its end. Every
+//! message is checked as if anybody could have sent it.
 
 use crate::pack::Packing;
 use contract::message::{Command, FieldHeader, ProgressReport, Reply};
@@ -34,7 +34,8 @@ pub(crate) enum Frame<'a> {
     Ask { question: Question, input: &'a [u8] },
     /// To the client: what it has said; or, unless `code` is 0, why it has not.
     Answer { code: u8, said: &'a [u8] },
-    /// To the server: a piece of the file that the case names under this key. `ending` is that of its name.
+    /// To the server: a piece of the file that the case names under this key; `ending` is that of its
+    /// name.
     File { key: &'a str, ending: &'a str, last: bool, bytes: &'a [u8] },
     /// To the server: start the program as a participant. Values are packed like this.
     Join { packing: Packing },

@@ -16,7 +16,7 @@ use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
-/// Version of what the ends say to each other.
+/// Version of the relay's messages.
 const VERSION: u32 = 2;
 const MARK: &[u8; 4] = b"cosR";
 const PATTERN: &str = "Noise_NNpsk0_25519_AESGCM_SHA256";
@@ -37,7 +37,7 @@ enum Answer {
     Refused = 1,
 }
 
-/// Why there is no link.
+/// Reason why there is no link.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NoLink {
     #[error(
@@ -191,7 +191,7 @@ mod tests {
 
     const SOON: Duration = Duration::from_secs(20);
 
-    /// What both ends get out of the handshake.
+    /// Outcome of a handshake at both ends.
     fn meet(client: &Key, server: Key) -> (Result<Sealed, NoLink>, Result<Sealed, NoLink>) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap().to_string();
@@ -201,7 +201,7 @@ mod tests {
         (connect(&address, client, SOON), answered.join().unwrap())
     }
 
-    /// What the server makes of a caller's bytes, within so long.
+    /// Error of a server to which a caller sends these bytes, within a time.
     fn call(bytes: &[u8], patience: Duration) -> String {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mut caller = TcpStream::connect(listener.local_addr().unwrap()).unwrap();

@@ -101,7 +101,7 @@ impl Key {
         writeln!(file, "{text}").and_then(|()| file.sync_all()).map_err(failed)
     }
 
-    /// What the handshake takes for it.
+    /// The pre-shared key of the handshake: SHA-256 of a mark and the bytes.
     pub(crate) fn pre_shared(&self) -> [u8; 32] {
         let hashed = digest(&SHA256, &[b"cosim relay: key", &self.0[..]].concat());
         hashed.as_ref().try_into().expect("SHA-256 has 32 bytes")

@@ -30,7 +30,7 @@ const WAITING: usize = 64;
 /// The longest message before there are fields [byte].
 pub(crate) const SHORT: usize = 256 << 20;
 
-/// Why nothing more goes over a link.
+/// Reason why nothing more goes over a link.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Fault {
     #[error("{0}")]
@@ -51,7 +51,7 @@ pub(crate) trait LivenessSink: Send {
     fn progress(&mut self, report: ProgressReport);
 }
 
-/// What the threads of a link have in common.
+/// State that the threads of a link share.
 struct Shared {
     noise: StatelessTransportState,
     stream: TcpStream,
@@ -163,7 +163,7 @@ impl Sending {
     }
 }
 
-/// How the other end, or the link to it, has ended.
+/// End of the other end, or of the link to it.
 pub(crate) enum End {
     /// The link is lost.
     Lost(String),

@@ -12,14 +12,14 @@ use std::time::Instant;
 const SEALED: usize = 65_535;
 pub(crate) const PIECE: usize = SEALED - TAG;
 const TAG: usize = 16;
-/// What stands before the sealed bytes.
+/// Bytes of length and kind, before the sealed ones.
 const HEADER: usize = 3;
 /// Bytes of a record.
 pub(crate) const RECORD: usize = HEADER + SEALED;
 /// Records that a reader has room for.
 const BATCH: usize = 4;
 
-/// What a record is.
+/// Kind of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Kind {
@@ -100,7 +100,7 @@ pub(crate) struct Records<R> {
     end: usize,
 }
 
-/// Why there are no more records.
+/// Reason why there is no next record.
 pub(crate) enum NoRecord {
     Network(io::Error),
     /// It was not sealed by the other end, or not as the next one.
@@ -113,7 +113,7 @@ impl<R: Read> Records<R> {
         Self { stream, number, bytes: vec![0; BATCH * RECORD], start: 0, end: 0 }
     }
 
-    /// Appends what the next record has to `into`.
+    /// Appends the content of the next record to `into`.
     pub(crate) fn open(
         &mut self,
         noise: &StatelessTransportState,

@@ -26,10 +26,10 @@ use std::time::{Duration, Instant};
 const LOOK: Duration = Duration::from_millis(50);
 /// Longest wait for what the program says of itself.
 const DESCRIBE: Duration = Duration::from_secs(30);
-/// What listens.
+/// Settings of a server: address, key and program.
 #[derive(Debug)]
 pub struct Server {
-    /// Where: `0.0.0.0:7447`.
+    /// Address to listen on: `0.0.0.0:7447`.
     pub address: String,
     /// The key that both ends have.
     pub key: Key,
@@ -41,7 +41,7 @@ pub struct Server {
     pub once: bool,
 }
 
-/// How the server ends badly.
+/// Reason why a server fails.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct ServerError(String);

@@ -312,7 +312,7 @@ typedef struct cosim_grid {
  * A volume: hexahedra on which fields are only written out. The value of element (i, j, k) stands at
  * (k nj + j) ni + i.
  *
- * Its geometry is what cosim_geometry() has a place for: vectors of three components [m], the
+ * Its geometry goes into the place of cosim_geometry(): vectors of three components [m], the
  * first components of all of them, then the second, then the third. Rectilinear: the n-th nodes of
  * the axes x, y and z, as many as the longest axis has, 0 beyond the last of a shorter one.
  * Structured: the (ni + 1) (nj + 1) (nk + 1) vertices, i fastest, then j. Unstructured: the vertices,

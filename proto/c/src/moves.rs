@@ -24,7 +24,7 @@ impl Followed {
         Self { grids, others: others.into_iter().map(|grid| grid.name).collect() }
     }
 
-    /// Asks a program where they are now; nothing if nobody needs to know.
+    /// Asks a program for their geometry, unless nobody needs any.
     pub(crate) fn ask(
         &mut self,
         moved_grids: impl FnOnce(*mut CosimMoves<'_>) -> c_int,
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn cosim_geometry(
         if revision == grid.revision && !grid.is_announced() {
             return Ok(std::ptr::null_mut());
         }
-        // What is not written is not finite.
+        // A value that the program does not write stays NaN, which the check of the grid reports.
         let mut values = vec![f64::NAN; 3 * grid.geometry_points()];
         let (place, length) = (values.as_mut_ptr(), values.len());
         // The values stay where they are when the list grows.

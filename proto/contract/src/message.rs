@@ -1,10 +1,10 @@
 //! Fixed layouts of everything that crosses shared memory.
 //!
-//! All types are `#[repr(C)]`, self-contained (no pointers), with explicit padding, which their derives
-//! of `zerocopy` demand, so that C lays them out alike; the tests pin every size and offset. Text sits in zero-padded ASCII
-//! labels. Variable-length content (configuration, errors, summaries) travels as JSON bytes behind
-//! a [`Command`] or [`Reply`]; field values travel as `[f64]` behind a [`FieldHeader`]; a
-//! [`ProgressReport`] stands alone.
+//! All types are `#[repr(C)]`, self-contained (no pointers), with explicit padding, which their
+//! derives of `zerocopy` demand, so that C lays them out alike; the tests pin every size and offset.
+//! Text sits in zero-padded ASCII labels. Variable-length content (configuration, errors, summaries)
+//! travels as JSON bytes behind a [`Command`] or [`Reply`]; field values travel as `[f64]` behind a
+//! [`FieldHeader`]; a [`ProgressReport`] stands alone.
 
 use crate::step::{Step, StepReport};
 use crate::text::one_line;

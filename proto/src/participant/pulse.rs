@@ -106,8 +106,8 @@ fn beat(
             // The model may be deep in a solve: the process ends here, and the run's folder and
             // shared memory are left in order by dropping the membership.
             drop(run.lock().map(|mut run| run.take()));
-            // What a program in another language has for the end of its process is not run: its
-            // other threads are still at work.
+            // No handler for the end of the process runs: other threads of a program in another
+            // language are still at work.
             // SAFETY: ends the process at once.
             unsafe { libc::_exit(1) };
         }

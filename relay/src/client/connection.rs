@@ -1,4 +1,5 @@
-//! The link to a server, and what the coordinator asks a program before a run, asked of the program there.
+//! The link to a server, over which the program there answers what the coordinator asks before a
+//! run.
 
 use super::files::send_files;
 use super::{Client, ClientError};
@@ -83,7 +84,7 @@ impl Connection {
         }
     }
 
-    /// What the program there says of itself.
+    /// Description of the program there.
     pub(super) fn description(&self) -> Result<Description, ClientError> {
         let said = self.ask(Question::Describe, &[])?;
         serde_json::from_slice(&said).map_err(|error| {

@@ -24,7 +24,7 @@ pub(super) struct LocalParticipant {
     pub(super) endpoint: Endpoint,
 }
 
-/// Its signs of life at the server, as the coordinator knows them.
+/// Heart of the participant at the server, which beats for the coordinator here.
 struct Heart {
     index: usize,
     coordinator: Ringer,

@@ -1,4 +1,4 @@
-//! What every conversation of a server has in common.
+//! Settings that every conversation of a server shares.
 
 use crate::key::Key;
 use crate::routes::Components;
@@ -8,7 +8,7 @@ use std::time::Duration;
 /// Conversations at the same time: a run has one, `conform` and sweeps several.
 pub(super) const CONVERSATIONS: usize = 32;
 
-/// What a server offers, and to whom.
+/// Program that a server offers, and the key of those who may use it.
 pub(super) struct ServerConfig {
     /// The program that takes part.
     pub(super) program: Program,

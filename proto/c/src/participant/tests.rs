@@ -260,7 +260,7 @@ fn faults_without_an_error_unwind_to_main() {
     }
 }
 
-/// What a run has built is freed when the run is over, and not when building failed.
+/// `finish` is called once for each build that succeeded.
 #[test]
 fn a_run_is_finished_once() {
     let mut counter = Counter::default();

@@ -69,14 +69,14 @@ class Run:
 
 
 def callback(call: Callable[..., int | None]) -> Callable[..., int]:
-    """A method as a callback: its errors are told, and cross as statuses."""
+    """Turn a method into a callback: an exception is reported to the library, and becomes a status."""
 
     @wraps(call)
     def guarded(self: Participant, *arguments: Any) -> int:
         try:
             return call(self, *arguments) or OK
         except BaseException as error:
-            return self.told(error)
+            return self.report(error)
 
     return guarded
 
@@ -93,26 +93,26 @@ class Participant:
         self._described = frozenset(name for claim in claims for name in claim)
 
     def main(self, arguments: Sequence[str]) -> int:
-        """Hand the callbacks to the library; the exit code."""
+        """Hand the callbacks to the library; returns the exit code."""
         names = [name for name in library.CALLBACKS if hasattr(self, name)]
         table = library.table({name: partial(_method, getattr(self, name)) for name in names})
         words = [os.fsencode(word) for word in (sys.argv[0], *arguments)]
         argv = (ctypes.c_char_p * (len(words) + 1))(*words, None)
         return int(self._lib.cosim_main(len(words), argv, ctypes.byref(table), None))
 
-    def told(self, error: BaseException) -> int:
-        """Give the library what went wrong; the status."""
+    def report(self, error: BaseException) -> int:
+        """Report an exception to the library; returns the status of the callback."""
         match error:
             case SystemExit() | KeyboardInterrupt():
                 _end(error)
             case Refusal():
-                told = (utf8(text).encode() for text in (error.key, error.reason, error.fix))
-                return int(self._lib.cosim_refuse(*told))
+                texts = (utf8(text).encode() for text in (error.key, error.reason, error.fix))
+                return int(self._lib.cosim_refuse(*texts))
         with suppress(OSError):
             traceback.print_exception(error)
         message = str(error) if isinstance(error, PLAIN) else f"{type(error).__name__}: {error}"
         if isinstance(error, StateError):
-            # The library says the rest.
+            # The library adds that the state does not fit.
             message = error.reason
         return int(self._lib.cosim_fail(utf8(message).encode()))
 
@@ -131,17 +131,17 @@ class Participant:
         try:
             return self._text("description", self._kind.description())
         except BaseException as error:
-            self.told(error)
+            self.report(error)
             return None
 
     @callback
     def configure(self, configuration: int, layout: int) -> int:
         """A solver for a run, and its layout."""
         self._run = None
-        told = json.loads(self._lib.cosim_configuration_json(configuration))
+        given = json.loads(self._lib.cosim_configuration_json(configuration))
         solver = self._kind()
         solver.report_to(self._progress)
-        self._run = Run(solver, Configuration.from_json(told))
+        self._run = Run(solver, Configuration.from_json(given))
         return int(self._lib.cosim_layout_json(layout, to_json(self._run.layout.to_json())))
 
     def _progress(self, done: int, of: int, what: str) -> None:
@@ -252,7 +252,7 @@ class Participant:
         try:
             return self._text("summary", self._now.solver.summary())
         except BaseException as error:
-            self.told(error)
+            self.report(error)
             return None
 
     @callback

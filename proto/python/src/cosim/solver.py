@@ -215,7 +215,7 @@ class Solver:
 
     @classmethod
     def description(cls) -> dict[str, Any]:
-        """What `--describe` prints, but for the version of the contract."""
+        """The description that `--describe` prints; the library adds the version of the contract."""
         return {
             "name": cls.title(),
             "version": cls.version,
