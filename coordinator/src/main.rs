@@ -5,7 +5,7 @@ use std::time::Instant;
 
 fn main() -> ExitCode {
     let since = Instant::now();
-    proto::transport::silence_iceoryx2();
+    proto::transport::prepare_process();
     if let Err(error) = run::signals::listen() {
         tracing::warn!(%error, "signals will not shut a run down in order");
     }

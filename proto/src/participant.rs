@@ -19,7 +19,7 @@ use crate::configuration::{Configuration, Estimate};
 use crate::logging::wanted;
 use crate::model::Solver;
 use crate::run_dir::RunDir;
-use crate::transport::silence_iceoryx2;
+use crate::transport::prepare_process;
 use clap::Parser;
 use std::error::Error;
 use std::ffi::OsString;
@@ -60,7 +60,7 @@ pub fn main(solver: &dyn Solver) -> ExitCode {
 
 /// [`main`] for a program that is not Rust: the arguments, the program's name first; the exit code.
 pub fn main_from(arguments: impl IntoIterator<Item = OsString>, solver: &dyn Solver) -> u8 {
-    silence_iceoryx2();
+    prepare_process();
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(false)
@@ -126,8 +126,7 @@ fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<d
     let outcome = server.serve();
     drop(pulse);
     outcome?;
-    // The ports of the last run are closed; those of commands are left to the last member of the run,
-    // which removes all that the run has made.
+    // Its ports are left to the last member of the run, which removes all that the run has made.
     std::mem::forget(server);
     Ok(())
 }

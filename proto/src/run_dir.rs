@@ -19,7 +19,9 @@ mod locks;
 mod runtime;
 
 use locks::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE};
-use runtime::{RuntimeFolder, SHARED_MEMORY, belong_together, prefix_of, remove_run, user};
+use runtime::{
+    RuntimeFolder, SHARED_MEMORY, belong_together, prefix_of, remove_first_files, remove_run, user,
+};
 use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
@@ -86,20 +88,33 @@ impl RunDir {
         let runtime = RuntimeFolder::open()?;
         runtime.remove_dead_runs();
         let (id, nursery) = runtime.nursery()?;
+        let made = Self::create_in(&runtime, &id, &nursery, roles);
+        if made.is_err() {
+            remove_first_files(&nursery);
+        }
+        made
+    }
+
+    fn create_in(
+        runtime: &RuntimeFolder,
+        id: &str,
+        nursery: &Path,
+        roles: &[String],
+    ) -> io::Result<Self> {
         let coordinator = File::create(nursery.join(COORDINATOR_LOCK))?;
         let members = File::create(nursery.join(MEMBERS_LOCK))?;
         flock(&coordinator, FlockOperation::NonBlockingLockExclusive)?;
         flock(&members, FlockOperation::NonBlockingLockShared)?;
-        let folder = runtime.path().join(&id);
+        let folder = runtime.path().join(id);
         let info = RunInfo {
             protocol: crate::PROTOCOL_VERSION,
             folder: folder.clone(),
-            prefix: prefix_of(&id),
+            prefix: prefix_of(id),
             roles: roles.to_vec(),
         };
         fs::write(nursery.join(RUN_FILE), serde_json::to_vec_pretty(&info)?)?;
         // Only a locked folder ever bears its final name, so that nobody takes it for a dead one.
-        fs::rename(&nursery, &folder)?;
+        fs::rename(nursery, &folder)?;
         Ok(Self { info, members, own: coordinator })
     }
 

@@ -55,6 +55,8 @@ const MOST_VALUES: u64 = 1 << 32;
 const LEAST_ROOM: usize = 512;
 /// A send that cannot be delivered is retried for this long.
 const DELIVERY: Duration = Duration::from_secs(5);
+/// Places in the table of open files: enough for several sets of participants at a time.
+const OPEN_FILES: i32 = 1024;
 /// Event id of a message; the heartbeats of participant `i` ring with `BEATS` ids of its own.
 const MESSAGE: usize = 0;
 /// Kinds of heartbeat: busy, and idle after the last of `ANSWERS` commands in turn.
@@ -187,10 +189,17 @@ fn exchange_error(service: &str, cause: impl std::fmt::Debug) -> TransportError 
     TransportError::Exchange { service: service.to_owned(), cause: format!("{cause:?}") }
 }
 
-/// Keeps what iceoryx2 would write to standard error to itself: whatever it has to say comes as an error.
-/// The log level of iceoryx2 belongs to the whole process, so only a program's `main` decides on it.
-pub fn silence_iceoryx2() {
+/// Prepares a process for the services of a run. Only a program's `main` calls it, before it starts
+/// threads: both settings belong to the whole process.
+///
+/// - iceoryx2 writes nothing to standard error: whatever it has to say comes as an error.
+/// - The kernel's table of open files has room for the ports of a run. To extend the table of a
+///   process with threads, the kernel waits 10 to 25 ms until no thread reads the old one; ports
+///   need more than the 64 places with which a table begins.
+pub fn prepare_process() {
     set_log_level(LogLevel::Fatal);
+    // A copy of an open file, closed at once. Where the limit of open files is lower, it does nothing.
+    let _ = rustix::io::fcntl_dupfd_cloexec(std::io::stderr(), OPEN_FILES - 1);
 }
 
 /// A process's membership in the shared-memory services of a run.

@@ -119,7 +119,7 @@ fn main() -> ExitCode {
         }
     };
     log(arguments.mode.listen.is_some());
-    proto::transport::silence_iceoryx2();
+    proto::transport::prepare_process();
     match act(arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Ended(words, code)) => {

@@ -144,10 +144,9 @@ impl Peers {
         let peer = |seat: &Seat| {
             let commands = endpoint.command_sender(&seat.role)?;
             let replies = endpoint.reply_receiver(&seat.role)?;
-            let reports = endpoint.progress_receiver(&seat.role)?;
             let ringer = endpoint.ringer(&seat.role)?;
             let name = (seat.role.as_str(), seat.program.name());
-            Ok(Peer::new(name, seat.attach, commands, (replies, reports), ringer))
+            Ok(Peer::new(name, seat.attach, commands, replies, ringer))
         };
         let all: Result<TiVec<ParticipantIndex, Peer>, TransportError> =
             seats.iter().map(peer).collect();
@@ -264,7 +263,6 @@ impl Peers {
                 // Connects to what it sends: the last of it is received even if it has ended by then, and no
                 // window has to.
                 all[one].receive().map_err(failed)?;
-                all[one].has_advanced().map_err(failed)?;
                 return Ok(Some(()));
             }
             watch.look(all, one, waited.waited(), patience)?;
@@ -329,7 +327,17 @@ impl Peers {
     ) -> Result<(ParticipantIndex, Message<Reply>), Stopped> {
         let one = pending[0];
         let Self {
-            all, hearts, doorbell, supervisor, run, deadlines, phase, recorder, screen, ..
+            all,
+            hearts,
+            doorbell,
+            endpoint,
+            supervisor,
+            run,
+            deadlines,
+            phase,
+            recorder,
+            screen,
+            ..
         } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
         let all = RefCell::new(all);
@@ -339,7 +347,8 @@ impl Peers {
             if let Some(found) = replied(&all, pending)? {
                 return Ok(Some(found));
             }
-            if all[one].has_advanced().map_err(|error| Stopped::Transport(one, error))? {
+            let advanced = all[one].has_advanced(endpoint);
+            if advanced.map_err(|error| Stopped::Transport(one, error))? {
                 waited = Patience::new();
                 show(&all[one], *phase, &**screen);
             }

@@ -21,7 +21,7 @@ use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
 use crate::results::{derived, history};
-use crate::session::Session;
+use crate::session::{Leaving, Session};
 use crate::warnings::Warning;
 use case::Case;
 use contract::message::Finished;
@@ -129,9 +129,10 @@ fn perform_whole(
     };
     progress.finish();
     let ended = finish_recording(ended, recorder.as_deref());
-    let (finished, error) = match ended {
-        Ok(finished) => (finished, None),
-        Err(error) => (Vec::new(), Some(place(case, error))),
+    // They leave while the summary is written.
+    let (finished, _leaving, error) = match ended {
+        Ok((finished, leaving)) => (finished, leaving, None),
+        Err(error) => (Vec::new(), None, Some(place(case, error))),
     };
     let roles = plan.participants.iter().map(|p| p.role.as_str());
     let mut sections = Sections::gather(roles.zip(finished.iter().map(|f| &f.summary)));
@@ -233,10 +234,10 @@ fn recorder(
 }
 
 /// Ends the recording with the end of the run.
-fn finish_recording(
-    ended: Result<Vec<Finished>, RunError>,
+fn finish_recording<T>(
+    ended: Result<T, RunError>,
     recorder: Option<&Recorder>,
-) -> Result<Vec<Finished>, RunError> {
+) -> Result<T, RunError> {
     let Some(recorder) = recorder else { return ended };
     let written = recorder.finish(ended.as_ref().err().map(ToString::to_string).as_deref());
     if let Ok(bytes) = &written {
@@ -275,7 +276,7 @@ fn perform(
     (counts, warnings): (&mut Counts, &mut Vec<Warning>),
     (from, driver): (Option<&Checkpoint>, Option<&mut dyn Driver>),
     recorder: Option<Arc<Recorder>>,
-) -> Result<Vec<Finished>, RunError> {
+) -> Result<(Vec<Finished>, Option<Leaving>), RunError> {
     let plan = &planned.plan;
     let mut tables = Tables::open(plan, folder, from)?;
     let mut fields = FieldWriter::within(folder.dir().clone(), "fields");

@@ -37,6 +37,7 @@ pub use moving::MovingGrid;
 pub use outlet::header;
 pub use solved::SolveRecord;
 pub use tap::{Consumer, Tap};
+pub use window::Leaving;
 
 use crate::peers::{EndsFirst, Peers};
 use crate::record::Recorder;

@@ -1,10 +1,10 @@
 //! The participant's heart: a thread that beats while the model computes, and that ends the
 //! process when the coordinator is dead.
 
-use crate::message::ProgressReport;
+use crate::command_ports::ProgressReports;
 use crate::progress::Progress;
 use crate::run_dir::{CoordinatorWatch, RunDir};
-use crate::transport::{Beat, Ringer, Sender, TransportError};
+use crate::transport::{Beat, Ringer, TransportError};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -48,18 +48,14 @@ pub(super) struct Voice {
     pub(super) ringer: Ringer,
     pub(super) activity: Activity,
     pub(super) progress: Progress,
-    pub(super) reports: Sender<ProgressReport>,
-    /// The last report that has reached the coordinator.
-    pub(super) reported: Option<ProgressReport>,
+    pub(super) reports: ProgressReports,
 }
 
 impl Voice {
     fn beat(&mut self) -> Result<(), TransportError> {
-        let newest = self.progress.newest();
-        if let Some(report) = newest.filter(|_| newest != self.reported)
-            && self.reports.offer(&report)?
-        {
-            self.reported = newest;
+        // Before the coordinator is woken up. A beat counts without a report.
+        if let Err(error) = self.reports.send(self.progress.newest()) {
+            tracing::debug!(%error, "progress does not reach the coordinator");
         }
         self.ringer.beat(self.index, self.activity.beat())
     }

@@ -23,6 +23,7 @@ use crate::transport::{Doorbell, Endpoint, Receiver, Ringer, Sender, TransportEr
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Why a command could not be done. All but a refusal travel as [`Failure`].
@@ -113,7 +114,7 @@ pub(super) struct Server<'a> {
     coordinator: Ringer,
     doorbell: Doorbell,
     // Last: ports close before the node that they belong to.
-    endpoint: Endpoint,
+    endpoint: Arc<Endpoint>,
 }
 
 impl<'a> Server<'a> {
@@ -133,7 +134,6 @@ impl<'a> Server<'a> {
             activity: activity.clone(),
             progress: progress.clone(),
             reports,
-            reported: None,
         };
         let server = Self {
             solver,
@@ -280,24 +280,28 @@ impl<'a> Server<'a> {
         }
     }
 
-    /// Ends the run. The ports of one who leaves are closed before the coordinator hears of it.
+    /// Ends the run. The ports of a participant that leaves are left to the last member of the run,
+    /// which removes all that the run has made.
     fn finish(&mut self, stays: bool, done: Reply) -> Result<Option<Answer>, CommandError> {
         let next = if stays { Stage::Joined } else { Stage::Left };
         let finished = match std::mem::replace(&mut self.stage, next) {
             Stage::Running(running) => {
                 let spent = processor_seconds();
-                Finished {
+                let finished = Finished {
                     summary: running.model.summary(),
                     model_seconds: running.model_time.as_secs_f64(),
                     peak_rss_bytes: peak_resident_memory(),
                     cpu_seconds: spent - std::mem::replace(&mut self.spent_before, spent),
+                };
+                if !stays {
+                    std::mem::forget(running.ports);
                 }
+                finished
             }
             _ => Finished::default(),
         };
-        match stays {
-            true => forget_peak_resident_memory(),
-            false => self.endpoint.close_unused(),
+        if stays {
+            forget_peak_resident_memory();
         }
         json_answer(done, &finished)
     }

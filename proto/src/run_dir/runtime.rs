@@ -204,11 +204,17 @@ fn remove_nursery(nursery: &Path) {
     let first = |name: &OsStr| FIRST_FILES.iter().any(|file| name == OsStr::new(file));
     let Ok(entries) = fs::read_dir(nursery) else { return };
     if old && entries.flatten().all(|entry| first(&entry.file_name())) {
-        for file in FIRST_FILES {
-            let _ = fs::remove_file(nursery.join(file));
-        }
-        let _ = fs::remove_dir(nursery);
+        remove_first_files(nursery);
     }
+}
+
+/// Removes a folder in which a run was begun, and the folder of all runs if there is no other.
+pub(super) fn remove_first_files(nursery: &Path) {
+    for file in FIRST_FILES {
+        let _ = fs::remove_file(nursery.join(file));
+    }
+    let _ = fs::remove_dir(nursery);
+    let _ = nursery.parent().map(fs::remove_dir);
 }
 
 /// Removes everything that a run has left on the machine.

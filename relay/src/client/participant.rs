@@ -2,7 +2,7 @@
 
 use crate::link::LivenessSink;
 use contract::message::{Command, ProgressReport, Reply};
-use proto::command_ports::CommandPorts;
+use proto::command_ports::{CommandPorts, ProgressReports};
 use proto::run_dir::RunInfo;
 use proto::transport::{
     Beat, Doorbell, Endpoint, Message, Receiver, Ringer, Sender, TransportError,
@@ -21,14 +21,15 @@ pub(super) struct LocalParticipant {
     doorbell: Doorbell,
     activity: Arc<AtomicU64>,
     // Last: ports close before the node that they belong to.
-    pub(super) endpoint: Endpoint,
+    pub(super) endpoint: Arc<Endpoint>,
 }
 
 /// Heart of the participant at the server, which beats for the coordinator here.
 struct Heart {
     index: usize,
     coordinator: Ringer,
-    reports: Sender<ProgressReport>,
+    reports: ProgressReports,
+    newest: Option<ProgressReport>,
     activity: Arc<AtomicU64>,
 }
 
@@ -46,6 +47,7 @@ impl LocalParticipant {
             index,
             coordinator: coordinator.clone(),
             reports,
+            newest: None,
             activity: Arc::clone(&activity),
         };
         Ok((Self { commands, replies, coordinator, doorbell, activity, endpoint }, Box::new(heart)))
@@ -78,11 +80,19 @@ impl LivenessSink for Heart {
         if let Err(error) = self.coordinator.beat(self.index, beat) {
             tracing::warn!(%error, "the heartbeat does not reach the coordinator");
         }
+        self.report();
     }
 
     fn progress(&mut self, report: ProgressReport) {
-        if let Err(error) = self.reports.offer(&report) {
-            tracing::warn!(%error, "progress does not reach the coordinator");
+        self.newest = Some(report);
+        self.report();
+    }
+}
+
+impl Heart {
+    fn report(&mut self) {
+        if let Err(error) = self.reports.send(self.newest) {
+            tracing::debug!(%error, "progress does not reach the coordinator");
         }
     }
 }

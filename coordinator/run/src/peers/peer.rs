@@ -5,7 +5,7 @@ use super::patience::Patience;
 use crate::error::RunError;
 use contract::configuration::Refusal;
 use contract::message::{Command, Failure, ProgressReport, Reply, Status};
-use proto::transport::{Beat, Message, Receiver, Ringer, Sender, TransportError};
+use proto::transport::{Beat, Endpoint, Message, Receiver, Ringer, Sender, TransportError};
 use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
@@ -21,7 +21,8 @@ pub struct Peer {
     attached: bool,
     commands: Sender<Command>,
     replies: Receiver<Reply>,
-    reports: Receiver<ProgressReport>,
+    /// How far it is; opened with the first heartbeat that is received while it works.
+    reports: Option<Receiver<ProgressReport>>,
     ringer: Ringer,
     sequence: u64,
     /// A reply to the last command is still to come.
@@ -43,7 +44,7 @@ impl Peer {
         (role, program): (&str, String),
         attached: bool,
         commands: Sender<Command>,
-        (replies, reports): (Receiver<Reply>, Receiver<ProgressReport>),
+        replies: Receiver<Reply>,
         ringer: Ringer,
     ) -> Self {
         Self {
@@ -52,7 +53,7 @@ impl Peer {
             attached,
             commands,
             replies,
-            reports,
+            reports: None,
             ringer,
             sequence: 0,
             owing: Cell::new(false),
@@ -103,6 +104,7 @@ impl Peer {
         self.silence = Patience::new();
         self.owing.set(ring);
         (self.dealt_with, self.last_dealt_with, self.advance) = (0, None, None);
+        self.has_beaten = false;
         if ring {
             self.ringer.ring()?;
         }
@@ -147,12 +149,18 @@ impl Peer {
         }
     }
 
-    /// Its heart has reported that it is further with the last command than before.
-    pub(super) fn has_advanced(&mut self) -> Result<bool, TransportError> {
+    /// Its heart has reported that it is further with the last command than before. A topic that
+    /// cannot be opened, for lack of shared memory, is tried again at the next heartbeat.
+    pub(super) fn has_advanced(&mut self, endpoint: &Endpoint) -> Result<bool, TransportError> {
         if !std::mem::take(&mut self.has_beaten) {
             return Ok(false);
         }
-        let Some(report) = self.reports.receive()?.map(|message| *message.header()) else {
+        if self.reports.is_none() {
+            let opened = endpoint.progress_receiver(&self.role);
+            self.reports = opened.inspect_err(|error| tracing::debug!(%error, "no progress")).ok();
+        }
+        let Some(reports) = &self.reports else { return Ok(false) };
+        let Some(report) = reports.receive()?.map(|message| *message.header()) else {
             return Ok(false);
         };
         let current = report.sequence == self.sequence;

@@ -86,7 +86,10 @@ impl Session {
     }
 
     /// Asks every participant for its summary and lets it go, or stay for the next run.
-    pub fn finish(mut self) -> Result<Vec<Finished>, RunError> {
+    ///
+    /// # Errors
+    /// A participant fails, has ended, is late, or reports negative times.
+    pub fn finish(mut self) -> Result<(Vec<Finished>, Option<Leaving>), RunError> {
         self.peers.phase = Phase::Finishing;
         if let Some(recorder) = self.peers.recorder() {
             recorder.stop_listening()?;
@@ -118,11 +121,22 @@ impl Session {
             // The next run has the same ports.
             drop((taps, feedback, mapped, moving, live));
             crew::stay(peers.after_run(memory.taken()));
-        } else {
-            // They end by themselves now; one that does not is ended when the session is dropped.
-            self.peers.wait_for_exits();
+            return Ok((finished, None));
         }
-        Ok(finished)
+        Ok((finished, Some(Leaving(self))))
+    }
+}
+
+/// Participants that have been asked to leave. Their exits are waited for when this is dropped, so
+/// that results are written meanwhile.
+#[derive(Debug)]
+#[must_use]
+pub struct Leaving(Session);
+
+impl Drop for Leaving {
+    /// Ends those that do not leave.
+    fn drop(&mut self) {
+        self.0.peers.wait_for_exits();
     }
 }
 
