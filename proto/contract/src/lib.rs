@@ -23,7 +23,12 @@
 //! | [`message`] | the fixed layouts of commands, replies and field headers |
 //! | [`text`] | text from outside: what may reach a terminal or a label |
 //!
-//! It knows no transport and no process, and of files only those that a user names.
+//! Grids and the readers of tables are crates of their own, [`grids`] and [`tables`], for libraries
+//! that know no contract; they are modules here, too. This crate knows no transport and no process, and of files only
+//! those that a user names.
+
+pub use grids as grid;
+pub use tables::{input_file, plausible, quantity, suggest, table, unit};
 
 pub mod accuracy;
 pub mod advice;
@@ -33,20 +38,13 @@ pub mod description;
 pub mod diagram;
 pub mod field;
 pub mod figure;
-pub mod grid;
 pub mod history;
-pub mod input_file;
 pub mod live;
 pub mod message;
 pub mod params;
-pub mod plausible;
-pub mod quantity;
 mod refusal;
 pub mod step;
-pub mod suggest;
-pub mod table;
 pub mod text;
-pub mod unit;
 
 /// Version of the contract. Raised whenever a layout, a command or the meaning of a key changes.
 pub const PROTOCOL_VERSION: u32 = 5;

@@ -106,14 +106,14 @@ fn crates_use_only_those_below_them() {
 #[test]
 fn the_contract_is_plain_data() {
     let contract = &manifests()["contract"].code;
-    let plain = ["serde", "serde_json", "strsim", "thiserror", "zerocopy"];
+    let plain = ["grids", "serde", "serde_json", "tables", "thiserror", "zerocopy"];
     assert_eq!(contract.iter().collect::<Vec<_>>(), plain);
 }
 
 #[test]
 fn libraries_do_without_transport_and_command_line() {
     let manifests = manifests();
-    for name in ["contract", "coupling", "case", "surrogate"] {
+    for name in ["grids", "tables", "contract", "coupling", "case", "surrogate"] {
         let all = closure(name, &manifests);
         let wrong: Vec<_> = WITHOUT.iter().filter(|one| all.contains(**one)).collect();
         assert!(wrong.is_empty(), "{name} uses {wrong:?}, directly or through others");

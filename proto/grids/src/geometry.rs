@@ -1,7 +1,7 @@
 //! The geometry of a grid as the values of a field: how a grid that moves, and every volume, travels
 //! through shared memory.
 //!
-//! The field is [`crate::field::GEOMETRY`]: three components in metres, component-major, so that
+//! The field is `geometry`: three components in metres, component-major, so that
 //! component c of vector n stands at `c * count + n`. The vectors are
 //!
 //! | grid | count | vectors |
@@ -147,7 +147,7 @@ fn structured(vector: impl Fn(usize) -> [f64; 3]) -> Result<Structured, String> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::Volume;
+    use crate::Volume;
     use proptest::prelude::*;
 
     fn encoded(grid: &Grid) -> Vec<f64> {

@@ -120,7 +120,7 @@ fn vector_area(corners: &[[f64; 3]; 4]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{Grid, Shape};
+    use crate::{Grid, Shape};
 
     fn wavy() -> Quadrilaterals {
         let mut surface =
