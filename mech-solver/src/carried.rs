@@ -10,9 +10,9 @@
 //! Source: Jenkins et al., Railway Engng J. 3 (1974) 2–16; Johnson, *Contact Mechanics* (1985), 4.2, for the spring.
 //! Left out: the inertia of what is near the contact, and the mass of the track.
 
-use crate::axle::{Axle, Irregularity};
 use crate::ellipse::Ellipse;
 use crate::scene::{Scene, Speeds};
+use elastic::axle::{Axle, Irregularity};
 use proto::bodies::UPPER;
 use std::cell::RefCell;
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! The case key of the difference along x, shared by all models with rolling half-spaces.
 
-use crate::half_space::difference::Difference;
 use crate::keys::CheckedParams;
+use half_space::difference::Difference;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;

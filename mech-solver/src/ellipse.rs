@@ -3,11 +3,11 @@
 //! the friction limit it sets.
 
 use crate::measures::Measures;
-use crate::reference::hertz;
 use crate::resolution::{MOST, RESOLUTION};
 use crate::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene, WIDTH};
-use crate::strips::semi_ellipse::SemiEllipse;
-use crate::strips::{Lateral, StripField, Strips};
+use elastic::hertz;
+use elastic::strips::semi_ellipse::SemiEllipse;
+use elastic::strips::{Lateral, StripField, Strips};
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::Refusal;
 use proto::grid::Structured;

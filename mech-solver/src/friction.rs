@@ -5,12 +5,13 @@
 //! with the friction coefficient f₀ of the case, the pressure p, factors m on the coefficient ([`FrictionFactor`]: bands, speed, temperature) and
 //! bounds τ of the traction ([`TractionBound`]: a layer that yields, a film that shears). Factors multiply. Bounds come last: no factor changes
 //! them, and the smallest holds. A contribution is computed from the state of the contact alone, not from other contributions. The plastic
-//! layer, whose yield stress depends on what it has flowed, is a further bound of g in the tangential contact ([`crate::half_space::yielding`]).
+//! layer, whose yield stress depends on what it has flowed, is a further bound of g in the tangential contact ([`half_space::yielding`]).
 //!
 //! Source: Coulomb's law with local coefficients; Vollebregt, Wear 314 (2014) 87–95, for min(f p, τ) where the third body yields.
 
 use crate::bands::{At, Over};
-use crate::slip::SlipStart;
+use half_space::friction::ElementFriction;
+use half_space::settling::SlipStart;
 use proto::grid::Structured;
 use proto::model::{Inputs, StepError};
 use std::fmt::Debug;
@@ -132,18 +133,19 @@ impl FrictionLaw {
         state: &FrictionState<'_>,
     ) -> Result<ElementFriction, StepError> {
         let count = state.grid.points();
-        let mut friction = ElementFriction::uniform(count, coefficient);
+        let mut coefficients = vec![coefficient; count];
         for factor in &self.factors {
             let mut factors = vec![1.0; count];
             factor.write(state, coefficient, &mut factors)?;
-            friction.coefficient.iter_mut().zip(factors).for_each(|(f, factor)| *f *= factor);
+            coefficients.iter_mut().zip(factors).for_each(|(f, factor)| *f *= factor);
         }
+        let mut largest = vec![f64::INFINITY; count];
         for bound in &self.bounds {
-            for (index, largest) in friction.largest.iter_mut().enumerate() {
+            for (index, largest) in largest.iter_mut().enumerate() {
                 *largest = largest.min(bound.at(state, index));
             }
         }
-        Ok(friction)
+        Ok(ElementFriction::new(coefficients, largest))
     }
 
     /// Friction depends on the slip that it allows.
@@ -172,63 +174,4 @@ impl FrictionLaw {
         let factors = self.factors.iter().map(|factor| factor.shortfall());
         factors.chain(self.bounds.iter().map(|bound| bound.shortfall())).collect()
     }
-}
-
-/// Friction of elements: a coefficient and a largest traction of each.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ElementFriction {
-    /// Friction coefficients f [-].
-    coefficient: Vec<f64>,
-    /// Largest tractions τ [Pa]; infinite without a bound.
-    largest: Vec<f64>,
-}
-
-impl ElementFriction {
-    /// Friction of `count` elements with one coefficient [-] and no further bound.
-    #[must_use]
-    pub fn uniform(count: usize, coefficient: f64) -> Self {
-        Self::of_coefficients(vec![coefficient; count])
-    }
-
-    /// Friction of elements with these coefficients [-] and no further bound.
-    #[must_use]
-    pub fn of_coefficients(coefficient: Vec<f64>) -> Self {
-        Self { largest: vec![f64::INFINITY; coefficient.len()], coefficient }
-    }
-
-    /// Traction bound min(f p, τ) of an element under a pressure [Pa].
-    #[must_use]
-    pub fn bound(&self, index: usize, pressure: f64) -> f64 {
-        (self.coefficient[index] * pressure).min(self.largest[index])
-    }
-
-    /// Traction bounds of all elements under their pressures [Pa].
-    pub fn bounds<'a>(&'a self, pressure: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        pressure.iter().enumerate().map(|(index, pressure)| self.bound(index, *pressure))
-    }
-
-    /// Coefficient of some elements, weighted with their pressure: Σ f p/Σ p; 0 without pressure [-].
-    #[must_use]
-    pub fn mean(&self, elements: std::ops::Range<usize>, pressure: &[f64]) -> f64 {
-        ratio(elements.map(|index| (self.coefficient[index] * pressure[index], pressure[index])))
-    }
-
-    /// The one coefficient with which a contact that slides carries the same force: Σ min(f p, τ)/Σ p [-].
-    #[must_use]
-    pub fn equivalent(&self, pressure: &[f64]) -> f64 {
-        ratio(self.bounds(pressure).zip(pressure.iter().copied()))
-    }
-
-    /// Bound of an element from that of friction with one coefficient `mean` [Pa].
-    #[must_use]
-    pub fn limit(&self, index: usize, mean: f64, bound: f64) -> f64 {
-        let share = if mean > 0.0 { self.coefficient[index] / mean } else { 0.0 };
-        (share * bound).min(self.largest[index])
-    }
-}
-
-/// Sum of the first over that of the second; 0 of nothing.
-fn ratio(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let (sum, weight) = pairs.fold((0.0, 0.0), |(sum, weight), (s, w)| (sum + s, weight + w));
-    if weight > 0.0 { sum / weight } else { 0.0 }
 }

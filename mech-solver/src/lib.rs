@@ -28,40 +28,29 @@
 //! model likewise under `models/` and in [`models::MODELS`].
 
 mod advice;
-pub mod axle;
 mod bands;
 mod carried;
-pub mod conformal;
 mod curve;
 mod difference;
 pub mod effects;
 mod ellipse;
 pub mod entry;
-pub mod explicit;
 mod figures;
 pub mod friction;
-pub mod half_space;
 mod keys;
 mod measures;
 pub mod models;
 mod noise;
-#[cfg(test)]
-mod quadrature;
-pub mod reference;
 mod removal;
 mod resolution;
 pub mod scene;
-pub mod simplified;
 mod situation;
-pub mod slip;
 mod softening;
 mod state;
-mod strips;
 mod support;
 mod surface;
 pub mod terms;
 mod thermal_stress;
-pub mod track;
 
 use effects::EFFECTS;
 use entry::Effect;

@@ -1,7 +1,7 @@
 //! Figures of a contact by which one judges whether its material and its model suffice.
 
-use crate::reference::shakedown;
 use crate::scene::Scene;
+use elastic::shakedown;
 use proto::diagram::{Diagram, Line};
 use proto::figure::FigureSpec;
 use proto::grid::Structured;

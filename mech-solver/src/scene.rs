@@ -1,34 +1,12 @@
 //! What the case says of the bodies, motion, load and friction, as plain structs in SI units.
 
 use crate::keys::CheckedParams;
+use elastic::Material;
 use proto::bodies::{Bodies, LOWER, UPPER, position_key, surface_speed_key};
 use proto::configuration::Refusal;
 use proto::description::{KeySpec, Renamed};
 use proto::params::Params;
 use std::sync::LazyLock;
-
-/// Elastic constants of one body.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
-    /// Young's modulus E [Pa].
-    pub youngs_modulus: f64,
-    /// Poisson's ratio ν [-].
-    pub poisson_ratio: f64,
-}
-
-impl Material {
-    /// Plane-strain compliance (1 − ν²)/E [1/Pa].
-    #[must_use]
-    pub fn compliance(&self) -> f64 {
-        (1.0 - self.poisson_ratio.powi(2)) / self.youngs_modulus
-    }
-
-    /// Shear modulus E/(2(1 + ν)) [Pa].
-    #[must_use]
-    pub fn shear_modulus(&self) -> f64 {
-        0.5 * self.youngs_modulus / (1.0 + self.poisson_ratio)
-    }
-}
 
 /// What drives the upper body: a force or a creepage. Positive forces and negative creepages drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -408,19 +386,21 @@ impl GivenPatch {
     }
 }
 
-impl Material {
-    /// Elastic constants of a body.
-    ///
-    /// # Errors
-    /// One is missing or out of range.
-    pub(crate) fn read(params: &Params, names: &Bodies, body: usize) -> Result<Self, Refusal> {
-        let case = CheckedParams::new(params, &KEYS[..]);
-        let name = case.text(&names.key(body, "material"))?;
-        Ok(Self {
-            youngs_modulus: case.number(&format!("materials.{name}.youngs_modulus"))?,
-            poisson_ratio: case.number(&format!("materials.{name}.poisson_ratio"))?,
-        })
-    }
+/// Elastic constants of a body.
+///
+/// # Errors
+/// One is missing or out of range.
+pub(crate) fn read_material(
+    params: &Params,
+    names: &Bodies,
+    body: usize,
+) -> Result<Material, Refusal> {
+    let case = CheckedParams::new(params, &KEYS[..]);
+    let name = case.text(&names.key(body, "material"))?;
+    Ok(Material {
+        youngs_modulus: case.number(&format!("materials.{name}.youngs_modulus"))?,
+        poisson_ratio: case.number(&format!("materials.{name}.poisson_ratio"))?,
+    })
 }
 
 fn read_body(
@@ -445,7 +425,7 @@ fn read_body(
         yield_stress: case.maybe_number(&format!("materials.{material}.yield_stress"))?,
         radius_x: radius("radius_x")?,
         radius_y: radius("radius_y")?,
-        material: Material::read(params, names, body)?,
+        material: read_material(params, names, body)?,
     })
 }
 

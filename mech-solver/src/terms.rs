@@ -29,13 +29,13 @@
 
 pub(crate) use crate::state::{Accepted, State};
 
-use crate::axle::Axle;
-use crate::explicit::kernel::Flow;
 use crate::friction::FrictionLaw;
-use crate::half_space::viscoelastic::Retardation;
-use crate::half_space::yielding::Yield;
 use crate::removal::Removal;
 use crate::softening::Softening;
+use elastic::axle::Axle;
+use explicit_fe::kernel::Flow;
+use half_space::viscoelastic::Retardation;
+use half_space::yielding::Yield;
 use proto::configuration::Refusal;
 use proto::field::FieldSpec;
 use proto::grid::{Shape, Structured};

@@ -1,12 +1,13 @@
 //! The thermal stress inside bodies that expand as they move steadily: what of a case it takes, and when it has an answer
-//! ([`crate::half_space::subsurface::WarmBody`]).
+//! ([`half_space::subsurface::WarmBody`]).
 //!
 //! A body at rest, in which heat stays where it was and whose depth follows from all that was before, is refused.
 
-use crate::half_space::subsurface::{RiseIntegral, WarmBody};
 use crate::keys::CheckedParams;
-use crate::scene::Material;
+use crate::scene::read_material;
 use crate::state::Accepted;
+use elastic::Material;
+use half_space::subsurface::{RiseIntegral, WarmBody};
 use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
@@ -61,7 +62,7 @@ impl ThermalStress {
                 *value = case.maybe_number(&format!("materials.{material}.{name}"))?;
             }
         }
-        let read = |body| Material::read(params, &names, body);
+        let read = |body| read_material(params, &names, body);
         let materials = [read(UPPER)?, read(LOWER)?];
         Ok(Self { effect, names, materials, called, thermal, expansion: None })
     }

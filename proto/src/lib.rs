@@ -24,6 +24,8 @@ pub use contract::{
     grid, history, input_file, live, message, params, quantity, table, text,
 };
 
+pub use grids::state;
+
 pub mod binary;
 pub mod command_ports;
 pub mod logging;
@@ -32,5 +34,4 @@ pub mod participant;
 pub mod progress;
 pub mod recording;
 pub mod run_dir;
-pub mod state;
 pub mod transport;

@@ -5,13 +5,13 @@
 mod support;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use heat::columns::convolution::Steady;
+use heat::columns::reconstruction::Flux;
 use proto::configuration::Mode;
 use proto::grid::Structured;
 use proto::model::Step;
 use std::hint::black_box;
 use support::Run;
-use thermal_solver::columns::convolution::Steady;
-use thermal_solver::columns::reconstruction::Flux;
 
 fn row(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("row");

@@ -3,16 +3,10 @@
 //! | module | what |
 //! |---|---|
 //! | [`models`] | the models, cheapest first, and their registry list |
-//! | [`columns`] | heat conduction normal to the surface with the exact Abel kernel: the numerics |
-//! | [`moving_source`] | heat conduction in three dimensions under a moving flux: the numerics |
-//! | [`fe`] | finite elements of both bodies, with properties that may depend on temperature: the numerics |
-//! | [`mod@periodic`] | heat conduction under a flux that repeats, wave by wave and exact in time: the numerics |
+//! | [`heat`] | the numerics, a crate of their own |
 //! | [`situation`], [`advice`] | what is known of a scene before it is run, and what effects say of themselves with it |
 //! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
-//! | [`mod@reference`] | closed forms that tests, reports and documentation share |
 //! | [`scene`] | what is read from the case: materials and speed |
-//! | [`window`] | a window of time: how its heat enters the bodies |
-//! | [`quadrature`], [`search`] | Gauss–Legendre rule; maximum and root of a function |
 //!
 //! Conventions: x is the rolling direction, y to the left, z up, origin at the centre of the
 //! contact, and the frame moves with it. Material enters the contact at its leading edge (large x)
@@ -20,19 +14,11 @@
 //! heat flux into a body is positive. Pairs of values are ordered upper, lower.
 
 pub mod advice;
-pub mod columns;
 pub mod effects;
-pub mod fe;
 mod figures;
 pub mod models;
-pub mod moving_source;
-pub mod periodic;
-pub mod quadrature;
-pub mod reference;
 pub mod scene;
-pub mod search;
 pub mod situation;
-pub mod window;
 
 pub use proto::bodies::{LOWER, UPPER};
 

@@ -1,5 +1,6 @@
 //! What the thermal participant reads from a case, whatever the model: materials and speed.
 
+use heat::Material;
 use proto::bodies::{
     Bodies, INITIAL_TEMPERATURE, LOWER, UPPER, initial_temperature_key, position_key,
     surface_speed_key,
@@ -7,31 +8,6 @@ use proto::bodies::{
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;
-
-/// Thermal properties of a body, constant over the temperature.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
-    /// Density ρ [kg/m³].
-    pub density: f64,
-    /// Specific heat c [J/(kg·K)].
-    pub specific_heat: f64,
-    /// Conductivity λ [W/(m·K)].
-    pub conductivity: f64,
-}
-
-impl Material {
-    /// Diffusivity κ = λ/(ρc) [m²/s].
-    #[must_use]
-    pub fn diffusivity(&self) -> f64 {
-        self.conductivity / (self.density * self.specific_heat)
-    }
-
-    /// Effusivity β = √(λρc) [J/(m²·K·√s)], see [`crate::reference::scales`].
-    #[must_use]
-    pub fn effusivity(&self) -> f64 {
-        (self.conductivity * self.density * self.specific_heat).sqrt()
-    }
-}
 
 /// The bodies and their speed.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,10 +5,10 @@
 //! times as long as wide. An estimate is of the first order: it says whether an effect is worth a run,
 //! and a run says by how much.
 
-use crate::fe::law::Law;
-use crate::reference::scales::rest_length;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
+use heat::closed_form::scales::rest_length;
+use heat::fe::law::Law;
 use proto::advice::{Advice, Known};
 use proto::params::Params;
 use std::f64::consts::PI;
@@ -22,7 +22,7 @@ const SLIP_AREA_RATIO: &str = "contact.slip_area_ratio";
 pub const OF_CONTACT: [&str; 5] = [POWER, SEMI_AXES[0], SEMI_AXES[1], APPROACH, SLIP_AREA_RATIO];
 
 /// Rise under a fast ellipse of flux, over q₀/β √(a/(πV)): the maximum of
-/// [`crate::reference::ellipse::surface`].
+/// [`heat::closed_form::ellipse::surface`].
 const FAST: f64 = 2.188;
 
 /// Share of the rise of the surface up to which the heat capacity counts, for a flux that is
@@ -146,7 +146,7 @@ impl<'a> Situation<'a> {
     }
 
     /// Rise of a body behind the contact, integrated over its depth as the height of its surface
-    /// feels it ([`crate::moving_source::rise_integral`]) [K·m]: heat per area over the heat
+    /// feels it ([`heat::moving_source::rise_integral`]) [K·m]: heat per area over the heat
     /// capacity, less what has gone so deep that more than the place above it is raised. Infinite
     /// for a body at rest.
     #[must_use]

@@ -5,6 +5,13 @@
 
 mod support;
 
+use heat::Material;
+use heat::closed_form::ellipse::{peak, surface};
+use heat::columns::reconstruction::Flux;
+use heat::fe::basis::Basis;
+use heat::fe::law::{Law, Point};
+use heat::fe::mesh::Axis;
+use heat::fe::steady::Steady;
 use proto::configuration::Mode;
 use proto::grid::{Grid, Shape, Structured};
 use proto::model::Solver;
@@ -12,14 +19,7 @@ use serde_json::{Value, json};
 use std::io::Write;
 use support::*;
 use thermal_solver::ThermalSolver;
-use thermal_solver::columns::reconstruction::Flux;
 use thermal_solver::effects::volume_temperature::VOLUMES;
-use thermal_solver::fe::basis::Basis;
-use thermal_solver::fe::law::{Law, Point};
-use thermal_solver::fe::mesh::Axis;
-use thermal_solver::fe::steady::Steady;
-use thermal_solver::reference::ellipse::{peak, surface};
-use thermal_solver::scene::Material;
 use thermal_solver::{LOWER, UPPER};
 
 const B: f64 = 6.01e-3;

@@ -4,11 +4,11 @@
 
 mod support;
 
+use heat::closed_form::{ellipse, polynomial, scales, uniform};
+use heat::columns::convolution::CROSSOVER;
 use proto::field;
 use proto::grid::Structured;
 use support::*;
-use thermal_solver::columns::convolution::CROSSOVER;
-use thermal_solver::reference::{ellipse, polynomial, scales, uniform};
 
 /// Flux of full slip q = f V_s p₀ √(1 − ξ²) [W/m²].
 fn full_slip(grid: &Structured) -> Vec<f64> {

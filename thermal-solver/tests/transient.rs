@@ -4,14 +4,14 @@
 
 mod support;
 
+use heat::closed_form::uniform;
+use numerics::quadrature::integrate;
 use proptest::prelude::*;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
 use std::f64::consts::PI;
 use support::*;
-use thermal_solver::quadrature::integrate;
-use thermal_solver::reference::uniform;
 
 /// A smooth hump of the flux, different in every window.
 #[derive(Clone, Copy)]
@@ -217,7 +217,7 @@ fn time_steps_converge_for_a_moving_flux() {
         for n in 0..count {
             let mut flux = vec![0.0; grid.ni];
             let from = duration * n as f64;
-            for (time, weight) in thermal_solver::quadrature::points(from, from + duration) {
+            for (time, weight) in numerics::quadrature::points(from, from + duration) {
                 for (sum, mean) in flux.iter_mut().zip(at(time).means(&grid)) {
                     *sum += weight / duration * mean;
                 }

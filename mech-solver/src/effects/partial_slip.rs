@@ -6,10 +6,10 @@
 
 use crate::entry::Effect;
 use crate::figures::SLIP_AREA_RATIO;
-use crate::reference::carter;
 use crate::scene::Drive;
 use crate::situation::{POWER, PRESSURE, Situation};
 use crate::terms::{Kind, Terms};
+use elastic::carter;
 use proto::advice::Advice;
 
 /// What the registry says of it.

@@ -2,7 +2,7 @@
 //!
 //! |p_t| ≤ min(f p, τ(κ)) with τ(κ) = max(τ₀ + k κ, r τ₀): the yield stress τ₀ of fresh material changes by k with the plastic shift κ = ∫|du_p|
 //! that a particle of the layer gathers on its way through the contact; it does not fall below r τ₀. The plastic shift goes against the
-//! traction, in series with the slip of the surfaces ([`crate::half_space::yielding`]), and what it dissipates is part of the friction power.
+//! traction, in series with the slip of the surfaces ([`half_space::yielding`]), and what it dissipates is part of the friction power.
 //! Fresh material enters a contact that rolls; the layer of one that is shifted stays where it is. With k = 0 it is `shear_limit`; with
 //! `third_body_layer` it is elastic and plastic.
 //!
@@ -10,10 +10,10 @@
 //! the temperature or grows with the pressure, kinematic hardening, and what is left in the layer for the next wheel.
 
 use crate::entry::Effect;
-use crate::half_space::yielding::Yield;
 use crate::keys::CheckedParams;
 use crate::situation::Situation;
 use crate::terms::{Kind, Terms};
+use half_space::yielding::Yield;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

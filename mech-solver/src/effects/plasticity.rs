@@ -8,11 +8,11 @@
 //! Source: Simo & Hughes, *Computational Inelasticity* (1998), chapter 3.
 
 use crate::entry::Effect;
-use crate::explicit::kernel::Flow;
 use crate::keys::CheckedParams;
 use crate::scene::Scene;
 use crate::situation::{PRESSURE, Situation};
 use crate::terms::{Kind, Terms};
+use explicit_fe::kernel::Flow;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

@@ -2,9 +2,9 @@
 //!
 //! von Mises stress √(½[(σ₁ − σ₂)² + (σ₂ − σ₃)² + (σ₃ − σ₁)²]) and largest shear stress
 //! ½(σ₁ − σ₃) of the elastic half-spaces under pressure and tractions
-//! ([`crate::half_space::subsurface`]).
+//! ([`half_space::subsurface`]).
 //!
-//! Where the bodies expand as they are warm, their thermal stress is added ([`crate::half_space::subsurface::WarmBody`]): the rise at a depth
+//! Where the bodies expand as they are warm, their thermal stress is added ([`half_space::subsurface::WarmBody`]): the rise at a depth
 //! follows from its integrals at the surface, which raise that too, as the material moves steadily.
 //!
 //! The point of each body with the largest von Mises stress is looked for in its whole volume ([`SurfaceLoad::peak`]), with the principal
@@ -13,13 +13,14 @@
 //! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5; for thermal stress Goodier, Phil. Mag. 23 (1937).
 
 use crate::entry::Effect;
-use crate::half_space::patches::patches;
-use crate::half_space::subsurface::{Peak, Section, Stress, SurfaceLoad};
 use crate::keys::CheckedParams;
-use crate::scene::Material;
 use crate::situation::{PRESSURE, Situation};
 use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
 use crate::thermal_stress::{self, ThermalStress};
+use elastic::Material;
+use elastic::Stress;
+use half_space::patches::patches;
+use half_space::subsurface::{Peak, Section, SurfaceLoad};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

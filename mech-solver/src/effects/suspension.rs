@@ -11,11 +11,11 @@
 //!
 //! Limits: the lower body rests on a rigid foundation, so that dynamic forces are above those on a track that yields.
 
-use crate::axle::{Axle, Form, Irregularity};
 use crate::entry::Effect;
 use crate::keys::CheckedParams;
 use crate::situation::Situation;
 use crate::terms::{Kind, Terms};
+use elastic::axle::{Axle, Form, Irregularity};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

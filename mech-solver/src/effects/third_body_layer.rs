@@ -9,10 +9,10 @@
 use crate::entry::Effect;
 use crate::figures::{SEMI_AXIS_A, SEMI_AXIS_B, SLIP_AREA_RATIO};
 use crate::keys::CheckedParams;
-use crate::reference::kalker;
 use crate::scene::Drive;
 use crate::situation::{CREEPAGE, POWER, Situation};
 use crate::terms::{Kind, Terms};
+use elastic::kalker;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

@@ -6,8 +6,8 @@
 //! viscosity over the stiffness of the latter. Kelvin's solid is the limit of a stiff first spring, f → ∞ with E/f kept; Maxwell's fluid that of
 //! f → ∞ with τ/f kept, the relaxation time, in which the approach grows without bound and all else has a limit.
 //!
-//! Half-spaces that are pressed and shifted in place creep from window to window ([`crate::half_space::retarded`]); in steady rolling they have the
-//! influence numbers of [`crate::half_space::viscoelastic`]. The pressure leans forward, by x̄, and N x̄/R resists
+//! Half-spaces that are pressed and shifted in place creep from window to window ([`half_space::retarded`]); in steady rolling they have the
+//! influence numbers of [`half_space::viscoelastic`]. The pressure leans forward, by x̄, and N x̄/R resists
 //! rolling; what that takes, and a part of the power of the creepages, is dissipated in the bodies.
 //!
 //! Source: Hunter, J. Appl. Mech. 28 (1961) 611; Wang and Knothe, J. Appl. Mech. 60 (1993) 310. Left out: more than one retardation
@@ -15,10 +15,10 @@
 //! what is dissipated in the bodies, and rolling that is not steady.
 
 use crate::entry::Effect;
-use crate::half_space::viscoelastic::Retardation;
 use crate::keys::CheckedParams;
 use crate::situation::Situation;
 use crate::terms::{Kind, Terms};
+use half_space::viscoelastic::Retardation;
 use proto::advice::Advice;
 use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};

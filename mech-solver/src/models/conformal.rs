@@ -1,7 +1,7 @@
 //! Model `conformal`: bodies that are prismatic along x and touch on a curved surface, in steady rolling.
 //!
 //! Both are arcs across, one in the other: a flange root in a gauge corner, a roller in its groove. The surface turns under the
-//! contact, and a corner or a throat yields otherwise than a half-space ([`crate::conformal`]). Every window is a steady state of its own.
+//! contact, and a corner or a throat yields otherwise than a half-space ([`half_space::conformal`]). Every window is a steady state of its own.
 //!
 //! **Fields** are on the surface, developed: x along the rolling direction, y the distance s along the surface. As in
 //! model `half-space` slip and friction power belong to the way of a particle from an element's centre to the

@@ -1,9 +1,9 @@
 //! Models of which every window depends on its own values and what comes in alone: nothing is carried from one to the next.
 
 use super::half_space::PASSAGE_GRID;
-use crate::half_space::difference::Difference;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, laid_out};
 use crate::terms::Observation;
+use half_space::difference::Difference;
 use proto::configuration::{Configuration, FieldOnGrid};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};

@@ -1,8 +1,8 @@
 //! Model `fastsim`: Kalker's simplified theory on Hertz's ellipse.
 //!
-//! Normal: [`crate::reference::hertz`], or the ellipse that the case gives under `[contact]`.
+//! Normal: [`elastic::hertz`], or the ellipse that the case gives under `[contact]`.
 //! Tangential, for longitudinal, lateral and spin creepage: the surfaces are beds of springs whose
-//! flexibility follows from Kalker's linear theory ([`crate::reference::kalker`]), and Coulomb's law
+//! flexibility follows from Kalker's linear theory ([`elastic::kalker`]), and Coulomb's law
 //! holds with the bound f · 2N/(π a b) · (1 − x²/a² − y²/b²), or with f times the pressure of Hertz. The parabola is for the
 //! traction only: its stick zone is what the springs can follow up to the leading edge, and it is up to 4/3 of f
 //! times the pressure of Hertz, which the field `pressure` gives. Where surfaces stick strip theory may stand for the
@@ -13,7 +13,7 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`crate::simplified`] | the springs, the bound, the march along a strip, strip theory |
+//! | [`elastic::fastsim`] | the springs, the bound, the march along a strip, strip theory |
 //! | `sliding` | the contact without a stick zone |
 //! | `contact` | prescribed force, sums over the contact |
 //! | `fields` | element means on the contact's grid |
@@ -44,15 +44,15 @@ use crate::models::expected::{STUDY, refinement};
 use crate::models::precomputed::{self, Precomputed};
 use crate::models::row_by_row::RowByRow;
 use crate::models::varying::Varying;
-use crate::reference::kalker::CreepCoefficients;
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
-use crate::simplified::bound::Bound;
-use crate::simplified::flexibility::Kind as Flexibility;
-use crate::simplified::reduction::Reduction;
 use crate::terms::{Kind, Terms};
 use case::{Asked, Case, RESOLUTION, cells, own_keys, problem};
 use contact::Problem;
+use elastic::fastsim::bound::Bound;
+use elastic::fastsim::flexibility::Kind as Flexibility;
+use elastic::fastsim::reduction::Reduction;
+use elastic::kalker::CreepCoefficients;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::advice::Known;
 use proto::configuration::{Configuration, Layout, Refusal};

@@ -9,7 +9,7 @@
 //! Pressure and traction are constant in an element and belong to the grid `contact`. Slip and
 //! friction power belong to the grid `passage`. With the upwind difference they are those of the step of a particle from an
 //! element's centre to the next one's, half an element upstream; with Fromm's they are at the centres. The sum of the power is
-//! that of the forces over the creepages, exactly and at every resolution ([`crate::half_space::tangential`]).
+//! that of the forces over the creepages, exactly and at every resolution ([`half_space::tangential`]).
 
 mod answer;
 mod balance;
@@ -29,9 +29,6 @@ use crate::difference;
 use crate::effects;
 use crate::ellipse::Ellipse;
 use crate::entry::ModelEntry;
-use crate::half_space::influence::Elasticity;
-use crate::half_space::retarded::Delay;
-use crate::half_space::viscoelastic::Bodies;
 use crate::keys::CheckedParams;
 use crate::models::expected::refinement;
 use crate::models::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, laid_out};
@@ -41,6 +38,9 @@ use crate::scene::{GivenPatch, Scene, contact_keys, given_patch_keys, width_key}
 use crate::terms::{Kind, Place, Terms};
 use case::Case;
 use drive::Driven;
+use elastic::Elasticity;
+use half_space::retarded::Delay;
+use half_space::viscoelastic::Bodies;
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};

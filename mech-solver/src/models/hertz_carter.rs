@@ -1,8 +1,8 @@
 //! Model `hertz-carter`: Hertz's ellipse and Carter's strips, in closed form.
 //!
-//! Normal: [`crate::reference::hertz`], or the ellipse that the case gives under `[contact]`.
+//! Normal: [`elastic::hertz`], or the ellipse that the case gives under `[contact]`.
 //! Tangential, longitudinal creepage or force only: with terms of adhesion Carter's strips
-//! ([`crate::reference::carter`]) with one of the creep laws `carter-radius` and `carter-pressure`;
+//! ([`elastic::carter`]) with one of the creep laws `carter-radius` and `carter-pressure`;
 //! without it the whole contact slides, with the traction f p_n and the same slip V s everywhere,
 //! where s is the prescribed creepage or what the creep law gives at the prescribed force (that is
 //! what Naeimi et al. and Ertz & Knothe compute with).

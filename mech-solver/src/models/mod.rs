@@ -16,6 +16,7 @@ mod rod;
 mod row_by_row;
 mod settled_creepage;
 mod shortfall;
+mod springs;
 mod summary;
 mod varying;
 mod wheel_on_track;

@@ -1,7 +1,7 @@
 //! Model `periodic`: elastic half-spaces whose contact repeats along x and y, all of which slides.
 //!
 //! The bodies are flat on the whole and touch on a cell L_x × L_y that repeats without end: rough or wavy surfaces, and pads and
-//! blocks that are large against what happens between them. The normal contact is that of [`crate::half_space::normal`] with the
+//! blocks that are large against what happens between them. The normal contact is that of [`half_space::normal`] with the
 //! exact flexibility of every wave of the grid, 2c/k, c the normal compliance of the pair and k the wave number; the distance is the sum
 //! of the heights of all effects. The load is that on one cell. The traction is f p against the rigid slip, which is all the slip there
 //! is. With one row of elements nothing depends on y: plane strain.

@@ -14,7 +14,7 @@ use super::grids::{CONTACT_GRID, RIGID_GRID};
 use crate::effects;
 use crate::entry::ModelEntry;
 use crate::keys::CheckedParams;
-use crate::scene::Material;
+use crate::scene::read_material;
 use crate::surface::Surface;
 use crate::terms::{Kind, Terms};
 use proto::accuracy::Accuracy;
@@ -81,7 +81,7 @@ impl Rods {
         let bodies = Bodies::read(&configuration.case)?;
         let mut flexibility = 0.0;
         for body in 0..2 {
-            let material = Material::read(&configuration.case, &bodies, body)?;
+            let material = read_material(&configuration.case, &bodies, body)?;
             let length = case.maybe_number(&bodies.key(body, LENGTH))?;
             flexibility += length.unwrap_or(0.0) / material.youngs_modulus;
         }

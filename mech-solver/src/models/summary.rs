@@ -1,7 +1,7 @@
 //! Sections of `summary.json`.
 
-use crate::half_space::extent::Moments;
-use crate::half_space::patches::{Patch, patches};
+use half_space::extent::Moments;
+use half_space::patches::{Patch, patches};
 use proto::grid::Structured;
 use serde_json::{Value, json};
 

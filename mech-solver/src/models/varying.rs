@@ -4,11 +4,11 @@
 //! fields of a run are comparable. Its elements have the size that the case asks for in the smallest
 //! contact, but not less than a third of that in the largest.
 
-use crate::axle::Axle;
 use crate::carried::Carried;
 use crate::ellipse::{Ellipse, Extent};
 use crate::scene::{GivenPatch, Load, Scene};
 use crate::terms::{Kind, Terms};
+use elastic::axle::Axle;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::model::{Step, StepError};
 use proto::params::Params;

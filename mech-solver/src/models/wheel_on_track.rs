@@ -1,7 +1,7 @@
 //! Model `wheel-on-track`: a wheel of a wheelset on a rail of a track, all patches at any angle.
 //!
 //! The profiles are placed by the dimensions of track and wheelset and by the wheelset's position, and touch
-//! where they do ([`crate::track`]): every patch is a half-space in a plane of its own, with the creepages that
+//! where they do ([`wheel_rail`]): every patch is a half-space in a plane of its own, with the creepages that
 //! the wheelset's motion gives it there. The height of the wheelset or the vertical force is prescribed.
 //!
 //! **Fields** are on the rail's surface, developed: x along the track, and y the distance along the tape over the
@@ -34,7 +34,6 @@ mod wheels;
 use super::each_window::{EachWindow, fields_over};
 use crate::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
-use crate::track::settings::PatchSurface;
 use case::Case;
 use plane::Plane;
 use proto::accuracy::Accuracy;
@@ -44,6 +43,7 @@ use proto::field;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 use running::Running;
+use wheel_rail::settings::PatchSurface;
 
 pub(super) use summary::{diagrams, figures};
 

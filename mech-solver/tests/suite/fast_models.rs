@@ -1,7 +1,7 @@
 //! How near the fast models are to half-spaces: the table of docs/theory/fastsim.md.
 
 use crate::common::*;
-use mech_solver::reference::kalker;
+use elastic::kalker;
 use serde_json::{Value, json};
 
 const B: f64 = 1e-3;

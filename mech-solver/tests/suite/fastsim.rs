@@ -2,7 +2,7 @@
 //! closed form of the simplified theory, and the energy balance.
 
 use crate::common::*;
-use mech_solver::reference::{kalker, simplified};
+use elastic::{creep_force, kalker};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -103,8 +103,8 @@ fn converges_to_the_closed_form() {
     let springs = 8.0 * A / (3.0 * SHEAR_MODULUS * coefficients().c11);
     let bound = FRICTION * 2.0 * NORMAL_FORCE / (PI * A * B);
     for share in [0.1, 0.5, 0.9] {
-        let creep = share * simplified::FULL_SLIP * springs * bound / A;
-        let exact = simplified::force_ratio(share * simplified::FULL_SLIP);
+        let creep = share * creep_force::FULL_SLIP * springs * bound / A;
+        let exact = creep_force::force_ratio(share * creep_force::FULL_SLIP);
         let error = |resolution: usize| {
             let run = run(&with(fastsim([-creep, 0.0, 0.0]), "resolution", resolution));
             let ratio = run.number("traction_coefficient") / FRICTION;
@@ -366,8 +366,8 @@ fn elliptic_reduced(creep: f64) -> f64 {
 fn elliptic_bound_converges_to_the_closed_forms() {
     type Closed = fn(f64) -> f64;
     let both: [(&str, Closed, f64); 2] = [
-        ("springs", simplified::elliptic_force_ratio, 1.8),
-        ("strips", simplified::strip_force_ratio, 2.0),
+        ("springs", creep_force::elliptic_force_ratio, 1.8),
+        ("strips", creep_force::strip_force_ratio, 2.0),
     ];
     for (stick_zone, closed, least) in both {
         for share in [0.2, 0.7, 1.6] {

@@ -3,9 +3,9 @@
 use super::common::{
     FRICTION, SPEED, STEEL, Store, configuration, driven, fitted, paper, refusal, without,
 };
+use elastic::cut_off::{Shape, force};
+use elastic::hertz::elliptic_contact;
 use mech_solver::MechSolver;
-use mech_solver::reference::cut_off::{Shape, force};
-use mech_solver::reference::hertz::elliptic_contact;
 use proto::field::FieldSpec;
 use proto::grid::{Grid, Structured};
 use proto::model::{InputField, Inputs, Solver, Step};

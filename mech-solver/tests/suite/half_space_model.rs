@@ -2,8 +2,8 @@
 //! participant uses.
 
 use super::common::{NoInputs, Run, Store, assert_close, configuration, paper, run};
+use elastic::{carter, cattaneo, kalker};
 use mech_solver::MechSolver;
-use mech_solver::reference::{carter, cattaneo, kalker};
 use proto::configuration::Mode;
 use proto::model::{Model, Solver, Step, StepError};
 use proto::progress::Progress;

@@ -1,7 +1,7 @@
 //! The model `hertz-carter` through the traits of a participant, against closed forms.
 
 use crate::common::*;
-use mech_solver::reference::carter;
+use elastic::carter;
 use proptest::prelude::*;
 use proto::model::Step;
 use serde_json::json;

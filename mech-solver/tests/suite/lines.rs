@@ -1,9 +1,9 @@
 //! Lines of contact in plane strain: one row, against closed forms.
 
 use super::common::{Run, assert_close, configuration, refusal, run};
-use mech_solver::half_space::influence::Elasticity;
-use mech_solver::reference::{carter, different_bodies, hertz};
-use mech_solver::scene::Material;
+use elastic::Elasticity;
+use elastic::Material;
+use elastic::{carter, dissimilar, hertz};
 use serde_json::{Value, json};
 
 const WIDTH: f64 = 0.2;
@@ -130,15 +130,15 @@ fn different_rollers() {
     let bodies = Elasticity::of_pair(&ALUMINIUM, &STEEL);
     let line = hertz::line_contact(20.0, 1.0, 16201.9, bodies.contact_compliance());
     let bufler = {
-        let a = different_bodies::half_length_without_slip(&bodies, line.semi_axis_a);
-        different_bodies::creepage_without_slip(&bodies, a, 0.025)
+        let a = dissimilar::half_length_without_slip(&bodies, line.semi_axis_a);
+        dissimilar::creepage_without_slip(&bodies, a, 0.025)
     };
     let creepage = |friction, n| run(&unlike_case(friction, n)).number("creepage_xi");
     for (n, most) in [(100, 1.6e-2), (150, 3e-3), (400, 3e-3), (800, 3e-3)] {
         println!("{n}: {}", creepage(3.0, n) / bufler);
         assert_close(creepage(3.0, n), bufler, most);
     }
-    let frictionless = different_bodies::creepage_without_friction(&bodies, line.max_pressure);
+    let frictionless = dissimilar::creepage_without_friction(&bodies, line.max_pressure);
     for friction in [1e-5, 1e-4, 3e-4, 1e-3] {
         assert_close(creepage(friction, 100), frictionless, 3e-3);
     }

@@ -9,7 +9,6 @@ mod expanding;
 mod fast_models;
 mod fastsim;
 mod friction_effects;
-mod half_space;
 mod half_space_model;
 mod hertz_carter;
 mod hot;

@@ -2,8 +2,8 @@
 //! and mirrored shapes touch in mirrored places.
 
 use super::common::{Run, STEEL, assert_close, configuration, paper, run};
+use elastic::hertz::{EllipticContact, elliptic_contact};
 use mech_solver::MechSolver;
-use mech_solver::reference::hertz::{EllipticContact, elliptic_contact};
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::path::PathBuf;

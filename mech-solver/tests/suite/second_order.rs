@@ -6,12 +6,12 @@
 use super::common::{assert_close, run};
 use super::half_space_model::{InTime, half_space, rolling};
 use super::viscoelastic;
-use mech_solver::half_space::difference::Difference;
-use mech_solver::half_space::extent::{elliptic, sample};
-use mech_solver::half_space::influence::Elasticity;
-use mech_solver::half_space::levels::{Contact, Levels, Motion};
-use mech_solver::half_space::tangential::{ElementState, Prescribed};
-use mech_solver::scene::Material;
+use elastic::Elasticity;
+use elastic::Material;
+use half_space::difference::Difference;
+use half_space::extent::{elliptic, sample};
+use half_space::levels::{Contact, Levels, Motion};
+use half_space::tangential::{ElementState, Prescribed};
 use proto::grid::Structured;
 use serde_json::json;
 use std::f64::consts::PI;

@@ -1,10 +1,10 @@
 //! Load and shift that vary over contacts whose tractions have a memory, step by step.
 
 use super::common::{NoInputs, Store, assert_close, configuration, refusal, run};
+use elastic::Elasticity;
+use elastic::Material;
+use elastic::{cattaneo, dissimilar, hertz};
 use mech_solver::MechSolver;
-use mech_solver::half_space::influence::Elasticity;
-use mech_solver::reference::{cattaneo, different_bodies, hertz};
-use mech_solver::scene::Material;
 use proto::configuration::{Configuration, Layout, Mode};
 use proto::history::Histories;
 use proto::model::{Model, Solver, Step};
@@ -83,7 +83,7 @@ fn spence() {
     // β = 0.0196: the tractions' effect on the pressure, which the closed forms leave out, is of 4e-4.
     let soft = || [material(1e6, 0.49), material(1e15, 0.0)];
     let body = |youngs_modulus, poisson_ratio| Material { youngs_modulus, poisson_ratio };
-    let beta = different_bodies::coupling(&Elasticity::of_pair(&body(1e6, 0.49), &body(1e15, 0.0)));
+    let beta = dissimilar::coupling(&Elasticity::of_pair(&body(1e6, 0.49), &body(1e15, 0.0)));
     let friction = 0.0117;
     let (circle, line) = (12, 60);
     let loads = |count: u32, power: i32| -> Vec<f64> {
@@ -92,7 +92,7 @@ fn spence() {
     // One more element of the radius in contact at each step.
     let case = pressed(soft(), friction, circle);
     let mut steps = Steps::new(&over(&case, &[("load.normal_force", loads(30, 3))]));
-    let exact = different_bodies::stick_share_of_a_circle(beta / friction);
+    let exact = dissimilar::stick_share_of_a_circle(beta / friction);
     let compliance = (1.0 - 0.49 * 0.49) / 1e6;
     for window in 0..30 {
         let contact = steps.window(window);
@@ -109,7 +109,7 @@ fn spence() {
     case["bodies"]["punch"].as_object_mut().expect("a table").remove("radius_y");
     case["contact"] = json!({"width": 0.1});
     let mut steps = Steps::new(&over(&case, &[("load.normal_force", loads(60, 2))]));
-    let exact = different_bodies::stick_share_of_a_line(beta / friction);
+    let exact = dissimilar::stick_share_of_a_line(beta / friction);
     for window in 0..60 {
         let contact = steps.window(window);
         let share = 1.0 - number(&contact, "slip_area_ratio");

@@ -1,5 +1,5 @@
 //! The model `wheel-on-track` with bodies that vary along the rolling direction, as a case gives them: slices from files,
-//! irregularities, positions; and what is refused. What the contact is, is tested beside [`mech_solver::track`].
+//! irregularities, positions; and what is refused. What the contact is, is tested beside [`wheel_rail`].
 
 use super::common::{Run, assert_close, configuration, fitted, paper, refusal, run};
 use serde_json::{Value, json};

@@ -1,16 +1,16 @@
 //! Rolling of viscoelastic half-spaces against Hunter's cylinder, CONTACT, and the elastic limits.
 
 use super::common::{assert_close, configuration, refusal, run};
-use mech_solver::half_space::difference::Difference;
-use mech_solver::half_space::extent::{Moments, fit_grid, sample};
-use mech_solver::half_space::influence::Elasticity;
-use mech_solver::half_space::levels::{Contact, Levels, Motion};
-use mech_solver::half_space::normal::{NormalContact, NormalSolver, Prescribed};
-use mech_solver::half_space::tangential::{ElementState, Prescribed as Asked};
-use mech_solver::half_space::viscoelastic::{Bodies, Delayed};
-use mech_solver::reference::hertz::elliptic_contact;
-use mech_solver::reference::hunter::Cylinder;
-use mech_solver::scene::Material;
+use elastic::Elasticity;
+use elastic::Material;
+use elastic::hertz::elliptic_contact;
+use elastic::hunter::Cylinder;
+use half_space::difference::Difference;
+use half_space::extent::{Moments, fit_grid, sample};
+use half_space::levels::{Contact, Levels, Motion};
+use half_space::normal::{NormalContact, NormalSolver, Prescribed};
+use half_space::tangential::{ElementState, Prescribed as Asked};
+use half_space::viscoelastic::{Bodies, Delayed};
 use proto::grid::Structured;
 use serde_json::{Value, json};
 

@@ -1,5 +1,5 @@
 //! The model `wheel-on-track` as a participant uses it: rows, invariances, sums and refusals. What a patch is, is
-//! tested beside [`mech_solver::track`].
+//! tested beside [`wheel_rail`].
 
 use super::common::{
     NoInputs, Run, Store, assert_close, configuration, fitted, paper, refusal, run,

@@ -10,6 +10,7 @@ mod geometry;
 mod hexahedron;
 mod points;
 mod quadrilaterals;
+pub mod state;
 mod structured;
 mod sum;
 mod vector;

@@ -1,7 +1,7 @@
 //! `run --accuracy`: the error that is stated, and the true one.
 
 use crate::harness::{Place, case, flat, number};
-use thermal_solver::reference::{ellipse, polynomial, scales};
+use heat::closed_form::{ellipse, polynomial, scales};
 
 /// A scene, and the rail's largest rise there \[K\] with what it is known to, relative.
 struct Scene {

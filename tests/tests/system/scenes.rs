@@ -1,7 +1,7 @@
 //! Pairs of bodies that are no wheel and no rail, each against a closed form.
 
 use crate::harness::{Place, case, sets};
-use mech_solver::reference::hertz;
+use elastic::hertz;
 use serde_json::Value;
 use std::f64::consts::PI;
 

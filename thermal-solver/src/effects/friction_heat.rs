@@ -11,9 +11,9 @@
 //!   then have the same temperature everywhere, since T ∝ q/(β√V) (Ertz & Knothe, Wear 253 (2002)
 //!   498–508, after Blok).
 
-use crate::scene::Material;
 use crate::situation::Situation;
 use crate::{LOWER, UPPER, models};
+use heat::Material;
 use proto::advice::Advice;
 use proto::configuration::Refusal;
 use proto::description::{EffectSpec, KeySpec, names};

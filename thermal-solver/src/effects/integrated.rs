@@ -1,5 +1,5 @@
 //! What effects of the mechanics need of heat below the surface: the rise of each body integrated over its depth
-//! ([`crate::moving_source::rise_integral`]).
+//! ([`heat::moving_source::rise_integral`]).
 
 use crate::models::fields::RISE_INTEGRALS;
 use crate::models::names;

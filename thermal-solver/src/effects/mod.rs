@@ -13,10 +13,10 @@ pub mod thermal_expansion;
 pub mod thermal_softening;
 pub mod volume_temperature;
 
-use crate::fe::conductor::Surroundings;
-use crate::fe::nature::Nature;
 use crate::scene::Scene;
 use crate::situation::Situation;
+use heat::fe::conductor::Surroundings;
+use heat::fe::nature::Nature;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, Renamed};

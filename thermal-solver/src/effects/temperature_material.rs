@@ -4,10 +4,11 @@
 //! specific heat [J/(kg·K)], straight between; temperatures are absolute: the body's `initial_temperature` and
 //! the rise. One without has constant ones. Its density is constant.
 
-use crate::fe::law::{Law, Point};
 use crate::models::names;
-use crate::scene::{Material, Scene};
+use crate::scene::Scene;
 use crate::situation::Situation;
+use heat::Material;
+use heat::fe::law::{Law, Point};
 use proto::advice::Advice;
 use proto::bodies::ABSOLUTE;
 use proto::configuration::Refusal;

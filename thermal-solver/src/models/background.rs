@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use crate::effects::bulk_heating::Memory;
-use crate::window::Drive;
+use heat::window::Drive;
 use proto::model::StepError;
 use std::f64::consts::PI;
 

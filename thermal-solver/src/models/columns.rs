@@ -1,5 +1,5 @@
 //! Model `columns`: one-dimensional conduction with the exact kernel, for any heat flux in space
-//! and time. Equations and discretisation: [`crate::columns`].
+//! and time. Equations and discretisation: [`heat::columns`].
 
 use super::conduction::{Conduction, Cost, Rub, Work};
 use super::fields::fields;
@@ -8,15 +8,15 @@ use super::names;
 use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest};
-use crate::columns::convolution::{
+use heat::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
 };
-use crate::columns::history::History;
-use crate::columns::reconstruction::Flux;
-use crate::columns::stencil::{Part, Stencil};
-use crate::moving_source::past::stretches;
-use crate::moving_source::rise_integral::RiseIntegral;
-use crate::window::{Drive, Stage};
+use heat::columns::history::History;
+use heat::columns::reconstruction::Flux;
+use heat::columns::stencil::{Part, Stencil};
+use heat::moving_source::past::stretches;
+use heat::moving_source::rise_integral::RiseIntegral;
+use heat::window::{Drive, Stage};
 use numerics::team::{ROWS, Team};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;

@@ -5,7 +5,7 @@
 
 use super::frame::Frame;
 use super::summary::Peak;
-use crate::window::{Drive, Stage};
+use heat::window::{Drive, Stage};
 use proto::accuracy::Simplification;
 use proto::configuration::Refusal;
 use proto::grid::Grid;
@@ -50,11 +50,11 @@ pub trait Conduction: Sized + 'static {
     const AT_REST: bool;
     /// It finds what flows between the surfaces where they touch.
     const EXCHANGES: bool;
-    /// It knows what the heat does to the height of the surfaces ([`crate::moving_source::rise_integral`]).
+    /// It knows what the heat does to the height of the surfaces ([`heat::moving_source::rise_integral`]).
     const INTEGRATES: bool = false;
     /// For that it keeps what every window of the past does.
     const KEEPS_WINDOWS: bool = false;
-    /// It has elements of its own ([`crate::fe::block`]).
+    /// It has elements of its own ([`heat::fe::block`]).
     const ELEMENTS: bool = false;
     /// Every place of both surfaces is always rubbed, or always again.
     const REPEATS: bool = false;

@@ -7,9 +7,9 @@ use super::conduction::{Conduction, Rub};
 use super::frame::Frame;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::joule_heat::Current;
-use crate::scene::Material;
-use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
+use heat::Material;
+use heat::window::{Drive, Stage};
 use proto::model::StepError;
 use serde_json::{Value, json};
 

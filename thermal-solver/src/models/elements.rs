@@ -1,20 +1,230 @@
-//! What a case says of the elements of a model that has its own, and where they have no answer.
+//! Elements of the models that have their own: case keys, and where there is no answer.
 
 use super::frame::Frame;
-use crate::fe::block::{Back, Elements, Solver};
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
+use heat::Material;
+use heat::fe::block::{
+    Back, Elements, MOST_BEHIND, MOST_LAYERS, Passages, RATIO, Sheet, Solver, TooManyElements,
+};
+use heat::fe::error::SolveError;
+use heat::fe::scheme::Scheme;
+use proto::bodies::Bodies;
 use proto::configuration::{Mode, Refusal};
+use proto::description::KeySpec;
+use proto::grid::Structured;
+use proto::model::StepError;
 use proto::params::Params;
 
-/// What the case says of the elements of the upper and the lower body.
+const FIRST_LAYER: &str = "thermal.first_layer";
+const LAYER_RATIO: &str = "thermal.layer_ratio";
+const DEPTH: &str = "thermal.depth";
+/// How far behind the middle of the contact temperatures are found [m].
+pub(super) const WAKE: &str = "thermal.wake";
+const SCHEME: &str = "thermal.scheme";
+const STEP: &str = "thermal.step";
+const SOLVER: &str = "thermal.solver";
+const PASSAGES: &str = "thermal.passages";
+const RETURNS: &str = "return_distance";
+const THICKNESS: &str = "thickness";
+const BACK: &str = "back";
+const BACKS: [&str; 2] = ["insulated", "fixed"];
+const SOLVERS: [&str; 3] = ["auto", "iterative", "direct"];
+
+/// Schemes in time by their words.
+const SCHEMES: [(&str, Scheme); 3] = [
+    ("backward-euler", Scheme::BackwardEuler),
+    ("bdf2", Scheme::Bdf2),
+    ("crank-nicolson", Scheme::CrankNicolson),
+];
+
+/// Declares the keys of the elements.
+pub(super) fn keys() -> Vec<KeySpec> {
+    let first = "thickness of the first layer of elements; absent: a twentieth of the depth to which heat \
+                 goes while the contact passes, an eighth of that while an element does, the smaller";
+    vec![
+        KeySpec::quantity(FIRST_LAYER, "m", first).above(0.0),
+        KeySpec::number(LAYER_RATIO, "thickness of a layer over that of the one above it")
+            .at_least(1.0)
+            .at_most(3.0)
+            .default_value(RATIO),
+        KeySpec::quantity(DEPTH, "m", "depth of the elements; absent: as far as heat goes").above(0.0),
+        KeySpec::quantity(
+            WAKE,
+            "m",
+            "how far the elements go behind the contact; absent: five times half the length of the \
+             heat flux's grid",
+        )
+        .above(0.0),
+        KeySpec::choice(SCHEME, &SCHEMES.map(|(word, _)| word), "scheme in time of transient cases")
+            .default_value("crank-nicolson"),
+        KeySpec::quantity(
+            STEP,
+            "s",
+            "longest step in time; absent: the passage of an element, or the window of a body at rest",
+        )
+        .above(0.0),
+        KeySpec::integer(
+            PASSAGES,
+            "passages through the contact of a body with a return_distance, this one included",
+        )
+        .at_least(1.0)
+        .at_most(1e6)
+        .default_value(1),
+        KeySpec::quantity(
+            &format!("bodies.*.{RETURNS}"),
+            "m",
+            "way after which the same places of the body are in the contact again",
+        )
+        .above(0.0),
+        KeySpec::quantity(
+            &format!("bodies.*.{THICKNESS}"),
+            "m",
+            "thickness of the body; absent: as deep as heat goes",
+        )
+        .above(0.0),
+        KeySpec::choice(
+            &format!("bodies.*.{BACK}"),
+            &BACKS,
+            "what is behind a body of finite thickness: nothing that takes heat (absent: that), or something \
+             that keeps its initial temperature",
+        ),
+        KeySpec::choice(SOLVER, &SOLVERS, "how the equations of the elements are solved")
+            .default_value("auto"),
+    ]
+}
+
+/// Reads the elements of the upper and the lower body.
 ///
 /// # Errors
-/// Those of [`Elements::read`] and [`Elements::of`].
+/// A value that is out of range, or a word that is none of the choices.
 pub(super) fn read(case: &Params, scene: &Scene) -> Result<[Elements; 2], Refusal> {
-    let all = Elements::read(case)?;
-    let of = |body| all.of(case, &scene.names, body);
+    let common = read_common(case)?;
+    let of = |body| of_body(common, case, &scene.names, body);
     Ok([of(UPPER)?, of(LOWER)?])
+}
+
+/// Reads what holds for both bodies.
+///
+/// # Errors
+/// A scheme or a solver that is none.
+fn read_common(case: &Params) -> Result<Elements, Refusal> {
+    let scheme = if case.has(SCHEME) { case.text(SCHEME)? } else { "crank-nicolson" };
+    let known = SCHEMES.iter().find(|(word, _)| *word == scheme);
+    let &(_, scheme) = known.ok_or_else(|| {
+        let fix = format!("write one of {}", SCHEMES.map(|(word, _)| word).join(", "));
+        Refusal::new(SCHEME, format!("`{scheme}` is not a scheme"), fix)
+    })?;
+    let solver = if case.has(SOLVER) { case.text(SOLVER)? } else { "auto" };
+    let solver = match solver {
+        "auto" => Solver::Auto,
+        "iterative" => Solver::Iterative,
+        "direct" => Solver::Direct,
+        other => {
+            let fix = format!("write one of {}", SOLVERS.join(", "));
+            return Err(Refusal::new(SOLVER, format!("`{other}` is not a solver"), fix));
+        }
+    };
+    Ok(Elements {
+        passages: None,
+        sheet: None,
+        solver,
+        first_layer: case.maybe_number(FIRST_LAYER)?,
+        ratio: case.maybe_number(LAYER_RATIO)?.unwrap_or(RATIO),
+        depth: case.maybe_number(DEPTH)?,
+        wake: case.maybe_number(WAKE)?,
+        scheme,
+        step: case.maybe_number(STEP)?.unwrap_or(f64::INFINITY),
+    })
+}
+
+/// Adds what the case says of one body.
+///
+/// # Errors
+/// A back of a body without a thickness, or one that is none.
+fn of_body(
+    common: Elements,
+    case: &Params,
+    names: &Bodies,
+    body: usize,
+) -> Result<Elements, Refusal> {
+    let count = if case.has(PASSAGES) { case.integer(PASSAGES)? as usize } else { 1 };
+    let distance = case.maybe_number(&names.key(body, RETURNS))?;
+    let passages = distance.filter(|_| count > 1).map(|distance| Passages { count, distance });
+    Ok(Elements { passages, sheet: sheet(case, names, body)?, ..common })
+}
+
+fn sheet(case: &Params, names: &Bodies, body: usize) -> Result<Option<Sheet>, Refusal> {
+    let [key, back_key] = [THICKNESS, BACK].map(|name| names.key(body, name));
+    let back = if case.has(&back_key) { case.text(&back_key)? } else { BACKS[0] };
+    let back = match back {
+        "insulated" => Back::Insulated,
+        "fixed" => Back::Fixed,
+        other => {
+            let fix = format!("write one of {}", BACKS.join(", "));
+            return Err(Refusal::new(&back_key, format!("`{other}` is no back of a body"), fix));
+        }
+    };
+    let Some(thickness) = case.maybe_number(&key)? else {
+        if case.has(&back_key) {
+            let reason = "a body without a thickness has no back: it is as deep as heat goes";
+            return Err(Refusal::new(&back_key, reason, format!("write {key}, or leave it out")));
+        }
+        return Ok(None);
+    };
+    Ok(Some(Sheet { thickness, back }))
+}
+
+/// Refuses more elements than fit into memory, before anything is allocated.
+///
+/// # Errors
+/// Columns behind the contact or layers in depth are too many.
+pub(super) fn check_size(
+    elements: &Elements,
+    grid: &Structured,
+    material: &Material,
+    speed: f64,
+) -> Result<(), Refusal> {
+    elements.check_size(grid, material, speed).map_err(|error| match error {
+        TooManyElements::Behind { most_wake, .. } => {
+            let fix = format!("write at most {most_wake:.3e} m, which are {MOST_BEHIND:.0e} columns");
+            Refusal::new(WAKE, error.to_string(), fix)
+        }
+        TooManyElements::InDepth { .. } => {
+            let key = match (elements.first_layer, elements.depth) {
+                (Some(_), _) => FIRST_LAYER,
+                (None, Some(_)) => DEPTH,
+                (None, None) => LAYER_RATIO,
+            };
+            let fix = format!(
+                "raise {FIRST_LAYER} or {LAYER_RATIO}, or lower {DEPTH}, until there are at most {MOST_LAYERS} layers"
+            );
+            Refusal::new(key, error.to_string(), fix)
+        }
+    })
+}
+
+/// Says what to change where elements have no answer.
+pub(super) fn no_solution(error: SolveError, mode: Mode) -> StepError {
+    let fix = match error {
+        SolveError::NotSolved { gradients_stopped: true, .. } => {
+            "write thermal.solver = \"direct\""
+        }
+        SolveError::NotSolved { .. } if mode == Mode::Steady => {
+            "write a larger thermal.first_layer"
+        }
+        SolveError::NotSolved { .. } => {
+            "write a larger thermal.first_layer or a smaller thermal.step"
+        }
+        SolveError::BeyondProperties { .. } => {
+            "extend it, or write effects.temperature_material.beyond = \"hold\""
+        }
+        SolveError::TooSlow { .. } => {
+            "write a higher speed, a smaller thermal.resolution, or time.mode = \"transient\""
+        }
+        SolveError::Unsettled { .. } => "write a higher speed or time.mode = \"transient\"",
+    };
+    StepError::NoSolution(format!("{error}; {fix}"))
 }
 
 /// Refuses what a model's elements have no answer to.
@@ -67,4 +277,51 @@ fn check_sheets(frame: &Frame) -> Result<(), Refusal> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sizes are judged before anything of them is allocated, and the message names the key.
+    #[test]
+    fn too_many_elements_are_refused() {
+        let steel = Material { density: 7850.0, specific_heat: 450.0, conductivity: 50.0 };
+        let grid = Structured::contact_plane(0.0, 0.0, 1e-4, 1e-4, 41, 41);
+        let check = |elements: Elements| check_size(&elements, &grid, &steel, 30.0);
+        assert!(check(Elements::default()).is_ok());
+        let plain = Elements::default;
+        for (elements, key) in [
+            (Elements { wake: Some(1e9), ..plain() }, WAKE),
+            (Elements { wake: Some(1e300), ..plain() }, WAKE),
+            (Elements { first_layer: Some(1e-300), ..plain() }, FIRST_LAYER),
+            (Elements { first_layer: Some(1e-9), ratio: 1.0, ..plain() }, FIRST_LAYER),
+            (Elements { depth: Some(1e9), ratio: 1.0, ..plain() }, DEPTH),
+            (Elements { depth: Some(1e300), ..plain() }, DEPTH),
+        ] {
+            let refused = check(elements).unwrap_err();
+            assert_eq!(refused.key, key, "{refused}");
+        }
+        let refused = check(Elements { wake: Some(1e9), ..plain() }).unwrap_err();
+        assert!(refused.fix.starts_with("write at most 1.000e2 m"), "{refused}");
+        let most = Elements { wake: Some(100.0), ..plain() };
+        assert!(check(most).is_ok(), "what the message says is accepted");
+    }
+
+    #[test]
+    fn advice_is_for_what_has_failed() {
+        let not_solved = |gradients_stopped| SolveError::NotSolved {
+            residual: 1e-3,
+            newton: 40,
+            gradients_stopped,
+        };
+        for (error, mode, fix) in [
+            (not_solved(true), Mode::Transient, "write thermal.solver = \"direct\""),
+            (not_solved(false), Mode::Steady, "write a larger thermal.first_layer"),
+            (not_solved(false), Mode::Transient, "first_layer or a smaller thermal.step"),
+        ] {
+            let said = no_solution(error, mode).to_string();
+            assert!(said.starts_with("the equations") && said.ends_with(fix), "{said}");
+        }
+    }
 }

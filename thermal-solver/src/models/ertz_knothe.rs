@@ -7,9 +7,9 @@
 //! Q = ∫ q dx,  x_c = ∫ x q dx/Q,  a_y = 2 √(∫ (x − x_c)² q dx/Q),  q₀ = 2Q/(π a_y).
 //!
 //! Then T(x, z) = ε q₀/β · √(a_y/(πV)) · F(−(x − x_c)/a_y, z/δ_y) with δ_y = √(2κ a_y/V); F is in
-//! [`crate::reference::polynomial`]. For full slip, where every row's flux is an ellipse, this is
+//! [`heat::closed_form::polynomial`]. For full slip, where every row's flux is an ellipse, this is
 //! the paper's method; any other flux becomes the equivalent ellipse. The moments are those of the
-//! piecewise parabolic flux of [`crate::columns::reconstruction`], which for an elliptic flux are
+//! piecewise parabolic flux of [`heat::columns::reconstruction`], which for an elliptic flux are
 //! exact to order 2.5 in the element length.
 //!
 //! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
@@ -22,11 +22,11 @@ use super::names;
 use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::section_key;
 use super::summary::Peak;
-use crate::columns::reconstruction::Flux;
-use crate::columns::reconstruction::FluxRow;
-use crate::reference::polynomial;
-use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
+use heat::closed_form::polynomial;
+use heat::columns::reconstruction::Flux;
+use heat::columns::reconstruction::FluxRow;
+use heat::window::{Drive, Stage};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::description::ModelSpec;
 use proto::model::StepError;

@@ -1,25 +1,26 @@
 //! Model `fe`: finite elements of both bodies, extruded from the heat flux's grid and graded in depth, steady
-//! in the moving frame and in time. Equations and discretisation: [`crate::fe`].
+//! in the moving frame and in time. Equations and discretisation: [`heat::fe`].
 
 use super::conduction::{Conduction, Cost, Rub, Work};
+use super::elements;
 use super::fields::fields;
 use super::frame::Frame;
 use super::interface::{Flow, Interface, Rubbing, both};
 use super::names;
 use super::setup::{resolution, resolution_across, section_key};
 use super::summary::{Peak, hottest, hottest_in_contact};
-use crate::columns::convolution::remove_negative_rounding;
-use crate::columns::reconstruction::sum_of_means;
-use crate::fe::block::{Block, Elements, Solver, keys};
-use crate::fe::body::Body;
-use crate::fe::height::Height;
-use crate::fe::nature::Nature;
-use crate::fe::section::{Below, Between};
-use crate::moving_source::ages::Stretch;
-use crate::moving_source::half_space::{HalfSpace, Influence};
-use crate::moving_source::touching::Shapes;
-use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
+use heat::columns::convolution::remove_negative_rounding;
+use heat::columns::reconstruction::sum_of_means;
+use heat::fe::block::{Block, Elements, Solver};
+use heat::fe::body::Body;
+use heat::fe::height::Height;
+use heat::fe::nature::Nature;
+use heat::fe::section::{Below, Between};
+use heat::moving_source::ages::Stretch;
+use heat::moving_source::half_space::{HalfSpace, Influence};
+use heat::moving_source::touching::Shapes;
+use heat::window::{Drive, Stage};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::{Mode, Refusal};
@@ -35,7 +36,7 @@ use std::sync::Arc;
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
     let mut own = vec![resolution(), resolution_across(), section_key()];
-    own.extend(keys());
+    own.extend(elements::keys());
     ModelSpec {
         name: names::FE.to_owned(),
         summary: "finite elements of both bodies, graded in depth, at any speed".to_owned(),
@@ -135,7 +136,7 @@ impl Conduction for FiniteElements {
     fn check(frame: &Frame) -> Result<(), Refusal> {
         [LOWER, UPPER].into_iter().try_for_each(|body| {
             let (material, speed) = (&frame.scene.materials[body], expected_speed(frame, body));
-            elements(frame, body).check_size(&frame.grid, material, speed)
+            elements::check_size(&elements(frame, body), &frame.grid, material, speed)
         })
     }
 
@@ -217,7 +218,8 @@ impl Conduction for FiniteElements {
             let share = drive.shares[body];
             let own = &mut self.bodies[body];
             own.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
-            own.motion.pass(drive.duration, speed)?;
+            let passed = own.motion.pass(drive.duration, speed);
+            passed.map_err(|error| elements::no_solution(error, self.frame.mode))?;
             self.windows[body] = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
         }
         if let Some(mut interface) = self.interface.take() {
@@ -382,11 +384,13 @@ impl FiniteElements {
         between: Between,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
+        let mode = self.frame.mode;
         both(self.threads, &mut self.bodies, rise, |index, body, rise| {
             let Body { means, motion, .. } = body;
             motion.flux().reconstruct(means);
             flow.add(index, motion.flux());
-            let work = motion.warm()?;
+            let warmed = motion.warm();
+            let work = warmed.map_err(|error| elements::no_solution(error, mode))?;
             motion.show(between, rise);
             Ok(work)
         })

@@ -6,10 +6,10 @@ use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
 use crate::effects::joule_heat::Current;
 use crate::effects::phase_transformation::Criterion;
-use crate::fe::block::Elements;
-use crate::fe::nature::Nature;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
+use heat::fe::block::Elements;
+use heat::fe::nature::Nature;
 use proto::configuration::Mode;
 use proto::grid::{Grid, Structured};
 

@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use crate::effects::friction_heat::Partition;
-use crate::window::Drive;
+use heat::window::Drive;
 use proto::configuration::Mode;
 use proto::field::{self, FieldSpec};
 use proto::model::{InputField, Inputs, Step, StepError, first_non_finite};

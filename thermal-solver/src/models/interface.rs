@@ -1,19 +1,19 @@
 //! What flows between the surfaces of two bodies where they touch, found by corrections.
 //!
 //! A model says what its surfaces become under what flows; the corrections come from half-spaces in the same
-//! windows ([`crate::moving_source::exchange`]), which another model need only resemble: what each correction
+//! windows ([`heat::moving_source::exchange`]), which another model need only resemble: what each correction
 //! leaves is measured by the model itself.
 
 use super::conduction::Rub;
 use super::frame::Frame;
-use crate::columns::reconstruction::Flux;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
-use crate::moving_source::ages::Stretch;
-use crate::moving_source::exchange::{Exchange, Resisting};
-use crate::moving_source::half_space::{Influence, convolution};
-use crate::moving_source::touching::{Shapes, Touching};
 use crate::{LOWER, UPPER};
+use heat::columns::reconstruction::Flux;
+use heat::moving_source::ages::Stretch;
+use heat::moving_source::exchange::{Exchange, Resisting};
+use heat::moving_source::half_space::{Influence, convolution};
+use heat::moving_source::touching::{Shapes, Touching};
 use numerics::convolution::Convolution;
 use numerics::team;
 use proto::grid::Structured;

@@ -1,8 +1,8 @@
 //! Model `moving-source`: conduction in all directions into half-spaces under a moving flux, at any speed
-//! down to rest, steady and transient. Equations and discretisation: [`crate::moving_source`].
+//! down to rest, steady and transient. Equations and discretisation: [`heat::moving_source`].
 //!
 //! In time the flux of every window is held constant over it. What earlier windows leave is the sum of
-//! their influences, each over its own ages; they are merged as they grow old ([`crate::columns::history`]),
+//! their influences, each over its own ages; they are merged as they grow old ([`heat::columns::history`]),
 //! and what they leave is kept while only the flux of the newest window changes.
 
 use super::conduction::{Conduction, Cost, Rub, Work};
@@ -12,17 +12,17 @@ use super::interface::{Flow, Interface, Rubbing, both};
 use super::names;
 use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest, hottest_in_contact};
-use crate::columns::convolution::remove_negative_rounding;
-use crate::columns::history::{History, Window};
-use crate::columns::reconstruction::{Flux, sum_of_means};
-use crate::moving_source::ages::Stretch;
-use crate::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
-use crate::moving_source::past::stretches;
-use crate::moving_source::rise_integral::RiseIntegral;
-use crate::moving_source::touching::Shapes;
-use crate::scene::Material;
-use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
+use heat::Material;
+use heat::columns::convolution::remove_negative_rounding;
+use heat::columns::history::{History, Window};
+use heat::columns::reconstruction::{Flux, sum_of_means};
+use heat::moving_source::ages::Stretch;
+use heat::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
+use heat::moving_source::past::stretches;
+use heat::moving_source::rise_integral::RiseIntegral;
+use heat::moving_source::touching::Shapes;
+use heat::window::{Drive, Stage};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::Mode;

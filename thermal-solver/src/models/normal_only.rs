@@ -1,7 +1,7 @@
 //! What conduction normal to the surface leaves out: conduction along it.
 
 use super::frame::Frame;
-use crate::scene::Material;
+use heat::Material;
 use proto::accuracy::Simplification;
 
 /// What every model leaves out that conducts heat normal to the surface only. The rise behind a

@@ -1,5 +1,5 @@
 //! Model `periodic`: conduction into half-spaces under a flux that repeats along x and y, in time, at any speed down to rest. Equations:
-//! [`crate::periodic`].
+//! [`heat::periodic`].
 //!
 //! Every place of both surfaces is rubbed all the time, or always again: the share `effusivity` is that of the effusivities alone, by which the
 //! means of both surfaces are equally warm, whatever the speeds.
@@ -10,9 +10,9 @@ use super::frame::Frame;
 use super::names;
 use super::setup::section_key;
 use super::summary::{Peak, hottest};
-use crate::periodic::half_space::{HalfSpace, Instant};
-use crate::window::{Drive, Stage};
 use crate::{LOWER, UPPER};
+use heat::periodic::half_space::{HalfSpace, Instant};
+use heat::window::{Drive, Stage};
 use numerics::convolution::Complex64;
 use numerics::waves::Waves;
 use proto::accuracy::{Accuracy, Simplification};

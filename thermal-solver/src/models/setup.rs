@@ -2,6 +2,7 @@
 
 use super::conduction::Conduction;
 use super::elements;
+use super::elements::WAKE;
 use super::ends::Ends;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
@@ -14,7 +15,6 @@ use crate::effects::joule_heat;
 use crate::effects::natures;
 use crate::effects::phase_transformation;
 use crate::effects::volume_temperature::VOLUMES;
-use crate::fe::block::WAKE;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};

@@ -10,7 +10,7 @@ use super::summary::{self, Peak, Solution};
 use super::transforming::{self, Transforming};
 use super::white_layer::{Cycle, WhiteLayer};
 use crate::effects::volume_temperature::VOLUMES;
-use crate::window::{Drive, Stage};
+use heat::window::{Drive, Stage};
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::{Grid, Structured};

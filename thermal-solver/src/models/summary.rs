@@ -1,7 +1,7 @@
 //! The thermal part of `summary.json`.
 
-use crate::search::{maximum, root_of_decreasing};
 use crate::{LOWER, UPPER};
+use numerics::search::{maximum, root_of_decreasing};
 use proto::bodies::Bodies;
 use proto::grid::Structured;
 use serde_json::{Map, Value, json};

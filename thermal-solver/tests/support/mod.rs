@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+use numerics::quadrature::integrate;
 use proto::configuration::{Configuration, Input, Layout, Mode};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
@@ -12,7 +13,6 @@ use proto::progress::Progress;
 use serde_json::{Value, json};
 use thermal_solver::ThermalSolver;
 use thermal_solver::effects::volume_temperature::VOLUMES;
-use thermal_solver::quadrature::integrate;
 
 /// Rises over the depth of the upper and the lower body.
 pub(crate) const INTEGRALS: [&FieldSpec; 2] =
@@ -29,7 +29,7 @@ pub(crate) const COMPLIANCE: f64 = 8.6667e-12;
 pub(crate) const DIFFUSIVITY: f64 = 50.0 / (7850.0 * 419.5);
 
 pub(crate) fn effusivity() -> f64 {
-    thermal_solver::reference::scales::effusivity(50.0, 7850.0, 419.5)
+    heat::closed_form::scales::effusivity(50.0, 7850.0, 419.5)
 }
 
 pub(crate) fn steel() -> Value {

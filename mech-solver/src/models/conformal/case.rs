@@ -1,17 +1,18 @@
 //! The keys, what a window prescribes, and the grid that holds the contacts of all rows.
 
-use crate::conformal::contact::Prescription;
-use crate::conformal::shape::Arcs;
 use crate::difference;
 use crate::ellipse::Ellipse;
-use crate::half_space::difference::Difference;
-use crate::half_space::extent::{Fitted, Moments, fit_grid};
-use crate::half_space::influence::Elasticity;
-use crate::half_space::normal::Prescribed;
 use crate::keys::CheckedParams;
 use crate::models::half_space::geometry::prescribed;
 use crate::resolution::{self, RESOLUTION};
-use crate::scene::{Drive, Material, Scene, contact_keys};
+use crate::scene::{Drive, Scene, contact_keys};
+use elastic::Elasticity;
+use elastic::Material;
+use half_space::conformal::contact::Prescription;
+use half_space::conformal::shape::Arcs;
+use half_space::difference::Difference;
+use half_space::extent::{Fitted, Moments, fit_grid};
+use half_space::normal::Prescribed;
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

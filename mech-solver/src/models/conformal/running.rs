@@ -3,10 +3,10 @@
 use super::case::{Case, Footprint, Row};
 use super::summary::summary;
 use super::window::Window;
-use crate::conformal::contact::ConformalSolver;
 use crate::models::each_window::{Windows, write_pair};
 use crate::models::varying::no_answer;
 use crate::terms::Terms;
+use half_space::conformal::contact::ConformalSolver;
 use proto::configuration::Configuration;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;

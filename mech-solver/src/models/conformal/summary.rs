@@ -1,7 +1,7 @@
 //! Figures of a contact on a curved surface: section `contact` of `summary.json`.
 
 use super::window::Window;
-use crate::half_space::tangential::ElementState;
+use half_space::tangential::ElementState;
 use proto::figure::FigureSpec;
 use proto::grid::Structured;
 use serde_json::{Value, json};

@@ -1,7 +1,7 @@
 //! A window and its solution.
 
 use super::case::Row;
-use crate::conformal::contact::Conformal;
+use half_space::conformal::contact::Conformal;
 
 /// A window that is solved.
 pub(super) struct Window {

@@ -5,13 +5,13 @@
 use super::creep_curve::CreepCurve;
 use super::outcome::{self, Fields, met_force};
 use super::passage::Report;
-use crate::explicit::rolling::{Means, Rolling};
-use crate::explicit::settle::settle_again;
 use crate::models::varying::no_answer;
 use crate::scene::Scene;
 use crate::softening::LEAST_SHARE;
 use crate::surface::Surface;
 use crate::terms::Kind;
+use explicit_fe::rolling::{Means, Rolling};
+use explicit_fe::settle::settle_again;
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::Value;

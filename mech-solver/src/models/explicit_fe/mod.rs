@@ -1,4 +1,4 @@
-//! Model `explicit-fe`: explicit finite elements of both bodies, rolled until that is steady ([`crate::explicit`]).
+//! Model `explicit-fe`: explicit finite elements of both bodies, rolled until that is steady ([`explicit_fe`]).
 //!
 //! The lower body is straight or convex, the upper one rolls on it with a longitudinal creepage or force; both may be curved
 //! across, or have measured profiles. Hertz's contact, or one of half-spaces, only sizes the meshes. Steady rolling is computed once, when the model is built, with its

@@ -1,14 +1,14 @@
 //! What a measurement gives: faults, fields, figures.
 
-use crate::explicit::block::Block;
-use crate::explicit::rolling::{Means, Rolling};
-use crate::half_space::area::contact_area;
-use crate::half_space::extent::Moments;
 use crate::measures::{Measures, add_elements};
 use crate::models::precomputed::count;
 use crate::models::summary::add_patches;
 use crate::scene::Scene;
 use crate::terms::Terms;
+use explicit_fe::block::Block;
+use explicit_fe::rolling::{Means, Rolling};
+use half_space::area::contact_area;
+use half_space::extent::Moments;
 use proto::configuration::Refusal;
 use proto::field::{self, FieldSpec};
 use proto::model::Outputs;

@@ -4,9 +4,9 @@
 //! rolling, so windows of whole passages of an element take exactly those.
 
 use super::outcome::{self, Fields};
-use crate::axle::Axle;
-use crate::explicit::rolling::{Means, Rolling};
 use crate::models::varying::no_answer;
+use elastic::axle::Axle;
+use explicit_fe::rolling::{Means, Rolling};
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use proto::state::{read_numbers, write_numbers};

@@ -2,12 +2,12 @@
 //! half-spaces.
 
 use crate::ellipse::Ellipse;
-use crate::explicit::section::circle;
-use crate::half_space::influence::Elasticity;
 use crate::models::half_space::gap::Gap;
 use crate::models::half_space::geometry::{self, Footprint, Shapes};
 use crate::scene::{GivenPatch, Load, Scene};
 use crate::terms::Terms;
+use elastic::Elasticity;
+use explicit_fe::section::circle;
 use proto::configuration::{Configuration, Refusal};
 use std::f64::consts::PI;
 

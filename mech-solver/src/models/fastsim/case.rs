@@ -5,14 +5,15 @@ use super::fields;
 use crate::ellipse::Ellipse;
 use crate::keys::CheckedParams;
 use crate::models::row_by_row::Rows;
-use crate::reference::kalker::{self, CreepCoefficients};
+use crate::models::springs;
 use crate::resolution;
 use crate::scene::{GivenPatch, Scene};
-use crate::simplified::bound::Bound;
-use crate::simplified::flexibility::{self, Flexibilities, Kind};
-use crate::simplified::march::Lattice;
-use crate::simplified::reduction::{self, Reduction};
 use crate::terms::Terms;
+use elastic::fastsim::bound::Bound;
+use elastic::fastsim::flexibility::{Flexibilities, Kind};
+use elastic::fastsim::march::Lattice;
+use elastic::fastsim::reduction::Reduction;
+use elastic::kalker::{self, CreepCoefficients};
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::field::FieldSpec;
@@ -31,7 +32,7 @@ pub(super) const RESOLUTION: usize = 40;
 /// The keys that no other model has.
 pub(super) fn own_keys() -> Vec<KeySpec> {
     let mut keys = vec![
-        flexibility::key(),
+        springs::flexibility_key(),
         KeySpec::choice(
             TRACTION_BOUND,
             &["parabolic", "elliptic"],
@@ -46,7 +47,7 @@ pub(super) fn own_keys() -> Vec<KeySpec> {
         )
         .default_value("springs"),
     ];
-    keys.extend(reduction::keys());
+    keys.extend(springs::reduction_keys());
     keys
 }
 
@@ -77,7 +78,7 @@ impl Asked {
         partial: bool,
     ) -> Result<Self, Refusal> {
         let own = CheckedParams::new(case, own_keys());
-        let kind = Kind::of(own.text(flexibility::KEY)?);
+        let kind = springs::flexibility(&own)?;
         let bound = match own.text(TRACTION_BOUND)? {
             "elliptic" => Bound::Elliptic,
             _ => Bound::Parabolic,
@@ -88,7 +89,7 @@ impl Asked {
             let fix = format!("write {TRACTION_BOUND} = \"elliptic\", or \"springs\" here");
             return Err(Refusal::new(STICK_ZONE, reason, fix));
         }
-        let reduction = Reduction::read(&own)?;
+        let reduction = springs::reduction(&own)?;
         let resolution = resolution::read(case, RESOLUTION)?;
         Ok(Self { given, kind, bound, strip_theory, reduction, resolution, partial })
     }

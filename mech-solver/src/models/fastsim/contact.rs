@@ -6,10 +6,10 @@ use crate::ellipse::{Ellipse, Prescribed};
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_density, power_imbalance};
 use crate::models::summary::extend;
 use crate::scene::Speeds;
-use crate::simplified::flexibility::{Creepage, Flexibilities, Kind};
-use crate::simplified::march::{Cell, Lattice, March, Strip, norm};
-use crate::simplified::reduction::Reduction;
-use crate::simplified::strip_theory::StripTheory;
+use elastic::fastsim::flexibility::{Creepage, Flexibilities, Kind};
+use elastic::fastsim::march::{Cell, Lattice, March, Strip, norm};
+use elastic::fastsim::reduction::Reduction;
+use elastic::fastsim::strip_theory::StripTheory;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -399,7 +399,7 @@ impl Contact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simplified::bound::Bound;
+    use elastic::fastsim::bound::Bound;
 
     /// One friction coefficient.
     const MEAN: fn(f64, f64, f64) -> f64 = |_, _, bound| bound;
@@ -441,7 +441,7 @@ mod tests {
     #[test]
     fn published_results_under_the_elliptic_bound() {
         let march = published(Bound::Elliptic);
-        let coefficients = crate::reference::kalker::creep_coefficients(2.0, 0.28);
+        let coefficients = elastic::kalker::creep_coefficients(2.0, 0.28);
         let own = Flexibilities::new(&coefficients, [8e-3, 4e-3], 82e9);
         let own = [own.longitudinal, own.lateral, own.spin];
         let strips = Tangential::Strips(StripTheory::new(march, own, 0.28));
@@ -488,7 +488,7 @@ mod tests {
             // G C11 is 8 a/(3 L1).
             let gradient =
                 2.0 * PI * a * a * b / (3.0 * flexibilities.longitudinal * friction_bound);
-            let factor = Reduction::of(0.54, 0.02, 0.62).at(creepage, a, gradient);
+            let factor = Reduction::new(0.54, 0.02, 0.62).at(creepage, a, gradient);
             let springs = flexibilities.springs(Kind::Blended, creepage, 1.0).reduced(factor);
             let largest_bound = lattice.largest_bound(friction_bound);
             let march = March { lattice, springs, creepage, largest_bound };

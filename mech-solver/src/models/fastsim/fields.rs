@@ -6,9 +6,9 @@
 
 use super::contact::Contact;
 use crate::models::power_balance::power_density;
-use crate::simplified::march::{Cell, Strip};
-use crate::simplified::overlaps::overlaps;
 use crate::terms::Terms;
+use elastic::fastsim::march::{Cell, Strip};
+use elastic::fastsim::overlaps::overlaps;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 

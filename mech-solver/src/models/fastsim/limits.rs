@@ -2,9 +2,9 @@
 //!
 //! At (x, y) the bound is min(f/f̄ g, τ): g is that by the mean coefficient f̄, the parabola or the half ellipse, f and τ are the coefficient
 //! and the largest traction of the element of the contact's grid in which the place lies. Under the parabola a contact that slides carries the
-//! integral of min(f/f̄ g, τ), up to a tenth less than of Hertz's pressure: see [`crate::reference::cut_off`].
+//! integral of min(f/f̄ g, τ), up to a tenth less than of Hertz's pressure: see [`elastic::cut_off`].
 
-use crate::friction::ElementFriction;
+use half_space::friction::ElementFriction;
 use proto::grid::Structured;
 
 /// Friction of the elements of a contact.

@@ -14,7 +14,7 @@ use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
 use crate::scene::{Drive, Scene};
-use crate::slip::RigidSlip;
+use elastic::slip::RigidSlip;
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};

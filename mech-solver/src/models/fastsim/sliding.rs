@@ -6,10 +6,10 @@
 //! power is −(ξ F_x + η F_y + φ M_z) to rounding, with the slip and its moment at the cells' middles. Local bounds of friction are
 //! those of the cells' middles.
 
-use crate::simplified::bound::Bound;
-use crate::simplified::flexibility::Creepage;
-use crate::simplified::march::{Cell, Lattice, Strip, norm};
-use crate::strips::semi_ellipse::segment_area;
+use elastic::fastsim::bound::Bound;
+use elastic::fastsim::flexibility::Creepage;
+use elastic::fastsim::march::{Cell, Lattice, Strip, norm};
+use elastic::strips::semi_ellipse::segment_area;
 
 /// What a sliding contact needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ impl Sliding {
         Self { lattice, creepage, amplitude }
     }
 
-    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of [`crate::simplified::march::March::strip`].
+    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of [`elastic::fastsim::march::March::strip`].
     pub(super) fn strip(
         &self,
         strip: &Strip,

@@ -3,14 +3,14 @@
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::ContactSolver;
-use crate::half_space::area::contact_area;
-use crate::half_space::extent::Moments;
-use crate::half_space::levels::Solution;
-use crate::half_space::tangential::{Creepage, ElementState, TangentialState};
 use crate::measures::{Measures, add_elements};
 use crate::models::summary::add_patches;
 use crate::surface::KeptSurface;
 use crate::terms::Accepted;
+use half_space::area::contact_area;
+use half_space::extent::Moments;
+use half_space::levels::Solution;
+use half_space::tangential::{Creepage, ElementState, TangentialState};
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Outputs;

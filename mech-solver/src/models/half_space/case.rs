@@ -3,13 +3,13 @@
 use super::drive::Driven;
 use super::geometry::Footprint;
 use crate::ellipse::Ellipse;
-use crate::half_space::difference::Difference;
-use crate::half_space::extent::{elliptic, sample};
-use crate::half_space::retarded::Delay;
-use crate::half_space::viscoelastic::Bodies;
 use crate::scene::{GivenPatch, Scene};
 use crate::surface::KeptSurface;
 use crate::terms::Terms;
+use half_space::difference::Difference;
+use half_space::extent::{elliptic, sample};
+use half_space::retarded::Delay;
+use half_space::viscoelastic::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::field;
 use proto::grid::Structured;

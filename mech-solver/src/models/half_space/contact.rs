@@ -1,22 +1,23 @@
 //! Normal and tangential contact of one instant.
 //!
 //! Bodies of the same elastic constants: the pressure is solved once, then the tractions. Different
-//! ones: pressure and tractions in turn until the pressure rests ([`crate::half_space::coupling`]).
+//! ones: pressure and tractions in turn until the pressure rests ([`half_space::coupling`]).
 
 use super::balance::{Hysteresis, PowerError, PressurePower};
 use super::case::Case;
 use super::drive::Driven;
-use crate::friction::{ElementFriction, FrictionState, lateral};
-use crate::half_space::coupling::Coupling;
-use crate::half_space::difference::Stencil;
-use crate::half_space::influence::Influence;
-use crate::half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
-use crate::half_space::normal::{NormalError, NormalSolver, Prescribed};
-use crate::half_space::settling::{Settling, Unsettled, first_velocities, slip_velocities};
-use crate::half_space::slip_operator::Displacement;
-use crate::half_space::tangential::{self, Creepage, TangentialState};
+use crate::friction::{FrictionState, lateral};
 use crate::models::shortfall::Shortfall;
-use crate::slip::RigidSlip;
+use elastic::slip::RigidSlip;
+use half_space::coupling::Coupling;
+use half_space::difference::Stencil;
+use half_space::friction::ElementFriction;
+use half_space::influence::Influence;
+use half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
+use half_space::normal::{NormalError, NormalSolver, Prescribed};
+use half_space::settling::{Settling, Unsettled, first_velocities, slip_velocities};
+use half_space::slip_operator::Displacement;
+use half_space::tangential::{self, Creepage, TangentialState};
 use proto::model::{Inputs, StepError};
 
 /// Change of the pressure, over the largest, at which it rests: far below the error of any grid.

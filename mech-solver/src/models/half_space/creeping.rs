@@ -1,8 +1,8 @@
-//! Bodies whose compliance grows and that are pressed and shifted in place ([`crate::half_space::retarded`]).
+//! Bodies whose compliance grows and that are pressed and shifted in place ([`half_space::retarded`]).
 
 use super::case::Case;
-use crate::half_space::influence::Elasticity;
-use crate::half_space::retarded::{Delay, Field3, Retarded, within_step};
+use elastic::Elasticity;
+use half_space::retarded::{Delay, Field3, Retarded, within_step};
 use serde::{Deserialize, Serialize};
 
 /// Bodies that creep, and what is known of the step in hand.

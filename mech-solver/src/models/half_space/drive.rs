@@ -2,11 +2,11 @@
 
 use crate::effects;
 use crate::ellipse::Ellipse;
-use crate::half_space::tangential::Prescribed;
 use crate::keys::CheckedParams;
-use crate::reference::carter;
 use crate::scene::{Drive, Load, SPEED, Scene, WIDTH, shift_keys};
 use crate::terms::Kind;
+use elastic::carter;
+use half_space::tangential::Prescribed;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::KeySpec;
 use std::sync::LazyLock;

@@ -6,19 +6,19 @@
 //! z₁(y − s₁), and R₂(y) = R + z₂(y − s₂) − z₂(0). The distance is taken along z, which is the contact
 //! normal for small contact angles only; a steeper contact is refused.
 
-use crate::half_space::curve::Curve;
-use crate::half_space::extent::Fitted;
-use crate::half_space::patches::patches;
-use crate::half_space::profile::{Profile, ProfileError};
 use crate::keys::CheckedParams;
 use crate::noise;
 use crate::scene::Scene;
-use crate::track::profile::orientation::Body;
+use half_space::extent::Fitted;
+use half_space::patches::patches;
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
 use std::path::Path;
+use wheel_rail::curve::Curve;
+use wheel_rail::profile::heights::{Profile, ProfileError};
+use wheel_rail::profile::orientation::Body;
 
 /// Points at which the lateral distance is searched for its smallest value.
 const SAMPLES: usize = 2000;

@@ -1,7 +1,7 @@
 //! The power balance of an instant: what friction takes is what goes in.
 //!
 //! **Steady rolling, and sliding.** In the sum over all steps of the particles the elastic part of the
-//! slip drops out ([`crate::half_space::tangential`]), and friction takes
+//! slip drops out ([`half_space::tangential`]), and friction takes
 //!
 //! P = −V(ξ F_x + η F_y + φ M_z) + V ∫ p_n ∂h/∂x dA.
 //!
@@ -31,10 +31,10 @@
 //! P Δt = −Σ ½(S p' + p)·w Δq dA − Δ(½ pᵀA p) dA.
 //!
 //! With Fromm's difference the tractions at the end of a step after the first do the work, with an
-//! elastic energy of their own and numerical dissipation ([`crate::half_space::difference`]).
+//! elastic energy of their own and numerical dissipation ([`half_space::difference`]).
 //!
 //! Bodies whose compliance grows dissipate besides D = Σ ½ (p' + p)·(u − u'), less the energy that is
-//! stored ([`crate::half_space::retarded`]). With different constants the energy of the normal
+//! stored ([`half_space::retarded`]). With different constants the energy of the normal
 //! contact takes part too. It is not kept, and there is no balance.
 
 use super::answer::Answer;

@@ -9,7 +9,7 @@
 //!
 //! what the forces put in less the change of elastic energy. With the upwind difference every step
 //! is such a one, with Fromm's the first only: those that follow take Fromm's difference along x
-//! and the second-order backward difference in time ([`crate::half_space::difference`]).
+//! and the second-order backward difference in time ([`half_space::difference`]).
 //!
 //! The mechanical steps need not fit into the windows of the coupling: a step that reaches beyond a
 //! window goes on in the next one, and the friction power of a window is the mean over the parts of
@@ -19,7 +19,7 @@
 //! columns of a table, to where they are at the end of every window, in one step a window.
 //!
 //! Bodies whose compliance grows creep under the load, so that the pressure is another in every window
-//! ([`crate::half_space::retarded`]).
+//! ([`half_space::retarded`]).
 //!
 //! In the beginning the bodies are pressed together without friction; where values vary they are apart, and
 //! friction acts while the first load comes on. Bodies that roll may begin from their steady state (`mech.begin`).
@@ -30,12 +30,12 @@ use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::creeping::{Creeping, Crept, Instant};
 use super::steady::{Following, MOST_BYTES};
-use crate::half_space::difference::Difference;
-use crate::half_space::dissipation::shared;
-use crate::half_space::levels::{History, Motion, Solution};
-use crate::half_space::tangential::TangentialState;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::no_answer;
+use half_space::difference::Difference;
+use half_space::dissipation::shared;
+use half_space::levels::{History, Motion, Solution};
+use half_space::tangential::TangentialState;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -2,9 +2,9 @@
 
 use crate::ellipse::{Ellipse, Prescribed};
 use crate::models::summary::extend;
-use crate::reference::carter;
 use crate::scene::{Scene, Speeds};
-use crate::slip::Slip;
+use elastic::carter;
+use elastic::slip::Slip;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::fmt;

@@ -2,12 +2,12 @@
 
 use super::contact::Contact;
 use crate::models::precomputed::{count, points};
-use crate::slip::Slip;
-use crate::strips::carter::{CarterPower, CarterSlip, CarterTraction};
-use crate::strips::semi_ellipse::SemiEllipse;
-use crate::strips::sliding::{SlidingPower, SlidingSlip};
-use crate::strips::{Lateral, StripField, Strips};
 use crate::terms::Terms;
+use elastic::slip::Slip;
+use elastic::strips::carter::{CarterPower, CarterSlip, CarterTraction};
+use elastic::strips::semi_ellipse::SemiEllipse;
+use elastic::strips::sliding::{SlidingPower, SlidingSlip};
+use elastic::strips::{Lateral, StripField, Strips};
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 

@@ -11,7 +11,7 @@ use crate::friction::{FrictionState, lateral};
 use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
 use crate::scene::{Drive, Scene};
-use crate::slip::RigidSlip;
+use elastic::slip::RigidSlip;
 use proto::configuration::Refusal;
 use proto::field;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};

@@ -1,10 +1,10 @@
 //! A checked case.
 
 use super::cell;
-use crate::half_space::extent::sample;
-use crate::half_space::influence::Elasticity;
 use crate::scene::{APPROACH, DRIVE, Drive, Load, Scene};
 use crate::terms::Terms;
+use elastic::Elasticity;
+use half_space::extent::sample;
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 

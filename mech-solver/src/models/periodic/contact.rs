@@ -1,10 +1,11 @@
 //! The model that runs.
 
 use super::case::Case;
-use crate::friction::{ElementFriction, FrictionState, lateral};
-use crate::half_space::normal::{NormalContact, NormalSolver, Prescribed};
-use crate::slip::RigidSlip;
+use crate::friction::{FrictionState, lateral};
 use crate::surface::raise;
+use elastic::slip::RigidSlip;
+use half_space::friction::ElementFriction;
+use half_space::normal::{NormalContact, NormalSolver, Prescribed};
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};

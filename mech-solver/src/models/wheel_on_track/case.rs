@@ -8,25 +8,26 @@ use super::keys::{
 };
 use super::shape::surface;
 use crate::difference;
-use crate::half_space::influence::Elasticity;
 use crate::keys::CheckedParams;
 use crate::noise;
 use crate::resolution::RESOLUTION;
-use crate::scene::{Material, SPEED, body_keys};
-use crate::simplified::flexibility::{self, Kind};
+use elastic::Elasticity;
+
+use crate::models::springs;
+use crate::scene::{SPEED, body_keys, read_material};
 use crate::terms::Terms;
-use crate::track::balance::{Given, WheelsetOnTrack};
-use crate::track::contact::WheelOnRail;
-use crate::track::profile::orientation::Body;
-use crate::track::rail::{Deviation, Placing, Side, Track};
-use crate::track::settings::{Normal, PatchSurface, RigidSlip, Settings, Tangential, Vertical};
-use crate::track::surface::Surface;
-use crate::track::wheelset::{Motion, Wheelset};
 use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::params::Params;
 use std::sync::LazyLock;
+use wheel_rail::balance::{Given, WheelsetOnTrack};
+use wheel_rail::contact::WheelOnRail;
+use wheel_rail::profile::orientation::Body;
+use wheel_rail::rail::{Deviation, Placing, Side, Track};
+use wheel_rail::settings::{Normal, PatchSurface, RigidSlip, Settings, Tangential, Vertical};
+use wheel_rail::surface::Surface;
+use wheel_rail::wheelset::{Motion, Wheelset};
 
 /// Length that elements are counted over [m].
 const CENTIMETRE: f64 = 1e-2;
@@ -71,7 +72,7 @@ impl Case {
         let case = CheckedParams::new(params, &KEYS[..]);
         let names = Bodies::read(params)?;
         refuse_radii(&case, &names)?;
-        let material = |body| Material::read(params, &names, body);
+        let material = |body| read_material(params, &names, body);
         let (upper, lower) = (material(UPPER)?, material(LOWER)?);
         let bodies = Elasticity::of_pair(&upper, &lower);
         if bodies.is_coupled() {
@@ -253,7 +254,7 @@ impl Case {
 
 /// What gives the tractions.
 fn tangential(case: &CheckedParams<'_>) -> Result<Tangential, Refusal> {
-    let kind = Kind::of(case.text(flexibility::KEY)?);
+    let kind = springs::flexibility(case)?;
     Ok(match case.text(TANGENTIAL)? {
         "fastsim" => Tangential::Fastsim(kind),
         "fastrip" => Tangential::Fastrip(kind),

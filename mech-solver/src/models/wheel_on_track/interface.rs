@@ -3,13 +3,14 @@
 
 use super::case::{Case, Position};
 use crate::bands::{At, Over};
-use crate::friction::{ElementFriction, FrictionState};
-use crate::slip::SlipStart;
-use crate::track::interface::{Elements, Interface};
-use crate::track::rail::Side;
+use crate::friction::FrictionState;
+use half_space::friction::ElementFriction;
+use half_space::settling::SlipStart;
 use proto::bodies::LOWER;
 use proto::grid::Structured;
 use proto::model::Inputs;
+use wheel_rail::interface::{Elements, Interface};
+use wheel_rail::rail::Side;
 
 /// What is between wheel and rail in a window.
 pub(super) struct Between<'a> {

@@ -2,9 +2,9 @@
 
 use super::shape;
 use crate::difference;
+use crate::models::springs;
 use crate::resolution::RESOLUTION;
 use crate::scene::SPEED;
-use crate::simplified::flexibility;
 use proto::accuracy::Refinement;
 use proto::description::KeySpec;
 
@@ -237,7 +237,7 @@ fn elements() -> Vec<KeySpec> {
              of the pressure (FASTSIM), or strip theory where they stick (FASTRIP)",
         )
         .default_value("half-space"),
-        flexibility::key(),
+        springs::flexibility_key(),
     ]
 }
 

@@ -1,19 +1,19 @@
 //! The grid over the rails' surfaces that holds the patches of all rows.
 //!
-//! Along x and along the tape of one rail it is that of [`crate::track::developed`]. Both rails lie on it side by side, each on a lane of its own: y is the tape distance
+//! Along x and along the tape of one rail it is that of [`wheel_rail::developed`]. Both rails lie on it side by side, each on a lane of its own: y is the tape distance
 //! of the left rail plus a shift, and that of the right one less the same shift, by which [`APART`] lies free between the lanes.
 
 use super::case::{Case, Position};
 use super::interface::Between;
 use crate::terms::Place;
-use crate::track::balance::{Balanced, Given};
-use crate::track::developed::Developed;
-use crate::track::patch::Patch;
-use crate::track::rail::Side;
-use crate::track::settings::{Normal, PatchSurface};
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 use proto::model::StepError;
+use wheel_rail::balance::{Balanced, Given};
+use wheel_rail::developed::Developed;
+use wheel_rail::patch::Patch;
+use wheel_rail::rail::Side;
+use wheel_rail::settings::{Normal, PatchSurface};
 
 /// How much larger elements are by which the patches of a history are looked for.
 const COARSER: f64 = 3.0;

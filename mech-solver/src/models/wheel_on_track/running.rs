@@ -7,15 +7,15 @@ use super::summary::summary;
 use crate::models::each_window::{Nothing, Windows, write_pair};
 use crate::models::varying::no_answer;
 use crate::terms::Accepted;
-use crate::track::balance::{Balanced, WheelsetOnTrack};
-use crate::track::developed::Developed;
-use crate::track::patch::Patch;
-use crate::track::rail::Side;
 use numerics::team::{self, Team};
 use proto::configuration::{Configuration, Refusal};
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Outputs, Step, StepError};
 use serde_json::Value;
+use wheel_rail::balance::{Balanced, WheelsetOnTrack};
+use wheel_rail::developed::Developed;
+use wheel_rail::patch::Patch;
+use wheel_rail::rail::Side;
 
 /// Rows of a history that each thread is given at once, so that none waits long for another.
 const ROWS_OF_A_THREAD: usize = 4;

@@ -1,12 +1,7 @@
 //! The surfaces of wheel and rail: a profile from its file, or slices from theirs, and an irregularity.
 
-use crate::axle::{Form, Irregularity};
 use crate::keys::CheckedParams;
-use crate::track::outline::{Outline, Smoothing};
-use crate::track::profile::orientation::{Body, Heights};
-use crate::track::profile::{Format, Reading, SliceFormat, read, read_slices};
-use crate::track::slices::{Slice, Slices};
-use crate::track::surface::Surface;
+use elastic::axle::{Form, Irregularity};
 use proto::bodies::Bodies;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
@@ -14,6 +9,11 @@ use proto::input_file;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::Path;
+use wheel_rail::outline::{Outline, Smoothing};
+use wheel_rail::profile::orientation::{Body, Heights};
+use wheel_rail::profile::{Format, Reading, SliceFormat, read, read_slices};
+use wheel_rail::slices::{Slice, Slices};
+use wheel_rail::surface::Surface;
 
 /// Larger files are refused [byte].
 const MOST_BYTES: u64 = 64 << 20;

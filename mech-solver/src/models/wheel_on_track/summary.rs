@@ -1,13 +1,13 @@
 //! Figures of a wheel on a track: sections `contact` and `wheelset` of `summary.json`.
 
 use super::wheels::{of_wheel, wheel_figures};
-use crate::track::balance::{Balanced, Given, WheelsetOnTrack};
-use crate::track::patch::{Patch, Solved};
-use crate::track::rail::Side;
-use crate::track::settings::Vertical;
 use proto::diagram::{Curve, Diagram};
 use proto::figure::{FigureSpec, Style};
 use serde_json::{Value, json};
+use wheel_rail::balance::{Balanced, Given, WheelsetOnTrack};
+use wheel_rail::patch::{Patch, Solved};
+use wheel_rail::rail::Side;
+use wheel_rail::settings::Vertical;
 
 /// Figures that this model alone gives.
 pub(in crate::models) fn figures() -> Vec<FigureSpec> {

@@ -1,8 +1,8 @@
 //! Figures of each wheel of a wheelset on both rails: sections `wheelset.left` and `wheelset.right` of `summary.json`.
 
-use crate::track::patch::{Patch, Solved};
 use proto::figure::FigureSpec;
 use serde_json::{Value, json};
+use wheel_rail::patch::{Patch, Solved};
 
 /// The figures, of the left wheel and of the right.
 pub(super) fn wheel_figures() -> Vec<FigureSpec> {

@@ -1,0 +1,211 @@
+//! Rolling of a rigid cylinder on a viscoelastic half-space, or of two such cylinders, in plane strain.
+//!
+//! Both bodies have the creep J(t) = J [1 + f (1 − e^{−t/τ})] of a standard linear solid and a common
+//! τ; c is the instantaneous compliance (1 − ν²)/E of the pair, R the relative radius, N the load per
+//! length, V the speed, l = Vτ. The contact is |x − d| < a, d ahead of the middle. Outside it there
+//! is no pressure, inside the displacement is δ − x²/2R. With w the displacement of elastic bodies under
+//! the same pressure, u = w + f ∫₀^∞ w(x + s) e^{−s/l} ds/l, so that u − l u' = (1 + f) w − l w'. With
+//! λ = l/(1 + f), t = x − d and κ = 1/(2cR(1 + f)) the pressure obeys
+//!
+//! p − λ p' = q,   ∫ q(s)/(t − s) ds = πκ (t + d − l),
+//!
+//! q = κ [a² − t² − (d − l) t + C]/√(a² − t²),   N = πκ (a²/2 + C).
+//!
+//! p vanishes at both ends, from which on the one hand ∫ q e^{−t/λ} dt = 0; on the other hand the surface, which comes
+//! in relaxed, has to meet the cylinder at the leading edge with its slope, C K₀(a/l) = a d K₁(a/l). So
+//!
+//! d = (l − λ) ρ_I/(ρ_I + ρ_K),   C = a d ρ_K,   ρ_I = I₁/I₀ (a/λ),   ρ_K = K₁/K₀ (a/l),
+//!
+//! with modified Bessel functions. The centre of pressure is x̄ = d − λ − κπa²(d − l)/(2N), the
+//! resistance to rolling N x̄/R.
+//!
+//! Source: S. C. Hunter, The rolling contact of a rigid cylinder with a viscoelastic half space, J.
+//! Appl. Mech. 28 (1961) 611–617; derived here as above.
+
+use std::f64::consts::PI;
+
+/// Steps of the trapezoidal rule for Bessel functions, whose error then is rounding.
+const STEPS: usize = 400;
+/// Halvings of the interval in which the half-width lies.
+const HALVINGS: usize = 80;
+
+/// A rolling cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    /// Instantaneous compliance c of the pair [1/Pa].
+    pub compliance: f64,
+    /// Delayed compliance f over the instantaneous one [-].
+    pub delayed: f64,
+    /// Distance l = Vτ rolled in the retardation time [m].
+    pub length: f64,
+    /// Relative radius R [m].
+    pub radius: f64,
+}
+
+/// Its contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Half-width a [m].
+    pub half_width: f64,
+    /// Load per length N [N/m].
+    pub load: f64,
+    /// Where the middle of the contact is, d [m].
+    pub middle: f64,
+    /// Where the pressure's centre is, x̄ [m].
+    pub centre: f64,
+    cylinder: Cylinder,
+}
+
+impl Cylinder {
+    /// The contact of a half-width [m].
+    #[must_use]
+    pub fn of_half_width(&self, half_width: f64) -> Contact {
+        let (a, l) = (half_width, self.length);
+        let late = self.late();
+        let (inner, outer) = (ratio_i(a / late), ratio_k(a / l));
+        let middle = (l - late) * inner / (inner + outer);
+        let weight = 0.5 * a * a + a * middle * outer;
+        let centre = middle - late - 0.5 * a * a * (middle - l) / weight;
+        let load = PI * self.curvature() * weight;
+        Contact { half_width, load, middle, centre, cylinder: *self }
+    }
+
+    /// The contact under a load per length [N/m].
+    #[must_use]
+    pub fn under(&self, load: f64) -> Contact {
+        // Between those of elastic bodies at once and relaxed.
+        let hertz = (4.0 * load * self.radius * self.compliance / PI).sqrt();
+        let (mut low, mut high) = (hertz, hertz * (1.0 + self.delayed).sqrt());
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            *(if self.of_half_width(middle).load < load { &mut low } else { &mut high }) = middle;
+        }
+        self.of_half_width(0.5 * (low + high))
+    }
+
+    /// λ = l/(1 + f) [m].
+    fn late(&self) -> f64 {
+        self.length / (1.0 + self.delayed)
+    }
+
+    /// κ [Pa/m].
+    fn curvature(&self) -> f64 {
+        1.0 / (2.0 * self.compliance * self.radius * (1.0 + self.delayed))
+    }
+}
+
+impl Contact {
+    /// Force that resists rolling, per length, over the load: x̄/R [-].
+    #[must_use]
+    pub fn resistance_coefficient(&self) -> f64 {
+        self.centre / self.cylinder.radius
+    }
+
+    /// Pressure at x [Pa], p(t) = ∫_t^a q(s) e^{(t − s)/λ} ds/λ.
+    #[must_use]
+    pub fn pressure(&self, x: f64) -> f64 {
+        let (a, d) = (self.half_width, self.middle);
+        let t = x - d;
+        if t.abs() >= a {
+            return 0.0;
+        }
+        let (l, late) = (self.cylinder.length, self.cylinder.late());
+        let weight = self.load / (PI * self.cylinder.curvature()) - 0.5 * a * a;
+        // s = a cos θ, up to where the exponential has vanished.
+        let nearest = (t / a).acos();
+        let farthest = ((t + 40.0 * late) / a).min(1.0).acos();
+        let step = (nearest - farthest) / STEPS as f64;
+        let term = |k: usize| {
+            let theta = farthest + k as f64 * step;
+            let (sine, cosine) = theta.sin_cos();
+            let shape = a * a * sine * sine - (d - l) * a * cosine + weight;
+            let simpson = [1.0, if k % 2 == 1 { 4.0 } else { 2.0 }];
+            simpson[usize::from(k > 0 && k < STEPS)] * shape * ((t - a * cosine) / late).exp()
+        };
+        self.cylinder.curvature() / late * step / 3.0 * (0..=STEPS).map(term).sum::<f64>()
+    }
+}
+
+/// I₁/I₀ by π I_n(z) = ∫₀^π e^{z cos θ} cos nθ dθ, whose trapezoidal rule converges geometrically; from where its asymptotic
+/// series is exact to rounding, by that.
+fn ratio_i(z: f64) -> f64 {
+    if z > 1e3 {
+        let inverse = 1.0 / z;
+        return 1.0 - inverse * (0.5 + inverse * (0.125 + 0.125 * inverse));
+    }
+    let mut sums = [0.0; 2];
+    for k in 0..=STEPS {
+        let end = if k == 0 || k == STEPS { 0.5 } else { 1.0 };
+        let cosine = (PI * k as f64 / STEPS as f64).cos();
+        let value = end * (z * (cosine - 1.0)).exp();
+        sums[0] += value;
+        sums[1] += value * cosine;
+    }
+    sums[1] / sums[0]
+}
+
+/// K₁/K₀ by K_n(z) = ∫₀^∞ e^{−z cosh t} cosh nt dt, whose trapezoidal rule converges geometrically.
+fn ratio_k(z: f64) -> f64 {
+    // There e^{−z(cosh t − 1)} has vanished.
+    let end = (1.0 + 40.0 / z).acosh();
+    let mut sums = [0.0; 2];
+    for k in 0..=STEPS {
+        let weight = if k == 0 { 0.5 } else { 1.0 };
+        let cosh = (end * k as f64 / STEPS as f64).cosh();
+        let value = weight * (-z * (cosh - 1.0)).exp();
+        sums[0] += value;
+        sums[1] += value * cosh;
+    }
+    sums[1] / sums[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use numerics::quadrature::simpson;
+
+    const CYLINDER: Cylinder = Cylinder { compliance: 0.5, delayed: 3.0, length: 0.7, radius: 2.0 };
+
+    /// Values of Abramowitz and Stegun, tables 9.8 and 9.11.
+    #[test]
+    fn ratios_of_bessel_functions() {
+        for (z, i, k) in [
+            (0.1, 0.050_062_526_047_0 / 1.002_501_562_9, 9.853_844_780_9 / 2.427_069_024_7),
+            (1.0, 0.565_159_104_0 / 1.266_065_877_8, 0.601_907_230_2 / 0.421_024_438_2),
+            (10.0, 0.121_262_681_38 / 0.127_833_337_16, 0.410_766_57 / 0.391_631_93),
+        ] {
+            assert!((ratio_i(z) / i - 1.0).abs() < 1e-6, "I {z}: {} {i}", ratio_i(z));
+            assert!((ratio_k(z) / k - 1.0).abs() < 1e-6, "K {z}: {} {k}", ratio_k(z));
+        }
+        assert!((ratio_i(1000.1) - ratio_i(999.9)).abs() < 2e-7);
+    }
+
+    /// Pressure carries the load, and its moment is that of the centre; it is the displacement's: u' = −x/R
+    /// in the contact, by quadrature over the pressure and over the memory.
+    #[test]
+    fn pressure_solves_the_problem() {
+        for length in [0.05, 0.7, 5.0] {
+            let contact = Cylinder { length, ..CYLINDER }.of_half_width(1.0);
+            let [low, high] = [-1.0, 1.0].map(|side| contact.middle + side);
+            let load = simpson(low, high, |x| contact.pressure(x));
+            let moment = simpson(low, high, |x| x * contact.pressure(x));
+            assert!((load / contact.load - 1.0).abs() < 1e-5, "{length}: {load} {}", contact.load);
+            assert!(
+                (moment / load / contact.centre - 1.0).abs() < 1e-4,
+                "{length}: {}",
+                moment / load
+            );
+        }
+    }
+
+    /// At once, and relaxed, it is Hertz's, and nothing resists.
+    #[test]
+    fn fast_and_slow_limits() {
+        for (length, factor) in [(1e-6, 1.0 + CYLINDER.delayed), (1e5, 1.0)] {
+            let contact = Cylinder { length, ..CYLINDER }.under(3.0);
+            let expected = (4.0 * 3.0 * CYLINDER.radius * factor * CYLINDER.compliance / PI).sqrt();
+            assert!((contact.half_width / expected - 1.0).abs() < 1e-5, "{contact:?}");
+            assert!(contact.centre.abs() < 1e-3, "{contact:?}");
+        }
+    }
+}

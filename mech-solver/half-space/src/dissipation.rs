@@ -1,0 +1,97 @@
+//! Numerical dissipation of Fromm's difference along x.
+//!
+//! The symmetric part of the difference takes ⅛ Σ δ²p·u(δ²p) in every step Δx, with the second
+//! difference δ² along x and its displacement u ([`super::difference`]). For bodies of different
+//! constants u includes the displacement by δ² of the pressure.
+//!
+//! It is largest where tractions change within an element: at the border of adhesion and at the
+//! trailing edge. The grid does not resolve the slip there. Counted as friction power of these
+//! elements, it makes the power of friction equal to that of the forces at every resolution, and
+//! the temperature more accurate (test `dissipation_is_heat_where_slip_is_not_resolved`). The
+//! products δ²p·u of single elements may be negative; the sum is shared by |δ²p|², to which the
+//! displacement of the element itself is proportional.
+
+use super::coupling::Coupling;
+use super::difference::{Difference, Stencil};
+use super::influence::Influence;
+use super::slip_operator::Displacement;
+use super::viscoelastic::Bodies;
+use grids::Structured;
+
+/// The operators on a grid whose edges carry no traction.
+#[derive(Debug)]
+pub struct Dissipation {
+    nx: usize,
+    /// Length of an element [m].
+    dx: f64,
+    operator: Displacement,
+    coupling: Option<Coupling>,
+}
+
+impl Dissipation {
+    /// Builds the operators, with the flexibility of a layer [m/Pa]. `None` for the upwind difference,
+    /// which dissipates nothing.
+    #[must_use]
+    pub fn new(
+        difference: Difference,
+        bodies: &Bodies,
+        layer: f64,
+        grid: &Structured,
+    ) -> Option<Self> {
+        if difference == Difference::Upwind {
+            return None;
+        }
+        let (counts, sides) = ([grid.ni, grid.nj], [grid.dx(), grid.dy()]);
+        let coupling = bodies.are_coupled().then(|| match bodies.remember() {
+            true => Coupling::with_memory(bodies, counts, sides, Stencil::DISPLACEMENT),
+            false => {
+                let influence = Influence::of_grid(grid, bodies.instantaneous);
+                Coupling::new(&influence, grid.ni, grid.nj, Stencil::DISPLACEMENT)
+            }
+        });
+        let operator = Displacement::new(bodies, layer, grid, counts);
+        Some(Self { nx: grid.ni, dx: grid.dx(), operator, coupling })
+    }
+
+    /// Dissipated power of every element [W/m²], from tractions and pressure [Pa] and the speed of
+    /// rolling [m/s].
+    pub fn power(&mut self, traction: [&[f64]; 2], pressure: &[f64], speed: f64) -> Vec<f64> {
+        let [x, y] = traction.map(|traction| second_difference(traction, self.nx));
+        let zeros = vec![0.0; x.len()];
+        let mut displaced = [zeros.clone(), zeros.clone()];
+        let [along, across] = &mut displaced;
+        self.operator.apply([&x, &y], [along, across]);
+        if let Some(coupling) = &mut self.coupling {
+            let mut more = [zeros.clone(), zeros];
+            let [more_x, more_y] = &mut more;
+            coupling.slip_by_pressure(&second_difference(pressure, self.nx), [more_x, more_y]);
+            for (sum, more) in displaced.iter_mut().zip(&more) {
+                sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+            }
+        }
+        let weight = speed / (8.0 * self.dx);
+        shared([&x, &y], [&displaced[0], &displaced[1]], weight)
+    }
+}
+
+/// The total of weight · Σ p·u, shared among the elements by |p|²: no element loses power that way,
+/// and none gains from another's displacement.
+#[must_use]
+pub fn shared(traction: [&[f64]; 2], displacement: [&[f64]; 2], weight: f64) -> Vec<f64> {
+    let dot = |[x, y]: [&[f64]; 2], [u, v]: [&[f64]; 2], at: usize| x[at] * u[at] + y[at] * v[at];
+    let elements = 0..traction[0].len();
+    let total: f64 = elements.clone().map(|at| dot(traction, displacement, at)).sum();
+    let squares: f64 = elements.clone().map(|at| dot(traction, traction, at)).sum();
+    let share = if squares > 0.0 { weight * total / squares } else { 0.0 };
+    elements.map(|at| share * dot(traction, traction, at)).collect()
+}
+
+/// δ² along rows of nx values, which are zero beyond their ends.
+fn second_difference(values: &[f64], nx: usize) -> Vec<f64> {
+    let of = |row: &[f64], i: usize| {
+        let upstream = row.get(i + 1).copied().unwrap_or(0.0);
+        let downstream = if i > 0 { row[i - 1] } else { 0.0 };
+        downstream - 2.0 * row[i] + upstream
+    };
+    values.chunks_exact(nx).flat_map(|row| (0..nx).map(move |i| of(row, i))).collect()
+}

@@ -1,0 +1,543 @@
+//! The tangential problem by continuation in resolution: solve on a coarse grid, prolong, solve on
+//! the next. A line of contact, a single row, is made coarser along x alone.
+//!
+//! Every second element of a grid, along x and along y, is an element of the next coarser one, with
+//! twice the side. The traction bound is restricted by full weighting (1/4, 1/2, 1/4 along each
+//! axis), which keeps its sum; the direction and the share p/g of the traction are prolonged
+//! bilinearly over the elements in contact, the state of an element by its nearest neighbour.
+//!
+//! Prescribed forces are met on every grid, from the creepages of the coarser one.
+
+use super::difference::{Difference, Stencil};
+use super::dissipation::Dissipation;
+use super::influence::Influence;
+use super::slip_operator::SlipOperator;
+use super::tangential::{
+    ElementState, Layer, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState,
+    Wanted,
+};
+use super::viscoelastic::Bodies;
+use super::yielding::Yield;
+use elastic::Elasticity;
+use grids::Structured;
+use serde::{Deserialize, Serialize};
+
+/// Grids with no more elements than this along their longer side are not made coarser.
+const COARSEST: usize = 26;
+/// On coarser grids tractions have settled when they change by less than this share of the largest.
+const COARSE_TOLERANCE: f64 = 1e-2;
+/// A prescribed force is met to this share of f N on coarser grids.
+const COARSE_FORCE: f64 = 1e-3;
+/// On the finest grid the same: this share of the tolerance of the tractions.
+const FORCE_SHARE: f64 = 0.01;
+/// Small forces are met to this share of themselves.
+const SMALL_FORCE: f64 = 1e-4;
+/// Rounding of the forces over f N.
+const ROUNDING: f64 = 1e-13;
+/// Forces beyond f N by less than this share of it are rounding of who prescribes them.
+const BEYOND: f64 = 1e-6;
+
+/// How the bodies move on each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Steady rolling along x.
+    SteadyRolling,
+    /// The first step of transient rolling along x, by one element: the slip is the displacement
+    /// less that of the particle one step ago.
+    FirstRollingStep,
+    /// A step of transient rolling that follows on another: the slip has the difference along x of
+    /// steady rolling, and the second-order backward difference in time.
+    RollingStep,
+    /// A shift in place.
+    Shift,
+}
+
+impl Motion {
+    /// Slip by the displacements at the end of a step.
+    #[must_use]
+    pub fn stencil(self, difference: Difference) -> Stencil {
+        match self {
+            Self::SteadyRolling => Stencil { along: Some(difference), own: 0.0 },
+            Self::FirstRollingStep | Self::Shift => Stencil { along: None, own: 1.0 },
+            Self::RollingStep => Stencil { along: Some(difference), own: 1.5 },
+        }
+    }
+}
+
+/// A contact on which tangential problems are posed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The bodies; only in steady rolling they may have a memory.
+    pub bodies: Bodies,
+    /// Tangential flexibility of a third body [m/Pa], 0 for none.
+    pub layer: f64,
+    /// A layer that yields.
+    pub yields: Option<Yield>,
+    /// Semi-axes a and b, or what comes near them [m].
+    pub semi_axes: [f64; 2],
+    /// How the bodies move.
+    pub motion: Motion,
+    /// Difference along x, in steady rolling.
+    pub difference: Difference,
+    /// Tractions on the finest grid have settled when they change by less than this share of the
+    /// largest.
+    pub tolerance: f64,
+}
+
+impl Contact {
+    /// −∂F_x/∂ξ [N] of the linear theory, G a b C₁₁ with C₁₁ = 4; in a shift −∂F_x/∂s [N/m],
+    /// 4 G r/(2 − ν) of a circle.
+    fn slope(&self) -> f64 {
+        let [a, b] = self.semi_axes;
+        let Elasticity { shear_compliance, poisson_compliance, .. } = self.bodies.instantaneous;
+        match self.motion {
+            Motion::SteadyRolling => 4.0 * a * b / shear_compliance,
+            Motion::FirstRollingStep | Motion::RollingStep | Motion::Shift => {
+                4.0 * (a * b).sqrt() / (2.0 * shear_compliance - poisson_compliance)
+            }
+        }
+    }
+}
+
+/// The solvers of all grids, finest first.
+#[derive(Debug)]
+pub struct Levels {
+    contact: Contact,
+    levels: Vec<Level>,
+    dissipation: Option<Dissipation>,
+}
+
+/// One grid.
+#[derive(Debug)]
+struct Level {
+    nx: usize,
+    ny: usize,
+    /// Δq and the place of the rigid slip within the step, as in [`Problem`].
+    distance: f64,
+    ahead: f64,
+    area: f64,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    bound: Vec<f64>,
+    yields: Option<Yield>,
+    solver: TangentialSolver,
+}
+
+impl Level {
+    fn new(grid: &Structured, contact: &Contact) -> Self {
+        let (dx, dy) = (grid.dx(), grid.dy());
+        let Contact { bodies, layer, yields, semi_axes: [a, _], motion, difference, .. } = *contact;
+        let influence = Influence::of_grid(grid, bodies.instantaneous);
+        let (nx, ny) = (grid.ni, grid.nj);
+        let stencil = motion.stencil(difference);
+        let operator = match bodies.remember() {
+            true => SlipOperator::of_memory(&bodies, stencil, layer, [nx, ny], [dx, dy], a / dx),
+            false => SlipOperator::new(&influence, stencil, layer, [nx, ny], a / dx),
+        };
+        let (distance, ahead) = match motion {
+            Motion::Shift => (1.0, 0.0),
+            _ => (dx, difference.rigid_slip_ahead() * dx),
+        };
+        Self {
+            nx,
+            ny,
+            distance,
+            ahead,
+            area: dx * dy,
+            x: (0..nx).map(|i| grid.x(i)).collect(),
+            y: (0..ny).map(|j| grid.y(j)).collect(),
+            bound: vec![0.0; grid.points()],
+            yields,
+            solver: TangentialSolver::new(operator),
+        }
+    }
+
+    /// Solves with prescribed creepages or forces, from the state; the number of Newton steps.
+    fn find(
+        &mut self,
+        target: &Target<'_>,
+        state: &mut TangentialState,
+    ) -> Result<usize, TangentialError> {
+        let most_force = self.most_force();
+        let Self { nx, distance, ahead, area, x, y, bound, yields, solver, .. } = self;
+        let Target { prescribed, history, .. } = *target;
+        let before = history.and_then(|history| history.plastic);
+        let mut problem = Problem {
+            nx: *nx,
+            distance: *distance,
+            ahead: *ahead,
+            element_area: *area,
+            x,
+            y,
+            bound,
+            slip_history: history.map(|history| history.slip),
+            layer: yields.map(|law| Layer { law, before }),
+            wanted: None,
+        };
+        for (k, creepage) in state.creepage.iter_mut().enumerate() {
+            if prescribed.force[k].is_none() {
+                *creepage = prescribed.creepage[k];
+            }
+        }
+        if prescribed.has_force() {
+            problem.wanted = Some(target.wanted(most_force));
+        }
+        let before = state.creepage;
+        // Particles whose shifts gather soften all that follows: Newton's method overshoots.
+        let softens =
+            problem.layer.filter(|layer| layer.before.is_none() && layer.law.hardening < 0.0);
+        let solved = match softens {
+            Some(layer) => solver.solve_by_passes(&problem, layer, state, target.accuracy),
+            None => solver.solve(&problem, state, target.accuracy),
+        };
+        let mut forces = (0..3).filter(|k| prescribed.force[*k].is_some());
+        let effort = match (solved, forces.next(), forces.next()) {
+            (Err(_), Some(k), None) => {
+                *state = TangentialState::at_rest(bound, before);
+                solver.solve_by_bracket(&problem, k, state, target.accuracy)
+            }
+            (solved, ..) => solved,
+        };
+        Ok(effort?.newton_steps)
+    }
+
+    /// f N on this grid [N].
+    fn most_force(&self) -> f64 {
+        match self.yields {
+            Some(law) => self.bound.iter().map(|g| law.most(*g)).sum::<f64>() * self.area,
+            None => self.bound.iter().sum::<f64>() * self.area,
+        }
+    }
+
+    /// The moment of a contact that turns about the origin, Σ g r dA [N m].
+    fn most_moment(&self) -> f64 {
+        let row = |(bounds, y): (&[f64], &f64)| -> f64 {
+            let most = |g: &f64| self.yields.map_or(*g, |law| law.most(*g));
+            bounds.iter().zip(&self.x).map(|(g, x)| most(g) * x.hypot(*y)).sum()
+        };
+        self.bound.chunks_exact(self.nx).zip(&self.y).map(row).sum::<f64>() * self.area
+    }
+
+    fn refuse_beyond_friction(&self, prescribed: &Prescribed) -> Result<(), TangentialError> {
+        let stiffness = self.solver.self_influence().recip();
+        if let Some(Yield { hardening, .. }) = self.yields.filter(|law| law.hardening <= -stiffness)
+        {
+            return Err(TangentialError::SnapsBack { hardening, stiffness });
+        }
+        let [x, y, moment] = prescribed.force.map(Option::unwrap_or_default);
+        let (force, most) = (x.hypot(y), self.most_force());
+        if force > most * (1.0 + BEYOND) {
+            return Err(TangentialError::BeyondFriction { force, most });
+        }
+        match moment.abs() > self.most_moment() {
+            true => Err(TangentialError::MomentBeyondFriction { moment, most: self.most_moment() }),
+            false => Ok(()),
+        }
+    }
+}
+
+/// What is there before a step.
+#[derive(Clone, Copy, Debug)]
+pub struct History<'a> {
+    /// Slip s₀ without tractions, x and y [m].
+    pub slip: [&'a [f64]; 2],
+    /// Plastic shift of a layer that yields, of every element before the step [m]; `None` in steady rolling.
+    pub plastic: Option<&'a [f64]>,
+}
+
+impl<'a> History<'a> {
+    /// Of bodies alone.
+    #[must_use]
+    pub fn of_slip(slip: [&'a [f64]; 2]) -> Self {
+        Self { slip, plastic: None }
+    }
+}
+
+/// What is asked of a grid.
+struct Target<'a> {
+    prescribed: &'a Prescribed,
+    history: Option<History<'a>>,
+    /// Accuracy of the tractions.
+    accuracy: f64,
+    /// Error of the forces allowed, over f N.
+    tolerance: f64,
+    /// −∂F_x/∂ξ at small creepage, roughly [N], or [N/m] in a shift.
+    slope: f64,
+    /// A length of the contact [m].
+    length: f64,
+}
+
+impl Target<'_> {
+    /// The forces, on a grid that carries f N at most.
+    fn wanted(&self, most_force: f64) -> Wanted {
+        let Prescribed { force, creepage } = *self.prescribed;
+        let [x, y, moment] = force.map(|one| one.unwrap_or_default().abs());
+        // Small forces that nothing but their creepage makes.
+        let alone = self.history.is_none() && creepage == [0.0; 3];
+        let size = x.max(y).max(moment / self.length) / most_force;
+        let relative =
+            if alone && size > 0.0 { (SMALL_FORCE * size).max(ROUNDING) } else { f64::INFINITY };
+        Wanted {
+            force,
+            tolerance: self.tolerance.min(relative) * most_force,
+            length: self.length,
+            creepage: most_force / self.slope,
+        }
+    }
+}
+
+/// A solution on the finest grid, and what it took.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Solution {
+    /// Tractions, slips, states and creepages.
+    pub state: TangentialState,
+    /// Products with the slip operator on the finest grid.
+    pub operator_applications: usize,
+    /// Newton steps on all grids.
+    pub newton_steps: usize,
+}
+
+/// Why there is no solution.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TangentialError {
+    /// A grid did not converge.
+    #[error(transparent)]
+    NotConverged(#[from] NotConverged),
+    /// The force is beyond what friction carries.
+    #[error(
+        "a tangential force of {force:.6e} N is beyond f N = {most:.6e} N; prescribe less, or \
+         motion.creepage"
+    )]
+    BeyondFriction {
+        /// The force asked for [N].
+        force: f64,
+        /// f N [N].
+        most: f64,
+    },
+    /// A layer softens faster than an element unloads.
+    #[error(
+        "the layer softens by {:.3e} Pa/m, faster than an element of this grid unloads, {stiffness:.3e} Pa/m: it jumps; let it soften \
+         less, or raise mech.resolution",
+        -.hardening
+    )]
+    SnapsBack {
+        /// Change of the yield stress with the plastic shift [Pa/m].
+        hardening: f64,
+        /// Traction that takes back a unit of slip of an element [Pa/m].
+        stiffness: f64,
+    },
+    /// The moment is beyond what friction carries.
+    #[error("a spin moment of {moment:.6e} N m is beyond the {most:.6e} N m of a turning contact")]
+    MomentBeyondFriction {
+        /// The moment asked for [N m].
+        moment: f64,
+        /// Σ g r dA about the origin [N m].
+        most: f64,
+    },
+}
+
+impl Solution {
+    /// A state that no work has gone into.
+    #[must_use]
+    pub fn new(state: TangentialState) -> Self {
+        Self { state, operator_applications: 0, newton_steps: 0 }
+    }
+}
+
+impl Levels {
+    /// Operators for this grid and all coarser ones.
+    #[must_use]
+    pub fn new(grid: &Structured, contact: &Contact) -> Self {
+        let Contact { bodies, layer, difference, .. } = contact;
+        let dissipation = match contact.motion {
+            Motion::SteadyRolling | Motion::RollingStep => {
+                Dissipation::new(*difference, bodies, *layer, grid)
+            }
+            Motion::FirstRollingStep | Motion::Shift => None,
+        };
+        let mut levels = vec![Level::new(grid, contact)];
+        let mut grid = *grid;
+        let coarsens = matches!(contact.motion, Motion::SteadyRolling | Motion::Shift);
+        let narrow = |grid: &Structured| grid.nj > 1 && grid.ni.min(grid.nj) <= 4;
+        while coarsens && grid.ni.max(grid.nj) > COARSEST && !narrow(&grid) {
+            grid.ni = grid.ni.div_ceil(2);
+            grid.step_i = grid.step_i.map(|value| 2.0 * value);
+            if grid.nj > 1 {
+                grid.nj = grid.nj.div_ceil(2);
+                grid.step_j = grid.step_j.map(|value| 2.0 * value);
+            }
+            levels.push(Level::new(&grid, contact));
+        }
+        Self { contact: *contact, levels, dissipation }
+    }
+
+    /// Solves for this traction bound g [Pa] on the finest grid, coarsest grid first.
+    ///
+    /// # Errors
+    /// The forces are beyond what friction carries, or an iteration does not converge.
+    pub fn solve(
+        &mut self,
+        bound: &[f64],
+        prescribed: &Prescribed,
+    ) -> Result<Solution, TangentialError> {
+        self.restrict(bound);
+        self.levels[0].refuse_beyond_friction(prescribed)?;
+        let most_force = self.levels[0].most_force();
+        let applied = self.levels[0].solver.work().0;
+        let mut state = TangentialState::default();
+        let mut newton_steps = 0;
+        for index in (0..self.levels.len()).rev() {
+            // What the bound of a coarser grid loses at its edge, forces lose too.
+            let share = self.levels[index].most_force() / most_force;
+            let prescribed = Prescribed {
+                force: prescribed.force.map(|one| one.map(|force| share * force)),
+                ..*prescribed
+            };
+            let target = self.target(&prescribed, None, index == 0);
+            let (fine, coarse) = self.levels.split_at_mut(index + 1);
+            let level = &mut fine[index];
+            state = match coarse.first() {
+                None => TangentialState::at_rest(&level.bound, [0.0; 3]),
+                Some(coarse) => prolong(coarse, &state, level),
+            };
+            newton_steps += level.find(&target, &mut state)?;
+        }
+        let operator_applications = self.levels[0].solver.work().0 - applied;
+        Ok(Solution { state, operator_applications, newton_steps })
+    }
+
+    /// Solves on the finest grid only, from a solution that is near, whose tractions are cut to the
+    /// new bound; `history` is what is there without tractions.
+    ///
+    /// # Errors
+    /// As for [`Levels::solve`].
+    pub fn improve(
+        &mut self,
+        bound: &[f64],
+        prescribed: &Prescribed,
+        history: Option<History<'_>>,
+        solution: &mut Solution,
+    ) -> Result<(), TangentialError> {
+        let target = self.target(prescribed, history, true);
+        let level = &mut self.levels[0];
+        level.bound.copy_from_slice(bound);
+        level.refuse_beyond_friction(prescribed)?;
+        let applied = level.solver.work().0;
+        match (level.yields, history.and_then(|history| history.plastic)) {
+            (Some(law), Some(before)) => {
+                let pairs = bound.iter().zip(before);
+                let limit: Vec<f64> = pairs.map(|(g, before)| law.limit(*g, *before)).collect();
+                solution.state.fit(&limit);
+            }
+            _ => solution.state.fit(bound),
+        }
+        solution.newton_steps += level.find(&target, &mut solution.state)?;
+        solution.operator_applications += level.solver.work().0 - applied;
+        Ok(())
+    }
+
+    /// Numerical dissipation on the finest grid [W/m²], from tractions and pressure [Pa] and the speed
+    /// of rolling [m/s]. The pressure matters to bodies of different constants only. `None` for the
+    /// upwind difference, and for motions in time.
+    pub fn dissipation(
+        &mut self,
+        traction: [&[f64]; 2],
+        pressure: &[f64],
+        speed: f64,
+    ) -> Option<Vec<f64>> {
+        Some(self.dissipation.as_mut()?.power(traction, pressure, speed))
+    }
+
+    /// The displacement difference A p of tractions on the finest grid [m]; for a motion whose
+    /// operator is A.
+    pub fn displacement(&mut self, traction: [&[f64]; 2], displacement: [&mut [f64]; 2]) {
+        assert!(
+            matches!(self.contact.motion, Motion::FirstRollingStep | Motion::Shift),
+            "the operator of this motion is not A"
+        );
+        self.levels[0].solver.apply(traction, displacement);
+    }
+
+    fn target<'a>(
+        &self,
+        prescribed: &'a Prescribed,
+        history: Option<History<'a>>,
+        finest: bool,
+    ) -> Target<'a> {
+        let [a, b] = self.contact.semi_axes;
+        // Rolling by one element shifts by ξ Δx.
+        let distance = self.levels[0].distance;
+        let slope = match self.contact.motion {
+            Motion::FirstRollingStep | Motion::RollingStep => self.contact.slope() * distance,
+            Motion::SteadyRolling | Motion::Shift => self.contact.slope(),
+        };
+        let accuracy = if finest { self.contact.tolerance } else { COARSE_TOLERANCE };
+        let tolerance = if finest { FORCE_SHARE * accuracy } else { COARSE_FORCE };
+        Target { prescribed, history, accuracy, tolerance, slope, length: (a * b).sqrt() }
+    }
+
+    fn restrict(&mut self, bound: &[f64]) {
+        self.levels[0].bound.copy_from_slice(bound);
+        for index in 1..self.levels.len() {
+            let (fine, coarse) = self.levels.split_at_mut(index);
+            full_weighting(&fine[index - 1], &mut coarse[0]);
+        }
+    }
+}
+
+/// Bound of every second element, averaged with its neighbours.
+fn full_weighting(fine: &Level, coarse: &mut Level) {
+    let at = |i: i64, j: i64| {
+        let inside = (0..fine.nx as i64).contains(&i) && (0..fine.ny as i64).contains(&j);
+        if inside { fine.bound[j as usize * fine.nx + i as usize] } else { 0.0 }
+    };
+    for (index, value) in coarse.bound.iter_mut().enumerate() {
+        let (i, j) = (2 * (index % coarse.nx) as i64, 2 * (index / coarse.nx) as i64);
+        let row = |j: i64| 0.25 * at(i - 1, j) + 0.5 * at(i, j) + 0.25 * at(i + 1, j);
+        *value = match fine.ny {
+            1 => row(0),
+            _ => 0.25 * row(j - 1) + 0.5 * row(j) + 0.25 * row(j + 1),
+        };
+    }
+}
+
+/// A coarse solution as the start on the next finer grid.
+fn prolong(coarse: &Level, from: &TangentialState, fine: &Level) -> TangentialState {
+    let mut state = TangentialState::at_rest(&fine.bound, from.creepage);
+    for index in 0..fine.bound.len() {
+        let g = fine.bound[index];
+        if g == 0.0 {
+            continue;
+        }
+        let (i, j) = (index % fine.nx, index / fine.nx);
+        let [rx, ry] = share(coarse, from, i, j);
+        let nearest = (j / 2).min(coarse.ny - 1) * coarse.nx + (i / 2).min(coarse.nx - 1);
+        let size = rx.hypot(ry);
+        let slips = from.element[nearest] != ElementState::Adhesion && size > 0.0;
+        let cut = if slips || size > 1.0 { 1.0 / size } else { 1.0 };
+        state.traction[0][index] = rx * cut * g;
+        state.traction[1][index] = ry * cut * g;
+        if slips {
+            state.element[index] = ElementState::Slip;
+        }
+    }
+    state
+}
+
+/// p/g at an element of the fine grid, bilinear over the coarse elements in contact.
+fn share(coarse: &Level, from: &TangentialState, i: usize, j: usize) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    let mut weights = 0.0;
+    for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let (ci, cj) =
+            ((i / 2 + di * (i % 2)).min(coarse.nx - 1), (j / 2 + dj * (j % 2)).min(coarse.ny - 1));
+        let at = cj * coarse.nx + ci;
+        let g = coarse.bound[at];
+        if g > 0.0 {
+            sum[0] += from.traction[0][at] / g;
+            sum[1] += from.traction[1][at] / g;
+            weights += 1.0;
+        }
+    }
+    if weights > 0.0 { sum.map(|value| value / weights) } else { sum }
+}

@@ -1,0 +1,336 @@
+//! Influence numbers of viscoelastic half-spaces in steady rolling.
+//!
+//! Each body is a standard linear solid with a constant Poisson's ratio: under a constant stress its
+//! compliance grows from the instantaneous J to (1 + f) J,
+//!
+//! J(t) = J [1 + f (1 − e^{−t/τ})],
+//!
+//! with the delayed compliance f over the instantaneous one [-] and the retardation time τ [s]. Kelvin's
+//! solid is the limit of a large f with a stiff instantaneous response, Maxwell's fluid that of f and
+//! τ → ∞ with τ/f kept, in which the approach grows without bound.
+//!
+//! Stresses of a half-space under given tractions do not depend on J (the principle of
+//! correspondence), and displacements follow by superposition in time. In a frame that moves with the
+//! contact a particle was at x + s when the distance s was still to be rolled. So the number of an element,
+//! with A that of [`super::influence`] for the body's share, is
+//!
+//! K(x, y) = A(x, y) + f T(x, y),   T(x, y) = ∫₀^∞ A(x + s, y) e^{−s/l} ds/l,   l = V τ,
+//!
+//! summed over both bodies. K is not symmetric: where the load has been, x < 0, the surface is still
+//! low. For l → 0 the body is elastic with (1 + f) J, for l → ∞ with J.
+//!
+//! A line of contact, a single row, is not plane strain here but the middle of its width, as a half-plane has no displacement far away on which a
+//! long memory could end; both agree as the square of the contact's length over the width.
+//!
+//! **Integration.** T(x) = e^{−h} T(x + Δx) + ∫₀^{Δx} A(x + s) e^{−s/l} ds/l with h = Δx/l, from the
+//! farthest element ahead on, whose integral is taken in panels that grow with the distance. On a
+//! panel A is interpolated at Gauss's ten points, and the polynomial integrated with the exponential, for any h.
+//! Seen along x, A has branch points abreast of the element's corners: panels are halved until they are
+//! half as long as the nearest one is far. Numbers are right to 1e-9 of themselves (test `numbers_against_quadrature`).
+//!
+//! Sources: S. C. Hunter, J. Appl. Mech. 28 (1961) 611, for the steady state; G. Wang and K. Knothe,
+//! J. Appl. Mech. 60 (1993) 310, for the same in elements. The recursion is this project's.
+
+use super::influence::Influence;
+use elastic::Elasticity;
+use elastic::Material;
+use numerics::convolution::Complex64;
+
+/// Gauss's rule on (0, 1): points below the middle, from the middle, and weights.
+const HALF_RULE: [(f64, f64); 5] = [
+    (0.074_437_169_490_815_6, 0.147_762_112_357_376_44),
+    (0.216_697_697_064_623_6, 0.134_633_359_654_998_18),
+    (0.339_704_784_149_512_2, 0.109_543_181_257_991_02),
+    (0.432_531_683_344_492_25, 0.074_725_674_575_290_3),
+    (0.486_953_264_258_585_85, 0.033_335_672_154_344_07),
+];
+const POINTS: usize = 2 * HALF_RULE.len();
+/// Halvings of an element's side at most: what is left of the branch point is below rounding.
+const MOST_HALVINGS: usize = 16;
+/// Decay of the memory beyond which nothing is left of it, as an exponent.
+const FORGOTTEN: f64 = 40.0;
+/// Panels of the tail at most, in lengths of the memory: the exponential weighs their beginning.
+const LONGEST: f64 = 8.0;
+
+/// How the compliance of a material grows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Retardation {
+    /// Delayed compliance f over the instantaneous one [-].
+    pub ratio: f64,
+    /// Retardation time τ [s].
+    pub time: f64,
+}
+
+/// What a body's compliance gains with time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Delayed {
+    /// Elastic constants of the delayed compliance f J; zero for an elastic body.
+    pub elasticity: Elasticity,
+    /// Distance l = V τ rolled in the retardation time [m].
+    pub length: f64,
+}
+
+/// Two half-spaces that roll.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bodies {
+    /// Elastic constants at once.
+    pub instantaneous: Elasticity,
+    /// What comes with delay, body by body.
+    pub delayed: [Delayed; 2],
+}
+
+impl From<Elasticity> for Bodies {
+    fn from(instantaneous: Elasticity) -> Self {
+        Self { instantaneous, ..Self::default() }
+    }
+}
+
+impl From<&Bodies> for Bodies {
+    fn from(bodies: &Bodies) -> Self {
+        *bodies
+    }
+}
+
+impl Bodies {
+    /// Body 1 on body 2, of these materials, that roll with this speed [m/s].
+    #[must_use]
+    pub fn rolling(
+        materials: &[Material; 2],
+        retardation: &[Option<Retardation>; 2],
+        speed: f64,
+    ) -> Self {
+        let shares = Elasticity::of_bodies(materials);
+        let delayed = |body: usize| {
+            let of = |Retardation { ratio, time }| Delayed {
+                elasticity: shares[body].scaled(ratio),
+                length: speed * time,
+            };
+            retardation[body].map(of).unwrap_or_default()
+        };
+        let [upper, lower] = materials;
+        Self { instantaneous: Elasticity::of_pair(upper, lower), delayed: [delayed(0), delayed(1)] }
+    }
+
+    /// Whether either body has a memory.
+    #[must_use]
+    pub fn remember(&self) -> bool {
+        self.delayed.iter().any(|body| body.elasticity != Elasticity::default())
+    }
+
+    /// What there is of it; of bodies whose memory is equally long together.
+    fn memories(&self) -> impl Iterator<Item = Delayed> {
+        let [mut one, mut other] = self.delayed;
+        if one.length == other.length {
+            one.elasticity = one.elasticity.plus(&other.elasticity);
+            other = Delayed::default();
+        }
+        [one, other].into_iter().filter(|body| body.elasticity != Elasticity::default())
+    }
+
+    /// Whether normal and tangential displacements are coupled.
+    #[must_use]
+    pub fn are_coupled(&self) -> bool {
+        let delayed = self.memories().any(|body| body.elasticity.is_coupled());
+        self.instantaneous.is_coupled() || delayed
+    }
+
+    /// K over A of a wave, roughly: 1 + Σ f/(1 − ikl) with the shares of the bodies, the exponential
+    /// memory taken over a displacement that is linear from element to element of side `dx` [m];
+    /// `upstream` is the symbol of the shift to the upstream element.
+    #[must_use]
+    pub fn growth(&self, upstream: Complex64, dx: f64) -> Complex64 {
+        self.memories().fold(Complex64::new(1.0, 0.0), |sum, Delayed { elasticity, length }| {
+            let h = dx / length;
+            let (decay, mean) = ((-h).exp(), -(-h).exp_m1() / h);
+            let factor = elasticity.contact_compliance() / self.instantaneous.contact_compliance();
+            let memory = (upstream * (mean - decay) + (1.0 - mean)) / (1.0 - upstream * decay);
+            sum + memory * factor
+        })
+    }
+
+    /// The elastic constants of bodies that had time without end.
+    #[must_use]
+    pub fn relaxed(&self) -> Elasticity {
+        self.delayed.iter().fold(self.instantaneous, |sum, body| sum.plus(&body.elasticity))
+    }
+}
+
+/// Numbers K of some components at the offsets of a grid: up to nx elements downstream and nx + 1
+/// upstream, ny − 1 across.
+#[derive(Clone, Debug)]
+pub struct Numbers<const N: usize> {
+    nx: i32,
+    width: usize,
+    values: Vec<[f64; N]>,
+}
+
+impl<const N: usize> Numbers<N> {
+    /// Evaluates them for elements dx × dy; `kernel` has the components of A at (x, y) [m/Pa].
+    #[must_use]
+    pub fn new(
+        [nx, ny]: [usize; 2],
+        [dx, dy]: [f64; 2],
+        bodies: &Bodies,
+        kernel: impl Fn(&Influence, f64, f64) -> [f64; N],
+    ) -> Self {
+        let width = 2 * nx + 2;
+        let mut values = vec![[0.0; N]; width * ny];
+        let at_once = Influence::of_elements([dx, dy], bodies.instantaneous);
+        let place = |column: usize| (column as f64 - nx as f64) * dx;
+        for (j, row) in values.chunks_exact_mut(width).enumerate() {
+            let y = j as f64 * dy;
+            for (column, value) in row.iter_mut().enumerate() {
+                *value = kernel(&at_once, place(column), y);
+            }
+        }
+        for Delayed { elasticity, length } in bodies.memories() {
+            let influence = Influence::of_elements([dx, dy], elasticity);
+            let memory = Memory::new(dx, length);
+            for (j, row) in values.chunks_exact_mut(width).enumerate() {
+                let y = j as f64 * dy;
+                let line = Line {
+                    half: 0.5 * dx,
+                    abreast: (y - 0.5 * dy).max(0.0),
+                    kernel: |x: f64| kernel(&influence, x, y),
+                };
+                let mut sum = memory.tail(&line, place(width - 1));
+                for (column, value) in row.iter_mut().enumerate().rev() {
+                    if column + 1 < width {
+                        sum = add(
+                            sum.map(|one| memory.decay * one),
+                            memory.step(&line, place(column)),
+                        );
+                    }
+                    *value = add(*value, sum);
+                }
+            }
+        }
+        Self { nx: nx as i32, width, values }
+    }
+
+    /// The numbers at an offset of (i, |j|) elements [m/Pa].
+    #[must_use]
+    pub fn value(&self, i: i32, j: i32) -> [f64; N] {
+        self.values[j.unsigned_abs() as usize * self.width + (i + self.nx) as usize]
+    }
+}
+
+fn add<const N: usize>(one: [f64; N], other: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| one[k] + other[k])
+}
+
+/// A along a line in the direction of rolling.
+struct Line<F> {
+    /// Where the branch points are, before and behind the element's centre [m].
+    half: f64,
+    /// How far beside the line they are [m].
+    abreast: f64,
+    kernel: F,
+}
+
+impl<F> Line<F> {
+    /// Distance of a panel from the nearest branch point [m].
+    fn clearance(&self, from: f64, length: f64) -> f64 {
+        let along = |at: f64| (from - at).max(at - from - length).max(0.0);
+        along(self.half).min(along(-self.half)).hypot(self.abreast)
+    }
+}
+
+/// An exponential memory.
+struct Memory {
+    dx: f64,
+    length: f64,
+    /// e^{−h} of an element's side.
+    decay: f64,
+    /// Weights of an element's side, and of its halves and their halves.
+    weights: Vec<[f64; POINTS]>,
+}
+
+impl Memory {
+    fn new(dx: f64, length: f64) -> Self {
+        let h = dx / length;
+        let weights = (0..=MOST_HALVINGS).map(|k| weights(h / f64::from(1_u32 << k))).collect();
+        Self { dx, length, decay: (-h).exp(), weights }
+    }
+
+    /// ∫₀^{Δx} A(x + s) e^{−s/l} ds/l.
+    fn step<const N: usize>(&self, line: &Line<impl Fn(f64) -> [f64; N]>, x: f64) -> [f64; N] {
+        let (mut sum, mut from, mut level) = ([0.0; N], 0.0, 0);
+        while from < 1.0 {
+            let mut share = 0.5_f64.powi(level as i32);
+            // Panels begin at multiples of their length.
+            while level > 0 && (from / (2.0 * share)).fract() == 0.0 {
+                (level, share) = (level - 1, 2.0 * share);
+            }
+            while level < MOST_HALVINGS
+                && 2.0 * share * self.dx > line.clearance(x + from * self.dx, share * self.dx)
+            {
+                (level, share) = (level + 1, 0.5 * share);
+            }
+            let start = (-from * self.dx / self.length).exp();
+            let panel = panel(line, x + from * self.dx, share * self.dx, &self.weights[level]);
+            sum = add(sum, panel.map(|one| start * one));
+            from += share;
+        }
+        sum
+    }
+
+    /// ∫₀^∞ A(x + s) e^{−s/l} ds/l, beyond the element.
+    fn tail<const N: usize>(&self, line: &Line<impl Fn(f64) -> [f64; N]>, x: f64) -> [f64; N] {
+        let (mut sum, mut from) = ([0.0; N], 0.0);
+        while from < FORGOTTEN * self.length {
+            let length = (0.5 * line.clearance(x + from, 0.0)).min(LONGEST * self.length);
+            let start = (-from / self.length).exp();
+            let panel = panel(line, x + from, length, &weights(length / self.length));
+            sum = add(sum, panel.map(|one| start * one));
+            from += length;
+        }
+        sum
+    }
+}
+
+/// ∫ A(x + s) e^{−s/l} ds/l over a panel, with its weights.
+fn panel<const N: usize>(
+    line: &Line<impl Fn(f64) -> [f64; N]>,
+    x: f64,
+    length: f64,
+    weights: &[f64; POINTS],
+) -> [f64; N] {
+    let mut sum = [0.0; N];
+    for ((t, _), weight) in rule().zip(weights) {
+        sum = add(sum, (line.kernel)(x + t * length).map(|value| weight * value));
+    }
+    sum
+}
+
+/// Gauss's points on (0, 1), and their weights.
+fn rule() -> impl Iterator<Item = (f64, f64)> {
+    let side = |sign: f64| HALF_RULE.map(|(t, weight)| (0.5 + sign * t, weight));
+    side(-1.0).into_iter().chain(side(1.0))
+}
+
+/// ∫₀¹ h e^{−ht} L_k(t) dt of the polynomials L_k that interpolate at Gauss's points.
+fn weights(h: f64) -> [f64; POINTS] {
+    let points: Vec<f64> = rule().map(|(t, _)| t).collect();
+    let polynomial = |k: usize, t: f64| -> f64 {
+        let others = (0..POINTS).filter(|other| *other != k);
+        others.map(|other| (t - points[other]) / (points[k] - points[other])).product()
+    };
+    // In panels over which the exponential falls by e² at most, up to where it has vanished.
+    let reach = (FORGOTTEN / h).min(1.0);
+    let panels = (0.5 * h * reach).ceil().max(1.0);
+    let mut weights = [0.0; POINTS];
+    for panel in 0..panels as usize {
+        for (at, share) in rule() {
+            let t = reach * (panel as f64 + at) / panels;
+            let factor = share * h * (-h * t).exp() * reach / panels;
+            for (k, weight) in weights.iter_mut().enumerate() {
+                *weight += factor * polynomial(k, t);
+            }
+        }
+    }
+    weights
+}
+
+#[cfg(test)]
+mod tests;

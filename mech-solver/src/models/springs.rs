@@ -1,0 +1,64 @@
+//! Case keys of the springs of the simplified theory ([`elastic::fastsim`]), which several models have.
+
+use crate::keys::CheckedParams;
+use elastic::fastsim::flexibility::Kind;
+use elastic::fastsim::reduction::Reduction;
+use proto::configuration::Refusal;
+use proto::description::KeySpec;
+
+const FLEXIBILITY: &str = "mech.flexibility";
+const FACTOR: &str = "mech.slope_factor";
+const RATIO: &str = "mech.slope_factor_ratio";
+const DECREASE: &str = "mech.slope_factor_decrease";
+
+/// Declares the key of the number of flexibilities.
+pub(super) fn flexibility_key() -> KeySpec {
+    KeySpec::choice(
+        FLEXIBILITY,
+        &["single", "kalker-1982", "three", "blended"],
+        "one flexibility for all creepages (exact friction power), the same by the sum of FASTSIM as published in 1982, one for each \
+         (exact slopes), or three at small creepage and one at large",
+    )
+    .default_value("single")
+}
+
+/// How many flexibilities a case asks for.
+///
+/// # Errors
+/// The value is none of the choices.
+pub(super) fn flexibility(case: &CheckedParams<'_>) -> Result<Kind, Refusal> {
+    Ok(match case.text(FLEXIBILITY)? {
+        "three" => Kind::Three,
+        "blended" => Kind::Blended,
+        "kalker-1982" => Kind::Kalker1982,
+        _ => Kind::Single,
+    })
+}
+
+/// Declares the keys of a creep curve of less slope.
+pub(super) fn reduction_keys() -> Vec<KeySpec> {
+    vec![
+        KeySpec::number(
+            FACTOR,
+            "slope of the creep curve at small creepage over that of the linear theory, k_0",
+        )
+        .default_value(1.0)
+        .above(0.0)
+        .at_most(1.0),
+        KeySpec::number(RATIO, "the factor at large creepage over that at small, alpha")
+            .default_value(1.0)
+            .above(0.0)
+            .at_most(1.0),
+        KeySpec::number(DECREASE, "how fast the factor falls with the area of slip, beta")
+            .default_value(0.0)
+            .at_least(0.0),
+    ]
+}
+
+/// How a case reduces the slope of the creep curve.
+///
+/// # Errors
+/// A value is out of range.
+pub(super) fn reduction(case: &CheckedParams<'_>) -> Result<Reduction, Refusal> {
+    Ok(Reduction::new(case.number(FACTOR)?, case.number(RATIO)?, case.number(DECREASE)?))
+}

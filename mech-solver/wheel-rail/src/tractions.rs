@@ -1,0 +1,248 @@
+//! A patch under its pressure, about to slide: friction, and the tractions that it allows.
+
+use super::creepage::{Rolling, RowSlip};
+use super::error::TrackError;
+use super::fields::Fields;
+use super::interface::{Elements, Interface};
+use super::local::Window;
+use super::patch::Work;
+use super::pool::Pool;
+use super::pressed::{Pressed, copy_centred};
+use super::rail::Side;
+use super::settings::Settings;
+use super::sliding::everywhere;
+use super::springs;
+use half_space::difference::Difference;
+use half_space::friction::ElementFriction;
+use half_space::levels::{History, Levels, Solution, TangentialError};
+use half_space::settling::SlipStart;
+use half_space::settling::{Settling, first_velocities, slip_velocities};
+use half_space::tangential::{Creepage, Prescribed, TangentialState};
+
+/// A patch that is about to slide.
+pub(super) struct Sliding<'a> {
+    pub(super) side: Side,
+    pub(super) settings: &'a Settings,
+    pub(super) pressed: &'a Pressed,
+    pub(super) rolling: &'a Rolling,
+    /// The part of its window that holds the contact.
+    pub(super) part: Window,
+    /// Rigid slip of the rows of the window beside that of the creepages, if there is.
+    pub(super) besides: Option<Vec<RowSlip>>,
+    /// Slip of a step on the window that elastic half-spaces do not have [m], if there is.
+    pub(super) elastic: Option<[Vec<f64>; 2]>,
+}
+
+/// A patch that slides.
+pub(super) struct Slid {
+    /// The part of the window that they were solved on.
+    pub(super) part: Window,
+    pub(super) fields: Fields,
+    /// Part of the friction power that rigid slip off the plane gives [W].
+    pub(super) off_plane: f64,
+    /// Its tractions on the part, if half-spaces gave them.
+    pub(super) state: Option<TangentialState>,
+    /// What springs gave.
+    pub(super) by_springs: Option<springs::Slid>,
+}
+
+impl Sliding<'_> {
+    /// The tractions, from a state that is near if there is one.
+    pub(super) fn solve(
+        &self,
+        law: &dyn Interface,
+        near: Option<TangentialState>,
+        pool: &mut Pool,
+        work: &mut Work,
+    ) -> Result<Slid, TrackError> {
+        let Self { settings, pressed, rolling, part, besides, elastic, .. } = self;
+        let Pressed { frame, window, .. } = pressed;
+        let mut fields = Fields::pressed(
+            window,
+            settings.difference,
+            frame.element,
+            &pressed.distance,
+            &pressed.pressure,
+        );
+        let rubs = Rubs { about: self, law };
+        work.tangential_contacts += 1;
+        if let Some(springs) = settings.springs() {
+            let friction = rubs.friction(&fields, None)?;
+            let given = (&friction, besides.as_deref());
+            let with = (*settings, springs);
+            let slid = springs::slide(pressed, rolling, with, given, &mut fields);
+            let off_plane = slid.off_plane;
+            return Ok(Slid {
+                part: *part,
+                fields,
+                off_plane,
+                state: None,
+                by_springs: Some(slid),
+            });
+        }
+        let rigid =
+            besides.as_deref().map(|rows| slip_of_a_step(rows, window, part, settings.difference));
+        let all = with_elastic(rigid.as_ref(), elastic.as_ref(), (window, part));
+        let [rigid, all] = [&rigid, &all].map(|slip| slip.as_ref().map(|[x, t]| [&x[..], &t[..]]));
+        let mut tractions = |bound: &[f64], near: Option<TangentialState>| {
+            if !settings.adhesion {
+                return Ok(everywhere(bound, part, settings.difference, rolling.creepage, rigid));
+            }
+            let solution = rolls(pool.tangential(part), bound, rolling.creepage, all, near)?;
+            work.newton_steps += solution.newton_steps;
+            Ok::<_, TangentialError>(solution.state)
+        };
+        let state = match law.follows_elements() {
+            None => tractions(&fields.bound(part, &rubs.friction(&fields, None)?), near)?,
+            Some(start) => rubs.settle(start, near, &fields, tractions)?,
+        };
+        let [x, y] = &state.traction;
+        let dissipation = match settings.adhesion {
+            true => pool.tangential(part).dissipation([x, y], &[], rolling.speed),
+            false => None,
+        };
+        fields.take(part, &state, rolling.speed, dissipation.as_deref());
+        let off_plane = rigid
+            .map_or(0.0, |slip| fields.power_of_slip(part, slip, &state.traction, rolling.speed));
+        Ok(Slid { part: *part, fields, off_plane, state: Some(state), by_springs: None })
+    }
+}
+
+/// A patch and its law of friction.
+struct Rubs<'a> {
+    about: &'a Sliding<'a>,
+    law: &'a dyn Interface,
+}
+
+impl Rubs<'_> {
+    /// The tractions with the friction of the slip that they leave, looked for from a start.
+    fn settle(
+        &self,
+        start: SlipStart,
+        mut near: Option<TangentialState>,
+        fields: &Fields,
+        mut tractions: impl FnMut(
+            &[f64],
+            Option<TangentialState>,
+        ) -> Result<TangentialState, TangentialError>,
+    ) -> Result<TangentialState, TrackError> {
+        let Sliding { rolling, part, .. } = self.about;
+        let duration = part.sides[0] / rolling.speed;
+        let scale = (part.points(), duration, rolling.speed);
+        let mut settling = Settling::from(first_velocities(start, near.as_ref(), scale));
+        let bound_by = |velocity: &[f64]| {
+            Ok::<_, TrackError>(fields.bound(part, &self.friction(fields, Some(velocity))?))
+        };
+        let mut bound = bound_by(settling.velocity())?;
+        loop {
+            let state = tractions(&bound, near.take())?;
+            let share = settling.follow(&slip_velocities(&state, duration));
+            let before = std::mem::replace(&mut bound, bound_by(settling.velocity())?);
+            if settling.has_settled(share, &before, &bound)? {
+                return Ok(state);
+            }
+            near = Some(state);
+        }
+    }
+
+    /// Friction on the window, with slip velocities on the part [m/s] if it follows those.
+    fn friction(
+        &self,
+        fields: &Fields,
+        slip: Option<&[f64]>,
+    ) -> Result<ElementFriction, TrackError> {
+        let Sliding { side, pressed, rolling, part, .. } = self.about;
+        let Pressed { frame, window, region, .. } = pressed;
+        let slip = slip.map(|slip| {
+            let mut wide = vec![0.0; window.points()];
+            copy_centred((part, slip), (window, &mut wide));
+            wide
+        });
+        let elements = Elements {
+            side: *side,
+            grid: fields.developed_grid(),
+            pressure: &fields.pressure,
+            reference: [frame.reference.x, region.s],
+            angle: frame.angle,
+            speed: rolling.speed,
+            rigid_slip: &|index| self.rigid_slip(index),
+            slip: slip.as_deref(),
+        };
+        self.law.friction(&elements).map_err(TrackError::Friction)
+    }
+
+    /// Slip velocity of rigid bodies, in the middle of an element of the window [m/s].
+    fn rigid_slip(&self, index: usize) -> f64 {
+        let Sliding { pressed: Pressed { window, .. }, rolling, besides, .. } = self.about;
+        let [xi, eta, phi] = rolling.creepage;
+        let nx = window.counts()[0];
+        let (x, t) = (window.along(0, index % nx), window.along(1, index / nx));
+        let RowSlip { slip: [more_x, more_t], spin } =
+            besides.as_ref().map_or_else(RowSlip::default, |rows| rows[index / nx]);
+        rolling.speed * (xi - phi * t + more_x).hypot(eta + phi * x + more_t + spin * x)
+    }
+}
+
+/// The tractions of rolling contact, with a slip that is there besides [m], from a solution that is near if there is one.
+fn rolls(
+    levels: &mut Levels,
+    bound: &[f64],
+    creepage: Creepage,
+    more: Option<[&[f64]; 2]>,
+    near: Option<TangentialState>,
+) -> Result<Solution, TangentialError> {
+    let given = Prescribed::creepages(creepage);
+    let improved = near.and_then(|state| {
+        let mut solution = Solution::new(state);
+        levels
+            .improve(bound, &given, more.map(History::of_slip), &mut solution)
+            .is_ok()
+            .then_some(solution)
+    });
+    // What is too far from the last solution is solved without it.
+    if let Some(solution) = improved {
+        return Ok(solution);
+    }
+    let mut solution = levels.solve(bound, &given)?;
+    if more.is_some() {
+        levels.improve(bound, &given, more.map(History::of_slip), &mut solution)?;
+    }
+    Ok(solution)
+}
+
+/// Rigid slip of rows as the slip of a step on the elements of a part [m].
+fn slip_of_a_step(
+    rows: &[RowSlip],
+    window: &Window,
+    part: &Window,
+    difference: Difference,
+) -> [Vec<f64>; 2] {
+    let first = window.half[1] - part.half[1];
+    let [nx, ny] = part.counts();
+    let dx = part.sides[0];
+    [0, 1].map(|k| {
+        let row = |row: &RowSlip| {
+            let (slip, spin) = (row.slip[k], if k == 0 { 0.0 } else { row.spin });
+            (0..nx).map(move |i| {
+                dx * (slip + spin * (part.along(0, i) + difference.rigid_slip_ahead() * dx))
+            })
+        };
+        rows[first..first + ny].iter().flat_map(row).collect()
+    })
+}
+
+/// Slip of a step on a part, with an elastic one on the window, of which there may be none [m].
+fn with_elastic(
+    rigid: Option<&[Vec<f64>; 2]>,
+    elastic: Option<&[Vec<f64>; 2]>,
+    (window, part): (&Window, &Window),
+) -> Option<[Vec<f64>; 2]> {
+    let Some(elastic) = elastic else { return rigid.cloned() };
+    let mut all = [0, 1].map(|_| vec![0.0; part.points()]);
+    for (k, all) in all.iter_mut().enumerate() {
+        copy_centred((window, &elastic[k]), (part, all));
+        let rigid = rigid.iter().flat_map(|rigid| &rigid[k]);
+        all.iter_mut().zip(rigid).for_each(|(all, rigid)| *all += rigid);
+    }
+    Some(all)
+}

@@ -1,0 +1,313 @@
+//! The heat flux of earlier windows.
+//!
+//! A window's flux is needed until the slower body has carried its material across the whole
+//! grid. Windows can be much shorter than that: to keep memory and work bounded, neighbours of the
+//! past are merged into one window with their mean flux (weighted with the durations), as long as
+//! together they last no longer than the smaller of
+//!
+//! - h/V, the time in which an element is passed, and
+//! - a quarter of their age, so that the recent past, which the kernel 1/√τ weighs most, stays
+//!   resolved.
+//!
+//! However short the windows are, there are then at most two for each element of the row and
+//! eight for each factor of two between the window and h/V. The heat of a merged window and the
+//! way the material went are kept exactly, per body; its newest window is never merged, so that an
+//! accepted state reproduces the solve that led to it. Merging moves heat by less than its
+//! duration D ≤ h/V in time: for a flux into the body that changes at the rate q̇ the error of the
+//! rise stays below q̇ D^1.5/(24 β√π), of order 1.5 in the element length. A flux that does not
+//! change is not touched.
+
+use super::reconstruction::Flux;
+use super::stencil::Segment;
+use crate::window::{Drive, Stage};
+use grids::state::{read_bytes, read_numbers, write_numbers};
+use std::collections::VecDeque;
+use std::io::{self, Read, Write};
+
+/// Merged windows last no longer than this part of their age.
+const PART_OF_AGE: f64 = 0.25;
+/// Widths √(4κτ) beyond which nothing has spread.
+const SPREAD: f64 = 6.0;
+
+/// A window: mean flux of the interface and how it enters the bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Window {
+    /// Duration, speeds and shares.
+    pub drive: Drive,
+    /// Sum of the element means [W/m²].
+    pub heat: f64,
+    /// The flux.
+    pub flux: Flux,
+}
+
+/// Accepted windows, newest first, and the one on trial.
+pub struct History {
+    columns: usize,
+    rows: usize,
+    element_length: f64,
+    /// Diffusivity with which heat spreads along the surface [m²/s]; 0 where it goes straight down.
+    diffusivity: f64,
+    trial: Window,
+    accepted: VecDeque<Window>,
+    spare: Vec<Window>,
+}
+
+impl History {
+    /// Nothing has happened yet, on `rows` rows of `columns` elements of some length [m], along which
+    /// heat spreads with a diffusivity [m²/s].
+    #[must_use]
+    pub fn new(columns: usize, rows: usize, element_length: f64, diffusivity: f64) -> Self {
+        let expected = Self::expected_windows(columns);
+        let mut spare = Vec::with_capacity(expected);
+        spare.push(empty_window(columns, rows));
+        Self {
+            columns,
+            rows,
+            element_length,
+            diffusivity,
+            trial: empty_window(columns, rows),
+            accepted: VecDeque::with_capacity(expected),
+            spare,
+        }
+    }
+
+    /// Number of windows that the past of a row with `columns` elements usually comes to when
+    /// they are short.
+    #[must_use]
+    pub fn expected_windows(columns: usize) -> usize {
+        columns + 128
+    }
+
+    /// The window on trial, to be filled in.
+    pub fn trial_mut(&mut self) -> &mut Window {
+        &mut self.trial
+    }
+
+    /// The windows of a state, newest first.
+    pub fn windows(&self, stage: Stage) -> impl Iterator<Item = &Window> + Clone {
+        (stage == Stage::Trial).then_some(&self.trial).into_iter().chain(&self.accepted)
+    }
+
+    /// Window number `index` of a state, counted from the newest.
+    #[must_use]
+    pub fn window(&self, stage: Stage, index: usize) -> Option<&Window> {
+        match (stage, index) {
+            (Stage::Trial, 0) => Some(&self.trial),
+            (Stage::Trial, _) => self.accepted.get(index - 1),
+            (Stage::Accepted, _) => self.accepted.get(index),
+        }
+    }
+
+    /// The past of a state as a body sees it, newest first; `amplitude` is 1/(β√π) of the body.
+    pub fn past(
+        &self,
+        stage: Stage,
+        body: usize,
+        amplitude: f64,
+    ) -> impl Iterator<Item = (Segment, &Flux)> + Clone {
+        self.windows(stage).map(move |window| {
+            let segment = Segment {
+                duration: window.drive.duration,
+                rate: window.drive.speeds[body] / self.element_length,
+                factor: window.drive.shares[body] * amplitude,
+            };
+            (segment, &window.flux)
+        })
+    }
+
+    /// The window on trial becomes the newest of the past; the past is thinned out.
+    pub fn accept(&mut self) {
+        self.forget();
+        let mut window = self.spare.pop().unwrap_or_else(|| empty_window(self.columns, self.rows));
+        std::mem::swap(&mut window, &mut self.trial);
+        self.accepted.push_front(window);
+        self.merge();
+    }
+
+    /// Drops windows whose material leaves the grid, in both bodies, with what has spread from it, by the
+    /// end of the trial.
+    fn forget(&mut self) {
+        let length = self.columns as f64 * self.element_length;
+        let (mut passed, mut age) = ([0.0; 2], 0.0);
+        let needed = self.windows(Stage::Trial).take_while(|window| {
+            let before = f64::min(passed[0], passed[1]);
+            let spread = match self.diffusivity > 0.0 {
+                true => SPREAD * (4.0 * self.diffusivity * age).sqrt(),
+                false => 0.0,
+            };
+            for (way, speed) in passed.iter_mut().zip(window.drive.speeds) {
+                *way += speed * window.drive.duration;
+            }
+            age += window.drive.duration;
+            before < length + spread
+        });
+        let keep = needed.count() - 1;
+        self.spare.extend(self.accepted.drain(keep..));
+    }
+
+    /// Merges neighbours that are short for their age.
+    fn merge(&mut self) {
+        let Some(mut age) = self.accepted.front().map(|newest| newest.drive.duration) else {
+            return;
+        };
+        let mut index = 1;
+        while index + 1 < self.accepted.len() {
+            let (newer, older) = (&self.accepted[index].drive, &self.accepted[index + 1].drive);
+            let fastest = newer.speeds.iter().chain(&older.speeds).fold(0.0, |a: f64, b| a.max(*b));
+            let longest = f64::min(PART_OF_AGE * age, self.element_length / fastest);
+            if newer.duration + older.duration > longest {
+                age += newer.duration;
+                index += 1;
+                continue;
+            }
+            let newer = self.accepted.remove(index).expect("the index is below the length");
+            self.accepted[index].absorb(&newer);
+            self.spare.push(newer);
+        }
+    }
+
+    /// Writes the accepted windows, in the order in which [`History::restore`] reads them.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        into.write_all(&(self.accepted.len() as u64).to_le_bytes())?;
+        for Window { drive, heat, flux } in &self.accepted {
+            let ([upper, lower], [to_upper, to_lower]) = (drive.speeds, drive.shares);
+            write_numbers(into, &[drive.duration, upper, lower, to_upper, to_lower, *heat])?;
+            flux.save(into)?;
+        }
+        Ok(())
+    }
+
+    /// Reads back what [`History::save`] wrote.
+    ///
+    /// # Errors
+    /// It does not fit; then nothing has changed.
+    pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        let mut accepted = VecDeque::with_capacity(self.accepted.capacity());
+        for _ in 0..u64::from_le_bytes(read_bytes(from)?) {
+            let mut window = empty_window(self.columns, self.rows);
+            let mut numbers = [0.0; 6];
+            read_numbers(from, &mut numbers)?;
+            let [duration, upper, lower, to_upper, to_lower, heat] = numbers;
+            window.drive = Drive { duration, speeds: [upper, lower], shares: [to_upper, to_lower] };
+            window.heat = heat;
+            window.flux.restore(from)?;
+            accepted.push_back(window);
+        }
+        self.accepted = accepted;
+        Ok(())
+    }
+}
+
+impl Window {
+    /// Becomes the mean of itself and a neighbour.
+    fn absorb(&mut self, other: &Self) {
+        let (own, others) = (self.drive.duration, other.drive.duration);
+        let mean = |a: f64, b: f64, of_a: f64, of_b: f64| {
+            if a == b { a } else { (of_a * a + of_b * b) / (of_a + of_b) }
+        };
+        // Weighted with the heat, so that each body keeps its own; where the heat has no one sign
+        // weighting it makes no sense, and the time takes its place.
+        let (own_heat, others_heat) = (own * self.heat, others * other.heat);
+        let (of_own, of_others) =
+            if own_heat * others_heat > 0.0 { (own_heat, others_heat) } else { (own, others) };
+        for body in 0..2 {
+            let (mine, theirs) = (&mut self.drive, &other.drive);
+            mine.speeds[body] = mean(mine.speeds[body], theirs.speeds[body], own, others);
+            mine.shares[body] = mean(mine.shares[body], theirs.shares[body], of_own, of_others);
+        }
+        self.heat = mean(self.heat, other.heat, own, others);
+        self.flux.merge(own, &other.flux, others);
+        self.drive.duration = own + others;
+    }
+}
+
+fn empty_window(columns: usize, rows: usize) -> Window {
+    let drive = Drive { duration: 0.0, speeds: [0.0; 2], shares: [0.0; 2] };
+    Window { drive, heat: 0.0, flux: Flux::zero(columns, rows) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn push(history: &mut History, duration: f64, means: &[f64], speed: f64) {
+        let window = history.trial_mut();
+        window.drive = Drive { duration, speeds: [speed, 1.1 * speed], shares: [speed / 8.0, 0.5] };
+        window.heat = means.iter().sum();
+        window.flux.reconstruct(means);
+        history.accept();
+    }
+
+    #[test]
+    fn short_windows_stay_bounded_and_cover_the_grid() {
+        let (columns, h, speed) = (16, 1e-3, 1.0);
+        let mut history = History::new(columns, 1, h, 0.0);
+        let mut most = 0;
+        for _ in 0..60_000 {
+            push(&mut history, 1e-6, &[1.0; 16], speed);
+            most = most.max(history.accepted.len());
+        }
+        // Ten factors of two between 1e-6 s and h/V.
+        assert!(most <= 2 * columns + 200, "{most}");
+        assert!(most <= History::expected_windows(columns), "{most}");
+        let covered: f64 = history.windows(Stage::Accepted).map(|w| w.drive.duration).sum();
+        assert!(covered >= columns as f64 * h / speed && covered < 1.1 * columns as f64 * h);
+        assert!(history.accepted.len() + history.spare.len() <= most + 1, "windows are used again");
+    }
+
+    #[test]
+    fn merging_keeps_heat_time_and_way() {
+        let mut history = History::new(4, 1, 1.0, 0.0);
+        let (mut heat, mut way, mut time) = ([0.0; 2], [0.0; 2], 0.0);
+        for step in 0..300 {
+            let amount = 1.0 + f64::from(step % 5);
+            let (duration, speed) = (1e-3, 1.0 + 1e-3 * f64::from(step));
+            push(&mut history, duration, &[0.0, amount, 2.0 * amount, 0.0], speed);
+            time += duration;
+            for (body, share) in [speed / 8.0, 0.5].into_iter().enumerate() {
+                heat[body] += 3.0 * amount * share * duration;
+                way[body] += speed * [1.0, 1.1][body] * duration;
+            }
+        }
+        assert!(history.accepted.len() < 100, "{}", history.accepted.len());
+        let sum = |of: &dyn Fn(&Window) -> f64| -> f64 {
+            history.windows(Stage::Accepted).map(|w| of(w) * w.drive.duration).sum()
+        };
+        // Rounding of three hundred terms.
+        assert!((sum(&|_| 1.0) / time - 1.0).abs() < 1e-12);
+        for body in 0..2 {
+            assert!((sum(&|w| w.drive.speeds[body]) / way[body] - 1.0).abs() < 1e-12);
+            let body_heat = sum(&|w| w.drive.shares[body] * w.heat);
+            assert!((body_heat / heat[body] - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn long_windows_and_steady_motion_forget_the_rest() {
+        let mut history = History::new(4, 1, 1.0, 0.0);
+        for _ in 0..3 {
+            push(&mut history, 10.0, &[1.0; 4], 1.0);
+        }
+        assert_eq!(history.accepted.len(), 1);
+        push(&mut history, f64::INFINITY, &[2.0; 4], 1.0);
+        assert_eq!(history.accepted.len(), 1);
+        assert_eq!(history.accepted[0].heat, 8.0);
+    }
+
+    #[test]
+    fn a_truncated_state_changes_nothing() {
+        let mut history = History::new(4, 1, 1.0, 0.0);
+        push(&mut history, 0.5, &[1.0; 4], 1.0);
+        push(&mut history, 0.5, &[2.0; 4], 1.0);
+        let before = history.accepted.clone();
+        let mut bytes = Vec::new();
+        history.save(&mut bytes).unwrap();
+        assert!(history.restore(&mut &bytes[..bytes.len() - 1]).is_err());
+        assert_eq!(history.accepted, before);
+        history.restore(&mut bytes.as_slice()).unwrap();
+        assert_eq!(history.accepted, before);
+    }
+}

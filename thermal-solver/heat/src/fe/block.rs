@@ -1,0 +1,313 @@
+//! The block of a body that is meshed: how far behind the contact, across and in depth, and how finely.
+//!
+//! Depth and surroundings follow how far heat spreads while the material passes, s = √(4κ(L + w)/V) with half
+//! the length L of the heat flux's grid and the wake w: 3.5 of it, where a step of heat has fallen to 1e-6. Where
+//! that is more than [`FAR`] times L, at low speed or rest, the block ends there, and what is beyond
+//! lets out heat as a half-space does that is warmed from its middle: T falls like 1/r, so that
+//! ∂T/∂n = −T/r.
+
+use super::mesh::{Axis, surroundings};
+use super::scheme::Scheme;
+use super::transient::Columns;
+use crate::Material;
+use grids::Structured;
+
+/// Spreads of heat over which a block is deep and goes sideways.
+const SPREADS: f64 = 3.5;
+/// Half lengths of the heat flux's grid at which a block ends at the latest.
+pub const FAR: f64 = 100.0;
+/// Half lengths at which it ends behind and in front in transient cases, whose columns are even.
+const FAR_ALONG: f64 = 5.0;
+/// Growth of elements beside the rows of the heat flux.
+const GROWTH: f64 = 1.3;
+/// Layers in a penetration depth by the first one.
+const LAYERS: f64 = 20.0;
+/// First layers in the depth √(κh/V) to which heat goes while one element passes: what begins to be heated is
+/// resolved, too.
+const LAYERS_OF_AN_ELEMENT: f64 = 8.0;
+/// Layers of a sheet, were all as thick as the first.
+const LAYERS_OF_A_SHEET: f64 = 8.0;
+/// Most columns of elements behind the heat flux's grid.
+pub const MOST_BEHIND: f64 = 1e6;
+/// Most layers of elements in depth.
+pub const MOST_LAYERS: f64 = 2000.0;
+/// Growth of the layers in depth.
+pub const RATIO: f64 = 1.2;
+/// Lengths of diffusion along that count in front of the contact.
+const AHEAD: f64 = 10.0;
+
+/// How the equations of the elements are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Solver {
+    /// In the modes of the mesh where properties are constant, by iterations otherwise.
+    #[default]
+    Auto,
+    /// By Newton's method and conjugate gradients.
+    Iterative,
+    /// By Newton's method and a sparse factorisation.
+    Direct,
+}
+
+/// Passages of the same places of a body through the contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passages {
+    /// How many there have been, this one included.
+    pub count: usize,
+    /// Way from one to the next [m].
+    pub distance: f64,
+}
+
+/// What is behind a body of finite thickness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Back {
+    /// Nothing that takes heat, or the middle of a body that is heated from both sides.
+    Insulated,
+    /// Something that keeps its initial temperature.
+    Fixed,
+}
+
+/// A body of finite thickness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheet {
+    /// Its thickness [m].
+    pub thickness: f64,
+    /// What is behind it.
+    pub back: Back,
+}
+
+/// What a case says of the elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elements {
+    /// Thickness of the first layer [m].
+    pub first_layer: Option<f64>,
+    /// Thickness of a layer over that of the one above it.
+    pub ratio: f64,
+    /// Depth of the block [m].
+    pub depth: Option<f64>,
+    /// How far the block goes behind the middle of the heat flux's grid [m].
+    pub wake: Option<f64>,
+    /// Scheme in time.
+    pub scheme: Scheme,
+    /// Longest step [s].
+    pub step: f64,
+    /// How the equations are solved.
+    pub solver: Solver,
+    /// Earlier passages of this body.
+    pub passages: Option<Passages>,
+    /// This body's thickness, if it is finite.
+    pub sheet: Option<Sheet>,
+}
+
+impl Default for Elements {
+    fn default() -> Self {
+        Self {
+            first_layer: None,
+            ratio: RATIO,
+            depth: None,
+            wake: None,
+            scheme: Scheme::CrankNicolson,
+            step: f64::INFINITY,
+            solver: Solver::Auto,
+            passages: None,
+            sheet: None,
+        }
+    }
+}
+
+/// Elements that do not fit into memory.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum TooManyElements {
+    /// Behind the contact.
+    #[error("{columns:.3e} columns of elements, {length:.3e} m long, are behind the contact")]
+    Behind {
+        /// Columns of elements.
+        columns: f64,
+        /// Length of an element [m].
+        length: f64,
+        /// Longest wake that has an answer [m].
+        most_wake: f64,
+    },
+    /// In depth.
+    #[error(
+        "{layers:.3e} layers of elements reach from {first:.3e} m to {deep:.3e} m of depth, each {ratio} times \
+         as thick as the one above it"
+    )]
+    InDepth {
+        /// Layers of elements.
+        layers: f64,
+        /// Thickness of the first layer [m].
+        first: f64,
+        /// Depth of the block [m].
+        deep: f64,
+        /// Thickness of a layer over that of the one above it.
+        ratio: f64,
+    },
+}
+
+impl Elements {
+    /// How far the block goes behind the middle of a grid [m].
+    fn wake(&self, grid: &Structured) -> f64 {
+        self.wake.unwrap_or(5.0 * half_length(grid))
+    }
+
+    /// Columns behind those of a grid.
+    #[must_use]
+    pub fn behind(&self, grid: &Structured) -> usize {
+        self.columns_behind(grid) as usize
+    }
+
+    fn columns_behind(&self, grid: &Structured) -> f64 {
+        let more = (self.wake(grid) - half_length(grid)) / grid.dx();
+        (more * (1.0 - 1e-12)).ceil().max(2.0)
+    }
+
+    /// Refuses more elements below a grid of the heat flux than fit into memory, before anything is
+    /// allocated; the arguments are those of [`Block::new`].
+    ///
+    /// # Errors
+    /// Columns behind the contact or layers in depth are too many.
+    pub fn check_size(
+        &self,
+        grid: &Structured,
+        material: &Material,
+        speed: f64,
+    ) -> Result<(), TooManyElements> {
+        let columns = self.columns_behind(grid);
+        if columns > MOST_BEHIND {
+            let most_wake = half_length(grid) + MOST_BEHIND * grid.dx();
+            return Err(TooManyElements::Behind { columns, length: grid.dx(), most_wake });
+        }
+        let Layering { first, deep, .. } = self.layering(grid, material, speed);
+        let layers = Axis::layers(first, self.ratio, deep);
+        if layers > MOST_LAYERS {
+            return Err(TooManyElements::InDepth { layers, first, deep, ratio: self.ratio });
+        }
+        Ok(())
+    }
+
+    fn layering(&self, grid: &Structured, material: &Material, speed: f64) -> Layering {
+        let half = half_length(grid);
+        let kappa = material.diffusivity();
+        let earlier = self.passages.map_or(0.0, |p| (p.count - 1) as f64 * p.distance);
+        let passing = (half + self.wake(grid) + earlier) / speed;
+        let spread = SPREADS * (4.0 * kappa * passing).sqrt();
+        let (reach, far) = (spread.min(FAR * half), spread > FAR * half);
+        let penetration = (2.0 * kappa * half / speed).sqrt().min(half);
+        let passing = (kappa * grid.dx() / speed).sqrt().min(2.0 * grid.dx());
+        let first = (penetration / LAYERS).min(passing / LAYERS_OF_AN_ELEMENT);
+        Layering {
+            first: self.first_layer.unwrap_or(first),
+            deep: self.depth.unwrap_or(reach),
+            reach,
+            far,
+        }
+    }
+}
+
+/// How a body is divided in depth.
+struct Layering {
+    /// Thickness of the first layer [m].
+    first: f64,
+    /// Depth of the block [m].
+    deep: f64,
+    /// How far heat goes [m].
+    reach: f64,
+    /// It goes further than the block.
+    far: bool,
+}
+
+/// The mesh of a body, axis by axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Across.
+    pub across: Axis,
+    /// Node across of the first row of the heat flux.
+    pub first_row: usize,
+    /// In depth.
+    pub depth: Axis,
+    /// Depth below the last node that keeps its initial temperature, if one does [m].
+    pub fixed: Option<f64>,
+    /// Along.
+    pub columns: Columns,
+}
+
+impl Block {
+    /// The block of a body below a grid of the heat flux, at the speed that is expected [m/s]; 0 at rest.
+    #[must_use]
+    pub fn new(grid: &Structured, material: &Material, speed: f64, elements: &Elements) -> Self {
+        let Layering { first, deep, reach, far } = elements.layering(grid, material, speed);
+        let beyond = |distance: f64| if far { 1.0 / distance } else { 0.0 };
+        let sheet = elements.sheet.filter(|sheet| sheet.thickness <= deep);
+        let (depth, fixed) = match sheet {
+            Some(Sheet { thickness, back }) => {
+                let first = first.min(thickness / LAYERS_OF_A_SHEET);
+                let depth = Axis::graded_to(first, elements.ratio, thickness);
+                match back {
+                    Back::Insulated => (depth, None),
+                    Back::Fixed => (depth.fixed(), Some(thickness)),
+                }
+            }
+            None => {
+                let depth = Axis::graded(first, elements.ratio, deep);
+                let bottom = beyond(depth.places[depth.len() - 1]);
+                (depth.ending([0.0, bottom]), None)
+            }
+        };
+        let beside = surroundings(grid.dy(), GROWTH, reach);
+        let half_width = 0.5 * grid.nj as f64 * grid.dy();
+        let side = beyond(half_width + beside.iter().sum::<f64>());
+        let rows = std::iter::repeat_n(grid.dy(), grid.nj);
+        let widths = beside.iter().rev().copied().chain(rows).chain(beside.iter().copied());
+        let edge = grid.y(0) - 0.5 * grid.dy() - beside.iter().sum::<f64>();
+        Self {
+            across: Axis::middles(edge, widths.collect()).ending([side; 2]),
+            first_row: beside.len(),
+            depth,
+            fixed,
+            columns: columns(grid, material.diffusivity(), speed, elements),
+        }
+    }
+
+    /// Depths of the nodes, and of what is held below them [m].
+    #[must_use]
+    pub fn depths(&self) -> Vec<f64> {
+        self.depth.places.iter().copied().chain(self.fixed).collect()
+    }
+
+    /// Depths between which the nodes stand for the body [m].
+    #[must_use]
+    pub fn faces(&self) -> Vec<f64> {
+        let below = self.depth.widths.iter().scan(0.0, |depth, width| {
+            *depth += width;
+            Some(*depth)
+        });
+        std::iter::once(0.0).chain(below).chain(self.fixed).collect()
+    }
+
+    /// Nodes.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.columns.count() * self.across.len() * self.depth.len()
+    }
+}
+
+fn columns(grid: &Structured, kappa: f64, speed: f64, elements: &Elements) -> Columns {
+    let (half, h) = (half_length(grid), grid.dx());
+    let far = (FAR_ALONG * half / h).ceil();
+    let front = (AHEAD * kappa / (speed * h)).ceil() + 2.0;
+    let slow = front > far;
+    let behind = elements.behind(grid) as f64;
+    let [behind, front] = if slow { [behind.max(far), far] } else { [behind, front] };
+    let beyond = |columns: f64| if slow { 1.0 / (half + columns * h) } else { 0.0 };
+    Columns {
+        h,
+        heated: grid.ni,
+        behind: behind as usize,
+        front: front as usize,
+        ends: [beyond(behind), beyond(front)],
+    }
+}
+
+fn half_length(grid: &Structured) -> f64 {
+    0.5 * grid.ni as f64 * grid.dx()
+}

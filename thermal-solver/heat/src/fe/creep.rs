@@ -1,0 +1,176 @@
+//! How the mesh of a body creeps through the moving frame in a window, step by step.
+
+use super::scheme::{Coefficients, Scheme};
+use grids::state::{read_bytes, read_numbers, write_numbers};
+use std::io::{self, Read, Write};
+
+/// Parts of an element that are rounding.
+const ROUNDING: f64 = 1e-9;
+/// Columns more than the mesh has, after which nothing of what it was is left on it.
+const REPLACED: usize = 8;
+
+/// Where a mesh is, and what its next step needs to know of the last one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Position {
+    /// How far the columns are in front of their places, in elements, less than one.
+    pub front: f64,
+    /// Columns by which the mesh was shifted in the last step.
+    pub shifted: usize,
+    /// Length of the last step [s].
+    pub step: f64,
+    /// Steps since the body was cold.
+    pub steps: u64,
+}
+
+impl Position {
+    /// Writes it.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        write_numbers(into, &[self.front, self.step])?;
+        into.write_all(&(self.shifted as u64).to_le_bytes())?;
+        into.write_all(&self.steps.to_le_bytes())
+    }
+
+    /// Reads back what [`Position::save`] wrote.
+    ///
+    /// # Errors
+    /// It ends too early, or is no position.
+    pub fn restore(from: &mut dyn Read) -> io::Result<Self> {
+        let mut numbers = [0.0; 2];
+        read_numbers(from, &mut numbers)?;
+        let [front, step] = numbers;
+        let shifted = u64::from_le_bytes(read_bytes(from)?) as usize;
+        let steps = u64::from_le_bytes(read_bytes(from)?);
+        if shifted > 1 || !(0.0..1.0).contains(&front) {
+            return Err(io::Error::other("its mesh is at no place"));
+        }
+        Ok(Self { front, shifted, step, steps })
+    }
+}
+
+/// One step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Its length [s].
+    pub duration: f64,
+    /// Columns by which the mesh is shifted at its beginning, since the state one step ago and since the one
+    /// two steps ago.
+    pub shifts: [usize; 2],
+    /// Coefficients of the scheme.
+    pub by: Coefficients,
+    /// Length of the step before it over its own.
+    pub over_last: f64,
+    /// How far the columns are in front of their places in the middle of the step, in elements.
+    pub middle: f64,
+}
+
+impl Step {
+    /// What columns receive in the step under these means of the flux, and those of the step before where the
+    /// scheme remembers them: it makes of the heat of both what it makes of the differences of temperature that
+    /// they cause.
+    pub fn receive(&self, means: &[f64], last: &mut [f64], heat: &mut [f64]) {
+        let [new, _, old] = self.by.a;
+        heat.copy_from_slice(means);
+        if old != 0.0 {
+            let before = last[self.shifts[0]..].iter().copied().chain(std::iter::repeat(0.0));
+            for (heat, before) in heat.iter_mut().zip(before) {
+                *heat = new * *heat + old * self.over_last * before;
+            }
+        }
+        last.copy_from_slice(&means[..last.len()]);
+    }
+}
+
+/// The steps of a window.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Creep {
+    /// The steps.
+    pub steps: Vec<Step>,
+    /// Nothing that was on the mesh before the window is on it in the end: it begins cold.
+    pub fresh: bool,
+    /// Where the mesh is in the end.
+    pub position: Position,
+}
+
+impl Creep {
+    /// Plans a window of this duration [s] at this speed in elements a second on a mesh of so many columns,
+    /// with steps of an element at most and no longer than `longest` [s].
+    pub fn plan(
+        &mut self,
+        from: &Position,
+        [duration, speed, longest]: [f64; 3],
+        columns: usize,
+        scheme: Scheme,
+    ) {
+        let way = duration * speed;
+        let count = (way * (1.0 - ROUNDING)).max(duration / longest * (1.0 - ROUNDING)).ceil();
+        let count = count.max(1.0);
+        let (step, part) = (duration / count, way / count);
+        self.fresh = way > (columns + REPLACED) as f64;
+        let count = if self.fresh { (columns + REPLACED) as f64 / part } else { count };
+        let mut at = if self.fresh { Position::default() } else { *from };
+        self.steps.clear();
+        for _ in 0..count.ceil() as usize {
+            let over = if at.step > 0.0 { step / at.step } else { 1.0 };
+            let mut front = at.front - part;
+            if front.abs() < ROUNDING {
+                front = 0.0;
+            }
+            let shift = if front < 0.0 { 1 } else { 0 };
+            front += shift as f64;
+            if front > 1.0 - ROUNDING {
+                front = 0.0;
+            }
+            self.steps.push(Step {
+                duration: step,
+                shifts: [shift, shift + at.shifted],
+                by: scheme.coefficients(at.steps, over),
+                over_last: 1.0 / over,
+                middle: front + 0.5 * part,
+            });
+            at = Position { front, shifted: shift, step, steps: at.steps + 1 };
+        }
+        self.position = at;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(from: &Position, way: f64) -> Creep {
+        let mut creep = Creep::default();
+        creep.plan(from, [1.0, way, f64::INFINITY], 50, Scheme::CrankNicolson);
+        creep
+    }
+
+    #[test]
+    fn whole_elements_stay_at_their_places() {
+        let creep = plan(&Position::default(), 3.0);
+        assert_eq!(creep.steps.len(), 3);
+        assert!(creep.steps.iter().all(|step| step.shifts[0] == 1 && step.middle == 0.5));
+        assert_eq!(creep.position.front, 0.0);
+    }
+
+    /// What the mesh moves is what the body does, whatever the windows. Rounding.
+    #[test]
+    fn shifts_and_places_add_up_to_the_way() {
+        let (mut at, mut shifted, mut way) = (Position::default(), 0, 0.0);
+        for part in [0.3, 1.7, 0.0, 0.3, 2.25, 1e-3, 7.0] {
+            let creep = plan(&at, part);
+            shifted += creep.steps.iter().map(|step| step.shifts[0]).sum::<usize>();
+            way += part;
+            at = creep.position;
+            assert!((0.0..1.0).contains(&at.front));
+            assert!((shifted as f64 - at.front - way).abs() < 1e-8, "{shifted} {} {way}", at.front);
+        }
+    }
+
+    #[test]
+    fn a_long_window_keeps_only_what_is_on_the_mesh() {
+        let creep = plan(&Position { front: 0.5, ..Position::default() }, 1e9);
+        assert!(creep.fresh && creep.steps.len() == 58);
+    }
+}
