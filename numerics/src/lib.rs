@@ -1,4 +1,5 @@
-//! Numerics without physics, which both solvers use.
+#![doc = include_str!("../README.md")]
+//! # Modules
 //!
 //! | module | what |
 //! |---|---|

@@ -1,4 +1,5 @@
-//! Contact mechanics in closed form and strip by strip.
+#![doc = include_str!("../README.md")]
+//! # Modules
 //!
 //! | module | what |
 //! |---|---|

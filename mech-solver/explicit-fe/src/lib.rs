@@ -1,5 +1,4 @@
-//! Explicit finite elements of two bodies in rolling contact.
-//!
+#![doc = include_str!("../README.md")]
 //! Both bodies are rows of like elements: a cross-section of quadrilaterals, drawn along the motion for a straight body and
 //! about its axis for one that rolls. Nodes are material; displacements u are those from the rigid motion, in the directions of
 //! each node's own place (along, across, into the body), so that both bodies are nearly at rest in their own frames and the
@@ -10,6 +9,8 @@
 //! proportional to stiffness. Contact by multipliers in forward increments (Carpenter, Taylor & Katona, Int. J. Numer. Meth.
 //! Engng 32 (1991) 103–128): impulses make the surfaces touch, not overlap, at the end of the step, and stick or slide by
 //! Coulomb's law during it.
+//!
+//! # Modules
 //!
 //! | module | what |
 //! |---|---|

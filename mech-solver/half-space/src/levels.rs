@@ -306,7 +306,7 @@ pub enum TangentialError {
     /// The force is beyond what friction carries.
     #[error(
         "a tangential force of {force:.6e} N is beyond f N = {most:.6e} N; prescribe less, or \
-         motion.creepage"
+         a creepage"
     )]
     BeyondFriction {
         /// The force asked for [N].
@@ -317,7 +317,7 @@ pub enum TangentialError {
     /// A layer softens faster than an element unloads.
     #[error(
         "the layer softens by {:.3e} Pa/m, faster than an element of this grid unloads, {stiffness:.3e} Pa/m: it jumps; let it soften \
-         less, or raise mech.resolution",
+         less, or take finer elements",
         -.hardening
     )]
     SnapsBack {

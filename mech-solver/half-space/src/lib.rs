@@ -1,4 +1,5 @@
-//! Contact of elastic half-spaces on a regular grid of rectangular elements.
+#![doc = include_str!("../README.md")]
+//! # Modules
 //!
 //! | module | what |
 //! |---|---|

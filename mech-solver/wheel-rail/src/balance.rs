@@ -86,9 +86,12 @@ impl WheelsetOnTrack {
     pub fn outlines(
         &self,
         motion: &Motion,
+        deviation: &Deviation,
         count: usize,
     ) -> impl Iterator<Item = (Side, [Vec<[f64; 2]>; 2])> {
-        self.wheels.iter().map(move |(side, wheel)| (*side, wheel.outlines(motion, count)))
+        self.wheels
+            .iter()
+            .map(move |(side, wheel)| (*side, wheel.outlines(motion, deviation, count)))
     }
 
     /// Forgets the positions before.

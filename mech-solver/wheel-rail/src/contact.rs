@@ -127,8 +127,13 @@ impl WheelOnRail {
 
     /// The profiles of rail and wheel in a position, in so many points, y and z in track axes \[m\].
     #[must_use]
-    pub fn outlines(&self, motion: &Motion, count: usize) -> [Vec<[f64; 2]>; 2] {
-        self.pair.outlines(motion, count)
+    pub fn outlines(
+        &self,
+        motion: &Motion,
+        deviation: &Deviation,
+        count: usize,
+    ) -> [Vec<[f64; 2]>; 2] {
+        self.pair.outlines(motion, deviation, count)
     }
 
     /// Depth below touching of the last position under a force [m].

@@ -1,4 +1,5 @@
-//! A wheel on the rail of a track: where they touch, how they move there, and the contact of all patches.
+#![doc = include_str!("../README.md")]
+//! # Modules
 //!
 //! | module | what |
 //! |---|---|

@@ -124,10 +124,23 @@ impl Pair {
         }
     }
 
-    /// The profiles of rail and wheel in a position, in so many points, y and z in track axes \[m\]: the wheel
-    /// as it is cut through its axle.
-    pub(super) fn outlines(&self, motion: &Motion, count: usize) -> [Vec<[f64; 2]>; 2] {
+    /// Profiles of rail and wheel in a position, whatever position was solved last, in so many points,
+    /// y and z in track axes \[m\]: the rail where it is touched first, the wheel through its axle.
+    pub(super) fn outlines(
+        &self,
+        motion: &Motion,
+        deviation: &Deviation,
+        count: usize,
+    ) -> [Vec<[f64; 2]>; 2] {
         let pose = Pose::of(motion, &self.wheelset);
+        let mut rail = self.design.deviated(deviation, motion.way);
+        if rail.surface.constant().is_none() {
+            let rows = Rows::of(&rail, self.settings.sides[1]);
+            let mut columns = Columns::default();
+            let Self { wheel, .. } = self;
+            columns.go_to(&Standing { rail: &rail, rows: &rows, wheel, pose: &pose, motion });
+            rail.cut_at(columns.first_touch());
+        }
         let along = |outline: &Outline| -> Vec<[f64; 2]> {
             let [from, to] = outline.range();
             let step = (to - from) / (count - 1) as f64;
@@ -138,7 +151,7 @@ impl Pair {
             [place.y, place.z]
         };
         let wheel = along(&self.wheel.outline).into_iter().map(placed).collect();
-        [along(&self.rail.outline), wheel]
+        [along(&rail.outline), wheel]
     }
 
     /// Whether patches are on curved surfaces.

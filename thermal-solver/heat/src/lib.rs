@@ -1,4 +1,5 @@
-//! Heat conduction into two bodies under a moving frictional contact.
+#![doc = include_str!("../README.md")]
+//! # Modules
 //!
 //! | module | what |
 //! |---|---|

@@ -138,9 +138,8 @@ impl Windows for Running {
     }
 
     fn summary(&self, window: &Window) -> Value {
-        let given = &window.position.given;
         let shift = |side| self.plane.shift(side);
-        let mut summary = summary(&window.balanced, given, self.solvers.read(), &shift);
+        let mut summary = summary(&window.balanced, &window.position, self.solvers.read(), &shift);
         for (section, figures) in self.case.terms.observations.iter().filter_map(|t| t.summary()) {
             summary[section] = figures;
         }

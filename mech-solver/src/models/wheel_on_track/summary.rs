@@ -1,5 +1,6 @@
 //! Figures of a wheel on a track: sections `contact` and `wheelset` of `summary.json`.
 
+use super::case::Position;
 use super::wheels::{of_wheel, wheel_figures};
 use proto::diagram::{Curve, Diagram};
 use proto::figure::{FigureSpec, Style};
@@ -95,7 +96,7 @@ const POINTS: usize = 120;
 /// The summary of a solution; `shift` is y on the grid less the tape distance of a rail [m].
 pub(super) fn summary(
     balanced: &Balanced,
-    given: &Given,
+    position: &Position,
     wheelset: &WheelsetOnTrack,
     shift: &dyn Fn(Side) -> f64,
 ) -> Value {
@@ -150,8 +151,8 @@ pub(super) fn summary(
             contact["each_patch"] = patches.iter().map(figures).collect();
         }
     }
-    let mut own = of_wheelset(balanced, given);
-    for (side, [rail, wheel]) in wheelset.outlines(&balanced.motion, POINTS) {
+    let mut own = of_wheelset(balanced, &position.given);
+    for (side, [rail, wheel]) in wheelset.outlines(&balanced.motion, &position.deviation, POINTS) {
         own[side_name(side)]["profiles_m"] = json!({ "rail": rail, "wheel": wheel });
     }
     json!({ "contact": contact, "wheelset": own })

@@ -281,3 +281,33 @@ fn the_contact_on_a_flat_converges() {
     assert!((fine.0 - finest.0).abs() < 3e-8, "{fine:?} {finest:?}");
     assert!((fine.1 / finest.1 - 1.0).abs() < 3e-3, "{fine:?} {finest:?}");
 }
+
+/// After it has forgotten, a solver has the bits of a new one: windows of a history are solved on any
+/// thread, after any other.
+#[test]
+fn what_is_forgotten_leaves_no_trace() {
+    let settings = Settings::new([4e-4, 4e-4], [STEEL; 2]);
+    let (wheel, rail) = (wheel_s1002().unwrap(), rail_60e1().unwrap());
+    let waves = raised(&rail, &places(-0.3, 0.4, 14), |x| 2e-5 * (20.0 * x).sin());
+    let waves = Surface::from(Slices::new(&waves, Along::Through, None).unwrap());
+    for surfaces in [[wheel.clone().into(), rail.clone().into()], [wheel.into(), waves]] {
+        let positions = [(0.0, 0.0), (2e-3, 0.05), (5e-3, 0.1), (0.0, 0.1)];
+        let at = |(y, way)| Motion { way, ..rolling(y, 0.0, 2.0 * y) };
+        let mut used = standard(&surfaces, Side::Left, settings);
+        for before in positions {
+            for position in positions {
+                used.forget();
+                solve(&mut used, &at(before), 80e3);
+                let outlines =
+                    |of: &WheelOnRail| of.outlines(&at(position), &Deviation::default(), 50);
+                assert_eq!(outlines(&used), outlines(&standard(&surfaces, Side::Left, settings)));
+                used.forget();
+                let found = solve(&mut used, &at(position), 50e3);
+                let fresh = standard(&surfaces, Side::Left, settings);
+                let expected = solve(&mut { fresh }, &at(position), 50e3);
+                assert_eq!(found.force, expected.force, "{position:?} after {before:?}");
+                assert_eq!(found.work, expected.work, "{position:?} after {before:?}");
+            }
+        }
+    }
+}
