@@ -1,9 +1,11 @@
 //! What the mechanics says of its effects in a scene, before it is run.
 
+pub(crate) mod situation;
+
+use crate::advice::situation::Situation;
+use crate::case::scene::Scene;
 use crate::effects::{EFFECTS, of_kind};
 use crate::models::estimated_contact;
-use crate::scene::Scene;
-use crate::situation::Situation;
 use crate::terms::Kind;
 use proto::advice::{self, Advice, Opinion};
 use serde_json::Value;

@@ -1,6 +1,7 @@
 //! The figures of the section `contact` of the summary.
 
-use crate::measures;
+pub(crate) mod measures;
+
 use proto::figure::{FigureSpec, Style};
 
 /// Normal force [N].

@@ -1,21 +1,16 @@
 //! Contact mechanics of two bodies as a participant of the co-simulation.
 //!
-//! | module | what |
+//! | room | what |
 //! |---|---|
-//! | `noise` | how far the points of measured profiles scatter |
 //! | [`models`] | the models by name, one module a fidelity level |
 //! | [`effects`] | the effects by name, one file an effect |
-//! | [`half_space`], [`conformal`] | boundary elements: normal, tangential and subsurface problems of half-spaces, and of curved surfaces |
-//! | [`explicit`] | explicit finite elements of rolling bodies |
-//! | [`friction`] | the law of friction: factors on the coefficient, bounds of the traction |
-//! | [`axle`] | what carries the load, and runs over irregularities |
-//! | `carried` | the load under an axle, for models whose contact has no inertia |
-//! | `removal` | what a contact takes off the bodies, and the profiles that it leaves |
 //! | [`terms`] | what effects contribute to a contact, kind by kind |
-//! | [`reference`] | closed forms, shared by models, tests and reports |
-//! | [`scene`] | the case values every model reads, as plain structs |
-//! | [`simplified`] | springs in the place of half-spaces: FASTSIM and FASTRIP, strip by strip |
-//! | [`track`] | a wheel on the rail of a track: profiles, placement, patches, creepages, their contact |
+//! | `case` | what is read of a case: bodies, motion, load, resolution, tables; the contact ellipse |
+//! | `registry` | entries of the lists of models and effects; which model supports which effect |
+//! | `figures` | figures of the summary, and those by which one judges whether a model suffices |
+//! | `advice` | what effects say of themselves in a scene, before it is run |
+//!
+//! The numerics are crates of their own: [`elastic`], [`half_space`], [`explicit_fe`], [`wheel_rail`].
 //!
 //! Axes, bodies and signs (Kalker's, as CONTACT has them): x along the rolling direction, y to the
 //! left, z up; the origin is the centre of the undeformed contact and moves with it. Material
@@ -28,36 +23,20 @@
 //! model likewise under `models/` and in [`models::MODELS`].
 
 mod advice;
-mod bands;
-mod carried;
-mod curve;
-mod difference;
+pub mod case;
 pub mod effects;
-mod ellipse;
-pub mod entry;
 mod figures;
-pub mod friction;
-mod keys;
-mod measures;
 pub mod models;
-mod noise;
-mod removal;
-mod resolution;
-pub mod scene;
-mod situation;
-mod softening;
-mod state;
-mod support;
-mod surface;
+pub mod registry;
 pub mod terms;
-mod thermal_stress;
 
 use effects::EFFECTS;
-use entry::Effect;
 use proto::advice::{Opinion, Scene};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{Description, names};
 use proto::model::{Setup, Solver};
+use registry::entry::Effect;
+use registry::support;
 
 /// The mechanics program: every model and every effect of this crate.
 #[derive(Clone, Copy, Debug, Default)]
@@ -76,11 +55,11 @@ impl Solver for MechSolver {
             reusable: true,
             models: models::MODELS.iter().map(|model| (model.spec)()).collect(),
             effects: EFFECTS.iter().map(|effect| effect.spec(support::models_of(effect))).collect(),
-            keys: scene::body_keys(),
+            keys: case::scene::body_keys(),
             fields: Vec::new(),
             figures: [figures::figures(), models::own_figures()].concat(),
             diagrams: models::diagrams(),
-            renamed: scene::renamed(),
+            renamed: case::scene::renamed(),
         }
     }
 

@@ -27,11 +27,20 @@
 //! A model declares the kinds that it takes, an effect those that it makes; a model supports the
 //! effects all of whose kinds it takes.
 
-pub(crate) use crate::state::{Accepted, State};
+pub(crate) use crate::terms::state::{Accepted, State};
 
-use crate::friction::FrictionLaw;
-use crate::removal::Removal;
-use crate::softening::Softening;
+pub(crate) mod axle_load;
+pub(crate) mod bands;
+pub mod friction;
+pub(crate) mod removal;
+pub(crate) mod softening;
+pub(crate) mod state;
+pub(crate) mod surface;
+pub(crate) mod thermal_stress;
+
+use crate::terms::friction::FrictionLaw;
+use crate::terms::removal::Removal;
+use crate::terms::softening::Softening;
 use elastic::axle::Axle;
 use explicit_fe::kernel::Flow;
 use half_space::viscoelastic::Retardation;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`models`] | the models, cheapest first, and their registry list |
 //! | [`heat`] | the numerics, a crate of their own |
+//! | [`capability`], `support` | what effects may need of a model; which model supports which effect |
 //! | [`situation`], [`advice`] | what is known of a scene before it is run, and what effects say of themselves with it |
 //! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
 //! | [`scene`] | what is read from the case: materials and speed |
@@ -14,11 +15,13 @@
 //! heat flux into a body is positive. Pairs of values are ordered upper, lower.
 
 pub mod advice;
+pub mod capability;
 pub mod effects;
 mod figures;
 pub mod models;
 pub mod scene;
 pub mod situation;
+mod support;
 
 pub use proto::bodies::{LOWER, UPPER};
 
@@ -44,7 +47,7 @@ impl Solver for ThermalSolver {
             advises: true,
             reusable: true,
             models: models::REGISTRY.iter().map(|model| (model.spec)()).collect(),
-            effects: effects::REGISTRY.iter().map(|effect| (effect.spec)()).collect(),
+            effects: effects::REGISTRY.iter().map(support::description).collect(),
             keys: scene::keys(),
             fields: effects::volume_temperature::VOLUMES.map(|field| field.kind()).to_vec(),
             figures: figures::figures(),
@@ -54,7 +57,9 @@ impl Solver for ThermalSolver {
     }
 
     fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
-        models::configure(configuration)
+        let model = models::find(&configuration.model)?;
+        support::refuse_needs(configuration, model)?;
+        (model.configure)(configuration)
     }
 
     fn advise(&self, scene: &Scene) -> Opinion {

@@ -13,12 +13,12 @@
 //! Source: Coulomb's law element by element. CONTACT's user guide, *Friction variation*, has tables over inclination and track for the reference of
 //! a patch; its inclinations have the other sign.
 
-use crate::bands::{At, Bands, Over};
-use crate::curve::Curve;
-use crate::entry::Effect;
-use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
-use crate::keys::CheckedParams;
-use crate::situation::Situation;
+use crate::advice::situation::Situation;
+use crate::case::curve::Curve;
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
+use crate::terms::bands::{At, Bands, Over};
+use crate::terms::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::terms::{Kind, Need, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

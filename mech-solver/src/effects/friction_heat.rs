@@ -11,8 +11,8 @@
 //!
 //! Source: Naeimi et al., eq. 1; Kennedy, Wear 100 (1984) 453–476, for the share.
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

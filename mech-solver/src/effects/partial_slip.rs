@@ -4,10 +4,10 @@
 //! slip. Without the effect the whole contact slides. How a model finds the stick zone is its own
 //! matter: Carter's strips, a march over springs, or the elastic half-space.
 
-use crate::entry::Effect;
+use crate::advice::situation::{POWER, PRESSURE, Situation};
+use crate::case::scene::Drive;
 use crate::figures::SLIP_AREA_RATIO;
-use crate::scene::Drive;
-use crate::situation::{POWER, PRESSURE, Situation};
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use elastic::carter;
 use proto::advice::Advice;

@@ -9,9 +9,9 @@
 //! Source: Hou, Kalousek and Magel, Wear 211 (1997) 134–140; Vollebregt, CONTACT, whose r is 0.1. Left out: a yield stress that falls with
 //! the temperature or grows with the pressure, kinematic hardening, and what is left in the layer for the next wheel.
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::situation::Situation;
+use crate::advice::situation::Situation;
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use half_space::yielding::Yield;
 use proto::advice::Advice;

@@ -7,10 +7,10 @@
 //!
 //! Source: Simo & Hughes, *Computational Inelasticity* (1998), chapter 3.
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::scene::Scene;
-use crate::situation::{PRESSURE, Situation};
+use crate::advice::situation::{PRESSURE, Situation};
+use crate::case::keys::CheckedParams;
+use crate::case::scene::Scene;
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use explicit_fe::kernel::Flow;
 use proto::advice::Advice;

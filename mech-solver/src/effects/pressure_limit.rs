@@ -7,9 +7,9 @@
 //! Source: Almqvist, Sahlin, Larsson & Glavatskih, Tribology International 40 (2007) 574–579, with H
 //! three times the yield stress or so: Tabor, *The Hardness of Metals* (1951).
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::situation::{PRESSURE, Situation};
+use crate::advice::situation::{PRESSURE, Situation};
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -14,9 +14,9 @@
 //! Source: Persson et al., J. Phys.: Condens. Matter 17 (2005) R1–R62, for self-affine surfaces;
 //! Longuet-Higgins, Phil. Trans. R. Soc. A 250 (1957) 157–174, for the sum of waves.
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::situation::{PRESSURE, Situation};
+use crate::advice::situation::{PRESSURE, Situation};
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
 use crate::terms::{GapTerm, Kind, State, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -7,10 +7,10 @@
 //! Source: Vollebregt, Wear 314 (2014) 87–95; Vollebregt, Voltr et al., Veh. Syst. Dyn. (2022), for elastic–plastic third bodies.
 //! Left out: what is left of the layer's strain behind the contact; hardening is in `plastic_layer`.
 
-use crate::entry::Effect;
-use crate::friction::{FrictionLaw, FrictionState, TractionBound};
-use crate::keys::CheckedParams;
-use crate::situation::Situation;
+use crate::advice::situation::Situation;
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
+use crate::terms::friction::{FrictionLaw, FrictionState, TractionBound};
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

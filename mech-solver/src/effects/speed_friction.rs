@@ -23,10 +23,10 @@
 //!
 //! Sources: Polach, Wear 258 (2005) 992–1000; Vollebregt & Schuttelaars (2012) for the memory, there in the slip of the surfaces.
 
-use crate::entry::Effect;
-use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
-use crate::keys::CheckedParams;
-use crate::situation::{CREEPAGE, Situation};
+use crate::advice::situation::{CREEPAGE, Situation};
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
+use crate::terms::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::terms::{Kind, Need, Terms};
 use half_space::settling::SlipStart;
 use proto::advice::Advice;

@@ -3,7 +3,7 @@
 //! The case names blocks of points, each in one body: a lattice of coordinates along x, y and z (a point, a line, a plane or a box), or a
 //! list from a file. At each point there are the six stresses, von Mises' stress, the largest shear stress ½(σ₁ − σ₃), the mean normal stress
 //! and the principal stresses σ₁ ≥ σ₂ ≥ σ₃ with their directions, of the elastic half-spaces under pressure and tractions
-//! ([`half_space::subsurface`]), and where the bodies expand as they are warm with their thermal stress ([`crate::thermal_stress`]).
+//! ([`half_space::subsurface`]), and where the bodies expand as they are warm with their thermal stress ([`crate::terms::thermal_stress`]).
 //!
 //! Axes and signs are those of all fields: x along rolling, y to the left, z up, so that the lower body has z ≤ 0, and the upper one z ≥ 0; the
 //! origin is that of the contact's grid. Tension is positive. A principal direction, which is determined but for its sign, has its largest component positive.
@@ -12,11 +12,11 @@
 
 mod blocks;
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::situation::{PRESSURE, Situation};
+use crate::advice::situation::{PRESSURE, Situation};
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
+use crate::terms::thermal_stress::{self, ThermalStress};
 use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
-use crate::thermal_stress::{self, ThermalStress};
 use blocks::Asked;
 use elastic::Stress;
 use half_space::subsurface::{Nodes, SurfaceLoad};

@@ -12,11 +12,11 @@
 //!
 //! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5; for thermal stress Goodier, Phil. Mag. 23 (1937).
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::situation::{PRESSURE, Situation};
+use crate::advice::situation::{PRESSURE, Situation};
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
+use crate::terms::thermal_stress::{self, ThermalStress};
 use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
-use crate::thermal_stress::{self, ThermalStress};
 use elastic::Material;
 use elastic::Stress;
 use half_space::patches::patches;

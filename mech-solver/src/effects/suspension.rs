@@ -11,9 +11,9 @@
 //!
 //! Limits: the lower body rests on a rigid foundation, so that dynamic forces are above those on a track that yields.
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::situation::Situation;
+use crate::advice::situation::Situation;
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use elastic::axle::{Axle, Form, Irregularity};
 use proto::advice::Advice;

@@ -18,12 +18,12 @@
 //! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
 //! slip velocity.
 
-use crate::curve::Curve;
-use crate::entry::Effect;
-use crate::friction::{FrictionFactor, FrictionLaw, FrictionState};
-use crate::keys::CheckedParams;
-use crate::situation::{POWER, Situation};
-use crate::surface::Surface;
+use crate::advice::situation::{POWER, Situation};
+use crate::case::curve::Curve;
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
+use crate::terms::friction::{FrictionFactor, FrictionLaw, FrictionState};
+use crate::terms::surface::Surface;
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -14,8 +14,8 @@
 //! surface, which makes a slip of the order of the difference of αϑ between both surfaces. Thermal stress is in the sections of half-spaces
 //! ([`super::subsurface_stress`]), and in the stress of finite elements as far as their first layer resolves it.
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};

@@ -15,10 +15,10 @@
 //!
 //! Source: EN 1993-1-2:2005, table 3.1 (reduction factors of carbon steel).
 
-use crate::curve::{Curve, absolute_temperature};
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::softening::{LEAST_SHARE, Softening};
+use crate::case::curve::{Curve, absolute_temperature};
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
+use crate::terms::softening::{LEAST_SHARE, Softening};
 use crate::terms::{Kind, Terms};
 use proto::bodies::{Bodies, initial_temperature_key};
 use proto::configuration::{Configuration, Refusal};

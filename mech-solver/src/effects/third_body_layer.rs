@@ -6,11 +6,11 @@
 //! Source: Vollebregt, *Numerical modeling of measured railway creep versus creep-force curves*,
 //! Wear 314 (2014) 87–95; Kalker (1990) §4.
 
-use crate::entry::Effect;
+use crate::advice::situation::{CREEPAGE, POWER, Situation};
+use crate::case::keys::CheckedParams;
+use crate::case::scene::Drive;
 use crate::figures::{SEMI_AXIS_A, SEMI_AXIS_B, SLIP_AREA_RATIO};
-use crate::keys::CheckedParams;
-use crate::scene::Drive;
-use crate::situation::{CREEPAGE, POWER, Situation};
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use elastic::kalker;
 use proto::advice::Advice;

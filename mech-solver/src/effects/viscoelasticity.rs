@@ -14,9 +14,9 @@
 //! time, a Poisson's ratio that changes with time, the difference of the speeds of both surfaces in the distance that a particle rolls, the heat of
 //! what is dissipated in the bodies, and rolling that is not steady.
 
-use crate::entry::Effect;
-use crate::keys::CheckedParams;
-use crate::situation::Situation;
+use crate::advice::situation::Situation;
+use crate::case::keys::CheckedParams;
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use half_space::viscoelastic::Retardation;
 use proto::advice::Advice;

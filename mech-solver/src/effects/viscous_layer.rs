@@ -8,11 +8,11 @@
 //! 134–140, for third bodies between wheel and rail. Left out: the elastic part of the slip, viscosity that depends on pressure
 //! and temperature, and forces that are prescribed: at rest the film carries none.
 
-use crate::entry::Effect;
-use crate::friction::{FrictionLaw, FrictionState, TractionBound};
-use crate::keys::CheckedParams;
-use crate::scene;
-use crate::situation::Situation;
+use crate::advice::situation::Situation;
+use crate::case::keys::CheckedParams;
+use crate::case::scene;
+use crate::registry::entry::Effect;
+use crate::terms::friction::{FrictionLaw, FrictionState, TractionBound};
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

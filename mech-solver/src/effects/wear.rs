@@ -1,7 +1,7 @@
 //! Effect `wear`: the contact takes material off both bodies, and the profiles that it leaves carry on.
 //!
 //! By friction energy, a volume k for every joule of friction work, or by Archard's law, K/H times load and distance. The
-//! work of passages, and how a profile follows, are in [`crate::removal`]. A steady case gives what a passage takes; in a
+//! work of passages, and how a profile follows, are in [`crate::terms::removal`]. A steady case gives what a passage takes; in a
 //! sequence every row stands for a number of passages, and the profiles of both bodies come to the next row as they are worn.
 //! The heat of friction stays what it is: the share that goes into worn particles is `effects.friction_heat.heat_share`.
 //!
@@ -9,12 +9,12 @@
 //! 257 (2004) 721–729, for the regimes of rail and wheel steel.
 //! Left out: worn particles that stay, and wear that is not the same all round a body.
 
-use crate::entry::Effect;
+use crate::advice::situation::{POWER, PRESSURE, Situation};
+use crate::case::keys::CheckedParams;
+use crate::case::scene::Scene;
 use crate::figures::SEMI_AXIS_B;
-use crate::keys::CheckedParams;
-use crate::removal::{Law, Removal};
-use crate::scene::Scene;
-use crate::situation::{POWER, PRESSURE, Situation};
+use crate::registry::entry::Effect;
+use crate::terms::removal::{Law, Removal};
 use crate::terms::{Kind, Terms};
 
 use proto::advice::Advice;

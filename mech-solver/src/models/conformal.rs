@@ -20,8 +20,8 @@ mod summary;
 mod window;
 
 use super::each_window::{EachWindow, fields_over};
-use crate::entry::ModelEntry;
 use crate::models::expected::refinement;
+use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::{Case, Footprint};
 use proto::accuracy::Accuracy;

@@ -1,6 +1,6 @@
 //! What models expect of their errors.
 
-use crate::resolution::RESOLUTION;
+use crate::case::resolution::RESOLUTION;
 use proto::accuracy::Refinement;
 
 /// Where the expected errors of the models were measured.

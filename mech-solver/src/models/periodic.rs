@@ -18,8 +18,8 @@ mod cell;
 mod contact;
 
 use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
-use crate::entry::ModelEntry;
-use crate::scene::contact_keys;
+use crate::case::scene::contact_keys;
+use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::Case;
 use contact::Sliding;

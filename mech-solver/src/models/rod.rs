@@ -11,11 +11,11 @@
 //! Source: J. R. Barber, J. Dundurs, M. Comninou, J. Appl. Mech. 47 (1980) 871-874.
 
 use super::grids::{CONTACT_GRID, RIGID_GRID};
+use crate::case::keys::CheckedParams;
+use crate::case::scene::read_material;
 use crate::effects;
-use crate::entry::ModelEntry;
-use crate::keys::CheckedParams;
-use crate::scene::read_material;
-use crate::surface::Surface;
+use crate::registry::entry::ModelEntry;
+use crate::terms::surface::Surface;
 use crate::terms::{Kind, Terms};
 use proto::accuracy::Accuracy;
 use proto::bodies::Bodies;

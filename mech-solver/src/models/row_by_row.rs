@@ -2,7 +2,7 @@
 //! written where they are asked for.
 
 use super::varying::{Varying, no_answer};
-use crate::scene::Scene;
+use crate::case::scene::Scene;
 use proto::configuration::Refusal;
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};

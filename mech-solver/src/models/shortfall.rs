@@ -3,7 +3,7 @@
 //! An iterate of a coupling loop may be beyond what it settles at. It is answered with the force that
 //! friction carries, so that the loop may come back; as an accepted state it is refused.
 
-use crate::scene::Drive;
+use crate::case::scene::Drive;
 use crate::terms::Terms;
 use proto::model::StepError;
 

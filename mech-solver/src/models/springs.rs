@@ -1,6 +1,6 @@
 //! Case keys of the springs of the simplified theory ([`elastic::fastsim`]), which several models have.
 
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
 use elastic::fastsim::flexibility::Kind;
 use elastic::fastsim::reduction::Reduction;
 use proto::configuration::Refusal;

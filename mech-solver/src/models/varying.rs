@@ -4,9 +4,9 @@
 //! fields of a run are comparable. Its elements have the size that the case asks for in the smallest
 //! contact, but not less than a third of that in the largest.
 
-use crate::carried::Carried;
-use crate::ellipse::{Ellipse, Extent};
-use crate::scene::{GivenPatch, Load, Scene};
+use crate::case::ellipse::{Ellipse, Extent};
+use crate::case::scene::{GivenPatch, Load, Scene};
+use crate::terms::axle_load::AxleLoad;
 use crate::terms::{Kind, Terms};
 use elastic::axle::Axle;
 use proto::configuration::{Configuration, Mode, Refusal};
@@ -34,7 +34,7 @@ pub(super) struct Varying {
     /// Its case with the values of the last window that was asked for.
     row: Params,
     /// The load under an axle, and that of steady rolling [N].
-    carried: Option<(Rc<Carried>, f64)>,
+    axle_load: Option<(Rc<AxleLoad>, f64)>,
     /// The effect that makes an axle.
     effect: &'static str,
 }
@@ -53,23 +53,23 @@ impl Varying {
         terms: &Terms,
         given: Option<GivenPatch>,
     ) -> Result<Option<Self>, Refusal> {
-        let carried = match (terms.axle, terms.effect_of(Kind::Axle)) {
-            (Some(axle), Some(effect)) => Some(carried(configuration, axle, effect, given)?),
+        let axle_load = match (terms.axle, terms.effect_of(Kind::Axle)) {
+            (Some(axle), Some(effect)) => Some(axle_load(configuration, axle, effect, given)?),
             _ => None,
         };
-        if configuration.histories.is_none() && carried.is_none() {
+        if configuration.histories.is_none() && axle_load.is_none() {
             return Ok(None);
         }
         let effect = terms.effect_of(Kind::Axle).unwrap_or_default();
         let (configuration, row) = (configuration.clone(), configuration.case.clone());
-        Ok(Some(Self { configuration, row, carried, effect }))
+        Ok(Some(Self { configuration, row, axle_load, effect }))
     }
 
     /// The case values of a window.
     fn case(&self, step: &Step) -> Params {
         let mut case = self.configuration.case_at(step).into_owned();
-        if let Some((carried, still)) = &self.carried {
-            let mean = carried.window(step.start, step.end).mean;
+        if let Some((axle_load, still)) = &self.axle_load {
+            let mean = axle_load.window(step.start, step.end).mean;
             case.0["load"]["normal_force"] = mean.max(LOST * still).into();
             if let Some(motion) = case.0["motion"].as_object_mut().filter(|_| mean <= LOST * still)
             {
@@ -88,8 +88,8 @@ impl Varying {
     /// # Errors
     /// It is.
     pub(super) fn refuse_more(&self, step: &Step) -> Result<(), StepError> {
-        let Some((carried, _)) = &self.carried else { return Ok(()) };
-        let (load, most) = (carried.window(step.start, step.end).mean, carried.largest());
+        let Some((axle_load, _)) = &self.axle_load else { return Ok(()) };
+        let (load, most) = (axle_load.window(step.start, step.end).mean, axle_load.largest());
         if load <= most * (1.0 + ROUNDING) {
             return Ok(());
         }
@@ -101,14 +101,14 @@ impl Varying {
     }
 
     /// The load is that under an axle.
-    pub(super) fn is_carried(&self) -> bool {
-        self.carried.is_some()
+    pub(super) fn has_axle_load(&self) -> bool {
+        self.axle_load.is_some()
     }
 
     /// Adds to the section `contact` of the summary of a window what its axle has been through.
     pub(super) fn add_to(&self, figures: &mut Value, step: &Step) {
-        if let Some((carried, _)) = &self.carried {
-            let load = carried.window(step.start, step.end);
+        if let Some((axle_load, _)) = &self.axle_load {
+            let load = axle_load.window(step.start, step.end);
             figures["largest_normal_force_n"] = load.largest.into();
             figures["apart_s"] = load.apart.into();
         }
@@ -138,7 +138,7 @@ impl Varying {
         self.refuse_more(step)?;
         match &self.configuration.histories {
             // The same keys in every row.
-            Some(histories) if self.carried.is_none() => histories.put(&mut self.row, step),
+            Some(histories) if self.axle_load.is_none() => histories.put(&mut self.row, step),
             _ => self.row = self.case(step),
         }
         Scene::read(&self.row).map_err(no_answer)
@@ -147,13 +147,13 @@ impl Varying {
     /// The ellipses of the rows that have one, without those that a row before it has as well.
     fn ellipses(&self, given: Option<GivenPatch>) -> Vec<Ellipse> {
         let Configuration { case, histories, .. } = &self.configuration;
-        if let Some((carried, still)) = &self.carried {
+        if let Some((axle_load, still)) = &self.axle_load {
             let at = |load: f64| {
                 let mut case = case.clone();
                 case.0["load"]["normal_force"] = load.into();
                 Ellipse::solve(&Scene::read(&case).ok()?, given).ok()
             };
-            return [*still, carried.largest()].into_iter().filter_map(at).collect();
+            return [*still, axle_load.largest()].into_iter().filter_map(at).collect();
         }
         let Some(histories) = histories else { return Vec::new() };
         let mut case = case.clone();
@@ -201,8 +201,8 @@ impl Varying {
 
     /// What the plan should say.
     pub(super) fn remark(&self, extent: &Extent) -> String {
-        if let Some((carried, still)) = &self.carried {
-            let largest = carried.largest();
+        if let Some((axle_load, still)) = &self.axle_load {
+            let largest = axle_load.largest();
             return format!(
                 "the load comes to {largest:.4e} N, {:.2} times that of steady rolling",
                 largest / still
@@ -220,12 +220,12 @@ fn shapes(key: &str) -> bool {
 }
 
 /// The load under an axle, and that of steady rolling [N].
-fn carried(
+fn axle_load(
     configuration: &Configuration,
     axle: Axle,
     effect: &str,
     given: Option<GivenPatch>,
-) -> Result<(Rc<Carried>, f64), Refusal> {
+) -> Result<(Rc<AxleLoad>, f64), Refusal> {
     let refused = |reason: &str, fix: &str| {
         Err(Refusal::new(
             &format!("effects.{effect}"),
@@ -259,12 +259,12 @@ fn carried(
             "write load.normal_force and a motion.speed above 0",
         );
     }
-    match Carried::new(axle, &scene, &ellipse) {
-        Some(carried) if carried.steps() > MOST_STEPS => refused(
+    match AxleLoad::new(axle, &scene, &ellipse) {
+        Some(axle_load) if axle_load.steps() > MOST_STEPS => refused(
             "the axle needs more than ten million steps to pass the irregularity",
             "write a larger mass, less damping or stiffness, a higher speed, or an irregularity that is nearer",
         ),
-        Some(carried) => Ok((Rc::new(carried), ellipse.normal_force)),
+        Some(axle_load) => Ok((Rc::new(axle_load), ellipse.normal_force)),
         None => refused("the spring of a given ellipse is not known", "remove [contact]"),
     }
 }

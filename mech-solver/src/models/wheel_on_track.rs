@@ -32,7 +32,7 @@ mod summary;
 mod wheels;
 
 use super::each_window::{EachWindow, fields_over};
-use crate::entry::ModelEntry;
+use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::Case;
 use plane::Plane;

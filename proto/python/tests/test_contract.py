@@ -173,7 +173,7 @@ def test_text_that_is_not_utf8_travels_with_escapes():
 
 def test_the_geometry_of_a_moving_grid():
     plane = Grid("patch", Structured.contact_plane(-1.0, 2.0, 0.5, 0.25, 3, 2))
-    # The golden values of `proto/contract/src/grid/geometry.rs`.
+    # The golden values of `proto/grids/src/geometry.rs`.
     golden = [-1.0, 0.5, 0.0, 3.0, 2.0, 0.0, 0.25, 2.0, 0.0, 0.0, 0.0, 1.0]
     assert plane.encoded_geometry().ravel().tolist() == golden
     vertices = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]])

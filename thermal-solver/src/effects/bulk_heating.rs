@@ -20,7 +20,6 @@
 use crate::effects::contact_conductance;
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::integrated;
-use crate::models::names;
 use crate::scene::Scene;
 use crate::situation::Situation;
 use crate::{LOWER, UPPER};
@@ -84,7 +83,7 @@ pub fn spec() -> EffectSpec {
         source: "Ertz & Knothe, Wear 253 (2002) 498-508; Carslaw & Jaeger, Conduction of Heat in \
                  Solids, 10.3"
             .to_owned(),
-        models: [names::ERTZ_KNOTHE, names::COLUMNS, names::MOVING_SOURCE].map(str::to_owned).to_vec(),
+        models: Vec::new(),
         consumes: Vec::new(),
         provides: Vec::new(),
         keys: keys(),

@@ -12,7 +12,7 @@
 //! Source: Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279–300; exponent and gas: Yovanovich, AIAA 81-1164 (1981).
 
 use super::friction_heat::Partition;
-use crate::models::names;
+use crate::capability::{Capability, Need};
 use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::configuration::Refusal;
@@ -26,7 +26,7 @@ pub const NAME: &str = "contact_conductance";
 
 const CONDUCTANCE: &str = "effects.contact_conductance.conductance";
 pub(crate) const HARDNESS: &str = "effects.contact_conductance.hardness";
-pub(crate) const GAS: &str = "effects.contact_conductance.gas_conductivity";
+const GAS: &str = "effects.contact_conductance.gas_conductivity";
 const JUMP: &str = "effects.contact_conductance.gas_jump";
 /// Of the pressure over the hardness.
 const EXPONENT: f64 = 0.95;
@@ -96,6 +96,15 @@ impl Conductance {
     }
 }
 
+/// Reads what the values of the keys need of a model: gaps through which a gas conducts.
+///
+/// # Errors
+/// None.
+pub fn needs_of_values(case: &Params) -> Result<Vec<Need>, Refusal> {
+    let gas = Need { key: GAS, capability: Capability::Gaps, instead: "remove the key" };
+    Ok(if case.has(GAS) { vec![gas] } else { Vec::new() })
+}
+
 /// The thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
@@ -110,7 +119,7 @@ pub fn spec() -> EffectSpec {
             .to_owned(),
         source: "Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279-300; Yovanovich, AIAA 81-1164 (1981)"
             .to_owned(),
-        models: [names::ROD, names::MOVING_SOURCE, names::FE].map(str::to_owned).to_vec(),
+        models: Vec::new(),
         consumes: field_names(&[&field::PRESSURE]),
         provides: Vec::new(),
         keys: vec![

@@ -11,8 +11,9 @@
 //!   then have the same temperature everywhere, since T ∝ q/(β√V) (Ertz & Knothe, Wear 253 (2002)
 //!   498–508, after Blok).
 
+use crate::capability::{Capability, Need};
 use crate::situation::Situation;
-use crate::{LOWER, UPPER, models};
+use crate::{LOWER, UPPER};
 use heat::Material;
 use proto::advice::Advice;
 use proto::configuration::Refusal;
@@ -72,6 +73,21 @@ impl Partition {
     }
 }
 
+/// Reads what the partition needs of a model: heat that flows where the surfaces touch.
+///
+/// # Errors
+/// The partition is none of the laws.
+pub fn needs_of_values(case: &Params) -> Result<Vec<Need>, Refusal> {
+    Ok(match Partition::read(case)? {
+        Partition::Continuity => vec![Need {
+            key: PARTITION_KEY,
+            capability: Capability::Exchange,
+            instead: "\"effusivity\", which is the same at high speed",
+        }],
+        Partition::Equal | Partition::Effusivity => Vec::new(),
+    })
+}
+
 /// The thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
@@ -82,7 +98,7 @@ pub fn spec() -> EffectSpec {
               speed, or so that T_u = T_l where the surfaces touch"
             .to_owned(),
         source: "Naeimi et al., eqs. 7-10; Ertz & Knothe, Wear 253 (2002) 498-508".to_owned(),
-        models: models::names::ALL.map(str::to_owned).to_vec(),
+        models: Vec::new(),
         consumes: names(&[&field::FRICTION_POWER, &field::SURFACE_SPEED]),
         provides: names(&[
             &field::LOWER_TEMPERATURE,

@@ -2,7 +2,6 @@
 //! ([`heat::moving_source::rise_integral`]).
 
 use crate::models::fields::RISE_INTEGRALS;
-use crate::models::names;
 use crate::scene::Scene;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, names as field_names};
@@ -20,9 +19,7 @@ pub fn spec(name: &str) -> EffectSpec {
         name: name.to_owned(),
         law: "W(k) = int T(k, z) exp(-k z) dz, of each body".to_owned(),
         source: "Barber, Elasticity (2010), thermoelastic displacement potentials".to_owned(),
-        models: [names::COLUMNS, names::MOVING_SOURCE, names::FE, names::PERIODIC, names::ROD]
-            .map(str::to_owned)
-            .to_vec(),
+        models: Vec::new(),
         consumes: Vec::new(),
         provides: field_names(&[RISE_INTEGRALS[1], RISE_INTEGRALS[0]]),
         keys: Vec::new(),

@@ -14,7 +14,6 @@
 //! Left out: films on the surfaces, conductivities that depend on the temperature, and Thomson's and Peltier's heat.
 
 use super::contact_conductance;
-use crate::models::names;
 use crate::scene::Scene;
 use crate::situation::Situation;
 use proto::advice::Advice;
@@ -62,7 +61,7 @@ pub fn spec() -> EffectSpec {
         law: "div(grad phi/rho) = 0, one potential where surfaces touch; heat rho j^2".to_owned(),
         source: "Holm, Electric Contacts (1967), par. 1 and 14; Kohlrausch, Ann. Phys. 306 (1900) 132-158"
             .to_owned(),
-        models: vec![names::MOVING_SOURCE.to_owned()],
+        models: Vec::new(),
         consumes: field_names(&[&field::PRESSURE]),
         provides: Vec::new(),
         keys: vec![

@@ -16,7 +16,6 @@
 //! under a sliding wheel and its critical rates. Left out: the time that carbon needs, which the shift stands for; pressure, which lowers
 //! A_c1; plastic deformation.
 
-use crate::models::names;
 use crate::scene::Scene;
 use crate::situation::Situation;
 use crate::{LOWER, UPPER};
@@ -80,7 +79,7 @@ pub fn spec() -> EffectSpec {
         law: "T > A_c1 + s max(log10(rate/rate0), 0) on heating, then faster than the critical rate on cooling"
             .to_owned(),
         source: "Naeimi et al., par. 5.6; Ahlstroem & Karlsson, Wear 232 (1999) 1-14".to_owned(),
-        models: names::ALL.map(str::to_owned).to_vec(),
+        models: Vec::new(),
         consumes: Vec::new(),
         provides: Vec::new(),
         keys: vec![

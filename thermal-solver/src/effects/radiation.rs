@@ -3,7 +3,6 @@
 //! The surface is free where no heat enters it in the row of elements: before the contact, beside and behind it.
 //! Temperatures are absolute. Source: Carslaw & Jaeger, Conduction of Heat in Solids, 1.9.
 
-use crate::models::names;
 use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::bodies::{ABSOLUTE, INITIAL_TEMPERATURE};
@@ -26,7 +25,7 @@ pub fn spec() -> EffectSpec {
         name: NAME.to_owned(),
         law: "q = eps sigma (T^4 - T_round^4) leaves the surface where it is free".to_owned(),
         source: "Carslaw & Jaeger, Conduction of Heat in Solids, 1.9".to_owned(),
-        models: vec![names::FE.to_owned()],
+        models: Vec::new(),
         consumes: field_names(&[&field::FRICTION_POWER]),
         provides: Vec::new(),
         keys: vec![

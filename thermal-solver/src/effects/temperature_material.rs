@@ -4,7 +4,6 @@
 //! specific heat [J/(kg·K)], straight between; temperatures are absolute: the body's `initial_temperature` and
 //! the rise. One without has constant ones. Its density is constant.
 
-use crate::models::names;
 use crate::scene::Scene;
 use crate::situation::Situation;
 use heat::Material;
@@ -47,7 +46,7 @@ pub fn spec() -> EffectSpec {
         law: "rho c(T) dT/dt = div(lambda(T) grad T), with lambda and c from a table".to_owned(),
         source: "Carslaw & Jaeger, Conduction of Heat in Solids, 1.6; EN 1993-1-2, 3.4.1"
             .to_owned(),
-        models: vec![names::FE.to_owned()],
+        models: Vec::new(),
         consumes: field_names(&[&field::FRICTION_POWER]),
         provides: Vec::new(),
         keys: vec![

@@ -3,7 +3,6 @@
 //! Elements are those of the heat flux's rows, from behind the contact to its front, down to the last layer.
 //! It changes no answer, and costs what is written.
 
-use crate::models::names;
 use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::description::{EffectSpec, names as field_names};
@@ -38,7 +37,7 @@ pub fn spec() -> EffectSpec {
         name: NAME.to_owned(),
         law: "the temperature rise of every element of both bodies".to_owned(),
         source: "docs/theory/fe.md".to_owned(),
-        models: vec![names::FE.to_owned()],
+        models: Vec::new(),
         consumes: field_names(&[&field::FRICTION_POWER]),
         provides: field_names(&[&VOLUMES[1], &VOLUMES[0]]),
         keys: Vec::new(),

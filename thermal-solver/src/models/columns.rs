@@ -8,6 +8,7 @@ use super::names;
 use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest};
+use crate::capability::Capability;
 use heat::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
 };
@@ -25,6 +26,9 @@ use proto::grid::blocked_sum;
 use proto::model::StepError;
 use std::io::{self, Read, Write};
 use std::ops::Range;
+
+/// What it can that not every model can.
+pub const CAPABILITIES: &[Capability] = &[Capability::EarlierPassages, Capability::RiseIntegrals];
 
 /// Its description.
 #[must_use]
@@ -95,8 +99,6 @@ pub struct Columns {
 impl Conduction for Columns {
     const TRANSIENT: bool = true;
     const AT_REST: bool = false;
-    const EXCHANGES: bool = false;
-    const INTEGRATES: bool = true;
     const KEEPS_WINDOWS: bool = true;
     const STATE_TAG: u8 = 2;
 

@@ -48,11 +48,7 @@ pub trait Conduction: Sized + 'static {
     const TRANSIENT: bool;
     /// It can answer for a body at rest in a steady case.
     const AT_REST: bool;
-    /// It finds what flows between the surfaces where they touch.
-    const EXCHANGES: bool;
-    /// It knows what the heat does to the height of the surfaces ([`heat::moving_source::rise_integral`]).
-    const INTEGRATES: bool = false;
-    /// For that it keeps what every window of the past does.
+    /// For what the heat does to the height of the surfaces it keeps what every window of the past does.
     const KEEPS_WINDOWS: bool = false;
     /// It has elements of its own ([`heat::fe::block`]).
     const ELEMENTS: bool = false;

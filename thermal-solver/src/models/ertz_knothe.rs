@@ -22,6 +22,7 @@ use super::names;
 use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::section_key;
 use super::summary::Peak;
+use crate::capability::Capability;
 use crate::{LOWER, UPPER};
 use heat::closed_form::polynomial;
 use heat::columns::reconstruction::Flux;
@@ -35,6 +36,9 @@ use std::f64::consts::PI;
 use std::io::{self, Read, Write};
 
 const SECONDS_PER_POINT: f64 = 30e-9;
+
+/// What it can that not every model can.
+pub const CAPABILITIES: &[Capability] = &[Capability::EarlierPassages];
 
 /// Its description.
 #[must_use]
@@ -101,7 +105,6 @@ pub struct ErtzKnothe {
 impl Conduction for ErtzKnothe {
     const TRANSIENT: bool = false;
     const AT_REST: bool = false;
-    const EXCHANGES: bool = false;
     const STATE_TAG: u8 = 1;
 
     fn new(frame: &Frame) -> Self {

@@ -9,6 +9,8 @@ use super::interface::{Flow, Interface, Rubbing, both};
 use super::names;
 use super::setup::{resolution, resolution_across, section_key};
 use super::summary::{Peak, hottest, hottest_in_contact};
+use crate::capability::Capability;
+use crate::effects::contact_conductance::HARDNESS;
 use crate::{LOWER, UPPER};
 use heat::columns::convolution::remove_negative_rounding;
 use heat::columns::reconstruction::sum_of_means;
@@ -30,6 +32,15 @@ use proto::model::StepError;
 use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
+
+/// What it can that not every model can.
+pub const CAPABILITIES: &[Capability] = &[
+    Capability::Exchange,
+    Capability::RiseIntegrals,
+    Capability::VaryingProperties,
+    Capability::FreeSurfaces,
+    Capability::Volumes,
+];
 
 /// Its description.
 #[must_use]
@@ -128,12 +139,18 @@ fn unknowns(frame: &Frame) -> usize {
 impl Conduction for FiniteElements {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
-    const EXCHANGES: bool = true;
-    const INTEGRATES: bool = true;
     const ELEMENTS: bool = true;
     const STATE_TAG: u8 = 4;
 
     fn check(frame: &Frame) -> Result<(), Refusal> {
+        let by_pressure = frame.conductance.is_some_and(|law| law.hardness.is_some());
+        if by_pressure && frame.mode == Mode::Transient {
+            return Err(Refusal::new(
+                HARDNESS,
+                "finite elements in time find what flows by a constant conductance only",
+                "remove the key, or write [thermal] model = \"moving-source\"",
+            ));
+        }
         [LOWER, UPPER].into_iter().try_for_each(|body| {
             let (material, speed) = (&frame.scene.materials[body], expected_speed(frame, body));
             elements::check_size(&elements(frame, body), &frame.grid, material, speed)

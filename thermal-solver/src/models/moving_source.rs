@@ -12,6 +12,7 @@ use super::interface::{Flow, Interface, Rubbing, both};
 use super::names;
 use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest, hottest_in_contact};
+use crate::capability::Capability;
 use crate::{LOWER, UPPER};
 use heat::Material;
 use heat::columns::convolution::remove_negative_rounding;
@@ -32,6 +33,14 @@ use proto::model::StepError;
 use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
+
+/// What it can that not every model can.
+pub const CAPABILITIES: &[Capability] = &[
+    Capability::Exchange,
+    Capability::Potentials,
+    Capability::EarlierPassages,
+    Capability::RiseIntegrals,
+];
 
 /// Its description.
 #[must_use]
@@ -183,8 +192,6 @@ pub struct MovingSource {
 impl Conduction for MovingSource {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
-    const EXCHANGES: bool = true;
-    const INTEGRATES: bool = true;
     const KEEPS_WINDOWS: bool = true;
     const STATE_TAG: u8 = 3;
 

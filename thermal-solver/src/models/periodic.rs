@@ -10,6 +10,7 @@ use super::frame::Frame;
 use super::names;
 use super::setup::section_key;
 use super::summary::{Peak, hottest};
+use crate::capability::Capability;
 use crate::{LOWER, UPPER};
 use heat::periodic::half_space::{HalfSpace, Instant};
 use heat::window::{Drive, Stage};
@@ -24,6 +25,9 @@ use proto::state::{read_numbers, write_numbers};
 use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::io::{self, Read, Write};
+
+/// What it can that not every model can.
+pub const CAPABILITIES: &[Capability] = &[Capability::RiseIntegrals];
 
 /// Its description.
 #[must_use]
@@ -72,8 +76,6 @@ pub struct Periodic {
 impl Conduction for Periodic {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
-    const EXCHANGES: bool = false;
-    const INTEGRATES: bool = true;
     const REPEATS: bool = true;
     const STATE_TAG: u8 = 5;
 

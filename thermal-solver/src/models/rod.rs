@@ -20,6 +20,7 @@ use super::fields::fields;
 use super::frame::Frame;
 use super::names;
 use super::summary::Peak;
+use crate::capability::Capability;
 use crate::effects::contact_conductance::Conductance;
 use crate::{LOWER, UPPER};
 use heat::Material;
@@ -35,6 +36,10 @@ use std::io::{self, Read, Write};
 
 /// Waves of a rod: those that are left out decay in 1e-5 of L²/κ.
 const WAVES: usize = 200;
+
+/// What it can that not every model can.
+pub const CAPABILITIES: &[Capability] =
+    &[Capability::Exchange, Capability::Gaps, Capability::RiseIntegrals];
 
 /// Its description.
 #[must_use]
@@ -175,8 +180,6 @@ pub struct Rods {
 impl Conduction for Rods {
     const TRANSIENT: bool = true;
     const AT_REST: bool = true;
-    const EXCHANGES: bool = true;
-    const INTEGRATES: bool = true;
     const ENDS: bool = true;
     const STATE_TAG: u8 = 6;
 

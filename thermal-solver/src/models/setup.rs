@@ -8,7 +8,7 @@ use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
 use super::shell::Shell;
 use crate::effects::bulk_heating;
-use crate::effects::contact_conductance::{self, Conductance};
+use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::integrated;
 use crate::effects::joule_heat;
@@ -23,6 +23,7 @@ use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
+use std::marker::PhantomData;
 
 /// Elements along the larger extent of the grid.
 const RESOLUTION: &str = "thermal.resolution";
@@ -92,108 +93,73 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
             "add the table `[effects.friction_heat]`",
         ));
     }
+    let Some(arriving) = heat_grid(given)? else {
+        // What can be refused before the grid is known.
+        check_scene::<C>(given, &Scene::read(&given.case)?)?;
+        Conductance::read(&given.case, Partition::read(&given.case)?)?;
+        let mut layout = Layout::default();
+        layout.remarks.push("grid and cost follow the grid of friction_power".to_owned());
+        return Ok(Box::new(Prepared::<C> { frame: None, layout, model: PhantomData }));
+    };
+    let frame = frame::<C>(given, &arriving)?;
+    let mut layout = lay_out::<C>(&frame, given);
+    let moves = given.inputs.iter().any(|input| input.moves && is_heat(input));
+    if frame.grid != arriving || moves {
+        layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));
+    }
+    if moves {
+        layout.remarks.push("friction_power is mapped to its first grid".to_owned());
+    }
+    if frame.feels_pressure() {
+        layout.inputs.extend(pressure(given, &frame.grid)?);
+    }
+    Ok(Box::new(Prepared::<C> { frame: Some(frame), layout, model: PhantomData }))
+}
+
+/// Reads what a case says of the bodies and of its effects, on the grid of the heat flux.
+fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<Frame, Refusal> {
     let scene = Scene::read(&given.case)?;
+    check_scene::<C>(given, &scene)?;
     let partition = Partition::read(&given.case)?;
     let conductance = Conductance::read(&given.case, partition)?;
-    if partition == Partition::Continuity && !C::EXCHANGES {
-        return Err(Refusal::new(
-            friction_heat::PARTITION_KEY,
-            format!("model `{}` splits heat by one share everywhere", given.model),
-            "write \"effusivity\", which is the same at high speed, or [thermal] model = \
-             \"moving-source\"",
-        ));
+    let mut grid = own_grid(given, arriving)?;
+    if !C::ELEMENTS && given.case.has(WAKE) {
+        grid = with_wake(grid, given.case.number(WAKE)?)?;
     }
+    let memories = match given.has_effect(bulk_heating::NAME) {
+        true => Some(bulk_heating::read(given, &scene)?),
+        false => None,
+    };
+    let elements = if C::ELEMENTS { Some(elements::read(&given.case, &scene)?) } else { None };
+    let known = Frame {
+        section_y: section_y(given, &grid)?,
+        natures: natures(given, &scene)?,
+        criterion: phase_transformation::read(given, &scene, C::REPEATS)?,
+        current: joule_heat::read(given, &scene)?,
+        ends: Ends::read(&given.case, &scene.names)?,
+        mode: given.mode,
+        threads: given.threads,
+        scene,
+        partition,
+        conductance,
+        grid,
+        elements,
+        memories,
+    };
+    elements::check(&known)?;
+    C::check(&known)?;
+    Ok(known)
+}
+
+/// Refuses bodies at rest of which a model has no answer.
+fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<(), Refusal> {
     if !C::AT_REST {
-        refuse_rest(&scene, given.mode)?;
+        refuse_rest(scene, given.mode)?;
     }
-    let lacking = [
-        (contact_conductance::NAME, C::EXCHANGES, "lets no heat flow between the surfaces"),
-        (joule_heat::NAME, C::EXCHANGES && !C::ELEMENTS, "does not find potentials"),
-        (bulk_heating::NAME, !C::ELEMENTS, "has properties that may depend on the temperature"),
-    ];
-    let integrated = integrated::active(given);
-    let unable = integrated
-        .map(|effect| (effect, C::INTEGRATES, "does not integrate the rise over the depth"));
-    for (effect, has, why) in lacking.into_iter().chain(unable) {
-        if given.has_effect(effect) && !has {
-            return Err(Refusal::new(
-                &format!("effects.{effect}"),
-                format!("model `{}` {why}", given.model),
-                "write [thermal] model = \"moving-source\", or remove the effect",
-            ));
-        }
+    match integrated::active(given).filter(|_| !C::ENDS) {
+        Some(effect) => integrated::refuse_rest(scene, given.mode, effect),
+        None => Ok(()),
     }
-    let by_pressure = conductance.is_some_and(|law| law.hardness.is_some());
-    if by_pressure && C::ELEMENTS && given.mode == Mode::Transient {
-        return Err(Refusal::new(
-            contact_conductance::HARDNESS,
-            "finite elements in time find what flows by a constant conductance only",
-            "remove the key, or write [thermal] model = \"moving-source\"",
-        ));
-    }
-    if conductance.is_some_and(|law| law.gas.is_some()) && !C::ENDS {
-        return Err(Refusal::new(
-            contact_conductance::GAS,
-            format!("model `{}` does not know of gaps between the surfaces", given.model),
-            "remove the key, or write [thermal] model = \"rod\"",
-        ));
-    }
-    if let Some(effect) = integrated.filter(|_| !C::ENDS) {
-        integrated::refuse_rest(&scene, given.mode, effect)?;
-    }
-    let mut layout = Layout::default();
-    let mut frame = None;
-    match heat_grid(given)? {
-        Some(arriving) => {
-            let mut grid = own_grid(given, &arriving)?;
-            if !C::ELEMENTS && given.case.has(WAKE) {
-                grid = with_wake(grid, given.case.number(WAKE)?)?;
-            }
-            let moves = given.inputs.iter().any(|i| i.moves && is_heat(i));
-            let section_y = section_y(given, &grid)?;
-            let (mode, threads) = (given.mode, given.threads);
-            let elements =
-                if C::ELEMENTS { Some(elements::read(&given.case, &scene)?) } else { None };
-            let natures = natures(given, &scene)?;
-            let memories = match given.has_effect(bulk_heating::NAME) {
-                true => Some(bulk_heating::read(given, &scene)?),
-                false => None,
-            };
-            let criterion = phase_transformation::read(given, &scene, C::REPEATS)?;
-            let current = joule_heat::read(given, &scene)?;
-            let ends = Ends::read(&given.case, &scene.names)?;
-            let known = Frame {
-                ends,
-                scene,
-                partition,
-                conductance,
-                mode,
-                grid,
-                section_y,
-                natures,
-                elements,
-                memories,
-                criterion,
-                current,
-                threads,
-            };
-            elements::check(&known)?;
-            C::check(&known)?;
-            layout = lay_out::<C>(&known, given);
-            if grid != arriving || moves {
-                layout.inputs.push(on(&field::FRICTION_POWER, CONTACT));
-            }
-            if moves {
-                layout.remarks.push("friction_power is mapped to its first grid".to_owned());
-            }
-            if known.feels_pressure() {
-                layout.inputs.extend(pressure(given, &grid)?);
-            }
-            frame = Some(known);
-        }
-        None => layout.remarks.push("grid and cost follow the grid of friction_power".to_owned()),
-    }
-    Ok(Box::new(Prepared::<C> { frame, layout, model: std::marker::PhantomData }))
 }
 
 /// Refuses a steady case with a body at rest: normal to its surface alone, a body whose one place is
@@ -369,7 +335,7 @@ fn on(spec: &FieldSpec, grid: &str) -> FieldOnGrid {
 struct Prepared<C> {
     frame: Option<Frame>,
     layout: Layout,
-    model: std::marker::PhantomData<C>,
+    model: PhantomData<C>,
 }
 
 impl<C: Conduction> Setup for Prepared<C> {

@@ -1,6 +1,6 @@
 //! The blocks of points that a case asks for.
 
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
 use proto::bodies::{Bodies, LOWER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

@@ -1,11 +1,11 @@
 //! The keys, what a window prescribes, and the grid that holds the contacts of all rows.
 
-use crate::difference;
-use crate::ellipse::Ellipse;
-use crate::keys::CheckedParams;
+use crate::case::difference;
+use crate::case::ellipse::Ellipse;
+use crate::case::keys::CheckedParams;
+use crate::case::resolution::{self, RESOLUTION};
+use crate::case::scene::{Drive, Scene, contact_keys};
 use crate::models::half_space::geometry::prescribed;
-use crate::resolution::{self, RESOLUTION};
-use crate::scene::{Drive, Scene, contact_keys};
 use elastic::Elasticity;
 use elastic::Material;
 use half_space::conformal::contact::Prescription;
@@ -163,7 +163,7 @@ impl Case {
         let speed = scene.speeds.rolling;
         if speed == 0.0 {
             return Err(Refusal::new(
-                crate::scene::SPEED,
+                crate::case::scene::SPEED,
                 "the bodies roll steadily",
                 "give a speed above 0, or write [mech] model = \"half-space\" for a shift",
             ));

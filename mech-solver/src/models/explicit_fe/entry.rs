@@ -2,10 +2,10 @@
 
 use super::keys::{RESOLUTION, own_keys};
 use super::setup::configure;
-use crate::entry::ModelEntry;
+use crate::case::resolution;
+use crate::case::scene::contact_keys;
 use crate::models::half_space::gap;
-use crate::resolution;
-use crate::scene::contact_keys;
+use crate::registry::entry::ModelEntry;
 use crate::terms::Kind;
 use proto::accuracy::{Accuracy, Refinement, Simplification};
 use proto::description::{ModelSpec, names};

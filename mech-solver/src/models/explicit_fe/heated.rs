@@ -5,11 +5,11 @@
 use super::creep_curve::CreepCurve;
 use super::outcome::{self, Fields, met_force};
 use super::passage::Report;
+use crate::case::scene::Scene;
 use crate::models::varying::no_answer;
-use crate::scene::Scene;
-use crate::softening::LEAST_SHARE;
-use crate::surface::Surface;
 use crate::terms::Kind;
+use crate::terms::softening::LEAST_SHARE;
+use crate::terms::surface::Surface;
 use explicit_fe::rolling::{Means, Rolling};
 use explicit_fe::settle::settle_again;
 use proto::field::{self, FieldSpec};

@@ -1,8 +1,8 @@
 //! The keys of the case, and the sizes that they leave open.
 
 use super::surfaces::Surfaces;
-use crate::keys::CheckedParams;
-use crate::scene::Scene;
+use crate::case::keys::CheckedParams;
+use crate::case::scene::Scene;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;

@@ -1,9 +1,9 @@
 //! What a measurement gives: faults, fields, figures.
 
-use crate::measures::{Measures, add_elements};
+use crate::case::scene::Scene;
+use crate::figures::measures::{Measures, add_elements};
 use crate::models::precomputed::count;
 use crate::models::summary::add_patches;
-use crate::scene::Scene;
 use crate::terms::Terms;
 use explicit_fe::block::Block;
 use explicit_fe::rolling::{Means, Rolling};

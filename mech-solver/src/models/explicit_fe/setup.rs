@@ -6,12 +6,12 @@ use super::keys::{DENSITY, DEPTH, Extent, MASS_SCALING, PENALTY, RESOLUTION, own
 use super::outcome::{self, Fields};
 use super::passage::{Passage, Report};
 use super::surfaces::Surfaces;
-use crate::ellipse::{Ellipse, Prescribed};
-use crate::keys::CheckedParams;
+use crate::case::ellipse::{Ellipse, Prescribed};
+use crate::case::keys::CheckedParams;
+use crate::case::resolution;
+use crate::case::scene::{Drive, GivenPatch, Load, Scene};
 use crate::models::precomputed::{self, Precomputed};
-use crate::resolution;
-use crate::scene::{Drive, GivenPatch, Load, Scene};
-use crate::softening::Softening;
+use crate::terms::softening::Softening;
 use crate::terms::{Kind, Terms};
 use explicit_fe::block::{Block, Held, Solid};
 use explicit_fe::contact::Law;

@@ -1,10 +1,10 @@
 //! What touches, and about where: Hertz's ellipse of two radii, or the contact of measured profiles on a coarse grid of
 //! half-spaces.
 
-use crate::ellipse::Ellipse;
+use crate::case::ellipse::Ellipse;
+use crate::case::scene::{GivenPatch, Load, Scene};
 use crate::models::half_space::gap::Gap;
 use crate::models::half_space::geometry::{self, Footprint, Shapes};
-use crate::scene::{GivenPatch, Load, Scene};
 use crate::terms::Terms;
 use elastic::Elasticity;
 use explicit_fe::section::circle;

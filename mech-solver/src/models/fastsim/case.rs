@@ -2,12 +2,12 @@
 
 use super::contact::{Contact, Problem};
 use super::fields;
-use crate::ellipse::Ellipse;
-use crate::keys::CheckedParams;
+use crate::case::ellipse::Ellipse;
+use crate::case::keys::CheckedParams;
+use crate::case::resolution;
+use crate::case::scene::{GivenPatch, Scene};
 use crate::models::row_by_row::Rows;
 use crate::models::springs;
-use crate::resolution;
-use crate::scene::{GivenPatch, Scene};
 use crate::terms::Terms;
 use elastic::fastsim::bound::Bound;
 use elastic::fastsim::flexibility::{Flexibilities, Kind};

@@ -2,10 +2,10 @@
 
 use super::limits::Limits;
 use super::sliding::Sliding;
-use crate::ellipse::{Ellipse, Prescribed};
+use crate::case::ellipse::{Ellipse, Prescribed};
+use crate::case::scene::Speeds;
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_density, power_imbalance};
 use crate::models::summary::extend;
-use crate::scene::Speeds;
 use elastic::fastsim::flexibility::{Creepage, Flexibilities, Kind};
 use elastic::fastsim::march::{Cell, Lattice, March, Strip, norm};
 use elastic::fastsim::reduction::Reduction;

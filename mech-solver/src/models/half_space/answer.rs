@@ -3,10 +3,10 @@
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::ContactSolver;
-use crate::measures::{Measures, add_elements};
+use crate::figures::measures::{Measures, add_elements};
 use crate::models::summary::add_patches;
-use crate::surface::KeptSurface;
 use crate::terms::Accepted;
+use crate::terms::surface::KeptSurface;
 use half_space::area::contact_area;
 use half_space::extent::Moments;
 use half_space::levels::Solution;

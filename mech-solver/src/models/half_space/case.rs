@@ -2,10 +2,10 @@
 
 use super::drive::Driven;
 use super::geometry::Footprint;
-use crate::ellipse::Ellipse;
-use crate::scene::{GivenPatch, Scene};
-use crate::surface::KeptSurface;
+use crate::case::ellipse::Ellipse;
+use crate::case::scene::{GivenPatch, Scene};
 use crate::terms::Terms;
+use crate::terms::surface::KeptSurface;
 use half_space::difference::Difference;
 use half_space::extent::{elliptic, sample};
 use half_space::retarded::Delay;

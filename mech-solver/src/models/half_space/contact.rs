@@ -6,8 +6,8 @@
 use super::balance::{Hysteresis, PowerError, PressurePower};
 use super::case::Case;
 use super::drive::Driven;
-use crate::friction::{FrictionState, lateral};
 use crate::models::shortfall::Shortfall;
+use crate::terms::friction::{FrictionState, lateral};
 use elastic::slip::RigidSlip;
 use half_space::coupling::Coupling;
 use half_space::difference::Stencil;

@@ -1,9 +1,9 @@
 //! What drives the upper body, component by component: a force, or a creepage.
 
+use crate::case::ellipse::Ellipse;
+use crate::case::keys::CheckedParams;
+use crate::case::scene::{Drive, Load, SPEED, Scene, WIDTH, shift_keys};
 use crate::effects;
-use crate::ellipse::Ellipse;
-use crate::keys::CheckedParams;
-use crate::scene::{Drive, Load, SPEED, Scene, WIDTH, shift_keys};
 use crate::terms::Kind;
 use elastic::carter;
 use half_space::tangential::Prescribed;

@@ -1,7 +1,7 @@
 //! Surfaces that heat raises ([`crate::effects::thermal_expansion`]).
 
 use super::case::Case;
-use crate::surface::{KeptSurface, raise};
+use crate::terms::surface::{KeptSurface, raise};
 use proto::configuration::Refusal;
 use proto::field;
 use proto::model::{Inputs, StepError};

@@ -6,9 +6,9 @@
 //! z₁(y − s₁), and R₂(y) = R + z₂(y − s₂) − z₂(0). The distance is taken along z, which is the contact
 //! normal for small contact angles only; a steeper contact is refused.
 
-use crate::keys::CheckedParams;
-use crate::noise;
-use crate::scene::Scene;
+use crate::case::keys::CheckedParams;
+use crate::case::noise;
+use crate::case::scene::Scene;
 use half_space::extent::Fitted;
 use half_space::patches::patches;
 use proto::bodies::{LOWER, UPPER};

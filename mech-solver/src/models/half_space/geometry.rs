@@ -4,11 +4,11 @@
 //! ([`fit_grid`]), and the origin lies at the centre of pressure.
 
 use super::gap::{self, Gap};
-use crate::difference;
-use crate::ellipse::{Ellipse, Extent};
-use crate::keys::CheckedParams;
-use crate::resolution::RESOLUTION;
-use crate::scene::{Load, Scene, WIDTH};
+use crate::case::difference;
+use crate::case::ellipse::{Ellipse, Extent};
+use crate::case::keys::CheckedParams;
+use crate::case::resolution::RESOLUTION;
+use crate::case::scene::{Load, Scene, WIDTH};
 use crate::terms::{Kind, Terms};
 use half_space::difference::Difference;
 use half_space::extent::{Fitted, Moments, fit_grid};

@@ -1,7 +1,7 @@
 //! What has no answer with bodies whose compliance grows ([`crate::effects::viscoelasticity`]): they roll steadily, or are pressed and
 //! shifted in place.
 
-use crate::scene::{GivenPatch, Scene};
+use crate::case::scene::{GivenPatch, Scene};
 use crate::terms::{Kind, Terms};
 use proto::configuration::Refusal;
 

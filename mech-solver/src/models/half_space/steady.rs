@@ -9,11 +9,11 @@ use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
+use crate::case::scene::GivenPatch;
 use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
-use crate::removal::Removal;
-use crate::scene::GivenPatch;
+use crate::terms::removal::Removal;
 use half_space::levels::{Motion, Solution};
 use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::{Value, json};
@@ -78,7 +78,7 @@ impl Steady {
             self.contact = Some(contact);
             return Err(no_answer(refusal));
         }
-        let lost = following.varying.is_carried() && self.case.rest_if_lost();
+        let lost = following.varying.has_axle_load() && self.case.rest_if_lost();
         let near = near.filter(|_| !lost).map(|(solution, pressure)| {
             contact.pressure = pressure;
             Solution::new(solution.state)

@@ -1,7 +1,7 @@
 //! What is known before the model is built.
 
 use super::contact::{Contact, CreepLaw};
-use crate::scene::Scene;
+use crate::case::scene::Scene;
 use crate::terms::Terms;
 use proto::field::FieldSpec;
 use proto::grid::Structured;

@@ -1,8 +1,8 @@
 //! The contact as a whole: ellipse, forces and creepage, all in closed form.
 
-use crate::ellipse::{Ellipse, Prescribed};
+use crate::case::ellipse::{Ellipse, Prescribed};
+use crate::case::scene::{Scene, Speeds};
 use crate::models::summary::extend;
-use crate::scene::{Scene, Speeds};
 use elastic::carter;
 use elastic::slip::Slip;
 use proto::configuration::Refusal;

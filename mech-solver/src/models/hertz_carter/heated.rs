@@ -7,10 +7,10 @@
 use super::case::Case;
 use super::contact::Contact;
 use super::fields;
-use crate::friction::{FrictionState, lateral};
+use crate::case::scene::{Drive, Scene};
 use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
-use crate::scene::{Drive, Scene};
+use crate::terms::friction::{FrictionState, lateral};
 use elastic::slip::RigidSlip;
 use proto::configuration::Refusal;
 use proto::field;

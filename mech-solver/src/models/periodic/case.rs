@@ -1,7 +1,7 @@
 //! A checked case.
 
 use super::cell;
-use crate::scene::{APPROACH, DRIVE, Drive, Load, Scene};
+use crate::case::scene::{APPROACH, DRIVE, Drive, Load, Scene};
 use crate::terms::Terms;
 use elastic::Elasticity;
 use half_space::extent::sample;

@@ -1,6 +1,6 @@
 //! The cell that repeats: its keys and its grid.
 
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
 use proto::accuracy::Refinement;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;

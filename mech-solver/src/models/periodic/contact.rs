@@ -1,8 +1,8 @@
 //! The model that runs.
 
 use super::case::Case;
-use crate::friction::{FrictionState, lateral};
-use crate::surface::raise;
+use crate::terms::friction::{FrictionState, lateral};
+use crate::terms::surface::raise;
 use elastic::slip::RigidSlip;
 use half_space::friction::ElementFriction;
 use half_space::normal::{NormalContact, NormalSolver, Prescribed};

@@ -7,14 +7,14 @@ use super::keys::{
     VERTICAL_FORCE, keys,
 };
 use super::shape::surface;
-use crate::difference;
-use crate::keys::CheckedParams;
-use crate::noise;
-use crate::resolution::RESOLUTION;
+use crate::case::difference;
+use crate::case::keys::CheckedParams;
+use crate::case::noise;
+use crate::case::resolution::RESOLUTION;
 use elastic::Elasticity;
 
+use crate::case::scene::{SPEED, body_keys, read_material};
 use crate::models::springs;
-use crate::scene::{SPEED, body_keys, read_material};
 use crate::terms::Terms;
 use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};

@@ -2,8 +2,8 @@
 //! along the track and what other laws make of it. Heights of rough surfaces stand on the rail, over the way along the track and the tape distance.
 
 use super::case::{Case, Position};
-use crate::bands::{At, Over};
-use crate::friction::FrictionState;
+use crate::terms::bands::{At, Over};
+use crate::terms::friction::FrictionState;
 use half_space::friction::ElementFriction;
 use half_space::settling::SlipStart;
 use proto::bodies::LOWER;

@@ -1,10 +1,10 @@
 //! The keys of track, wheelset and elements.
 
 use super::shape;
-use crate::difference;
+use crate::case::difference;
+use crate::case::resolution::RESOLUTION;
+use crate::case::scene::SPEED;
 use crate::models::springs;
-use crate::resolution::RESOLUTION;
-use crate::scene::SPEED;
 use proto::accuracy::Refinement;
 use proto::description::KeySpec;
 

@@ -1,6 +1,6 @@
 //! The surfaces of wheel and rail: a profile from its file, or slices from theirs, and an irregularity.
 
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
 use elastic::axle::{Form, Irregularity};
 use proto::bodies::Bodies;
 use proto::configuration::Refusal;

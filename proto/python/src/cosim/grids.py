@@ -199,7 +199,7 @@ class Grid:
         """The geometry as the values of a field [m], shape (3, vectors).
 
         For a structured grid its origin, its steps and (ni, nj, 1), for quadrilaterals their
-        vertices, and for a volume what `Volume.geometry` is: `proto/contract/src/grid/geometry.rs`.
+        vertices, and for a volume what `Volume.geometry` is: `proto/grids/src/geometry.rs`.
         """
         shape = self.shape
         if isinstance(shape, Volume):

@@ -1,7 +1,7 @@
 """Volumes of hexahedra: fields on them are only written out.
 
 A volume is announced by the kind and the numbers of its elements; its geometry follows as the
-values of a field, and is kept as it travels (`proto/contract/src/grid/volume.rs` has the layout).
+values of a field, and is kept as it travels (`proto/grids/src/volume.rs` has the layout).
 The value of element (i, j, k) stands at `(k * nj + j) * ni + i`. Corners are in VTK's order:
 counter-clockwise round one face, seen from the other, which follows.
 """

@@ -3,9 +3,9 @@
 //!
 //! A body at rest, in which heat stays where it was and whose depth follows from all that was before, is refused.
 
-use crate::keys::CheckedParams;
-use crate::scene::read_material;
-use crate::state::Accepted;
+use crate::case::keys::CheckedParams;
+use crate::case::scene::read_material;
+use crate::terms::state::Accepted;
 use elastic::Material;
 use half_space::subsurface::{RiseIntegral, WarmBody};
 use proto::bodies::{Bodies, LOWER, UPPER};

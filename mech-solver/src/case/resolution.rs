@@ -1,6 +1,6 @@
 //! Elements per semi-axis a, which every model has a default of its own for.
 
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;

@@ -10,8 +10,8 @@
 //! Source: Jenkins et al., Railway Engng J. 3 (1974) 2–16; Johnson, *Contact Mechanics* (1985), 4.2, for the spring.
 //! Left out: the inertia of what is near the contact, and the mass of the track.
 
-use crate::ellipse::Ellipse;
-use crate::scene::{Scene, Speeds};
+use crate::case::ellipse::Ellipse;
+use crate::case::scene::{Scene, Speeds};
 use elastic::axle::{Axle, Irregularity};
 use proto::bodies::UPPER;
 use std::cell::RefCell;
@@ -36,7 +36,7 @@ const OF_CONSTANTS: f64 = 0.5;
 
 /// A load over time.
 #[derive(Debug)]
-pub(crate) struct Carried {
+pub(crate) struct AxleLoad {
     axle: Axle,
     /// N_0 and δ_0 [N, m].
     load: f64,
@@ -76,7 +76,7 @@ pub(crate) struct WindowLoad {
     pub(crate) apart: f64,
 }
 
-impl Carried {
+impl AxleLoad {
     /// Under an axle, from a contact in equilibrium; `None` where the approach is not known.
     pub(crate) fn new(axle: Axle, scene: &Scene, ellipse: &Ellipse) -> Option<Self> {
         let Speeds { rolling: speed, .. } = scene.speeds;

@@ -1,6 +1,6 @@
 //! Figures of a contact by which one judges whether its material and its model suffice.
 
-use crate::scene::Scene;
+use crate::case::scene::Scene;
 use elastic::shakedown;
 use proto::diagram::{Diagram, Line};
 use proto::figure::FigureSpec;

@@ -1,8 +1,8 @@
 //! Which model supports which effect: the one that takes all kinds of terms that the effect makes.
 
 use crate::effects::EFFECTS;
-use crate::entry::{Effect, ModelEntry};
 use crate::models::MODELS;
+use crate::registry::entry::{Effect, ModelEntry};
 use crate::terms::Terms;
 use proto::configuration::{Configuration, Refusal};
 

@@ -1,6 +1,6 @@
 //! Friction that varies over the surfaces: factors on the friction coefficient over a coordinate.
 
-use crate::curve::Curve;
+use crate::case::curve::Curve;
 
 /// What the factors are a table of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -23,9 +23,9 @@ mod wheel_on_track;
 
 pub use grids::{CONTACT_GRID, RIGID_GRID};
 
-use crate::entry::ModelEntry;
-use crate::measures;
-use crate::scene::Scene;
+use crate::case::scene::Scene;
+use crate::figures::measures;
+use crate::registry::entry::ModelEntry;
 use proto::advice::Known;
 use proto::configuration::Refusal;
 use proto::diagram::Diagram;

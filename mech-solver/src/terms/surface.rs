@@ -1,6 +1,6 @@
 //! A field of a surface that comes in, wherever its elements are.
 
-use crate::scene::Body;
+use crate::case::scene::Body;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Inputs, StepError, first_non_finite};

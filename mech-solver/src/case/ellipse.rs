@@ -2,9 +2,9 @@
 //! case gives under `[contact]`, or the line of bodies that are straight across, with the grid that covers it and
 //! the friction limit it sets.
 
-use crate::measures::Measures;
-use crate::resolution::{MOST, RESOLUTION};
-use crate::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene, WIDTH};
+use crate::case::resolution::{MOST, RESOLUTION};
+use crate::case::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene, WIDTH};
+use crate::figures::measures::Measures;
 use elastic::hertz;
 use elastic::strips::semi_ellipse::SemiEllipse;
 use elastic::strips::{Lateral, StripField, Strips};

@@ -1,6 +1,6 @@
 //! What an accepted contact is to a term, and what a term remembers of it.
 
-use crate::surface::Surface;
+use crate::terms::surface::Surface;
 use proto::model::StateError;
 use std::io::{self, Read, Write};
 

@@ -9,7 +9,7 @@
 //!
 //! Source: Coulomb's law with local coefficients; Vollebregt, Wear 314 (2014) 87–95, for min(f p, τ) where the third body yields.
 
-use crate::bands::{At, Over};
+use crate::terms::bands::{At, Over};
 use half_space::friction::ElementFriction;
 use half_space::settling::SlipStart;
 use proto::grid::Structured;

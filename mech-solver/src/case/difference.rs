@@ -1,6 +1,6 @@
 //! The case key of the difference along x, shared by all models with rolling half-spaces.
 
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
 use half_space::difference::Difference;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;

@@ -1,6 +1,6 @@
 //! What the lists of models and effects are made of.
 
-use crate::situation::Situation;
+use crate::advice::situation::Situation;
 use crate::terms::{Kind, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};

@@ -13,6 +13,7 @@ pub mod thermal_expansion;
 pub mod thermal_softening;
 pub mod volume_temperature;
 
+use crate::capability::{Capability, Need};
 use crate::scene::Scene;
 use crate::situation::Situation;
 use heat::fe::conductor::Surroundings;
@@ -20,14 +21,22 @@ use heat::fe::nature::Nature;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, Renamed};
+use proto::params::Params;
+
+/// Reads what the values of an effect's keys need of a model.
+pub type NeedsOfValues = fn(&Params) -> Result<Vec<Need>, Refusal>;
 
 /// An effect of the list.
 #[derive(Clone, Copy, Debug)]
 pub struct Effect {
     /// Name in the case file.
     pub name: &'static str,
-    /// Its description.
+    /// Its description, but for the models that support it.
     pub spec: fn() -> EffectSpec,
+    /// What it needs of a model.
+    pub needs: &'static [Capability],
+    /// What values of its keys need besides.
+    pub needs_of_values: Option<NeedsOfValues>,
     /// What it says of itself in a scene.
     pub advise: Option<fn(&Situation<'_>) -> Advice>,
 }
@@ -37,44 +46,78 @@ pub const REGISTRY: &[Effect] = &[
     Effect {
         name: friction_heat::NAME,
         spec: friction_heat::spec,
+        needs: &[],
+        needs_of_values: Some(friction_heat::needs_of_values),
         advise: Some(friction_heat::advise),
     },
     Effect {
         name: temperature_material::NAME,
         spec: temperature_material::spec,
+        needs: &[Capability::VaryingProperties],
+        needs_of_values: None,
         advise: Some(temperature_material::advise),
     },
     Effect {
         name: thermal_expansion::NAME,
         spec: thermal_expansion::spec,
+        needs: &[Capability::RiseIntegrals],
+        needs_of_values: None,
         advise: Some(thermal_expansion::advise),
     },
     Effect {
         name: thermal_softening::NAME,
         spec: thermal_softening::spec,
+        needs: &[Capability::RiseIntegrals],
+        needs_of_values: None,
         advise: Some(thermal_softening::advise),
     },
     Effect {
         name: contact_conductance::NAME,
         spec: contact_conductance::spec,
+        needs: &[Capability::Exchange],
+        needs_of_values: Some(contact_conductance::needs_of_values),
         advise: Some(contact_conductance::advise),
     },
-    Effect { name: convection::NAME, spec: convection::spec, advise: Some(convection::advise) },
-    Effect { name: radiation::NAME, spec: radiation::spec, advise: Some(radiation::advise) },
+    Effect {
+        name: convection::NAME,
+        spec: convection::spec,
+        needs: &[Capability::FreeSurfaces],
+        needs_of_values: None,
+        advise: Some(convection::advise),
+    },
+    Effect {
+        name: radiation::NAME,
+        spec: radiation::spec,
+        needs: &[Capability::FreeSurfaces],
+        needs_of_values: None,
+        advise: Some(radiation::advise),
+    },
     Effect {
         name: bulk_heating::NAME,
         spec: bulk_heating::spec,
+        needs: &[Capability::EarlierPassages],
+        needs_of_values: None,
         advise: Some(bulk_heating::advise),
     },
     Effect {
         name: phase_transformation::NAME,
         spec: phase_transformation::spec,
+        needs: &[],
+        needs_of_values: None,
         advise: Some(phase_transformation::advise),
     },
-    Effect { name: joule_heat::NAME, spec: joule_heat::spec, advise: Some(joule_heat::advise) },
+    Effect {
+        name: joule_heat::NAME,
+        spec: joule_heat::spec,
+        needs: &[Capability::Potentials],
+        needs_of_values: None,
+        advise: Some(joule_heat::advise),
+    },
     Effect {
         name: volume_temperature::NAME,
         spec: volume_temperature::spec,
+        needs: &[Capability::Volumes],
+        needs_of_values: None,
         advise: Some(volume_temperature::advise),
     },
 ];
@@ -118,7 +161,6 @@ pub fn natures(given: &Configuration, scene: &Scene) -> Result<[Nature; 2], Refu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models;
 
     #[test]
     fn descriptions_agree_with_the_lists() {
@@ -127,9 +169,6 @@ mod tests {
             assert_eq!(spec.name, effect.name);
             assert!(!spec.source.is_empty() && !spec.law.is_empty());
             assert!(REGISTRY[..i].iter().all(|other| other.name != effect.name));
-            for model in &spec.models {
-                assert!(models::REGISTRY.iter().any(|known| known.name == model), "{model}");
-            }
             for field in spec.consumes.iter().chain(&spec.provides) {
                 let own = volume_temperature::VOLUMES.iter().any(|spec| spec.name == field);
                 assert!(own || proto::field::find(field).is_some(), "{field}");

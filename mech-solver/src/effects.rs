@@ -21,7 +21,7 @@ pub mod viscoelasticity;
 pub mod viscous_layer;
 pub mod wear;
 
-use crate::entry::Effect;
+use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use proto::configuration::{Configuration, Refusal};
 

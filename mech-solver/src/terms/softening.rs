@@ -1,6 +1,6 @@
 //! A material that is softer where it is warm.
 
-use crate::curve::Curve;
+use crate::case::curve::Curve;
 
 /// Of the softest element, among the figures of a contact.
 pub(crate) const LEAST_SHARE: &str = "least_stiffness_share";

@@ -3,8 +3,8 @@
 //! The contact is that of Hertz and Kalker's simplified theory (milliseconds); temperatures are what the thermal side has estimated.
 //! An estimate is of the first order: it says whether an effect is worth a run, and a run says by how much.
 
+use crate::case::scene::Scene;
 use crate::figures::APPROACH;
-use crate::scene::Scene;
 use proto::advice::{Advice, Known};
 use proto::params::Params;
 

@@ -15,8 +15,8 @@
 //! Source: Archard, J. Appl. Phys. 24 (1953) 981–988; Pearce & Sherratt, Wear 144 (1991) 343–351, for wear by friction
 //! energy in railways.
 
-use crate::scene::Scene;
-use crate::state::{Accepted, State};
+use crate::case::scene::Scene;
+use crate::terms::state::{Accepted, State};
 use proto::bodies::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::field::FieldSpec;

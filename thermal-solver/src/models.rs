@@ -29,6 +29,7 @@ mod summary;
 mod transforming;
 mod white_layer;
 
+use crate::capability::Capability;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::ModelSpec;
 use proto::model::Setup;
@@ -40,6 +41,8 @@ pub struct Entry {
     pub name: &'static str,
     /// Its description.
     pub spec: fn() -> ModelSpec,
+    /// What it can that not every model can.
+    pub capabilities: &'static [Capability],
     /// Prepares it for a configuration.
     pub configure: fn(&Configuration) -> Result<Box<dyn Setup>, Refusal>,
 }
@@ -49,40 +52,54 @@ pub const REGISTRY: &[Entry] = &[
     Entry {
         name: names::ERTZ_KNOTHE,
         spec: ertz_knothe::spec,
+        capabilities: ertz_knothe::CAPABILITIES,
         configure: setup::configure::<ertz_knothe::ErtzKnothe>,
     },
     Entry {
         name: names::COLUMNS,
         spec: columns::spec,
+        capabilities: columns::CAPABILITIES,
         configure: setup::configure::<columns::Columns>,
     },
     Entry {
         name: names::MOVING_SOURCE,
         spec: moving_source::spec,
+        capabilities: moving_source::CAPABILITIES,
         configure: setup::configure::<moving_source::MovingSource>,
     },
-    Entry { name: names::FE, spec: fe::spec, configure: setup::configure::<fe::FiniteElements> },
+    Entry {
+        name: names::FE,
+        spec: fe::spec,
+        capabilities: fe::CAPABILITIES,
+        configure: setup::configure::<fe::FiniteElements>,
+    },
     Entry {
         name: names::PERIODIC,
         spec: periodic::spec,
+        capabilities: periodic::CAPABILITIES,
         configure: setup::configure::<periodic::Periodic>,
     },
-    Entry { name: names::ROD, spec: rod::spec, configure: setup::configure::<rod::Rods> },
+    Entry {
+        name: names::ROD,
+        spec: rod::spec,
+        capabilities: rod::CAPABILITIES,
+        configure: setup::configure::<rod::Rods>,
+    },
 ];
 
-/// Prepares the model that a configuration names.
-pub fn configure(configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
-    match REGISTRY.iter().find(|model| model.name == configuration.model) {
-        Some(model) => (model.configure)(configuration),
-        None => {
-            let known: Vec<&str> = REGISTRY.iter().map(|model| model.name).collect();
-            Err(Refusal::new(
-                "thermal.model",
-                format!("`{}` is not a model of this participant", configuration.model),
-                format!("write one of: {}", known.join(", ")),
-            ))
-        }
-    }
+/// The model with this name.
+///
+/// # Errors
+/// There is none.
+pub(crate) fn find(name: &str) -> Result<&'static Entry, Refusal> {
+    REGISTRY.iter().find(|model| model.name == name).ok_or_else(|| {
+        let known: Vec<&str> = REGISTRY.iter().map(|model| model.name).collect();
+        Refusal::new(
+            "thermal.model",
+            format!("`{name}` is not a model of this participant"),
+            format!("write one of: {}", known.join(", ")),
+        )
+    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What the case says of the bodies, motion, load and friction, as plain structs in SI units.
 
-use crate::keys::CheckedParams;
+use crate::case::keys::CheckedParams;
 use elastic::Material;
 use proto::bodies::{Bodies, LOWER, UPPER, position_key, surface_speed_key};
 use proto::configuration::Refusal;

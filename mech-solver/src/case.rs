@@ -1,0 +1,18 @@
+//! Values of a case that several models read.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`keys`] | values checked against the specifications that the description publishes |
+//! | [`scene`] | bodies, motion, load and friction |
+//! | [`resolution`], [`difference`] | elements per semi-axis; the difference along x |
+//! | [`ellipse`] | the contact patch in closed form, with its grid |
+//! | [`curve`] | values over a coordinate, from a table |
+//! | [`noise`] | scatter of the points of measured profiles |
+
+pub(crate) mod curve;
+pub(crate) mod difference;
+pub(crate) mod ellipse;
+pub(crate) mod keys;
+pub(crate) mod noise;
+pub(crate) mod resolution;
+pub mod scene;

@@ -1,0 +1,57 @@
+//! Which model supports which effect: the one that can all that the effect needs.
+
+use crate::capability::Capability;
+use crate::effects::{self, Effect};
+use crate::models::{self, Entry};
+use proto::configuration::{Configuration, Refusal};
+use proto::description::EffectSpec;
+
+/// Models that can all of these.
+fn models_that_can(needs: &[Capability]) -> impl Iterator<Item = &'static Entry> {
+    let can_all = |model: &&Entry| needs.iter().all(|need| model.capabilities.contains(need));
+    models::REGISTRY.iter().filter(can_all)
+}
+
+/// Description of an effect, with the models that support it.
+pub(crate) fn description(effect: &Effect) -> EffectSpec {
+    let models = models_that_can(effect.needs).map(|model| model.name.to_owned()).collect();
+    EffectSpec { models, ..(effect.spec)() }
+}
+
+/// Refuses effects, and values of their keys, that need what a model cannot.
+///
+/// # Errors
+/// There is one.
+pub(crate) fn refuse_needs(given: &Configuration, model: &Entry) -> Result<(), Refusal> {
+    let refused = |key: &str, capability: Capability, instead: &str| {
+        let [first, ..] = models_that_can(&[capability]).collect::<Vec<_>>()[..] else {
+            unreachable!("no model can what an effect needs")
+        };
+        let reason = format!("model `{}` {}", model.name, capability.lack());
+        let fix = format!("write [thermal] model = \"{}\", or {instead}", first.name);
+        Err(Refusal::new(key, reason, fix))
+    };
+    let lacks = |capability: &Capability| !model.capabilities.contains(capability);
+    for effect in effects::REGISTRY.iter().filter(|effect| given.has_effect(effect.name)) {
+        if let Some(need) = effect.needs.iter().copied().find(lacks) {
+            return refused(&format!("effects.{}", effect.name), need, "remove the effect");
+        }
+        let needs = effect.needs_of_values.map_or(Ok(Vec::new()), |needs| needs(&given.case))?;
+        if let Some(need) = needs.into_iter().find(|need| lacks(&need.capability)) {
+            return refused(need.key, need.capability, need.instead);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_effect_has_a_model() {
+        for effect in effects::REGISTRY {
+            assert!(!description(effect).models.is_empty(), "{}", effect.name);
+        }
+    }
+}
