@@ -197,6 +197,6 @@ fn what_does_not_rest_is_refused() {
         with("phase_transformation", json!({})),
         Some("effects.phase_transformation".to_owned())
     );
-    assert_eq!(key("columns", resting), Some("motion.speed".to_owned()));
+    assert_eq!(key("columns", resting), Some("effects.joule_heat".to_owned()));
     assert_eq!(key("columns", rest(&json!({}))), Some("motion.speed".to_owned()));
 }
