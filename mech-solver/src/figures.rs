@@ -2,26 +2,10 @@
 
 pub(crate) mod measures;
 
+use proto::figure::contact::{
+    APPROACH, MAX_PRESSURE, NORMAL_FORCE, PATCHES, SEMI_AXIS_A, SEMI_AXIS_B,
+};
 use proto::figure::{FigureSpec, Style};
-
-/// Normal force [N].
-const NORMAL_FORCE: &str = "contact.normal_force_n";
-/// Patches of the contact.
-const PATCHES: &str = "contact.patches";
-/// Semi-axis along the rolling direction [m].
-pub(crate) const SEMI_AXIS_A: &str = "contact.semi_axis_a_m";
-/// Semi-axis across the rolling direction [m].
-pub(crate) const SEMI_AXIS_B: &str = "contact.semi_axis_b_m";
-/// Largest pressure [Pa].
-pub(crate) const MAX_PRESSURE: &str = "contact.max_pressure_pa";
-/// Approach of the bodies [m].
-pub(crate) const APPROACH: &str = "contact.approach_m";
-/// Longitudinal creepage [-].
-pub(crate) const CREEPAGE_XI: &str = "contact.creepage_xi";
-/// Friction power [W].
-pub(crate) const FRICTION_POWER: &str = "contact.friction_power_w";
-/// Share of the contact that slips [-].
-pub(crate) const SLIP_AREA_RATIO: &str = "contact.slip_area_ratio";
 
 /// All of them, in the order in which a person reads them. A model without one leaves it out.
 pub(crate) fn figures() -> Vec<FigureSpec> {
@@ -142,6 +126,7 @@ fn slip() -> Vec<FigureSpec> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proto::figure::contact::{CREEPAGE_XI, FRICTION_POWER, SLIP_AREA_RATIO};
 
     #[test]
     fn what_is_referred_to_is_described() {

@@ -3,6 +3,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`bessel`] | modified Bessel functions of the second kind |
 //! | [`convolution`] | sums of a kernel over a grid by Fourier transforms |
 //! | [`gmres`] | Krylov solver for a few iterations on tall vectors |
 //! | [`quadrature`] | integrals of functions over an interval |
@@ -11,6 +12,7 @@
 //! | [`team`] | independent pieces of work, on several threads |
 //! | [`waves`] | fields that repeat without end, as sums of waves |
 
+pub mod bessel;
 pub mod convolution;
 pub mod gmres;
 pub mod quadrature;

@@ -1,9 +1,8 @@
 //! The figures of the section `temperature` of the summary, those of a body on a line of its own.
 
+use proto::figure::contact::{FRICTION_POWER, PATCHES, SEMI_AXIS_A};
 use proto::figure::{FigureSpec, Style};
 
-/// What heats: a temperature is no better known.
-const POWER: &str = "contact.friction_power_w";
 /// Largest rises of the heated strips [K]; a patch has that of its own strip.
 const STRIPS: &str = "temperature.*.each_strip.#.max_rise_k";
 
@@ -12,12 +11,12 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
     let figure = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("temperature.*.{name}"), unit, words)
             .on("*", short)
-            .driven_by(POWER)
+            .driven_by(FRICTION_POWER)
     };
     let in_patch = FigureSpec::new("contact.each_patch.#.*_max_rise_k", "K", "temperature rise")
         .on("patch", "*")
         .style(Style::Signed)
-        .within(STRIPS, ["y_from_m", "y_to_m"], "y_m", "contact.patches");
+        .within(STRIPS, ["y_from_m", "y_to_m"], "y_m", PATCHES);
     vec![
         figure("max_rise_k", "K", "temperature rise", "")
             .expected_below(700.0, "steel transforms at about 1000 K, and its properties are others by then (effects.temperature_material)")
@@ -26,7 +25,7 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
             .headline(),
         figure("min_rise_k", "K", "lowest temperature rise", "down to").style(Style::Signed),
         figure("x_over_a", "1", "place x/a", "at x/a")
-            .ratio(&["temperature.*.x_m"], "contact.semi_axis_a_m")
+            .ratio(&["temperature.*.x_m"], SEMI_AXIS_A)
             .digits(4)
             .absolute()
             .rank(2),

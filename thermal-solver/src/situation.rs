@@ -10,16 +10,15 @@ use crate::{LOWER, UPPER};
 use heat::closed_form::scales::rest_length;
 use heat::fe::law::Law;
 use proto::advice::{Advice, Known};
+use proto::figure::contact::{
+    APPROACH, FRICTION_POWER, SEMI_AXIS_A, SEMI_AXIS_B, SLIP_AREA_RATIO, max_rise,
+};
 use proto::params::Params;
 use std::f64::consts::PI;
 
-const POWER: &str = "contact.friction_power_w";
-const SEMI_AXES: [&str; 2] = ["contact.semi_axis_a_m", "contact.semi_axis_b_m"];
-const APPROACH: &str = "contact.approach_m";
-const SLIP_AREA_RATIO: &str = "contact.slip_area_ratio";
-
 /// Figures of the contact that estimates read; the mechanics describes them.
-pub const OF_CONTACT: [&str; 5] = [POWER, SEMI_AXES[0], SEMI_AXES[1], APPROACH, SLIP_AREA_RATIO];
+pub const OF_CONTACT: [&str; 5] =
+    [FRICTION_POWER, SEMI_AXIS_A, SEMI_AXIS_B, APPROACH, SLIP_AREA_RATIO];
 
 /// Rise under a fast ellipse of flux, over q₀/β √(a/(πV)): the maximum of
 /// [`heat::closed_form::ellipse::surface`].
@@ -71,8 +70,8 @@ impl<'a> Situation<'a> {
         shares: impl Fn([f64; 2]) -> [f64; 2],
     ) -> Option<Self> {
         let figure = |key: &str| known.get(key).copied();
-        let power = figure(POWER)?;
-        let semi_axes = [figure(SEMI_AXES[0])?, figure(SEMI_AXES[1])?];
+        let power = figure(FRICTION_POWER)?;
+        let semi_axes = [figure(SEMI_AXIS_A)?, figure(SEMI_AXIS_B)?];
         let approach = figure(APPROACH)?;
         let rest = |body: usize| if scene.at_rest[body] { 0.0 } else { scene.speeds[body] };
         let speeds = [rest(UPPER), rest(LOWER)];
@@ -128,7 +127,7 @@ impl<'a> Situation<'a> {
     /// The key of the largest rise of a body.
     #[must_use]
     pub fn rise_of(&self, body: usize) -> String {
-        format!("temperature.{}.max_rise_k", self.scene.names.0[body])
+        max_rise(&self.scene.names.0[body])
     }
 
     /// What an effect makes of the rise of a body; nothing of one that is not worth a process.

@@ -22,6 +22,7 @@
 //! Source: S. C. Hunter, The rolling contact of a rigid cylinder with a viscoelastic half space, J.
 //! Appl. Mech. 28 (1961) 611–617; derived here as above.
 
+use numerics::bessel::scaled_k0_k1;
 use std::f64::consts::PI;
 
 /// Steps of the trapezoidal rule for Bessel functions, whose error then is rounding.
@@ -144,19 +145,10 @@ fn ratio_i(z: f64) -> f64 {
     sums[1] / sums[0]
 }
 
-/// K₁/K₀ by K_n(z) = ∫₀^∞ e^{−z cosh t} cosh nt dt, whose trapezoidal rule converges geometrically.
+/// K₁/K₀.
 fn ratio_k(z: f64) -> f64 {
-    // There e^{−z(cosh t − 1)} has vanished.
-    let end = (1.0 + 40.0 / z).acosh();
-    let mut sums = [0.0; 2];
-    for k in 0..=STEPS {
-        let weight = if k == 0 { 0.5 } else { 1.0 };
-        let cosh = (end * k as f64 / STEPS as f64).cosh();
-        let value = weight * (-z * (cosh - 1.0)).exp();
-        sums[0] += value;
-        sums[1] += value * cosh;
-    }
-    sums[1] / sums[0]
+    let [k0, k1] = scaled_k0_k1(z);
+    k1 / k0
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@ pub mod semi_ellipse;
 pub mod sliding;
 
 use grids::Structured;
+use numerics::quadrature::GAUSS_7;
 
 /// A field along a strip, up to its amplitude.
 pub trait StripDensity {
@@ -65,19 +66,16 @@ pub struct Strips {
 }
 
 /// Nodes in [-1, 1] and weights, of sum 1, of the substituted seven-node rule.
-const RULE: [(f64, f64); 7] = [
-    substituted(-0.949_107_912_342_758_5, 0.129_484_966_168_869_7),
-    substituted(-0.741_531_185_599_394_4, 0.279_705_391_489_276_64),
-    substituted(-0.405_845_151_377_397_2, 0.381_830_050_505_118_9),
-    substituted(0.0, 0.417_959_183_673_469_4),
-    substituted(0.405_845_151_377_397_2, 0.381_830_050_505_118_9),
-    substituted(0.741_531_185_599_394_4, 0.279_705_391_489_276_64),
-    substituted(0.949_107_912_342_758_5, 0.129_484_966_168_869_7),
-];
-
-const fn substituted(node: f64, weight: f64) -> (f64, f64) {
-    (0.5 * node * (3.0 - node * node), 0.75 * (1.0 - node * node) * weight)
-}
+const RULE: [(f64, f64); 7] = {
+    let mut rule = GAUSS_7;
+    let mut k = 0;
+    while k < rule.len() {
+        let (node, weight) = rule[k];
+        rule[k] = (0.5 * node * (3.0 - node * node), 0.75 * (1.0 - node * node) * weight);
+        k += 1;
+    }
+    rule
+};
 
 impl Strips {
     /// The ellipse with these semi-axes [m] on a grid with an element centred on the origin, odd

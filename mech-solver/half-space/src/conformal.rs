@@ -6,7 +6,6 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`bessel`] | K₀ and K₁ |
 //! | [`kernel`] | an elastic space under forces that vary like a wave along x |
 //! | [`section`] | where the surface of a body goes across its axis |
 //! | [`outline`] | the outline of a body as boundary elements |
@@ -17,7 +16,6 @@
 //! | [`contact`] | pressure and tractions |
 //! | [`pin`] | a pin in a hole |
 
-mod bessel;
 mod boundary;
 pub mod contact;
 pub mod elastic;

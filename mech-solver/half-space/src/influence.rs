@@ -51,20 +51,13 @@
 
 use elastic::Elasticity;
 use grids::Structured;
+use numerics::quadrature::GAUSS_4;
 use std::f64::consts::PI;
 
 /// Distance, in units of the element's longer side, from which Gauss's rule with 4 × 4 points is
 /// used: there its error is 1e-14 and the rounding of the corner sum 1e-13, and beyond both fall
 /// and rise with the distance.
 const FAR: f64 = 16.0;
-
-/// Nodes and weights of Gauss's rule on (−1, 1), the weights summing to 1.
-const GAUSS: [(f64, f64); 4] = [
-    (-0.861_136_311_594_052_6, 0.173_927_422_568_726_9),
-    (-0.339_981_043_584_856_3, 0.326_072_577_431_273_07),
-    (0.339_981_043_584_856_3, 0.326_072_577_431_273_07),
-    (0.861_136_311_594_052_6, 0.173_927_422_568_726_9),
-];
 
 /// Influence numbers of an element under unit traction [m/Pa].
 ///
@@ -242,10 +235,10 @@ impl Influence {
         let far = FAR * self.dx.max(self.dy);
         if x * x + y * y > far * far {
             let row = |t: f64| -> f64 {
-                GAUSS.iter().map(|(s, weight)| weight * kernel(x + s * half_x, t)).sum()
+                GAUSS_4.iter().map(|(s, weight)| weight * kernel(x + s * half_x, t)).sum()
             };
-            let sum: f64 = GAUSS.iter().map(|(t, weight)| weight * row(y + t * half_y)).sum();
-            return self.dx * self.dy * sum;
+            let sum: f64 = GAUSS_4.iter().map(|(t, weight)| weight * row(y + t * half_y)).sum();
+            return 0.25 * self.dx * self.dy * sum;
         }
         let (left, right, low, high) = (x - half_x, x + half_x, y - half_y, y + half_y);
         (primitive(right, high) - primitive(right, low))

@@ -35,16 +35,9 @@ use super::influence::Influence;
 use elastic::Elasticity;
 use elastic::Material;
 use numerics::convolution::Complex64;
+use numerics::quadrature::GAUSS_10;
 
-/// Gauss's rule on (0, 1): points below the middle, from the middle, and weights.
-const HALF_RULE: [(f64, f64); 5] = [
-    (0.074_437_169_490_815_6, 0.147_762_112_357_376_44),
-    (0.216_697_697_064_623_6, 0.134_633_359_654_998_18),
-    (0.339_704_784_149_512_2, 0.109_543_181_257_991_02),
-    (0.432_531_683_344_492_25, 0.074_725_674_575_290_3),
-    (0.486_953_264_258_585_85, 0.033_335_672_154_344_07),
-];
-const POINTS: usize = 2 * HALF_RULE.len();
+const POINTS: usize = GAUSS_10.len();
 /// Halvings of an element's side at most: what is left of the branch point is below rounding.
 const MOST_HALVINGS: usize = 16;
 /// Decay of the memory beyond which nothing is left of it, as an exponent.
@@ -305,8 +298,7 @@ fn panel<const N: usize>(
 
 /// Gauss's points on (0, 1), and their weights.
 fn rule() -> impl Iterator<Item = (f64, f64)> {
-    let side = |sign: f64| HALF_RULE.map(|(t, weight)| (0.5 + sign * t, weight));
-    side(-1.0).into_iter().chain(side(1.0))
+    GAUSS_10.into_iter().map(|(t, weight)| (0.5 * (1.0 + t), 0.5 * weight))
 }
 
 /// ∫₀¹ h e^{−ht} L_k(t) dt of the polynomials L_k that interpolate at Gauss's points.

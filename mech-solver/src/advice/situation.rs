@@ -4,16 +4,13 @@
 //! An estimate is of the first order: it says whether an effect is worth a run, and a run says by how much.
 
 use crate::case::scene::Scene;
-use crate::figures::APPROACH;
 use proto::advice::{Advice, Known};
+use proto::figure::contact::{APPROACH, is_max_rise};
 use proto::params::Params;
 
-pub(crate) use crate::figures::{
+pub(crate) use proto::figure::contact::{
     CREEPAGE_XI as CREEPAGE, FRICTION_POWER as POWER, MAX_PRESSURE as PRESSURE,
 };
-
-/// Ends of the key of a body's largest rise [K].
-const RISE: [&str; 2] = ["temperature.", ".max_rise_k"];
 
 /// A scene, as an effect looks at it.
 pub(crate) struct Situation<'a> {
@@ -39,9 +36,7 @@ impl Situation<'_> {
 
     /// The largest of the bodies' rises [K].
     pub(crate) fn largest_rise(&self) -> Option<f64> {
-        let [begin, end] = RISE;
-        let rises =
-            self.known.iter().filter(|(key, _)| key.starts_with(begin) && key.ends_with(end));
+        let rises = self.known.iter().filter(|(key, _)| is_max_rise(key));
         rises.map(|(_, rise)| *rise).reduce(f64::max)
     }
 

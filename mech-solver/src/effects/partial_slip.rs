@@ -6,11 +6,11 @@
 
 use crate::advice::situation::{POWER, PRESSURE, Situation};
 use crate::case::scene::Drive;
-use crate::figures::SLIP_AREA_RATIO;
 use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use elastic::carter;
 use proto::advice::Advice;
+use proto::figure::contact::SLIP_AREA_RATIO;
 
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {

@@ -9,13 +9,13 @@
 use crate::advice::situation::{CREEPAGE, POWER, Situation};
 use crate::case::keys::CheckedParams;
 use crate::case::scene::Drive;
-use crate::figures::{SEMI_AXIS_A, SEMI_AXIS_B, SLIP_AREA_RATIO};
 use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use elastic::kalker;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
+use proto::figure::contact::{SEMI_AXIS_A, SEMI_AXIS_B, SLIP_AREA_RATIO};
 
 /// What the registry says of it.
 pub const EFFECT: Effect = Effect {

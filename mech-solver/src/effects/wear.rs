@@ -12,10 +12,10 @@
 use crate::advice::situation::{POWER, PRESSURE, Situation};
 use crate::case::keys::CheckedParams;
 use crate::case::scene::Scene;
-use crate::figures::SEMI_AXIS_B;
 use crate::registry::entry::Effect;
 use crate::terms::removal::{Law, Removal};
 use crate::terms::{Kind, Terms};
+use proto::figure::contact::SEMI_AXIS_B;
 
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};

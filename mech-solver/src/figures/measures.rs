@@ -4,6 +4,7 @@ use crate::case::scene::Scene;
 use elastic::shakedown;
 use proto::diagram::{Diagram, Line};
 use proto::figure::FigureSpec;
+use proto::figure::contact::CREEPAGE_XI;
 use proto::grid::Structured;
 use serde_json::Value;
 
@@ -147,7 +148,7 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
 pub(crate) fn creep_curve() -> Diagram {
     Diagram::new(
         "Creep curve",
-        ["contact.creepage_xi", TRACTION_RATIO],
+        [CREEPAGE_XI, TRACTION_RATIO],
         "Negative creepage drives: the wheel's surface is faster than the rail's. The curve ends at the friction \
          coefficient.",
     )

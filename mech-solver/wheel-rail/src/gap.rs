@@ -6,11 +6,10 @@
 //!
 //! Between columns at equal distances h, g is the parabola of both values and of the mean of both second differences.
 
+use numerics::quadrature::GAUSS_3;
+
 /// Exponent of a gap in the weight of its row.
 const WEIGHT: f64 = 2.5;
-/// Places and weights of Gauss's formula with three points on −1 to 1: exact for what is of fifth order.
-const GAUSS: [(f64, f64); 3] =
-    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
 /// What is between the bodies at a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +122,7 @@ impl Sum {
         for end in ends.into_iter().filter(|end| *end > 0.0 && *end <= step) {
             let (middle, half) = (0.5 * (last + end), 0.5 * (end - last));
             if value(middle) < 0.0 && half > 0.0 {
-                for (at, weight) in GAUSS {
+                for (at, weight) in GAUSS_3 {
                     let x = middle + half * at;
                     let square = half * weight * value(x).powi(2);
                     self.weight += square;

@@ -5,6 +5,8 @@
 //! case, and a part `#` for the place in a list, whose entries a person reads line by line:
 //! `contact.max_pressure_pa`, `temperature.*.max_rise_k`, `contact.each_patch.#.y_m`.
 
+pub mod contact;
+
 use crate::plausible::Plausible;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

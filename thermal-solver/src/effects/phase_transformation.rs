@@ -24,6 +24,7 @@ use proto::bodies::ABSOLUTE;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, KeySpec};
 use proto::figure::FigureSpec;
+use proto::figure::contact::FRICTION_POWER;
 
 /// Name in the case file.
 pub const NAME: &str = "phase_transformation";
@@ -72,7 +73,7 @@ pub fn spec() -> EffectSpec {
     let figure = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("white_layer.*.{name}"), unit, words)
             .on("white layer of *", short)
-            .driven_by("contact.friction_power_w")
+            .driven_by(FRICTION_POWER)
     };
     EffectSpec {
         name: NAME.to_owned(),

@@ -6,6 +6,7 @@ use super::integrated;
 use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::description::EffectSpec;
+use proto::figure::contact::MAX_PRESSURE;
 
 /// Name in the case file.
 pub const NAME: &str = integrated::EXPANSION;
@@ -44,7 +45,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let why = "height by which heat raises the surfaces behind the contact, over the approach; about a third of it";
     let advice = Advice::new(NAME, why)
         .number("thermal rise over approach", share)
-        .moves("contact.max_pressure_pa", PRESSED * share);
+        .moves(MAX_PRESSURE, PRESSED * share);
     let advice = lacking
         .iter()
         .fold(advice, |advice, material| advice.with(format!("{}={STEEL:e}", key(material))));

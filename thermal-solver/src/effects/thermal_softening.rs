@@ -7,6 +7,7 @@ use crate::situation::Situation;
 use crate::{LOWER, UPPER};
 use proto::advice::Advice;
 use proto::description::EffectSpec;
+use proto::figure::contact::MAX_PRESSURE;
 
 /// Name in the case file.
 pub const NAME: &str = integrated::SOFTENING;
@@ -60,7 +61,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let why = "Young's modulus at the initial temperature, and in a skin as deep as the heat at the surface's (EN 1993-1-2); needs a softening_table and explicit-fe";
     Advice::new(NAME, why)
         .number("modulus lost at the surface", 1.0 - least)
-        .moves("contact.max_pressure_pa", compliance.powf(-HERTZ) - 1.0)
+        .moves(MAX_PRESSURE, compliance.powf(-HERTZ) - 1.0)
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //! Source: C. A. Brebbia, J. C. F. Telles, L. C. Wrobel, Boundary Element Techniques (1984), §5.2, for Kelvin's solution; the
 //! transform is worked out here. Tadeu and Kausel, J. Eng. Mech. 126 (2000) 1093, have that of dynamics.
 
-use super::bessel::k0_k1;
+use numerics::bessel::k0_k1;
 use std::f64::consts::PI;
 
 /// A 3 × 3 tensor, components x, y, z; the row is that of the displacement or traction.

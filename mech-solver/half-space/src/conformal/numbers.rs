@@ -26,6 +26,7 @@ use crate::influence::Influence;
 use elastic::Elasticity;
 use elastic::Material;
 use faer::Mat;
+use numerics::quadrature::GAUSS_4;
 use numerics::rows::{Kernel, Parity, Rows};
 use numerics::team::{self, Team};
 use std::f64::consts::PI;
@@ -45,14 +46,6 @@ const MOST_TURN: f64 = 0.01;
 const FEWEST: usize = 16;
 /// Phase of the shortest step of the quadrature.
 const PHASE: f64 = 1.0;
-/// Gauss's rule of four points on (0, 1).
-const GAUSS: [(f64, f64); 4] = [
-    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
-    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
-    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
-    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
-];
-
 /// The grid along x and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
@@ -287,7 +280,8 @@ fn weights(waves: &[f64], patch: Patch) -> [Vec<f64>; 2] {
         let steps = ((high - low) * reach / PHASE).ceil().max(1.0);
         let from = n.saturating_sub(1).min(count - 4);
         for step in 0..steps as usize {
-            for (x, weight) in GAUSS {
+            for (x, weight) in GAUSS_4 {
+                let (x, weight) = (0.5 * (1.0 + x), 0.5 * weight);
                 let k = low + (high - low) * (step as f64 + x) / steps;
                 let width = weight * (high - low) / steps;
                 let load = 2.0 / k * (0.5 * k * dx).sin() / PI;

@@ -60,7 +60,7 @@ fn adaptive(function: &dyn Fn(f64) -> f64, from: f64, to: f64, tolerance: f64) -
     fn rule(function: &dyn Fn(f64) -> f64, from: f64, to: f64) -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let at = |(node, weight): &(f64, f64)| weight * function(middle + half * node);
-        (to - from) * GAUSS.iter().map(at).sum::<f64>()
+        half * GAUSS_4.iter().map(at).sum::<f64>()
     }
     let middle = 0.5 * (from + to);
     let whole = rule(function, from, to);

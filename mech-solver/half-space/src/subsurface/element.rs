@@ -1,6 +1,7 @@
 //! Stresses below one rectangle under uniform tractions; the equations stand in [`super`].
 
 use elastic::Stress;
+use numerics::quadrature::GAUSS_4;
 use std::f64::consts::{E, PI};
 
 /// Distance, in units of the rectangle's longer side, from which Gauss's rule is used.
@@ -11,14 +12,6 @@ const ON_EDGE: f64 = 1e-9;
 
 /// Added under roots, in place of a case distinction on the edges of the rectangle [m²].
 const TINY: f64 = 1e-300;
-
-/// Nodes and weights of Gauss's rule on (−1, 1), the weights summing to 1.
-const GAUSS: [(f64, f64); 4] = [
-    (-0.861_136_311_594_052_6, 0.173_927_422_568_726_9),
-    (-0.339_981_043_584_856_3, 0.326_072_577_431_273_07),
-    (0.339_981_043_584_856_3, 0.326_072_577_431_273_07),
-    (0.861_136_311_594_052_6, 0.173_927_422_568_726_9),
-];
 
 /// Stresses by a unit of pressure, of traction along x and of traction along y.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,10 +83,10 @@ impl Element {
     /// Gauss's rule over the rectangle.
     fn by_quadrature(&self, x: f64, y: f64, z: f64) -> UnitStresses {
         let mut sum = UnitStresses::default();
-        for (s, weight_x) in GAUSS {
-            for (t, weight_y) in GAUSS {
+        for (s, weight_x) in GAUSS_4 {
+            for (t, weight_y) in GAUSS_4 {
                 let (x, y) = (x + 0.5 * s * self.dx, y + 0.5 * t * self.dy);
-                let weight = weight_x * weight_y * self.dx * self.dy;
+                let weight = 0.25 * weight_x * weight_y * self.dx * self.dy;
                 sum = sum.plus(weight, &point_load(self.poisson_ratio, x, y, z));
             }
         }

@@ -33,6 +33,7 @@
 use elastic::Stress;
 use grids::Structured;
 use numerics::convolution::{Complex64, smooth_size};
+use numerics::quadrature::GAUSS_8;
 use rustfft::{Fft, FftPlanner};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -60,14 +61,6 @@ pub struct RiseIntegral<'a> {
     /// A value for each element.
     pub values: &'a [f64],
 }
-
-/// Nodes and weights of Gauss's rule on (−1, 1), those of positive nodes.
-const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
-];
 
 /// Length of the wake in which W falls to 1/e, over that of the grid.
 const WAKE: f64 = 50.0;
@@ -220,10 +213,7 @@ fn rule(reach: f64, finest: f64) -> impl Iterator<Item = (f64, f64)> {
     let panels = (1..count as usize).map(move |n| (n as f64 * width, (n + 1) as f64 * width));
     small.chain(panels).flat_map(|(from, to)| {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
-        GAUSS
-            .into_iter()
-            .flat_map(|(node, weight)| [(-node, weight), (node, weight)])
-            .map(move |(node, weight)| (middle + half * node, half * weight))
+        GAUSS_8.into_iter().map(move |(node, weight)| (middle + half * node, half * weight))
     })
 }
 

@@ -11,10 +11,8 @@ use super::*;
 use crate::conformal::section::Section;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
+use numerics::quadrature::GAUSS_3;
 
-/// Gauss's rule of three points on (−1, 1).
-const GAUSS_3: [(f64, f64); 3] =
-    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 /// Elements over a boundary element, and how much larger the next ones are beyond them.
 const FINER: usize = 3;
 const GROWTH: f64 = 1.3;

@@ -40,7 +40,7 @@ fn cylinders_and_bores_under_waves() {
         let functions = match inside {
             true => i0_i1(k),
             false => {
-                let [k0, k1] = crate::conformal::bessel::k0_k1(k);
+                let [k0, k1] = numerics::bessel::k0_k1(k);
                 [k0, -k1]
             }
         };

@@ -1,16 +1,8 @@
 use super::*;
+use numerics::quadrature::GAUSS_5;
 use std::f64::consts::PI;
 
 const ELEMENT: Element = Element { dx: 0.8, dy: 0.5, poisson_ratio: 0.3 };
-
-/// Nodes and weights of Gauss's rule with five points on (−1, 1), the weights summing to 1.
-const GAUSS: [(f64, f64); 5] = [
-    (-0.906_179_845_938_664, 0.118_463_442_528_094_54),
-    (-0.538_469_310_105_683_1, 0.239_314_335_249_683_23),
-    (0.0, 0.284_444_444_444_444_44),
-    (0.538_469_310_105_683_1, 0.239_314_335_249_683_23),
-    (0.906_179_845_938_664, 0.118_463_442_528_094_54),
-];
 
 type Kernel = fn(f64, f64, f64, f64) -> Stress;
 
@@ -77,9 +69,9 @@ fn adaptive(
         let row = |(t, weight): &(f64, f64)| -> Stress {
             let y = centre[1] + half[1] * t;
             let at = |(s, w): &(f64, f64)| *w * function(centre[0] + half[0] * s, y);
-            *weight * GAUSS.iter().map(at).sum::<Stress>()
+            *weight * GAUSS_5.iter().map(at).sum::<Stress>()
         };
-        4.0 * half[0] * half[1] * GAUSS.iter().map(row).sum::<Stress>()
+        half[0] * half[1] * GAUSS_5.iter().map(row).sum::<Stress>()
     };
     let quarter = half.map(|side| 0.5 * side);
     let signs = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];

@@ -1,5 +1,6 @@
 use super::*;
 use elastic::subsurface::{circular_contact_axis, line_contact};
+use numerics::quadrature::GAUSS_5;
 use std::f64::consts::PI;
 
 const NU: f64 = 0.3;
@@ -144,23 +145,16 @@ fn superposition_and_scaling() {
 fn over_plane(load: &SurfaceLoad<'_>, depth: f64) -> Stress {
     const ANGLES: usize = 48;
     const PARTS: usize = 40;
-    const GAUSS: [(f64, f64); 5] = [
-        (-0.906_179_845_938_664, 0.118_463_442_528_094_54),
-        (-0.538_469_310_105_683_1, 0.239_314_335_249_683_23),
-        (0.0, 0.284_444_444_444_444_44),
-        (0.538_469_310_105_683_1, 0.239_314_335_249_683_23),
-        (0.906_179_845_938_664, 0.118_463_442_528_094_54),
-    ];
     let mut sum = Stress::default();
     for part in 0..PARTS {
-        for (node, weight) in GAUSS {
+        for (node, weight) in GAUSS_5 {
             let s = (part as f64 + 0.5 * (1.0 + node)) / PARTS as f64;
             let radius = s / (1.0 - s);
             let angle = |k: usize| 2.0 * PI * (k as f64 + 0.5) / ANGLES as f64;
             let place = |k: usize| [radius * angle(k).cos(), radius * angle(k).sin(), depth];
             let ring: Stress =
                 load.stresses_at(NU, &(0..ANGLES).map(place).collect::<Vec<_>>()).into_iter().sum();
-            let area = weight / PARTS as f64 * radius / (1.0 - s).powi(2) * 2.0 * PI;
+            let area = 0.5 * weight / PARTS as f64 * radius / (1.0 - s).powi(2) * 2.0 * PI;
             sum = sum + area / ANGLES as f64 * ring;
         }
     }

@@ -54,11 +54,17 @@ static LARGE_SERIES: LazyLock<[[f64; 2]; CHEBYSHEV]> = LazyLock::new(|| {
 
 /// K₀(x) and K₁(x) of x > 0.
 #[must_use]
-pub(super) fn k0_k1(x: f64) -> [f64; 2] {
-    if x > LARGE { large(x) } else { small(x) }
+pub fn k0_k1(x: f64) -> [f64; 2] {
+    if x > LARGE { large(x).map(|scaled| (-x).exp() * scaled) } else { small(x) }
 }
 
-/// By Clenshaw's recurrence.
+/// eˣ K₀(x) and eˣ K₁(x) of x > 0, which do not vanish for large x.
+#[must_use]
+pub fn scaled_k0_k1(x: f64) -> [f64; 2] {
+    if x > LARGE { large(x) } else { small(x).map(|value| x.exp() * value) }
+}
+
+/// eˣ K₀(x) and eˣ K₁(x) by Clenshaw's recurrence.
 fn large(x: f64) -> [f64; 2] {
     let u = 2.0 * (2.0 * LARGE / x - 1.0);
     let ([mut a0, mut a1], [mut b0, mut b1]) = ([0.0; 2], [0.0; 2]);
@@ -67,7 +73,7 @@ fn large(x: f64) -> [f64; 2] {
         (a1, b1) = (u * a1 - b1 + c1, a1);
     }
     let [c0, c1] = LARGE_SERIES[0];
-    let factor = (-x).exp() / x.sqrt();
+    let factor = 1.0 / x.sqrt();
     [factor * (0.5 * u * a0 - b0 + c0), factor * (0.5 * u * a1 - b1 + c1)]
 }
 
@@ -124,12 +130,27 @@ mod tests {
     /// On both sides of where the methods meet; and the series against what it is made of.
     #[test]
     fn both_methods_agree() {
-        let scaled = |x: f64| integral(x).map(|value| value * (-x).exp());
         for x in [2.0, 2.000_1, 2.7, 4.4, 9.0, 33.0, 400.0] {
-            let (one, other) = (if x > 2.0 { large(x) } else { small(x) }, scaled(x));
+            let (one, other) = (scaled_k0_k1(x), integral(x));
             for k in 0..2 {
                 assert!((one[k] / other[k] - 1.0).abs() < 3e-14, "{x}: {one:?} {other:?}");
             }
+        }
+    }
+
+    #[test]
+    fn scaled_values_stay_where_others_vanish() {
+        for x in [0.1, 1.9, 2.1, 40.0] {
+            let pairs = k0_k1(x).into_iter().zip(scaled_k0_k1(x));
+            assert!(
+                pairs.into_iter().all(|(k, scaled)| (k * x.exp() / scaled - 1.0).abs() < 1e-14)
+            );
+        }
+        // √(π/2x) (1 − 1/8x), (1 + 3/8x) of large x.
+        let x: f64 = 1e6;
+        let leading = (0.5 * PI / x).sqrt();
+        for (value, first) in scaled_k0_k1(x).into_iter().zip([-0.125, 0.375]) {
+            assert!((value / leading / (1.0 + first / x) - 1.0).abs() < 1e-12);
         }
     }
 }
