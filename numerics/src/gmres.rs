@@ -7,6 +7,8 @@
 //!
 //! Source: Saad, *Iterative Methods for Sparse Linear Systems* (2003), algorithms 6.9 and 9.6.
 
+use crate::vector::{add_scaled, dot, norm};
+
 /// Largest dimension of the Krylov space.
 const MOST_STEPS: usize = 40;
 
@@ -23,7 +25,7 @@ pub struct Gmres {
     target: Vec<f64>,
 }
 
-/// What a solve achieved.
+/// Result of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Achieved {
     /// Iterations, that is, products with the operator.
@@ -148,27 +150,6 @@ fn slot(vectors: &mut Vec<Vec<f64>>, index: usize) -> &mut Vec<f64> {
 fn copy_scaled(into: &mut Vec<f64>, from: &[f64], factor: f64) {
     into.clear();
     into.extend(from.iter().map(|value| value * factor));
-}
-
-/// Σ x_i y_i in independent lanes.
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    let mut lanes = [0.0; 8];
-    let (xs, ys) = (x.chunks_exact(8), y.chunks_exact(8));
-    let tail: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in xs.zip(ys) {
-        for lane in 0..8 {
-            lanes[lane] += a[lane] * b[lane];
-        }
-    }
-    lanes.iter().sum::<f64>() + tail
-}
-
-fn norm(x: &[f64]) -> f64 {
-    dot(x, x).sqrt()
-}
-
-fn add_scaled(x: &mut [f64], y: &[f64], factor: f64) {
-    x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y);
 }
 
 #[cfg(test)]

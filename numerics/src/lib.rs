@@ -10,6 +10,7 @@
 //! | [`rows`] | the same of kernels that vary across x |
 //! | [`search`] | maximum and root of a function of one variable |
 //! | [`team`] | independent pieces of work, on several threads |
+//! | [`vector`] | sums and products of long vectors |
 //! | [`waves`] | fields that repeat without end, as sums of waves |
 
 pub mod bessel;
@@ -19,4 +20,5 @@ pub mod quadrature;
 pub mod rows;
 pub mod search;
 pub mod team;
+pub mod vector;
 pub mod waves;

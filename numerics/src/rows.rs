@@ -10,7 +10,7 @@ use crate::convolution::{Complex64, smooth_size};
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::sync::Arc;
 
-/// How a kernel changes when the distance along x changes its sign.
+/// Parity of a kernel in the distance along x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
     /// It stays.

@@ -25,10 +25,8 @@ pub fn maximum(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> (f64, f64
 }
 
 /// The place in [0, ∞) where a decreasing function with `f(0) > 0` changes sign, to rounding: bracketed by
-/// doubling from `scale`, then by inverse parabolas, and halves where those are not safe (Chandrupatla,
-/// Advances in Engineering Software 28 (1997) 145–149). `None` if it keeps its sign over 2^60 scales.
+/// doubling from `scale`, then as [`root_in_bracket`]. `None` if it keeps its sign over 2^60 scales.
 pub fn root_of_decreasing(scale: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
-    const STEPS: u32 = 200;
     let at = |x: f64| (x, f(x));
     let (mut other, mut newest) = (at(0.0), at(scale));
     let mut doublings = 0;
@@ -39,9 +37,35 @@ pub fn root_of_decreasing(scale: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
             return None;
         }
     }
+    root_in_bracket([other, newest], f)
+}
+
+/// The place between two others where a function changes sign, to rounding. `None` if it has the same
+/// sign at both.
+pub fn root_between(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
+    root_in_bracket(ends.map(|x| (x, f(x))), f)
+}
+
+/// The same between places with known values: by inverse parabolas, and halves where those are not safe
+/// (Chandrupatla, Advances in Engineering Software 28 (1997) 145–149).
+pub fn root_in_bracket(ends: [(f64, f64); 2], f: impl Fn(f64) -> f64) -> Option<f64> {
+    const STEPS: u32 = 200;
+    if let Some((place, _)) = ends.into_iter().find(|(_, value)| *value == 0.0) {
+        return Some(place);
+    }
+    let [mut other, mut newest] = ends;
+    let known = |(place, value): (f64, f64)| place.is_finite() && !value.is_nan();
+    if (other.1 > 0.0) == (newest.1 > 0.0) || !ends.into_iter().all(known) {
+        return None;
+    }
     let mut share = 0.5;
     for _ in 0..STEPS {
-        let next = at(newest.0 + share * (other.0 - newest.0));
+        let place = newest.0 + share * (other.0 - newest.0);
+        let next = (place, f(place));
+        if !known(next) {
+            // Values that are no numbers bracket nothing.
+            return None;
+        }
         // The root lies between the newest place and the other one; the last is on the same side as either.
         let last;
         if (next.1 > 0.0) == (newest.1 > 0.0) {
@@ -51,15 +75,13 @@ pub fn root_of_decreasing(scale: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
         }
         newest = next;
         let closest = if newest.1.abs() < other.1.abs() { newest } else { other };
-        let least = 2.0 * f64::EPSILON * closest.0 / (other.0 - newest.0).abs();
+        let least = 2.0 * f64::EPSILON * closest.0.abs() / (other.0 - newest.0).abs();
         if closest.1 == 0.0 || least >= 0.5 {
             return Some(closest.0);
         }
-        if least.is_nan() {
-            // Places or values that are no numbers bracket nothing.
-            return None;
-        }
-        share = interpolated(newest, other, last).clamp(least, 1.0 - least);
+        let parabola = interpolated(newest, other, last);
+        // Infinite values have no parabola.
+        share = if parabola.is_finite() { parabola.clamp(least, 1.0 - least) } else { 0.5 };
     }
     Some(newest.0)
 }
@@ -81,6 +103,25 @@ fn interpolated(newest: (f64, f64), other: (f64, f64), last: (f64, f64)) -> f64 
 mod tests {
     use super::*;
     use std::cell::Cell;
+
+    /// Roots at and near both ends, of a function that is flat at one of them, of one that is infinite at both, and none.
+    #[test]
+    fn roots_stay_in_their_bracket() {
+        for root in [0.0, 1e-12, 1e-3, 0.5, 0.999, 1.0 - 1e-9, 1.0] {
+            let value = |x: f64| 1.0 - (1.0 - x).powi(2);
+            let target = value(root);
+            let excess = |x: f64| {
+                assert!((0.0..=1.0).contains(&x));
+                value(x) - target
+            };
+            let found = root_between([0.0, 1.0], excess).unwrap();
+            assert!((value(found) - target).abs() <= 4e-16, "{root}: {found}");
+        }
+        let infinite = |x: f64| 1.0 / x - 1.0 / (1.0 - x);
+        assert!((root_between([0.0, 1.0], infinite).unwrap() - 0.5).abs() < 1e-15);
+        assert!((root_between([-3.0, -1.0], |x| x + 2.0).unwrap() + 2.0).abs() < 1e-15);
+        assert_eq!(root_between([0.0, 1.0], |x| 1.0 + x), None);
+    }
 
     #[test]
     fn maximum_of_a_parabola() {

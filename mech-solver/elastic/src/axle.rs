@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// What carries the load down to the contact, and what it runs over.
+/// A mass on a primary suspension that carries the load, and the irregularity that it runs over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axle {
     /// Unsprung mass [kg].
@@ -13,7 +13,7 @@ pub struct Axle {
     pub damping: f64,
     /// Rotary inertia of a body that a constant torque drives [kg·m²]; absent: its surface speed is held.
     pub rotary_inertia: Option<f64>,
-    /// What it runs over.
+    /// Irregularity of a surface, if there is one.
     pub irregularity: Option<Irregularity>,
 }
 
@@ -70,7 +70,7 @@ impl Irregularity {
         }
     }
 
-    /// How far the surface is below the smooth one [m] at a way along it [m]; of a body with so long a circumference [m], if
+    /// Depth of the surface below the smooth one [m] at a way along it [m]; of a body with so long a circumference [m], if
     /// it has one, again after every turn.
     #[must_use]
     pub fn hollow(&self, way: f64, circumference: f64) -> f64 {

@@ -22,6 +22,7 @@
 
 use super::elliptic_integrals::carlson_rf;
 use crate::Elasticity;
+use numerics::search::root_in_bracket;
 use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Dundurs' β = k/C [-].
@@ -64,13 +65,13 @@ pub fn creepage_without_friction(bodies: &Elasticity, max_pressure: f64) -> f64 
 /// Share c/a of a line that sticks under a load that grows, for β/f.
 #[must_use]
 pub fn stick_share_of_a_line(beta_over_friction: f64) -> f64 {
-    bisect(|share| elliptic(share * share) / elliptic(1.0 - share * share) - beta_over_friction)
+    share(|share| elliptic(share * share) / elliptic(1.0 - share * share) - beta_over_friction)
 }
 
 /// Share c/a of the radius of a circle that sticks under a load that grows, for β/f.
 #[must_use]
 pub fn stick_share_of_a_circle(beta_over_friction: f64) -> f64 {
-    bisect(|share| {
+    share(|share| {
         let logarithm = ((1.0 + share) / (1.0 - share)).ln() / (2.0 * share);
         elliptic(share * share) / beta_over_friction - logarithm
     })
@@ -81,14 +82,10 @@ fn elliptic(complement: f64) -> f64 {
     carlson_rf(0.0, complement, 1.0)
 }
 
-/// Where a function that falls from 0 to 1 vanishes.
-fn bisect(function: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    while high - low > 1e-14 {
-        let middle = 0.5 * (low + high);
-        *if function(middle) > 0.0 { &mut low } else { &mut high } = middle;
-    }
-    0.5 * (low + high)
+/// Zero of a function that falls between 0 and 1.
+fn share(function: impl Fn(f64) -> f64) -> f64 {
+    let ends = [(0.0, f64::INFINITY), (1.0, f64::NEG_INFINITY)];
+    root_in_bracket(ends, function).expect("a bracket")
 }
 
 #[cfg(test)]

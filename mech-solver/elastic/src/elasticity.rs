@@ -61,7 +61,7 @@ impl Elasticity {
         self.shear_compliance - self.poisson_compliance
     }
 
-    /// Whether normal and tangential displacements are coupled.
+    /// Returns true if normal and tangential displacements are coupled.
     #[must_use]
     pub fn is_coupled(&self) -> bool {
         self.coupling_compliance != 0.0

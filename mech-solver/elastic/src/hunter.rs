@@ -23,12 +23,11 @@
 //! Appl. Mech. 28 (1961) 611–617; derived here as above.
 
 use numerics::bessel::scaled_k0_k1;
+use numerics::search::root_between;
 use std::f64::consts::PI;
 
 /// Steps of the trapezoidal rule for Bessel functions, whose error then is rounding.
 const STEPS: usize = 400;
-/// Halvings of the interval in which the half-width lies.
-const HALVINGS: usize = 80;
 
 /// A rolling cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,9 +49,9 @@ pub struct Contact {
     pub half_width: f64,
     /// Load per length N [N/m].
     pub load: f64,
-    /// Where the middle of the contact is, d [m].
+    /// Place of the middle of the contact, d [m].
     pub middle: f64,
-    /// Where the pressure's centre is, x̄ [m].
+    /// Centre of the pressure, x̄ [m].
     pub centre: f64,
     cylinder: Cylinder,
 }
@@ -76,12 +75,10 @@ impl Cylinder {
     pub fn under(&self, load: f64) -> Contact {
         // Between those of elastic bodies at once and relaxed.
         let hertz = (4.0 * load * self.radius * self.compliance / PI).sqrt();
-        let (mut low, mut high) = (hertz, hertz * (1.0 + self.delayed).sqrt());
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            *(if self.of_half_width(middle).load < load { &mut low } else { &mut high }) = middle;
-        }
-        self.of_half_width(0.5 * (low + high))
+        let ends = [hertz, hertz * (1.0 + self.delayed).sqrt()];
+        let half_width = root_between(ends, |a| self.of_half_width(a).load - load);
+        // Of bodies that do not relax both ends are the half width.
+        self.of_half_width(half_width.unwrap_or(hertz))
     }
 
     /// λ = l/(1 + f) [m].

@@ -46,7 +46,7 @@ fn largest(value: impl Fn(f64, f64) -> f64) -> f64 {
     places.map(|(i, k)| value(place(i), place(k))).fold(0.0, f64::max)
 }
 
-/// Of σ_x, σ_z and τ_xz in plane strain.
+/// Measure of σ_x, σ_z and τ_xz in plane strain.
 fn von_mises([along, deep, shear]: [f64; 3]) -> f64 {
     let across = POISSON * (along + deep);
     let differences = [along - deep, deep - across, across - along];

@@ -6,7 +6,7 @@
 use crate::carter;
 use grids::Structured;
 
-/// How the bodies would move over each other if they were rigid.
+/// Rigid slip: motion of the bodies over each other if they were rigid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidSlip {
     /// Longitudinal and lateral creepage [-], and spin [rad/m].
@@ -24,7 +24,7 @@ impl RigidSlip {
     }
 }
 
-/// Where the contact slips, and how fast.
+/// Slip of a contact: its place and its velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Slip {
     /// Nowhere: no tangential motion, no traction.

@@ -36,7 +36,7 @@ pub trait StripDensity {
     }
 }
 
-/// How the amplitude of a field varies from strip to strip.
+/// Variation of the amplitude of a field from strip to strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lateral {
     /// The same on every strip (n = 0).
@@ -51,7 +51,7 @@ pub struct StripField<D> {
     pub density: D,
     /// Its amplitude, in the field's unit, with its sign.
     pub amplitude: f64,
-    /// How the amplitude varies from strip to strip.
+    /// Variation of the amplitude from strip to strip.
     pub lateral: Lateral,
 }
 
@@ -108,7 +108,7 @@ impl Strips {
         }
     }
 
-    /// Where row `row` ≥ 0, counted from the middle, starts; of the middle row the upper half.
+    /// Start of row `row` ≥ 0, counted from the middle; of the middle row the upper half.
     fn row_start(&self, row: usize) -> f64 {
         (row as f64 - 0.5).max(0.0) * self.grid.dy()
     }

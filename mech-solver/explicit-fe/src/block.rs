@@ -37,20 +37,20 @@ macro_rules! of_facts {
     }};
 }
 
-/// What a body is made of, and where it is.
+/// Material of a body, and its radius of rolling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid {
     /// Lamé's constants λ and μ [Pa].
     pub lame: [f64; 2],
     /// Density [kg/m³].
     pub density: f64,
-    /// How it flows, if it does.
+    /// Plastic flow, if there is any.
     pub flow: Option<Flow>,
     /// Radius of rolling [m]; infinite for a straight body.
     pub radius: f64,
 }
 
-/// What of a body does not move.
+/// Part of a body that does not move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Held {
     /// All its faces but the surface.
@@ -68,7 +68,7 @@ pub struct Block {
     pub stride: usize,
     /// Length of an element along the surface [m].
     pub length: f64,
-    /// What it is made of.
+    /// Its material.
     pub solid: Solid,
     /// Its cross-section.
     pub section: Section,
@@ -84,11 +84,11 @@ pub struct Block {
     pub plastic: Vec<f64>,
     /// β [s].
     pub damping: f64,
-    /// How far the columns are behind their places [m], less than an element.
+    /// Distance of the columns behind their places [m], less than an element.
     pub behind: f64,
-    /// What expands, if anything does.
+    /// Thermal expansion, if there is any.
     expansion: Option<Expansion>,
-    /// What is softer than it is cold, if anything is.
+    /// Thermal softening, if there is any.
     softening: Option<Softening>,
     /// Forces on a plane of nodes: of the layer above it, of the one below, on the plane below that one.
     planes: [[Vec<f64>; 3]; 3],
@@ -144,7 +144,7 @@ impl Block {
         }
     }
 
-    /// What the next step depends on, but for how far it is behind.
+    /// State on which the next step depends, without the distance behind.
     pub fn state(&mut self) -> [&mut [f64]; 7] {
         let Self { damped: [x, y, z], velocity: [vx, vy, vz], plastic, .. } = self;
         [x, y, z, vx, vy, vz, plastic].map(Vec::as_mut_slice)
@@ -212,7 +212,7 @@ impl Block {
     /// place (x, y) [m] of the contact where the layer is so deep [m]. They stay there while the material goes back.
     ///
     /// # Errors
-    /// Those of `shares`.
+    /// Errors of `shares`.
     pub fn soften<E>(
         &mut self,
         mut shares: impl FnMut(f64, f64, f64) -> Result<[f64; 2], E>,
@@ -436,9 +436,9 @@ struct Expansion {
 
 /// Shares of the stiffness and of the yield stress in the first layer: row of elements after row.
 struct Softening {
-    /// Where columns are at their places.
+    /// Shares while the columns are at their places.
     shares: [Vec<f64>; 2],
-    /// Where the columns are now.
+    /// Shares where the columns are now.
     now: [Vec<f64>; 2],
 }
 

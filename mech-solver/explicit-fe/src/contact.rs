@@ -29,10 +29,10 @@ const MOST_SWEEPS: usize = 50;
 /// Velocities of a node that was not watched.
 const NOT_WATCHED: [[f64; 3]; 2] = [[f64::NAN; 3]; 2];
 
-/// How the bodies move as rigid ones.
+/// Rigid motion of the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// How far the undeformed bodies overlap [m].
+    /// Overlap of the undeformed bodies [m].
     pub approach: f64,
     /// Velocity of the upper body upwards [m/s].
     pub rising: f64,
@@ -40,13 +40,13 @@ pub struct Frame {
     pub speeds: [f64; 2],
     /// Ways that it goes back in the step [m].
     pub ways: [f64; 2],
-    /// What one of the surfaces has, and the ways that both have gone back before the step [m].
+    /// Irregularity of one of the surfaces.
     pub irregularity: Option<Irregularity>,
-    /// See there.
+    /// Ways that both surfaces have gone back before the step [m].
     pub travelled: [f64; 2],
 }
 
-/// What holds between the surfaces.
+/// Law of friction between the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
     /// Coulomb's friction coefficient [-].
@@ -141,7 +141,7 @@ impl Contact {
         }
     }
 
-    /// What the next step depends on.
+    /// State on which the next step depends.
     pub fn state(&mut self) -> [&mut [f64]; 3] {
         let Self { impulses, last, step, .. } = self;
         let last = last.as_flattened_mut().as_flattened_mut();
@@ -398,7 +398,7 @@ struct Met {
 }
 
 impl<'a> Surface<'a> {
-    /// Of the upper (0) or lower (1) body at the end of the step.
+    /// Surface of the upper (0) or lower (1) body at the end of the step.
     fn of(block: &'a Block, which: usize, frame: &Frame) -> Self {
         let (side, height, rising) =
             if which == 0 { (1.0, -frame.approach, frame.rising) } else { (-1.0, 0.0, 0.0) };
@@ -423,7 +423,7 @@ impl<'a> Surface<'a> {
         self.along(column) / self.block.solid.radius
     }
 
-    /// How far a column of the surface is below the smooth one [m].
+    /// Depth of a column of the surface below the smooth one [m].
     fn hollow(&self, irregularity: &Irregularity, column: usize) -> f64 {
         let circumference = 2.0 * PI * self.block.solid.radius;
         irregularity.hollow(self.block.place(column) + self.travelled, circumference)

@@ -201,7 +201,7 @@ impl Layer {
         Self { own, next, mass }
     }
 
-    /// Whether all eigenvalues ω² are below σ: σM − K is factorised from one side to the other.
+    /// Returns true if all eigenvalues ω² are below σ: σM − K is factorised from one side to the other.
     fn is_below(&self, sigma: f64) -> bool {
         let mut before = Pair::zeros();
         for (at, (own, mass)) in self.own.iter().zip(&self.mass).enumerate() {

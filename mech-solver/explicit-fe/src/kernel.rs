@@ -31,7 +31,7 @@ pub const LANES: usize = 8;
 /// Plastic strains xx, yy, xy, yz, xz of an element, and κ.
 pub const PLASTIC: usize = 6;
 
-/// How a material flows.
+/// Plastic flow of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flow {
     /// Yield stress σ_y [Pa].
@@ -40,21 +40,21 @@ pub struct Flow {
     pub hardening: [f64; 2],
 }
 
-/// What the elements of a row resist.
+/// Stiffness of the elements of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
     /// Their shape.
     pub shape: Shape,
     /// λV and μV [N·m].
     pub lame: [f64; 2],
-    /// Of the hourglass modes [N/m].
+    /// Stiffness of the hourglass modes [N/m].
     pub hourglass: f64,
     /// √(2/3) σ_y/2μ, H_i/3μ and H_k/3μ; 0 of a material that does not flow.
     pub flow: [f64; 3],
 }
 
 impl Stiffness {
-    /// Of a shape, Lamé's constants λ and μ [Pa] and a share of the shear modulus that resists hourglass modes.
+    /// Stiffness of a shape, with Lamé's constants λ and μ [Pa] and a share of the shear modulus that resists hourglass modes.
     #[must_use]
     pub fn new(shape: Shape, [lambda, mu]: [f64; 2], share: f64, flow: Option<Flow>) -> Self {
         let volume = shape.volume;
@@ -75,7 +75,7 @@ pub type Rows<T> = [[T; 3]; 4];
 pub struct Row<'a> {
     /// Elements.
     pub elements: usize,
-    /// What they resist.
+    /// Their stiffness.
     pub stiffness: &'a Stiffness,
     /// Displacements [m].
     pub displacement: Rows<&'a [f64]>,
@@ -223,7 +223,7 @@ impl<S: Simd> Material<S> {
 }
 
 impl<S: Simd> Material<S> {
-    /// Of a group of elements, with their shares of its stiffness and of its yield stress if they are softer.
+    /// Constants of a group of elements, with their shares of its stiffness and of its yield stress if they are softer.
     #[inline(always)]
     fn of_group<const SOFTER: bool>(&self, s: S, shares: &[&[S::f64s]; 2], group: usize) -> Self {
         if !SOFTER {
@@ -310,7 +310,7 @@ fn hadamard<S: Simd>(s: S, [a, b, c, d]: [S::f64s; 4]) -> [S::f64s; 4] {
     ]
 }
 
-/// What elements answer to displacements: forces, and energies of strain and hourglass modes.
+/// Answer of elements to displacements: forces, and energies of strain and hourglass modes.
 struct Answer<S: Simd> {
     ends: Ends<S>,
     energy: [S::f64s; 2],

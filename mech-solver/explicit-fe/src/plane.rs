@@ -27,7 +27,7 @@ pub struct Plane {
     pub step: f64,
 }
 
-/// What happens to a node in a step.
+/// Events of a node in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Event {
     /// Normal impulse [N·s].

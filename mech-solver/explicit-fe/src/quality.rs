@@ -18,7 +18,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Of the elements of a cross-section, drawn over a length [m] along x or about an axis.
+    /// Quality of the elements of a cross-section, drawn over a length [m] along x or about an axis.
     #[must_use]
     pub fn of(section: &Section, length: f64, radius: f64) -> Self {
         let mut worst = Self { aspect: 1.0, jacobian: 1.0, growth: 1.0, shortest: f64::INFINITY };

@@ -22,14 +22,14 @@ const AXLE: f64 = 3e-3;
 /// Part of a step that is rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// What is prescribed.
+/// Prescribed motion, load and friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {
     /// Rolling speed [m/s].
     pub speed: f64,
     /// Normal force [N].
     pub load: f64,
-    /// What holds between the surfaces.
+    /// Law of friction between the surfaces.
     pub law: Law,
     /// Longitudinal creepage, or where the search for it begins [-].
     pub creepage: f64,
@@ -66,14 +66,14 @@ pub struct Means {
     pub apart: f64,
 }
 
-/// How the axle moves, and what it has done.
+/// Motion of the axle, and the ways and the work so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Creepage [-].
     pub creepage: f64,
-    /// How far the undeformed bodies overlap [m], and how fast the upper one rises [m/s].
+    /// Overlap of the undeformed bodies [m].
     pub approach: f64,
-    /// See there.
+    /// Velocity of the upper body upwards [m/s].
     pub rising: f64,
     /// Time since the load began to rise [s].
     pub time: f64,
@@ -95,12 +95,12 @@ impl Motion {
 
 /// Rolling bodies.
 pub struct Rolling {
-    /// What is prescribed.
+    /// Prescribed motion, load and friction.
     pub asked: Asked,
     /// Upper and lower body.
     pub bodies: [Block; 2],
     contact: Contact,
-    /// What has happened since it was last cleared.
+    /// Nodes of contact, and what has happened to them since they were last cleared.
     pub plane: Plane,
     /// Longest step in time [s]; a whole number of them is a passage of an element of the lower body.
     pub step: f64,
@@ -156,7 +156,7 @@ impl Rolling {
     /// Lets the first layers of the upper and the lower body be softer ([`Block::soften`]).
     ///
     /// # Errors
-    /// Those of `shares`.
+    /// Errors of `shares`.
     pub fn soften<E>(
         &mut self,
         mut shares: impl FnMut(usize, f64, f64, f64) -> Result<[f64; 2], E>,
@@ -167,7 +167,7 @@ impl Rolling {
             .try_for_each(|(which, body)| body.soften(|x, y, depth| shares(which, x, y, depth)))
     }
 
-    /// What follows begins in steady rolling, of which these are means.
+    /// Begins anew from steady rolling, of which these are means.
     pub fn begin(&mut self, means: &Means) {
         let [upper, lower] = self.motion.travelled;
         self.motion.steady = [means.approach, means.force[0], upper, lower];

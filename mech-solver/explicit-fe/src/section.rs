@@ -28,7 +28,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// Of these sizes, with a surface that is `drop(y)` [m] below the plane. Depths follow the surface's curve at the surface, and are
+    /// Cross-section of these sizes, with a surface that is `drop(y)` [m] below the plane. Depths follow the surface's curve at the surface, and are
     /// even at the bottom.
     #[must_use]
     pub fn new(sizes: &Sizes, drop: impl Fn(f64) -> f64) -> Self {
@@ -61,7 +61,7 @@ impl Section {
     }
 }
 
-/// How far a circle is below its top, over y [m]: of a radius that is infinite for a straight surface and negative for a concave
+/// Depth of a circle below its top, over y [m]: of a radius that is infinite for a straight surface and negative for a concave
 /// one.
 pub fn circle(radius: f64) -> impl Fn(f64) -> f64 + Copy {
     move |y| {

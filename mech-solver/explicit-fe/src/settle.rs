@@ -37,7 +37,7 @@ pub fn expected_steps_again(asked: &Asked, step: f64) -> f64 {
 /// prescribed force was met.
 ///
 /// # Errors
-/// Those of the curve.
+/// Errors of the curve.
 pub fn settle<E>(
     rolling: &mut Rolling,
     curve: impl Fn(f64) -> Result<f64, E>,
@@ -51,7 +51,7 @@ pub fn settle<E>(
 /// The same of bodies that rolled steadily before something changed a little.
 ///
 /// # Errors
-/// Those of the curve.
+/// Errors of the curve.
 pub fn settle_again<E>(
     rolling: &mut Rolling,
     curve: impl Fn(f64) -> Result<f64, E>,

@@ -47,7 +47,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Of a quadrilateral with corners (y, depth z) [m], in the order η, ζ = −−, +−, −+, ++, drawn over `length` [m] at
+    /// Shape of a quadrilateral with corners (y, depth z) [m], in the order η, ζ = −−, +−, −+, ++, drawn over `length` [m] at
     /// z = 0: along x, or about an axis `radius` [m] below.
     #[must_use]
     pub fn new(corners: [[f64; 2]; 4], length: f64, radius: f64) -> Self {

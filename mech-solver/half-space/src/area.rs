@@ -51,7 +51,7 @@ fn contact_length(pressure: &[f64]) -> f64 {
     .sum()
 }
 
-/// What elements of contact have beyond the edge before the first of them, in elements.
+/// Length of contact beyond the edge before the first of some elements, in elements.
 fn beyond_edge(run: &[f64]) -> f64 {
     let [_, _, first, second, third, _, ..] = run else { return 0.0 };
     let [first, second, third] = [first, second, third].map(|p| p * p);

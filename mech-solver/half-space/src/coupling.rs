@@ -48,7 +48,7 @@ impl Coupling {
         })
     }
 
-    /// Of the normal displacements zx and zy; xz and yz are their opposites.
+    /// Operator of the normal displacements zx and zy; xz and yz are their opposites.
     fn of(nx: usize, ny: usize, stencil: Stencil, kernel: impl Fn(i32, i32) -> [f64; 2]) -> Self {
         let mut convolution = Convolution::new(nx, ny);
         let slip = |i: i32, j: i32| stencil.of(|upstream| kernel(i + upstream, j));

@@ -21,9 +21,9 @@ pub struct Fitted {
     pub grid: Structured,
     /// Pressure of its elements [Pa].
     pub pressure: Vec<f64>,
-    /// What the solver says.
+    /// Result of the solver.
     pub contact: NormalContact,
-    /// How often the grid was enlarged.
+    /// Number of times that the grid was enlarged.
     pub enlargements: usize,
 }
 
@@ -34,7 +34,7 @@ pub struct Fitted {
 /// rows beside the grid are not looked at, nor those beside bodies with a memory. The pressure has an upper bound, which may be infinite [Pa].
 ///
 /// # Errors
-/// Those of [`NormalSolver::solve`], a contact that needs more than `limit` elements, and one that
+/// Errors of [`NormalSolver::solve`], a contact that needs more than `limit` elements, and one that
 /// reaches the end of the shapes.
 pub fn fit_grid(
     mut grid: Structured,
@@ -127,7 +127,7 @@ pub fn elliptic(grid: &Structured, [a, b]: [f64; 2]) -> Vec<f64> {
     sample(grid, &at)
 }
 
-/// Whether a pressure reaches the sides of least x, largest x, least y and largest y.
+/// Returns which sides a pressure reaches: those of least x, largest x, least y and largest y.
 fn touched(grid: &Structured, pressure: &[f64]) -> [bool; 4] {
     let loaded = |i: usize, j: usize| pressure[j * grid.ni + i] > 0.0;
     let (right, top) = (grid.ni - 1, grid.nj - 1);
@@ -156,7 +156,7 @@ fn enlarged(grid: &Structured, [left, right, low, high]: [usize; 4]) -> Structur
     Structured::contact_plane(x0, y0, grid.dx(), grid.dy(), nx, ny)
 }
 
-/// What is beside the grid of a solution.
+/// Surroundings of the grid of a solution.
 struct Outside<'a> {
     grid: &'a Structured,
     pressure: &'a [f64],
@@ -228,7 +228,7 @@ fn embed(grid: &Structured, larger: &Structured, field: &[f64]) -> Vec<f64> {
     embedded
 }
 
-/// Where a pressure stands and how large its contact is.
+/// Place of a pressure and size of its contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// Centre of pressure, x and y [m].
@@ -240,13 +240,13 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Those of a pressure; zero without pressure.
+    /// Moments of a pressure; zero without pressure.
     #[must_use]
     pub fn of(grid: &Structured, pressure: &[f64]) -> Self {
         Self::of_elements(grid, pressure.iter().copied().enumerate())
     }
 
-    /// Those of the pressures on some elements.
+    /// Moments of the pressures on some elements.
     #[must_use]
     pub fn of_elements(
         grid: &Structured,

@@ -87,13 +87,13 @@ macro_rules! on_elements {
 }
 
 impl Influence {
-    /// Of the elements of a grid; one of a single row is a line of contact in plane strain.
+    /// Influence of the elements of a grid; one of a single row is a line of contact in plane strain.
     #[must_use]
     pub fn of_grid(grid: &Structured, elasticity: Elasticity) -> Self {
         Self { dx: grid.dx(), dy: grid.dy(), elasticity, plane_strain: grid.nj == 1 }
     }
 
-    /// Of elements dx × dy [m] that are as wide as they are.
+    /// Influence of elements dx × dy [m], which are no line of contact.
     #[must_use]
     pub fn of_elements([dx, dy]: [f64; 2], elasticity: Elasticity) -> Self {
         Self { dx, dy, elasticity, plane_strain: false }

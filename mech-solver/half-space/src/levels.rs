@@ -37,7 +37,7 @@ const ROUNDING: f64 = 1e-13;
 /// Forces beyond f N by less than this share of it are rounding of who prescribes them.
 const BEYOND: f64 = 1e-6;
 
-/// How the bodies move on each other.
+/// Motion of the bodies on each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// Steady rolling along x.
@@ -75,7 +75,7 @@ pub struct Contact {
     pub yields: Option<Yield>,
     /// Semi-axes a and b, or what comes near them [m].
     pub semi_axes: [f64; 2],
-    /// How the bodies move.
+    /// Motion of the bodies.
     pub motion: Motion,
     /// Difference along x, in steady rolling.
     pub difference: Difference,
@@ -236,7 +236,7 @@ impl Level {
     }
 }
 
-/// What is there before a step.
+/// State before a step.
 #[derive(Clone, Copy, Debug)]
 pub struct History<'a> {
     /// Slip s₀ without tractions, x and y [m].
@@ -246,14 +246,14 @@ pub struct History<'a> {
 }
 
 impl<'a> History<'a> {
-    /// Of bodies alone.
+    /// Slip of bodies without a layer.
     #[must_use]
     pub fn of_slip(slip: [&'a [f64]; 2]) -> Self {
         Self { slip, plastic: None }
     }
 }
 
-/// What is asked of a grid.
+/// Task for one grid.
 struct Target<'a> {
     prescribed: &'a Prescribed,
     history: Option<History<'a>>,

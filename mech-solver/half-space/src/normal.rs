@@ -53,6 +53,7 @@ use super::initial_pressure;
 use super::viscoelastic::{Bodies, Numbers};
 use numerics::convolution::{Complex64, Convolution, Spectrum};
 use numerics::rows::{Kernel, Rows};
+use numerics::vector::dot;
 use point::InteriorPoint;
 use std::f64::consts::TAU;
 
@@ -65,7 +66,7 @@ pub struct NormalContact {
     pub normal_force: f64,
     /// Number of elements in contact.
     pub contact_elements: usize,
-    /// Whether an element at the edge of the grid is in contact: the grid may be too small.
+    /// An element at the edge of the grid is in contact: the grid may be too small.
     pub touches_edge: bool,
     /// Iterations, each with one convolution by A and one by M.
     pub iterations: usize,
@@ -144,9 +145,9 @@ struct Progress {
     residual: f64,
     /// zᵀr of the step before.
     last_product: f64,
-    /// Whether u must be computed anew.
+    /// u must be computed anew.
     stale: bool,
-    /// Whether C has changed since w was computed.
+    /// C has changed since w was computed.
     new_contact: bool,
 }
 
@@ -595,10 +596,6 @@ fn restore_load(prescribed: Prescribed, area: f64, pressure: &mut [f64]) {
         let factor = load / (pressure.iter().sum::<f64>() * area);
         pressure.iter_mut().for_each(|value| *value *= factor);
     }
-}
-
-fn dot(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

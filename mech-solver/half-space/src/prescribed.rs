@@ -1,6 +1,6 @@
 //! What a normal contact is asked for.
 
-/// What is prescribed in a normal contact.
+/// Prescribed load or approach of a normal contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prescribed {
     /// Normal force N [N].

@@ -6,9 +6,9 @@ use super::tangential::{ElementState, TangentialState};
 
 /// Passes of friction and slip after which they are given up.
 const MOST_PASSES: usize = 600;
-/// Those that take all of the slip found; later ones take the share below of its change.
+/// Passes that take all of the slip found; later ones take the share below of its change.
 const PLAIN_PASSES: usize = 400;
-/// See above.
+/// Share of the change of the slip that later passes take.
 const DAMPED: f64 = 0.3;
 /// Change of the traction bounds, over the largest, at which friction has settled.
 const SETTLED: f64 = 1e-7;
@@ -16,7 +16,7 @@ const SETTLED: f64 = 1e-7;
 /// From which slip velocities the friction of a contact is looked for that follows the slip of every element itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlipStart {
-    /// Those of the step or the row before; at the first from rest.
+    /// Slip of the step or the row before; at the first from rest.
     Before,
     /// Rest: of several solutions the one that slips least.
     Below,
@@ -65,7 +65,7 @@ impl Settling {
         share
     }
 
-    /// Whether traction bounds [Pa] have settled, after this share of the way.
+    /// Returns true if traction bounds [Pa] have settled, after this share of the way.
     ///
     /// # Errors
     /// There were too many passes.
@@ -85,7 +85,7 @@ impl Settling {
     }
 }
 
-/// Where slip velocities [m/s] are looked for of `count` elements: of a state whose step takes `duration` [s], if there is one, from
+/// Slip velocities [m/s] of `count` elements from which those of a contact are looked for: of a state whose step takes `duration` [s], if there is one, from
 /// rest or from the rolling speed.
 #[must_use]
 pub fn first_velocities(

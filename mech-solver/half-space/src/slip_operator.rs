@@ -195,7 +195,7 @@ fn damping(elements_per_semi_axis: f64) -> f64 {
     (-MEMORY / elements_per_semi_axis).exp()
 }
 
-/// What an approximate inverse is made of.
+/// Parts of an approximate inverse.
 #[derive(Clone, Copy)]
 struct Inverse<'a> {
     /// The numbers at once.
@@ -234,9 +234,9 @@ impl Inverse<'_> {
 
 /// Influence numbers [xx, yy, xy] of all offsets that occur.
 enum Table {
-    /// Of elastic bodies.
+    /// Numbers of elastic bodies.
     Elastic(Quarter<[f64; 3]>),
-    /// Of bodies with a memory, and the flexibility of a layer.
+    /// Numbers of bodies with a memory, and the flexibility of a layer.
     Memory(Numbers<3>, f64),
 }
 

@@ -45,7 +45,7 @@ const FORGOTTEN: f64 = 40.0;
 /// Panels of the tail at most, in lengths of the memory: the exponential weighs their beginning.
 const LONGEST: f64 = 8.0;
 
-/// How the compliance of a material grows.
+/// Growth of the compliance of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Retardation {
     /// Delayed compliance f over the instantaneous one [-].
@@ -54,7 +54,7 @@ pub struct Retardation {
     pub time: f64,
 }
 
-/// What a body's compliance gains with time.
+/// Delayed compliance of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Delayed {
     /// Elastic constants of the delayed compliance f J; zero for an elastic body.
@@ -68,7 +68,7 @@ pub struct Delayed {
 pub struct Bodies {
     /// Elastic constants at once.
     pub instantaneous: Elasticity,
-    /// What comes with delay, body by body.
+    /// Delayed compliance of each body.
     pub delayed: [Delayed; 2],
 }
 
@@ -104,13 +104,13 @@ impl Bodies {
         Self { instantaneous: Elasticity::of_pair(upper, lower), delayed: [delayed(0), delayed(1)] }
     }
 
-    /// Whether either body has a memory.
+    /// Returns true if either body has a memory.
     #[must_use]
     pub fn remember(&self) -> bool {
         self.delayed.iter().any(|body| body.elasticity != Elasticity::default())
     }
 
-    /// What there is of it; of bodies whose memory is equally long together.
+    /// Memories of the bodies, those that are equally long as one.
     fn memories(&self) -> impl Iterator<Item = Delayed> {
         let [mut one, mut other] = self.delayed;
         if one.length == other.length {
@@ -120,7 +120,7 @@ impl Bodies {
         [one, other].into_iter().filter(|body| body.elasticity != Elasticity::default())
     }
 
-    /// Whether normal and tangential displacements are coupled.
+    /// Returns true if normal and tangential displacements are coupled.
     #[must_use]
     pub fn are_coupled(&self) -> bool {
         let delayed = self.memories().any(|body| body.elasticity.is_coupled());
@@ -214,9 +214,9 @@ fn add<const N: usize>(one: [f64; N], other: [f64; N]) -> [f64; N] {
 
 /// A along a line in the direction of rolling.
 struct Line<F> {
-    /// Where the branch points are, before and behind the element's centre [m].
+    /// Places of the branch points before and behind the element's centre [m].
     half: f64,
-    /// How far beside the line they are [m].
+    /// Distance of the branch points beside the line [m].
     abreast: f64,
     kernel: F,
 }

@@ -15,7 +15,7 @@
 //! Source: Hou, Kalousek and Magel, Wear 211 (1997) 134–140, for the law; Vollebregt, CONTACT, for particles that carry it through the
 //! contact. That one slider does is this project's.
 
-/// How the yield stress of a layer changes with its plastic shift.
+/// Yield stress of a layer over its plastic shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yield {
     /// Yield stress τ₀ of fresh material [Pa].
@@ -26,7 +26,7 @@ pub struct Yield {
     pub residual: f64,
 }
 
-/// What the two sliders of an element do.
+/// States of the two sliders of an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Carried {
     /// The bound of the traction after the slip [Pa].
@@ -80,7 +80,7 @@ impl Yield {
         }
     }
 
-    /// What an element carries that slips by so much [m], with the friction bound f p_n [Pa] and the plastic shift κ' before [m].
+    /// Traction of an element that slips by so much [m], with the friction bound f p_n [Pa] and the plastic shift κ' before [m].
     #[must_use]
     pub fn carried(&self, friction: f64, before: f64, slip: f64) -> Carried {
         let (first, _) = self.after(before);

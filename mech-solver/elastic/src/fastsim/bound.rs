@@ -14,7 +14,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// What bounds the traction.
+/// Traction bound along a strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bound {
     /// Kalker's parabola.
@@ -59,7 +59,7 @@ impl Bound {
         }
     }
 
-    /// What the bound rises by over the first cell of the longest strip, over its length along X = x/a: the most of all
+    /// Rise of the bound over the first cell of the longest strip, over its length along X = x/a: the most of all
     /// cells.
     pub fn steepest(self, largest: f64, cells: usize) -> f64 {
         match self {

@@ -36,7 +36,7 @@ use std::f64::consts::PI;
 /// Creepages ξ, η [-] and φ [rad/m].
 pub type Creepage = [f64; 3];
 
-/// How many flexibilities there are.
+/// Number of flexibilities, and the mean of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// One for all creepages, with the component of the linear force along the creepage.

@@ -50,7 +50,7 @@ pub struct Lattice {
     pub strips: usize,
     /// Number m of cells of a strip, at least two.
     pub cells: usize,
-    /// What bounds the traction, to which the cells are fitted.
+    /// Traction bound, to which the cells are fitted.
     pub bound: Bound,
 }
 
@@ -133,7 +133,7 @@ impl Lattice {
     }
 }
 
-/// What the march of one contact needs.
+/// Data of the march along the strips of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct March {
     /// Strips and cells.
@@ -268,7 +268,7 @@ fn slipping(front: &Front, predictor: &Traction, bound: f64) -> Traction {
     Traction { vector: towards.vector.map(|component| component * share), size: bound }
 }
 
-/// Where in a cell that sticks at its front slip begins: |p + t d| = g + t e, with the changes d of the
+/// Place in a cell that sticks at its front from which it slips: |p + t d| = g + t e, with the changes d of the
 /// traction and e of the bound over the cell, has one root t in (0, 1), since the left side is smaller
 /// at t = 0 and larger at t = 1.
 #[inline]

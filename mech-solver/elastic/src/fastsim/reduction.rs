@@ -16,7 +16,7 @@
 
 use super::flexibility::Creepage;
 
-/// How the slope is reduced.
+/// Reduction of the slope of a creep curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
     /// k_0 [-].
@@ -28,7 +28,7 @@ pub struct Reduction {
 }
 
 impl Reduction {
-    /// That of smooth elastic bodies: none.
+    /// No reduction: smooth elastic bodies.
     pub const NONE: Self = Self { factor: 1.0, ratio: 1.0, decrease: 0.0 };
 
     /// The factor at small creepage k_0 and what it falls with, α and β [-].

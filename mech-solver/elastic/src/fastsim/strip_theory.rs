@@ -34,7 +34,7 @@ use super::march::{Cell, March, Strip, norm};
 use crate::strips::semi_ellipse::segment_area;
 use std::f64::consts::PI;
 
-/// What strip theory needs of a contact.
+/// Data of strip theory for one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StripTheory {
     /// The simplified theory, with the elliptic bound.

@@ -75,7 +75,7 @@ pub enum ConformalError {
     },
 }
 
-/// What is prescribed, of one row.
+/// Prescribed values of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prescription {
     /// Force along the normal at s = 0, or approach there.

@@ -25,7 +25,7 @@ pub struct ElasticPair {
     by_tractions: Option<ByTractions>,
 }
 
-/// What tractions take part in, made when they do.
+/// Operators of the tractions, made when there are some.
 #[derive(Debug)]
 struct ByTractions {
     /// A_nx, A_ns.

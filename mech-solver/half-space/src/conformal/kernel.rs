@@ -30,7 +30,7 @@ pub(super) struct Material {
 }
 
 impl Material {
-    /// That of a case.
+    /// Constants of a material.
     pub(super) fn of(material: &elastic::Material) -> Self {
         let shear_modulus = material.shear_modulus();
         Self { shear_modulus, poisson_ratio: material.poisson_ratio }

@@ -69,7 +69,7 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Of body 1 (upper) and body 2, with these sections over the same s.
+    /// Influence numbers of body 1 (upper) and body 2, with these sections over the same s.
     #[must_use]
     pub fn new(materials: &[Material; 2], sections: &[Section; 2], patch: &Patch) -> Self {
         let [nx, ny] = patch.counts;

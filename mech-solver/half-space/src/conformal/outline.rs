@@ -5,11 +5,11 @@
 
 use super::section::Section;
 
-/// How much longer an element is than the one before, away from the contact.
+/// Length of an element over that of the one before, away from the contact.
 const GROWTH: f64 = 1.5;
 /// Angle that an element spans at most, away from the contact [rad].
 const MOST_ANGLE: f64 = 0.2;
-/// Of an angle that is met.
+/// Rounding of an angle that is met [rad].
 const ROUNDING: f64 = 1e-9;
 
 /// A boundary element.
@@ -45,7 +45,7 @@ pub(super) struct Outline {
     pub(super) contact: usize,
     /// All elements, those beyond the contact by their distance from it.
     pub(super) elements: Vec<Arc>,
-    /// How far those beyond begin from it along an open outline [m].
+    /// Distance along an open outline at which those beyond begin [m].
     away: Vec<f64>,
     /// A circle whose elements reach round it.
     pub(super) closed: bool,

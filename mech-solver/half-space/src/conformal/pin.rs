@@ -70,6 +70,7 @@ pub fn press(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use numerics::search::root_between;
     use std::f64::consts::PI;
 
     /// Persson's load over the clearance, E' ΔR/Q, and his pressure p R/Q at the angle φ, at which tan φ/2 = t, of a contact that reaches as far
@@ -124,18 +125,14 @@ mod tests {
         for (approach, tolerance) in [(2e-6, 3e-3), (20e-6, 6e-4), (100e-6, 2e-4), (400e-6, 1e-4)] {
             let pin = press(&[material; 2], radius, clearance, approach, 320).unwrap();
             let wanted = stiffness * clearance / pin.force;
-            let (mut low, mut high) = (1e-3, 0.999_f64);
-            for _ in 0..60 {
-                let b = 0.5 * (low + high);
-                if persson(b).0 > wanted { low = b } else { high = b }
-            }
-            let (_, exact) = persson(low);
+            let extent = root_between([1e-3, 0.999], |b| persson(b).0 - wanted).unwrap();
+            let (_, exact) = persson(extent);
             let largest = pin.pressure.iter().copied().fold(0.0, f64::max);
             let scale = pin.force / radius;
             for (phi, p) in pin.angle.iter().zip(&pin.pressure) {
                 let error = (p - scale * exact((0.5 * phi).tan())) / largest;
                 // Where the edge cuts an element, less.
-                let near = ((0.5 * phi.abs()).tan() - low).abs() < 0.03;
+                let near = ((0.5 * phi.abs()).tan() - extent).abs() < 0.03;
                 assert!(error.abs() < if near { 0.1 } else { 0.01 }, "{approach}: {phi} {error}");
             }
             let error = largest / (scale * exact(0.0)) - 1.0;

@@ -14,7 +14,7 @@ pub(super) struct InteriorPoint {
     pub(super) stiffness: Vec<f64>,
     /// The weighted right side, then de [m].
     pub(super) right: Vec<f64>,
-    /// What a unit of approach makes of the preconditioner [Pa/m].
+    /// Answer of the preconditioner to a unit of approach [Pa/m].
     pub(super) punch: Vec<f64>,
     /// dp [Pa], and dδ [m] under a given load.
     pub(super) step: Vec<f64>,

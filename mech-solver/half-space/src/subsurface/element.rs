@@ -7,7 +7,7 @@ use std::f64::consts::{E, PI};
 /// Distance, in units of the rectangle's longer side, from which Gauss's rule is used.
 const FAR: f64 = 16.0;
 
-/// How near, in units of a side, a point is on an edge.
+/// Distance, in units of a side, up to which a point is on an edge.
 const ON_EDGE: f64 = 1e-9;
 
 /// Added under roots, in place of a case distinction on the edges of the rectangle [m²].

@@ -18,10 +18,10 @@ use elastic::Stress;
 use grids::Structured;
 use numerics::convolution::Convolution;
 
-/// How alike points lie in their elements, in elements over their number: rounding of coordinates.
+/// Difference of the places of points in their elements that counts as none, in elements over their number: rounding of coordinates.
 const ALIKE: f64 = 1e-12;
 
-/// What an element of a convolution costs, in evaluations at a node: four corners of its kernel, and its share of the transforms.
+/// Cost of an element of a convolution, in evaluations at a node: four corners of its kernel, and its share of the transforms.
 const CONVOLUTION: usize = 16;
 
 /// Nodes of the grid where the load changes, with their weights for p, q_x, q_y [Pa].
@@ -32,7 +32,7 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// Of a load on a body of this Poisson's ratio [-].
+    /// Stresses of a load on a body of this Poisson's ratio [-].
     #[must_use]
     pub fn of(load: &SurfaceLoad<'_>, poisson_ratio: f64) -> Self {
         let grid = load.grid;
@@ -58,7 +58,7 @@ impl Nodes {
         Self { element, nodes }
     }
 
-    /// How many there are.
+    /// Number of points.
     #[must_use]
     pub fn count(&self) -> usize {
         self.nodes.len()
@@ -152,7 +152,7 @@ impl Loaded {
 
 /// Coordinates that lie alike in their elements.
 struct Alike {
-    /// How far beyond the middle of the element, in elements.
+    /// Distance beyond the middle of the element, in elements.
     beyond: f64,
     /// Place in the axis, and the element counted from the first that is loaded.
     members: Vec<(usize, i32)>,
@@ -190,7 +190,7 @@ struct Set<'a> {
 }
 
 impl Set<'_> {
-    /// How their stresses are convolved, if that is less work than sums over so many nodes.
+    /// Convolution of their stresses, if that is less work than sums over so many nodes.
     fn convolution(&self, loaded: &Loaded, nodes: usize) -> Option<Convolved> {
         let ranges = [self.column.range(loaded.counts[0]), self.row.range(loaded.counts[1])];
         let counts = ranges.map(|[first, last]| last.abs_diff(first) as usize + 1);

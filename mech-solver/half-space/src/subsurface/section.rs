@@ -20,7 +20,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// How far from half a row, in rows, y may be to count as symmetric to the rows: rounding of y_j.
+/// Distance from half a row, in rows, up to which y counts as symmetric to the rows: rounding of y_j.
 const SYMMETRIC: f64 = 1e-10;
 
 /// Kinds of load: q_x, q_y.

@@ -84,7 +84,7 @@ impl WarmBody {
         self.youngs_modulus * self.expansion / (1.0 - self.poisson_ratio)
     }
 
-    /// How a wave decays: its length, and γ.
+    /// Decay of a wave: its length, and γ.
     pub(super) fn decay(&self, [kx, ky]: [f64; 2]) -> (f64, Complex64) {
         let k = kx.hypot(ky);
         (k, Complex64::new(k * k, -kx * self.speed / self.diffusivity).sqrt())

@@ -64,7 +64,7 @@ impl Layer<'_> {
     }
 }
 
-/// What both sliders of every element do.
+/// States of both sliders of every element.
 #[derive(Debug, Default)]
 pub(super) struct Sliders {
     pub(super) carried: Vec<Carried>,

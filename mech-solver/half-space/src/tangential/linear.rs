@@ -63,7 +63,7 @@ pub(super) struct Unknowns {
     pub(super) sticking: Vec<usize>,
     pub(super) slipping: Vec<Turn>,
     pub(super) yielding: Vec<Along>,
-    /// Where plastic shifts gather along a row: elements of one.
+    /// Elements of a row along which plastic shifts gather.
     pub(super) gathers: Option<usize>,
 }
 

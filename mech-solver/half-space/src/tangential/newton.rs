@@ -44,7 +44,7 @@ const GROWTH: f64 = 0.6;
 /// Forces that lack less than this share of their tolerance are left as they are.
 const FORCE_SHARE: f64 = 0.1;
 
-/// How a solve went.
+/// Effort of a solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effort {
     /// Newton steps.
@@ -55,7 +55,7 @@ pub struct Effort {
     pub changes: usize,
     /// Largest change of a traction in the last step, over the largest traction.
     pub last_change: f64,
-    /// What the prescribed forces lack, over their tolerance.
+    /// Error of the prescribed forces, over their tolerance.
     pub force_error: f64,
 }
 
@@ -69,7 +69,7 @@ pub struct Effort {
 pub struct NotConverged(pub Effort);
 
 impl Effort {
-    /// What is said of forces that are not met.
+    /// Words about forces that are not met.
     fn unmet(&self) -> String {
         match self.force_error > 1.0 {
             true => format!(
@@ -364,7 +364,7 @@ impl TangentialSolver {
     }
 }
 
-/// What a Newton step changed.
+/// Changes by a Newton step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Change {
     /// Largest change of a traction, and largest traction [Pa].

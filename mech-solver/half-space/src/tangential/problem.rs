@@ -26,7 +26,7 @@ impl Prescribed {
         Self { creepage: [0.0; 3], force: [Some(force), None, None] }
     }
 
-    /// Whether any force is prescribed.
+    /// Returns true if any force is prescribed.
     #[must_use]
     pub fn has_force(&self) -> bool {
         self.force.iter().any(Option::is_some)
@@ -41,7 +41,7 @@ pub struct Problem<'a> {
     /// Distance Δq rolled in the step [m]; 1 in a shift, where the creepages are distances [m] and a
     /// rotation [rad].
     pub distance: f64,
-    /// Where in the step the rigid slip is taken, ahead of an element's centre; 0 in a shift [m].
+    /// Distance ahead of an element's centre at which the rigid slip is taken; 0 in a shift [m].
     pub ahead: f64,
     /// Area of an element [m²].
     pub element_area: f64,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What an element does.
+/// State of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ElementState {
     /// No contact.
@@ -23,7 +23,7 @@ pub struct TangentialState {
     pub traction: [Vec<f64>; 2],
     /// Slip distance of body 1 relative to body 2 over a step, x and y [m].
     pub slip: [Vec<f64>; 2],
-    /// What each element does.
+    /// State of each element.
     pub element: Vec<ElementState>,
     /// Creepages.
     pub creepage: Creepage,

@@ -10,6 +10,7 @@ use elastic::fastsim::flexibility::{Creepage, Flexibilities, Kind};
 use elastic::fastsim::march::{Cell, Lattice, March, Strip, norm};
 use elastic::fastsim::reduction::Reduction;
 use elastic::fastsim::strip_theory::StripTheory;
+use numerics::search::root_in_bracket;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -176,7 +177,8 @@ impl Problem {
         }
         let excess = |creep: f64| force(creep) - target;
         // Adding zero turns −0 into 0.
-        -ratio.signum() * increasing_root(excess, all, [-target, largest - target]) + 0.0
+        let creep = root_in_bracket([(0.0, -target), (all, largest - target)], excess);
+        -ratio.signum() * creep.unwrap_or(all) + 0.0
     }
 
     /// Least creep at which every cell slips [-]: the predictor of the traction of the first cell,
@@ -192,35 +194,6 @@ impl Problem {
         let creep = steepest * self.flexibilities.longitudinal / semi_axis_a;
         self.reduction.unreduced(creep, self.gradient())
     }
-}
-
-/// The root in [0, `most`] of an increasing function with the values `ends` there, the first not
-/// positive and the second positive: Illinois steps, every third one a bisection, so that the root
-/// never leaves the bracket and the bracket shrinks by two or more in three steps.
-fn increasing_root(function: impl Fn(f64) -> f64, most: f64, ends: [f64; 2]) -> f64 {
-    const STEPS: usize = 180;
-    const ROUNDING: f64 = 2.0 * f64::EPSILON;
-    let ([mut low, mut high], [mut below, mut above]) = ([0.0, most], ends);
-    let mut side = 0;
-    for step in 1..=STEPS {
-        if below == 0.0 || high - low <= ROUNDING * high {
-            return low;
-        }
-        let secant = low + (high - low) * (below / (below - above));
-        let bisect = step % 3 == 0 || !(low < secant && secant < high);
-        let place = if bisect { 0.5 * (low + high) } else { secant };
-        let value = function(place);
-        if value > 0.0 {
-            (high, above) = (place, value);
-            below *= if side == 1 { 0.5 } else { 1.0 };
-            side = 1;
-        } else {
-            (low, below) = (place, value);
-            above *= if side == -1 { 0.5 } else { 1.0 };
-            side = -1;
-        }
-    }
-    0.5 * (low + high)
 }
 
 /// How the tractions follow from the creepage.
@@ -494,21 +467,6 @@ mod tests {
             let march = March { lattice, springs, creepage, largest_bound };
             let found = -Totals::of(&lattice, &Tangential::Partial(march), MEAN).force[0];
             assert!((found / force - 1.0).abs() < 2e-3, "{xi}: {found}");
-        }
-    }
-
-    /// Roots at and near both ends, of a function that is flat at one of them. Tolerance: rounding.
-    #[test]
-    fn root_stays_in_its_bracket() {
-        for root in [1e-12, 1e-3, 0.5, 0.999, 1.0 - 1e-9] {
-            let value = |x: f64| 1.0 - (1.0 - x).powi(2);
-            let target = value(root);
-            let excess = |x: f64| {
-                assert!((0.0..=1.0).contains(&x));
-                value(x) - target
-            };
-            let found = increasing_root(excess, 1.0, [-target, 1.0 - target]);
-            assert!((value(found) - target).abs() <= 4e-16, "{root}: {found}");
         }
     }
 }

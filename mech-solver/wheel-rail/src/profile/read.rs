@@ -5,6 +5,7 @@ use super::orientation::{Body, Heights, oriented};
 use super::text::decoded;
 use super::{columns, miniprof, simpack};
 use crate::outline::{Outline, Smoothing};
+use numerics::search::root_between;
 use std::path::Path;
 
 /// A format of files.
@@ -97,14 +98,7 @@ pub fn from_origin(curve: Outline, body: Body) -> Outline {
     let crossed = (0..=steps as usize).find(|k| above(place(*k)) * sign <= 0.0);
     let origin = match crossed {
         Some(0) => outermost,
-        Some(k) => {
-            let (mut before, mut behind) = (place(k - 1), place(k));
-            for _ in 0..60 {
-                let middle = 0.5 * (before + behind);
-                *(if above(middle) * sign > 0.0 { &mut before } else { &mut behind }) = middle;
-            }
-            0.5 * (before + behind)
-        }
+        Some(k) => root_between([place(k - 1), place(k)], above).unwrap_or(place(k)),
         None => outermost,
     };
     curve.starting_at(origin)

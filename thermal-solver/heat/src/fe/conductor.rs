@@ -24,6 +24,7 @@ use super::direct::Direct;
 use super::law::Law;
 use super::mesh::Axis;
 use super::scheme::Coefficients;
+use numerics::vector::{add_scaled, dot};
 use pulp::{Arch, NullaryFnOnce};
 
 /// Stefan and Boltzmann's constant [W/(m²·K⁴)].
@@ -539,7 +540,7 @@ impl Conductor {
     /// residual there. The whole of it is kept where the residual is not above `enough`.
     #[inline(always)]
     fn advance(&self, request: &Request, now: &mut [f64], enough: f64, memory: &mut Memory) {
-        add(1.0, &memory.correction, now);
+        add_scaled(now, &memory.correction, 1.0);
         self.residual(request, now, memory);
         // The slope of the energy along the correction, downwards.
         let mut slope = dot(&memory.residual, &memory.correction);
@@ -552,7 +553,7 @@ impl Conductor {
             // The first trial finds the slope at the start, where conjugate gradients have used up
             // the residual.
             let next = if trial == 0 { 0.0 } else { false_position(low, high) };
-            add(next - place, &memory.correction, now);
+            add_scaled(now, &memory.correction, next - place);
             self.residual(request, now, memory);
             (place, slope) = (next, dot(&memory.residual, &memory.correction));
             if trial == 0 {
@@ -757,24 +758,4 @@ fn false_position([low, above]: [f64; 2], [high, below]: [f64; 2]) -> f64 {
     // A slope at the start that is not positive is rounding.
     let part = if part.is_finite() { part } else { 0.5 };
     low + (high - low) * part.clamp(MARGIN, 1.0 - MARGIN)
-}
-
-/// out += s x.
-#[inline(always)]
-fn add(s: f64, x: &[f64], out: &mut [f64]) {
-    out.iter_mut().zip(x).for_each(|(out, x)| *out += s * x);
-}
-
-/// Σ a b in eight sums, the same on any machine.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a_blocks, b_blocks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a_blocks.remainder().iter().zip(b_blocks.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a_blocks.zip(b_blocks) {
-        for lane in 0..8 {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
