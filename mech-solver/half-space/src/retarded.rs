@@ -35,7 +35,7 @@ const SHORT: f64 = 1e-4;
 /// Pressure and tractions along x and y [Pa], or what they displace [m], element by element.
 pub type Field3 = [Vec<f64>; 3];
 
-/// What a body gains with time.
+/// Retarded compliance of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delay {
     /// Elastic constants of the delayed compliance f J.
@@ -45,7 +45,7 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// Those of two bodies; of both together where they take the same time.
+    /// Retarded compliances of two bodies; of both together where they take the same time.
     #[must_use]
     pub fn of(materials: &[Material; 2], retardation: &[Option<Retardation>; 2]) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
@@ -143,7 +143,7 @@ impl Retarded {
         self.delays.iter().map(|_| zeros(self.load[0].len())).collect()
     }
 
-    /// What the retarded loads and the loads before a step of this duration [s] displace at its end without the loads there [m].
+    /// Displacement at the end of a step of this duration [s] by the retarded loads and those before it [m].
     pub fn recall(
         &mut self,
         retarded: &[Field3],

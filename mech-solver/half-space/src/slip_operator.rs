@@ -257,7 +257,7 @@ impl Table {
         Self::Memory(numbers, layer)
     }
 
-    /// Of elastic bodies xx and yy are even in both offsets, xy is odd in both; with a memory the same across.
+    /// Value at an offset: of elastic bodies xx and yy are even in both offsets, xy is odd in both; with a memory the same across.
     fn value(&self, i: i32, j: i32) -> [f64; 3] {
         match self {
             Self::Elastic(quarter) => {

@@ -44,7 +44,7 @@ pub struct WheelsetOnTrack {
     rolled: Option<[f64; 2]>,
 }
 
-/// What is given of a wheelset besides its motion.
+/// Loads of a wheelset, besides its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Given {
     /// Along the vertical, of the left wheel and the right; with forces on both wheels the roll is found.
@@ -60,7 +60,7 @@ pub struct Balanced {
     pub motion: Motion,
     /// Its wheels with their sides, from left to right.
     pub wheels: Vec<(Side, Solved)>,
-    /// What it took.
+    /// Work of the solution.
     pub work: Work,
 }
 

@@ -44,7 +44,7 @@ pub struct Columns {
     columns: Vec<Column>,
     /// By how much the wheel has to be lowered from z = 0 of its middle until it touches [m].
     touching: Option<f64>,
-    /// Where that is along the track [m].
+    /// Place of that along the track [m].
     first: f64,
     /// Depth below touching for which columns are laid [m].
     depth: f64,
@@ -89,7 +89,7 @@ impl Columns {
         Some(self.touching? + height)
     }
 
-    /// Where a wheel that is lowered touches first along the track [m].
+    /// Place along the track at which a wheel that is lowered touches first [m].
     #[must_use]
     pub fn first_touch(&self) -> f64 {
         self.first

@@ -46,7 +46,7 @@ pub struct WheelOnRail {
     pair: Pair,
     /// Depth below touching at last [m].
     depth: f64,
-    /// How tractions lean the forces of patches, with their places along the tape.
+    /// Lean of the forces of patches by their tractions, with their places along the tape.
     leaning: Vec<(f64, f64)>,
 }
 

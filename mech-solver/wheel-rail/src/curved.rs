@@ -32,7 +32,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// How far beyond a patch the sections of the bodies are followed [m].
+/// Distance beyond a patch up to which the sections of the bodies are followed [m].
 const AROUND: f64 = 30e-3;
 /// The farthest that they turn from the reference of the patch [rad].
 const MOST_TURN: f64 = 0.45 * PI;

@@ -86,7 +86,7 @@ pub fn on_rail(frame: &Frame, rail: &Rail) -> Frame {
     Frame { origin: frame.origin + shift, reference: frame.reference + shift, ..*frame }
 }
 
-/// Where an element's normal met the surfaces last.
+/// Places at which an element's normal met the surfaces last.
 #[derive(Clone, Copy, Debug)]
 struct Guess {
     /// s on the rail [m].
@@ -153,7 +153,7 @@ impl<'a> WheelSurface<'a> {
         Self { surface: &wheel.surface, pitch, origin, axes, near: 0 }
     }
 
-    /// Where the wheel is nearest to the plane's origin.
+    /// Place of the wheel that is nearest to the plane's origin.
     fn start(&self, rail: f64) -> Guess {
         let [x, y, z] = self.origin.into();
         let at = x.atan2(-z) + self.pitch;

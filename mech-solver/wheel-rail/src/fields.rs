@@ -37,7 +37,7 @@ pub struct Fields {
     pub slip_velocity: [Vec<f64>; 2],
     /// Friction power [W/m²].
     pub friction_power: Vec<f64>,
-    /// What every element does; all exterior where there are no tractions.
+    /// State of every element; all exterior where there are no tractions.
     pub element: Vec<ElementState>,
 }
 
@@ -190,7 +190,7 @@ impl Fields {
         self.friction_power.iter().sum::<f64>() * self.sides[0] * self.sides[1]
     }
 
-    /// Where along x, ahead of the origin, the moment is taken that does the work of the spin [m].
+    /// Distance along x ahead of the origin at which the moment does the work of the spin [m].
     #[must_use]
     pub fn pivot(&self) -> f64 {
         (self.difference.middle() - self.difference.rigid_slip_ahead()) * self.sides[0]

@@ -11,14 +11,14 @@ use numerics::quadrature::GAUSS_3;
 /// Exponent of a gap in the weight of its row.
 const WEIGHT: f64 = 2.5;
 
-/// What is between the bodies at a row.
+/// Gap between the bodies at a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gap {
     /// Least gap [m].
     pub(super) gap: f64,
     /// Place along the track [m]: of the reference.
     pub(super) x: f64,
-    /// Where it is negative, from the first place to the last [m].
+    /// Range in which it is negative [m].
     pub(super) x_range: [f64; 2],
     /// Weight in the reference of a patch; of all rows in the same unit.
     pub(super) weight: f64,
@@ -28,7 +28,7 @@ pub(super) struct Gap {
 pub(super) const OPEN: Gap = Gap { gap: f64::INFINITY, x: 0.0, x_range: [0.0; 2], weight: 0.0 };
 
 impl Gap {
-    /// Of a round wheel: the least gap at x, and the wheel's radius of curvature along x there [m].
+    /// Gap of a round wheel: the least gap at x, and the wheel's radius of curvature along x there [m].
     pub(super) fn round(gap: f64, x: f64, radius: f64) -> Self {
         let penetration = (-gap).max(0.0);
         let half = (2.0 * radius * penetration).sqrt();
@@ -40,7 +40,7 @@ impl Gap {
         Self { x: x + self.x, x_range: self.x_range.map(|end| x + end), ..self }
     }
 
-    /// Of gaps at columns from `first` on, `step` apart [m]; infinite where there is none.
+    /// Gap of a row by those at columns from `first` on, `step` apart [m]; infinite where there is none.
     pub(super) fn along(first: f64, step: f64, gaps: &[f64]) -> Self {
         let Some([x, gap]) = lowest(first, step, gaps) else { return OPEN };
         let place = |at: usize| first + at as f64 * step;

@@ -91,7 +91,7 @@ impl Level {
     }
 }
 
-/// Where the penetration of a patch falls below δ/2 for the last time, to the left or to the right [m].
+/// Place where the penetration of a patch falls below δ/2 for the last time, to the left or to the right [m].
 fn end(parabolas: &Parabolas, deepest: &Deepest, up: bool) -> f64 {
     let gap = deepest.parabola.gap;
     let inside = |(row, own): (usize, &Parabola)| (own.gap <= (1.0 - HALF) * gap).then_some(row);

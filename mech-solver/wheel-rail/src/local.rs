@@ -29,7 +29,7 @@ pub const NOTHING: f64 = 1.0;
 pub(super) const EXACT: f64 = 1e-14;
 /// Newton steps at most.
 pub(super) const STEPS: usize = 12;
-/// Of so many columns one is solved for: along the rail a round wheel is as smooth as a circle.
+/// Columns of which one is solved for: along the rail a round wheel is as smooth as a circle.
 const EVERY: usize = 4;
 /// Cosine of the steepest surface that a plane sees.
 pub(super) const STEEPEST: f64 = 0.05;
@@ -218,7 +218,7 @@ fn rail_height(frame: &Frame, rail: &Outline, along: f64, s: &mut f64) -> Option
     None
 }
 
-/// Where the normal through the origin of a frame meets the wheel.
+/// Place where the normal through the origin of a frame meets the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct WheelAbove {
     /// s on the wheel's profile [m].
@@ -231,7 +231,7 @@ pub(super) struct WheelAbove {
     pub(super) angle: f64,
 }
 
-/// Where the normal through the origin of a frame meets the wheel; `None` if it does not.
+/// Place where the normal through the origin of a frame meets the wheel; `None` if it does not.
 pub(super) fn wheel_above(
     frame: &Frame,
     (wheel, pose): (&Wheel, &Pose),
@@ -373,7 +373,7 @@ impl<'a> WheelSurface<'a> {
         range.contains(&own.s).then_some(Three { middle, reach, distances })
     }
 
-    /// Where the line along the normal through a place of the plane meets the wheel.
+    /// Place where the line along the normal through a place of the plane meets the wheel.
     fn meet(&mut self, at: Vector3<f64>, guess: Guess) -> Option<Guess> {
         let normal = self.axes[2];
         let Guess { mut height, mut s } = guess;

@@ -21,7 +21,7 @@ use std::f64::consts::{PI, TAU};
 pub const CLOSEST: f64 = 1e-6;
 /// Fewest points.
 const FEWEST: usize = 4;
-/// What turns by less is no corner for a smoothing of a wavelength [rad].
+/// Least turn of a corner for a smoothing of a wavelength [rad].
 const CORNER: f64 = PI / 6.0;
 /// A chord that turns by more than this goes back over the curve [rad].
 const MOST_TURN: f64 = 5.0 / 6.0 * PI;
@@ -41,7 +41,7 @@ pub struct Outline {
     moved: f64,
 }
 
-/// How points are smoothed.
+/// Smoothing of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Smoothing {
     /// As far as moves none by more than this [m]; 0 for none.

@@ -154,7 +154,7 @@ impl Pair {
         [along(&rail.outline), wheel]
     }
 
-    /// Whether patches are on curved surfaces.
+    /// Returns true if patches are on curved surfaces.
     pub(super) fn is_curved(&self) -> bool {
         self.settings.patch_surface == PatchSurface::Curved
     }
@@ -181,7 +181,7 @@ impl Pair {
         self.pose.middle.z = self.wheelset.nominal_radius + z;
     }
 
-    /// Where the wheelset would touch [m]; `None` beside the rail.
+    /// Height at which the wheelset would touch [m]; `None` beside the rail.
     pub(super) fn touching_height(&self) -> Option<f64> {
         let middle = self.pose.middle;
         let clear = match &self.columns {
@@ -255,7 +255,7 @@ impl Pair {
         Ok(())
     }
 
-    /// Whether patches are apart where the criterion says at this height, and from now on are.
+    /// Parts patches where the criterion says at this height; returns true if they were apart there already.
     pub(super) fn part(&mut self) -> bool {
         let spacing = self.settings.sides[1];
         let found = self.search.cuts(&self.rows, spacing, &self.settings.joining);

@@ -35,12 +35,12 @@ pub(super) struct Parabolas {
     pub(super) rows: Vec<Option<Parabola>>,
     /// First row of the patch, and the one behind its last: others are of other patches.
     pub(super) own: [usize; 2],
-    /// Where t = 0 is, in rows, and their distance [m].
+    /// Place of t = 0, in rows, and the distance of rows [m].
     middle: usize,
     pub(super) spacing: f64,
 }
 
-/// Where the undeformed bodies penetrate each other deepest.
+/// Deepest penetration of the undeformed bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Deepest {
     /// Its row, and t [m].
@@ -51,7 +51,7 @@ pub(super) struct Deepest {
 }
 
 impl Parabolas {
-    /// Of a window, whose rows of this range are those of the patch.
+    /// Parabolas of a window, whose rows of this range are those of the patch.
     pub(super) fn of(window: &Window, rows: &[Option<Three>], own: [usize; 2]) -> Self {
         let parabola = |three: &Three| {
             three.parabola().map(|[gap, place, bend]| Parabola { gap, place, bend })
@@ -103,7 +103,7 @@ impl Parabolas {
         rows.filter_map(|(row, parabola)| Some((row, parabola.as_ref()?)))
     }
 
-    /// Where the patch penetrates deepest, by a parabola through three rows; none if it does not.
+    /// Deepest penetration of the patch, by a parabola through three rows; none if it does not.
     pub(super) fn deepest(&self) -> Option<Deepest> {
         let least = |a: &(usize, &Parabola), b: &(usize, &Parabola)| a.1.gap.total_cmp(&b.1.gap);
         let (row, own) = self.of_patch().min_by(least).filter(|(_, own)| own.gap < 0.0)?;

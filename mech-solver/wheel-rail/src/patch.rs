@@ -28,7 +28,7 @@ pub struct Patch {
     pub max_pressure: f64,
     /// Forces and moments on the wheel in the patch's axes, about their origin.
     pub load: Load,
-    /// How tractions lean its force, as [`Pressed::leaning`] has it [-].
+    /// Lean of its force by the tractions, as [`Pressed::leaning`] has it [-].
     pub(super) leaning: f64,
     /// Creepages at the origin, and the rolling speed.
     pub rolling: Rolling,
@@ -59,7 +59,7 @@ pub struct Solved {
     pub moment: [f64; 3],
     /// The same in wheelset axes [N m]; along y it turns the axle.
     pub moment_wheelset: [f64; 3],
-    /// What it took.
+    /// Work of the solution.
     pub work: Work,
 }
 

@@ -55,7 +55,7 @@ pub(super) struct Pressed {
     opening: Vec<f64>,
     /// The surface that it is on, where that is no plane.
     pub(super) curved: Option<Curved>,
-    /// What an approximate theory makes the pressure of, and the strips that it made.
+    /// Parabolas of an approximate theory, and the strips that it made.
     approximate: Option<(Parabolas, Vec<PressedStrip>)>,
     /// Iterations of the normal contact.
     pub(super) iterations: usize,
@@ -277,7 +277,7 @@ impl Pressed {
         Some(self.curved.as_mut()?.elastic_slip(traction, &self.pressure, difference))
     }
 
-    /// How tractions lean the force: in a plane what of it is along the tangent for one along the normal, on a curved surface the vertical part of
+    /// Lean of the force by tractions: in a plane what of it is along the tangent for one along the normal, on a curved surface the vertical part of
     /// the tractions over the sum of the pressure [-].
     pub(super) fn leaning(&self, fields: &Fields) -> f64 {
         match &self.curved {

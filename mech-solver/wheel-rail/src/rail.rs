@@ -47,14 +47,14 @@ impl Side {
     }
 }
 
-/// How a rail is put where it is.
+/// Placing of a rail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Placing {
     /// By the gauge.
     Gauge {
         /// Distance of the gauge points of both rails [m].
         width: f64,
-        /// How far below the top of the rail the gauge is measured [m].
+        /// Depth below the top of the rail at which the gauge is measured [m].
         height: f64,
     },
     /// By the origin of its profile.
@@ -69,7 +69,7 @@ pub enum Placing {
 /// A track as it is designed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
-    /// Where the rails are.
+    /// Placing of the rails.
     pub placing: Placing,
     /// Inclination of the rails to the middle of the track [rad], 0.05 for 1:20; 0 if the profile is measured
     /// inclined.
@@ -78,7 +78,7 @@ pub struct Track {
     pub curvature: f64,
 }
 
-/// How a rail is off its place, in track axes.
+/// Deviation of a rail from its place, in track axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
     /// Shift to the left [m].
@@ -98,7 +98,7 @@ pub struct Deviation {
      measured {height:.4e} m below; give more of the profile, or the place of its origin"
 )]
 pub struct NoGauge {
-    /// How far the profile reaches down [m].
+    /// Depth to which the profile reaches [m].
     pub reach: f64,
     /// Measuring height [m].
     pub height: f64,

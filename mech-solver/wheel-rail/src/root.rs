@@ -5,7 +5,7 @@ const MOST: usize = 60;
 /// A step without a bracket is no more than this over the one before.
 const GROWTH: f64 = 4.0;
 
-/// Where a root is looked for, and from where on.
+/// Range of a search for a root, and its start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
     /// The first place.
@@ -35,7 +35,7 @@ impl Search {
     /// Looks for a place whose value is within the tolerance that the function gives with it.
     ///
     /// # Errors
-    /// Those of the function.
+    /// Errors of the function.
     pub(super) fn root<E>(
         &self,
         mut function: impl FnMut(f64) -> Result<(f64, f64), E>,

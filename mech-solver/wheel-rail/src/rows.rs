@@ -26,11 +26,11 @@ pub struct Rows {
     pub(super) rows: Vec<Row>,
 }
 
-/// Where a row's normal meets a curve, between its points `at` and `at + 1`.
+/// Place where a row's normal meets a curve, between its points `at` and `at + 1`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Met {
     pub(super) at: usize,
-    /// How much of the way to the next point is before it.
+    /// Share of the way to the next point that is before it.
     pub(super) share: f64,
     /// Height over the row along its normal [m].
     pub(super) height: f64,
@@ -105,7 +105,7 @@ impl Row {
         found.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
 
-    /// Where the row's normal meets a curve near the segment `at`, which becomes the one that it meets.
+    /// Place where the row's normal meets a curve near the segment `at`, which becomes the one that it meets.
     fn follow(
         &self,
         count: usize,

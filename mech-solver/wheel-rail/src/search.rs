@@ -13,7 +13,7 @@ use super::rows::{Met, Rows, least_above};
 use super::silhouette::Shadow;
 use nalgebra::Vector3;
 
-/// How the wheel is seen from the rail, from the middle of the wheelset.
+/// The wheel as it is seen from the rail, from the middle of the wheelset.
 #[derive(Debug)]
 pub enum Seen<'a> {
     /// As its shadow: a round wheel on a prism.
@@ -61,7 +61,7 @@ impl Search {
         grouped(&penetrated, cuts)
     }
 
-    /// Where patches are apart by the criterion, at the gaps that were measured last.
+    /// Cuts between patches by the criterion, at the gaps that were measured last.
     #[must_use]
     pub fn cuts(&self, rows: &Rows, spacing: f64, joining: &Joining) -> Vec<i64> {
         let runs = self.runs(rows, spacing, 0.0);

@@ -18,21 +18,21 @@ pub struct Settings {
     pub bodies: Elasticity,
     /// The same of each.
     pub materials: [Material; 2],
-    /// Whether surfaces may stick; without it all of a contact slides.
+    /// Surfaces may stick; without it all of a contact slides.
     pub adhesion: bool,
     /// Tangential flexibility of a layer between the surfaces [m/Pa], 0 for none.
     pub layer: f64,
     /// When regions are of one patch.
     pub joining: Joining,
-    /// Where rigid slip is taken.
+    /// Place at which the rigid slip is taken.
     pub rigid_slip: RigidSlip,
-    /// What a patch is on.
+    /// Surface of a patch.
     pub patch_surface: PatchSurface,
-    /// Whether the pressure of a patch displaces the surfaces under the others.
+    /// The pressure of a patch displaces the surfaces under the others.
     pub mutual: bool,
-    /// What gives the pressure.
+    /// Theory of the pressure.
     pub normal: Normal,
-    /// What gives the tractions.
+    /// Theory of the tractions.
     pub tangential: Tangential,
     /// Difference of displacements along x.
     pub difference: Difference,
@@ -66,7 +66,7 @@ impl Settings {
     }
 }
 
-/// Where the rigid slip of an element is taken.
+/// Place at which the rigid slip of an element is taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RigidSlip {
     /// In the plane of its patch: three creepages.
@@ -76,7 +76,7 @@ pub enum RigidSlip {
     Surfaces,
 }
 
-/// What a patch is on.
+/// Surface of a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PatchSurface {
     /// A plane between half-spaces.
@@ -86,7 +86,7 @@ pub enum PatchSurface {
     Curved,
 }
 
-/// What gives the pressure of a patch.
+/// Theory of the pressure of a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Normal {
     /// Half-spaces.
@@ -98,7 +98,7 @@ pub enum Normal {
     Analyn,
 }
 
-/// What gives the tractions of a patch that may stick.
+/// Theory of the tractions of a patch that may stick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tangential {
     /// Half-spaces.
@@ -137,7 +137,7 @@ impl Settings {
     }
 }
 
-/// What is given along the vertical.
+/// Height or vertical force of a wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Vertical {
     /// The height of the wheelset, as its motion has it.

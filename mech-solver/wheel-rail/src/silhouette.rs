@@ -37,7 +37,7 @@ struct Sample {
 pub struct Circles(Vec<Sample>);
 
 impl Circles {
-    /// Those of a wheel; parts of its profile that overhang are left out.
+    /// Circles of a wheel; parts of its profile that overhang are left out.
     #[must_use]
     pub fn of(wheel: &Wheel) -> Self {
         let [from, to] = wheel.outline.range();

@@ -41,7 +41,7 @@ const REPEATED: usize = 8;
 /// squared width, and the width [m].
 type Piece = [f64; 9];
 
-/// How a surface goes along its slices.
+/// Course of a surface along its slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
     /// Through all of them.
@@ -447,7 +447,7 @@ fn breaks(slices: &[Slice]) -> Result<Vec<Vec<f64>>, SlicesError> {
     Ok(slices.iter().map(of).collect())
 }
 
-/// Where the points of a slice are between its breaks: number of the part, and how much of it is before them.
+/// Places of the points of a slice between its breaks: number of the part, and the share of it before them.
 fn ratios(lengths: &[f64], breaks: &[f64]) -> Vec<(usize, f64)> {
     let last = breaks.len() - 2;
     let mut ratios = Vec::with_capacity(lengths.len() + breaks.len());

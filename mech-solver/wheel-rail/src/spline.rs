@@ -19,7 +19,7 @@
 
 /// Smallest turn of a kink [rad].
 const LEAST_TURN: f64 = 2e-3;
-/// How much sharper than its surroundings a kink is.
+/// Sharpness of a kink over that of its surroundings.
 const SHARPNESS: f64 = 4.0;
 /// Steps of the search for λ, each halving the logarithm's bracket.
 const STEPS: usize = 40;

@@ -51,7 +51,7 @@ struct Sliding<'a> {
     strip_theory: bool,
 }
 
-/// What slid.
+/// Result of sliding.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Slid {
     /// Force on the wheel [N].

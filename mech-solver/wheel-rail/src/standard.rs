@@ -58,7 +58,7 @@ pub fn rail_60e1() -> Result<Outline, OutlineError> {
     Ok(from_origin(Outline::new(&points, 0.0)?, Body::Rail))
 }
 
-/// Where the parts of the wheel S1002 end, from the back of the flange to the field side [mm].
+/// Ends of the parts of the wheel S1002, from the back of the flange to the field side [mm].
 const PARTS: [f64; 9] = [
     -70.0,
     -62.764705882,

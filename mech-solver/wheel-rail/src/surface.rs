@@ -14,7 +14,7 @@ use super::slices::{Slices, Spot};
 use elastic::axle::Irregularity;
 use std::f64::consts::TAU;
 
-/// What of a surface there is before it has a hollow.
+/// A surface before it has a hollow.
 #[derive(Clone, Debug, PartialEq)]
 enum Sections {
     /// One profile.

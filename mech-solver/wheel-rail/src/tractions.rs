@@ -42,7 +42,7 @@ pub(super) struct Slid {
     pub(super) off_plane: f64,
     /// Its tractions on the part, if half-spaces gave them.
     pub(super) state: Option<TangentialState>,
-    /// What springs gave.
+    /// Result of the springs.
     pub(super) by_springs: Option<springs::Slid>,
 }
 

@@ -30,7 +30,7 @@ pub struct Wheelset {
     pub nominal_radius: f64,
 }
 
-/// Where a wheelset is and how it moves, in track axes.
+/// Position and velocities of a wheelset, in track axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Way of its middle along the track [m], which matters where the rail or friction varies.
@@ -65,7 +65,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// That of a motion of these dimensions.
+    /// Pose of a wheelset of these dimensions in a motion.
     #[must_use]
     pub fn of(motion: &Motion, wheelset: &Wheelset) -> Self {
         let roll = Rotation3::from_axis_angle(&Vector3::x_axis(), motion.roll);

@@ -1,6 +1,6 @@
 //! A window of time: how its heat enters the bodies, and whether it is accepted.
 
-/// How the heat of a window enters the bodies; pairs are (upper, lower).
+/// Heat of a window and the bodies that it enters; pairs are (upper, lower).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Length of the window [s]; infinite in steady motion.

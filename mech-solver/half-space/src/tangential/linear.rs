@@ -121,7 +121,7 @@ impl Unknowns {
         out.extend(self.yielding.iter().map(along));
     }
 
-    /// Of slips along the tractions that change their sizes, n·(B dp + W dc), what they make of the bounds, scaled.
+    /// Changes of the bounds by slips along the tractions, n·(B dp + W dc), scaled.
     fn follow_slip(&self, own: f64, slips: &mut [f64]) {
         let mut gathered = 0.0;
         let mut row = None;

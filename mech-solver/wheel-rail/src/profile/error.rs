@@ -16,7 +16,7 @@ pub enum ProfileError {
     Line {
         /// Number of the line, from 1.
         line: usize,
-        /// What is wrong with it, and what would do.
+        /// The fault, and the remedy.
         what: String,
     },
     /// Something that has to be there is not.

@@ -40,7 +40,7 @@ pub fn points(text: &str) -> Result<Vec<[f64; 2]>, ProfileError> {
     }
 }
 
-/// Where X and Y stand among the columns, and how many there are.
+/// Places of X and Y among the columns, and the number of columns.
 fn column_places(line: usize, value: &str) -> Result<([usize; 2], usize), ProfileError> {
     let names: Vec<&str> = value.split([',', ';']).map(str::trim).collect();
     let of = |name: &str| names.iter().position(|one| one.eq_ignore_ascii_case(name));

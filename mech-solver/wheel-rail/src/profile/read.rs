@@ -32,7 +32,7 @@ impl Format {
     }
 }
 
-/// How a file is taken.
+/// Settings with which a file is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Its format.
@@ -43,7 +43,7 @@ pub struct Reading {
     pub mirrored: bool,
     /// Which way its heights point.
     pub heights: Heights,
-    /// How it is smoothed.
+    /// Smoothing of its points.
     pub smoothing: Smoothing,
 }
 

@@ -11,7 +11,7 @@
 use super::error::ProfileError;
 use super::text::{lines, number, numbers};
 
-/// What a file says.
+/// Contents of a file.
 #[derive(Debug)]
 struct Content {
     /// 0 a rail, 1 a wheel.

@@ -71,11 +71,11 @@ pub struct Named {
 pub struct SliceList {
     /// The profiles.
     pub slices: Vec<Named>,
-    /// How the surface goes along them.
+    /// Course of the surface along them.
     pub along: Along,
 }
 
-/// What a file names.
+/// A profile that a file names.
 ///
 /// # Errors
 /// A line that is none of the format, or something that is not read.
@@ -224,7 +224,7 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
         Ok(SliceList { slices, along })
     }
 
-    /// How the surface goes along the slices.
+    /// Course of the surface along the slices.
     fn way(&mut self) -> Result<Along, ProfileError> {
         let (line, content) =
             self.lines.next().ok_or(ProfileError::Missing("way of interpolation"))?;

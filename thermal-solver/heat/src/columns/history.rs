@@ -169,7 +169,7 @@ impl History {
     /// Writes the accepted windows, in the order in which [`History::restore`] reads them.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// Errors of `into`.
     pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         into.write_all(&(self.accepted.len() as u64).to_le_bytes())?;
         for Window { drive, heat, flux } in &self.accepted {

@@ -231,7 +231,7 @@ impl Flux {
     /// Writes coefficients and supports, in the order in which [`Flux::restore`] reads them.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// Errors of `into`.
     pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         write_numbers(into, self.middle.iter().chain(&self.edge))?;
         for (first, end) in &self.support {

@@ -20,7 +20,7 @@ pub struct Segment {
     pub duration: f64,
     /// Elements passed per time [1/s]; 0 for a body at rest, in a segment that ends.
     pub rate: f64,
-    /// What its weights are multiplied with: share/(β√π) for a temperature rise.
+    /// Factor of its weights: share/(β√π) for a temperature rise.
     pub factor: f64,
 }
 

@@ -28,7 +28,7 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// Of `rows` rows of flux, the first being that of the node `first_row` across.
+    /// Basis for `rows` rows of flux, the first being that of the node `first_row` across.
     #[must_use]
     pub fn new(across: &Axis, depth: &Axis, first_row: usize, rows: usize) -> Self {
         let modes = Modes::new(depth);

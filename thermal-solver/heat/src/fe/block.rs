@@ -36,7 +36,7 @@ pub const RATIO: f64 = 1.2;
 /// Lengths of diffusion along that count in front of the contact.
 const AHEAD: f64 = 10.0;
 
-/// How the equations of the elements are solved.
+/// Solver of the equations of the elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
     /// In the modes of the mesh where properties are constant, by iterations otherwise.
@@ -51,13 +51,13 @@ pub enum Solver {
 /// Passages of the same places of a body through the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passages {
-    /// How many there have been, this one included.
+    /// Number of passages, this one included.
     pub count: usize,
     /// Way from one to the next [m].
     pub distance: f64,
 }
 
-/// What is behind a body of finite thickness.
+/// Back of a body of finite thickness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Back {
     /// Nothing that takes heat, or the middle of a body that is heated from both sides.
@@ -71,11 +71,11 @@ pub enum Back {
 pub struct Sheet {
     /// Its thickness [m].
     pub thickness: f64,
-    /// What is behind it.
+    /// Its back.
     pub back: Back,
 }
 
-/// What a case says of the elements.
+/// Settings of the elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elements {
     /// Thickness of the first layer [m].
@@ -84,13 +84,13 @@ pub struct Elements {
     pub ratio: f64,
     /// Depth of the block [m].
     pub depth: Option<f64>,
-    /// How far the block goes behind the middle of the heat flux's grid [m].
+    /// Length of the block behind the middle of the heat flux's grid [m].
     pub wake: Option<f64>,
     /// Scheme in time.
     pub scheme: Scheme,
     /// Longest step [s].
     pub step: f64,
-    /// How the equations are solved.
+    /// Solver of the equations.
     pub solver: Solver,
     /// Earlier passages of this body.
     pub passages: Option<Passages>,
@@ -145,7 +145,7 @@ pub enum TooManyElements {
 }
 
 impl Elements {
-    /// How far the block goes behind the middle of a grid [m].
+    /// Length of the block behind the middle of a grid [m].
     fn wake(&self, grid: &Structured) -> f64 {
         self.wake.unwrap_or(5.0 * half_length(grid))
     }
@@ -204,13 +204,13 @@ impl Elements {
     }
 }
 
-/// How a body is divided in depth.
+/// Layers of a body in depth.
 struct Layering {
     /// Thickness of the first layer [m].
     first: f64,
     /// Depth of the block [m].
     deep: f64,
-    /// How far heat goes [m].
+    /// Depth that heat reaches [m].
     reach: f64,
     /// It goes further than the block.
     far: bool,

@@ -24,7 +24,7 @@ pub struct Body {
     nodes: usize,
     /// Element means of the flux into it [W/m²].
     pub means: Vec<f64>,
-    /// How its temperatures are solved for.
+    /// Solver of its temperatures.
     pub motion: Box<dyn Motion>,
 }
 

@@ -48,7 +48,7 @@ const MOST_ITERATIONS: usize = 500;
 /// Reduction of the residual by conjugate gradients in a step of Newton's method.
 const REDUCTION: f64 = 1e-8;
 
-/// What a free surface exchanges with its surroundings.
+/// Exchange of a free surface with its surroundings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surroundings {
     /// Coefficient of convection h [W/(m²·K)], and the temperature of the air [K].
@@ -64,7 +64,7 @@ impl Surroundings {
         self.convection[0] == 0.0 && self.radiation[0] == 0.0
     }
 
-    /// What leaves a surface with a rise over an initial temperature [W/m²], and its slope [W/(m²·K)]. Differences are of
+    /// Flux that leaves a surface with a rise over an initial temperature [W/m²], and its slope [W/(m²·K)]. Differences are of
     /// the rise: those of temperatures would leave little of it where it is small.
     fn lost(&self, initial: f64, rise: f64) -> [f64; 2] {
         let ([h, air], [emissivity, round]) = (self.convection, self.radiation);
@@ -92,12 +92,12 @@ pub struct Conductor {
     pub beyond: [[f64; 2]; 3],
     /// The material.
     pub law: Law,
-    /// What the surface exchanges where it is free.
+    /// Exchange of the surface where it is free.
     pub surroundings: Surroundings,
     arch: Arch,
 }
 
-/// What is asked of a step.
+/// Task of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
     /// Its length [s]; infinite for what is in the end.
@@ -112,14 +112,14 @@ pub struct Request<'a> {
     pub inside: &'a [f64],
 }
 
-/// What a step took.
+/// Effort of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Took {
     /// Steps of Newton's method.
     pub newton: usize,
     /// Iterations of conjugate gradients.
     pub iterations: usize,
-    /// What is left of the residual over the known terms.
+    /// Residual over the known terms.
     pub residual: f64,
     /// Conjugate gradients have ended before they had reduced the residual as far as they should.
     pub stopped: bool,
@@ -144,7 +144,7 @@ impl Took {
     }
 }
 
-/// What a step computes in.
+/// Working memory of a step.
 #[derive(Default)]
 pub struct Memory {
     right: Vec<f64>,
@@ -172,7 +172,7 @@ impl Memory {
 }
 
 impl Conductor {
-    /// Of axes along, across and in depth.
+    /// Block of axes along, across and in depth.
     #[must_use]
     pub fn new(axes: [&Axis; 3], law: Law) -> Self {
         Self {
@@ -330,7 +330,7 @@ impl Conductor {
         }
     }
 
-    /// What the ends let in that is beyond them.
+    /// Adds the heat that comes in through the ends.
     fn enter(&self, right: &mut [f64]) {
         let [nx, ny, nz] = self.counts;
         for axis in 0..3 {
@@ -569,7 +569,7 @@ impl Conductor {
         }
     }
 
-    /// What the equation leaves, b − F(Θ), and the slope of what is not linear in it.
+    /// Residual of the equation, b − F(Θ), and the slope of what is not linear in it.
     #[inline(always)]
     fn residual(&self, request: &Request, now: &[f64], memory: &mut Memory) {
         let Request { duration, by: Coefficients { a, theta }, .. } = *request;
@@ -750,7 +750,7 @@ fn lanes<const N: usize>(values: &[f64], i: usize) -> [f64; N] {
     values[i..i + N].try_into().expect("as many as lanes")
 }
 
-/// Where a straight line between two places and slopes of opposite sign is zero, but not close to
+/// Zero of a straight line between two places and slopes of opposite sign, but not close to
 /// either.
 #[inline(always)]
 fn false_position([low, above]: [f64; 2], [high, below]: [f64; 2]) -> f64 {

@@ -9,10 +9,10 @@ const ROUNDING: f64 = 1e-9;
 /// Columns more than the mesh has, after which nothing of what it was is left on it.
 const REPLACED: usize = 8;
 
-/// Where a mesh is, and what its next step needs to know of the last one.
+/// Position of a mesh, and memory of its last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Position {
-    /// How far the columns are in front of their places, in elements, less than one.
+    /// Distance of the columns in front of their places, in elements, less than one.
     pub front: f64,
     /// Columns by which the mesh was shifted in the last step.
     pub shifted: usize,
@@ -26,7 +26,7 @@ impl Position {
     /// Writes it.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// Errors of `into`.
     pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         write_numbers(into, &[self.front, self.step])?;
         into.write_all(&(self.shifted as u64).to_le_bytes())?;
@@ -62,12 +62,12 @@ pub struct Step {
     pub by: Coefficients,
     /// Length of the step before it over its own.
     pub over_last: f64,
-    /// How far the columns are in front of their places in the middle of the step, in elements.
+    /// Distance of the columns in front of their places in the middle of the step, in elements.
     pub middle: f64,
 }
 
 impl Step {
-    /// What columns receive in the step under these means of the flux, and those of the step before where the
+    /// Heat that columns receive in the step under these means of the flux, and those of the step before where the
     /// scheme remembers them: it makes of the heat of both what it makes of the differences of temperature that
     /// they cause.
     pub fn receive(&self, means: &[f64], last: &mut [f64], heat: &mut [f64]) {
@@ -90,7 +90,7 @@ pub struct Creep {
     pub steps: Vec<Step>,
     /// Nothing that was on the mesh before the window is on it in the end: it begins cold.
     pub fresh: bool,
-    /// Where the mesh is in the end.
+    /// Position of the mesh in the end.
     pub position: Position,
 }
 

@@ -21,7 +21,7 @@ pub struct Direct {
     /// Place of every node in the order of elimination.
     order: Vec<usize>,
     pattern: SymbolicSparseColMat<usize>,
-    /// Where the diagonal of a node and its couplings to the next one along, across and in depth are.
+    /// Places of the diagonal of a node and of its couplings to the next one along, across and in depth.
     slots: Vec<[usize; 4]>,
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,

@@ -15,7 +15,7 @@ pub struct Height {
     /// Columns behind.
     pub behind: usize,
     convolution: Convolution,
-    /// Of every layer: its share Δz e^{−kz}.
+    /// Share Δz e^{−kz} of every layer.
     layers: Vec<Spectrum>,
     /// Rises of a layer, and in the end the sum, the columns behind included.
     values: Vec<f64>,

@@ -11,14 +11,14 @@
 
 /// Even steps of Θ. The table has as many nodes, so that no index is beyond it.
 const STEPS: usize = 8192;
-/// What is added to a number so that its last bits are the nearest whole one.
+/// Added to a number, it leaves the nearest whole one in the last bits.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
-/// How far below a node its piece of a table begins, in steps, so that what is next to a node
+/// Distance below a node at which its piece of a table begins, in steps, so that what is next to a node
 /// counts from that node, on either side.
 const OVERLAP: f64 = 1.0 / 1024.0;
-/// What is taken from a place before it is rounded to the node of its piece.
+/// Distance that is taken from a place before it is rounded to the node of its piece.
 const BELOW: f64 = 0.5 - OVERLAP;
-/// How far beyond its lines a table is continued [K].
+/// Distance beyond its lines to which a table is continued [K].
 const BEYOND: f64 = 3000.0;
 
 /// Properties at a temperature.
@@ -54,7 +54,7 @@ struct Node {
     bend: f64,
 }
 
-/// What a place with a Θ has.
+/// Properties of a place with a Θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
     /// H [J/m³].
@@ -64,7 +64,7 @@ pub struct Held {
 }
 
 impl Law {
-    /// Of points at rising temperatures, for a body that is at `initial` [K] when it is cold.
+    /// Law through points at rising temperatures, for a body that is at `initial` [K] when it is cold.
     ///
     /// # Panics
     /// Without points.
@@ -125,7 +125,7 @@ impl Law {
         }
     }
 
-    /// Of constant properties.
+    /// Law of constant properties.
     #[must_use]
     pub fn constant(conductivity: f64, capacity: f64, initial: f64) -> Self {
         Self::new(&[Point { temperature: initial, conductivity, capacity }], initial)

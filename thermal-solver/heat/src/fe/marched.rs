@@ -35,7 +35,7 @@ pub struct Marched {
 #[derive(Clone, Debug, PartialEq)]
 struct State {
     amplitudes: Vec<f64>,
-    /// Those one step before, and the flux of that step, for a scheme that asks for them.
+    /// Values one step before, and the flux of that step, for a scheme that asks for them.
     before: Vec<f64>,
     fluxes: Vec<f64>,
     position: Position,

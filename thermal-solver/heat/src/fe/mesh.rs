@@ -35,7 +35,7 @@ impl Axis {
     /// Places are c(rʲ − 1) with the ratio r, and each node stands for what is between c(r^(j−½) − 1) and
     /// c(r^(j+½) − 1), not for half of the layers beside it: the two stagger as the steps and dual steps of an
     /// optimal grid do (D. Ingerman, V. Druskin, L. Knizhnerman, Comm. Pure Appl. Math. 53 (2000) 1039–1066).
-    /// What a flux makes of the surface is then exact to 1e-4 with eight layers and r = 2, where halves of
+    /// The rise of the surface under a flux is then exact to 1e-4 with eight layers and r = 2, where halves of
     /// layers leave 2e-3 with 25 and r = 1.15; in depth both are of second order in ln r.
     #[must_use]
     pub fn graded(first: f64, ratio: f64, depth: f64) -> Self {

@@ -10,16 +10,16 @@ use crate::window::Stage;
 use grids::Structured;
 use std::io::{self, Read, Write};
 
-/// What a way to solve is made for.
+/// A body, its mesh and its settings, for which a solver is made.
 #[derive(Clone, Copy)]
 pub struct Given<'a> {
     /// The grid of the heat flux.
     pub grid: &'a Structured,
-    /// What the body is made of.
+    /// Material and surroundings of the body.
     pub nature: &'a Nature,
     /// Its mesh.
     pub block: &'a Block,
-    /// What the case says of the elements.
+    /// Settings of the elements.
     pub elements: &'a Elements,
 }
 
@@ -27,7 +27,7 @@ pub struct Given<'a> {
 pub struct Rises {
     /// Node after node in depth, column after column [K].
     pub values: Vec<f64>,
-    /// How far the first column is behind the middle of the first element, in elements.
+    /// Distance of the first column behind the middle of the first element, in elements.
     pub behind: f64,
     /// Columns in an element.
     pub dense: usize,
@@ -65,7 +65,7 @@ pub trait Motion: Send {
     /// Writes the accepted state.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// Errors of `into`.
     fn save(&self, into: &mut dyn Write) -> io::Result<()>;
 
     /// Reads back what [`Motion::save`] wrote.

@@ -5,7 +5,7 @@ use super::error::SolveError;
 use super::law::{Law, Point};
 use crate::Material;
 
-/// What a body is made of, and what is round it.
+/// Material of a body, and its surroundings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nature {
     /// Its properties while it is cold.
@@ -14,9 +14,9 @@ pub struct Nature {
     pub points: Vec<Point>,
     /// Its temperature while it is cold [K].
     pub initial: f64,
-    /// What is beyond the points counts as their ends.
+    /// Temperatures beyond the points have the properties of their ends.
     pub clamps: bool,
-    /// What is round its free surface.
+    /// Surroundings of its free surface.
     pub surroundings: Surroundings,
 }
 

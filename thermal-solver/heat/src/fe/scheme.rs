@@ -36,7 +36,7 @@ pub struct Coefficients {
 }
 
 impl Scheme {
-    /// Of a step after so many others, over the step before it.
+    /// Coefficients of a step after so many others, over the step before it.
     #[must_use]
     pub fn coefficients(self, steps: u64, over: f64) -> Coefficients {
         let euler = Coefficients { a: [1.0, 1.0, 0.0], theta: 1.0 };

@@ -57,7 +57,7 @@ pub fn place(columns: &[f64], front: f64, between: Between, rise: &mut [f64]) {
     }
 }
 
-/// What is between even values.
+/// Interpolation between even values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Between {
     /// The cubic through the four round a place: linear in the values.

@@ -34,14 +34,14 @@ pub struct Steady {
     arch: Arch,
 }
 
-/// What a mode across needs: values over the modes in depth, padded to [`LANES`].
+/// Data of a mode across: values over the modes in depth, padded to [`LANES`].
 struct March {
     /// e^{r₋h}, and what the coefficients of the parabola add.
     down: Step,
     up: Option<Step>,
-    /// What earlier passages bring to the leading edge over what one passage takes past the trailing edge.
+    /// Share that earlier passages bring to the leading edge of what one passage takes past the trailing edge.
     again: Option<Vec<f64>>,
-    /// What the element's own halves add at its middle, of all modes: near, middle and far coefficient.
+    /// Contribution of the element's own halves at its middle, of all modes: near, middle and far coefficient.
     own: [[f64; 3]; 2],
     /// The same mode by mode.
     halves: [[Vec<f64>; 3]; 2],
@@ -53,13 +53,13 @@ struct Step {
     decay: Vec<f64>,
     /// Decay over half an element.
     half: Vec<f64>,
-    /// Of the coefficients nearest, middle and farthest.
+    /// Weights of the coefficients nearest, middle and farthest.
     weights: [Vec<f64>; 3],
     /// φ_m(0)² G/(ρc) times the decay over half an element.
     seen: Vec<f64>,
 }
 
-/// What a solve computes in.
+/// Working memory of a solve.
 #[derive(Clone, Default)]
 pub struct Scratch {
     /// Middle coefficients of the flux in a mode across.
@@ -86,7 +86,7 @@ impl Steady {
         Self { columns, marches: basis.across.rates.iter().map(make).collect(), arch: Arch::new() }
     }
 
-    /// What a mode across is on the surface, column after column.
+    /// Values of a mode across on the surface, column after column.
     pub fn surface(
         &self,
         basis: &Basis,
@@ -295,7 +295,7 @@ impl Step {
         }
     }
 
-    /// What is seen at the middle of an element of what came up to it; then past the element, whose flux has
+    /// Rise at the middle of an element by the heat that came up to it; then past the element, whose flux has
     /// these coefficients, in the order in which they are left behind last to first.
     #[inline(always)]
     fn pass(&self, amplitude: &mut [f64], seen: &mut [f64; LANES], [a, b, c]: [f64; 3]) {

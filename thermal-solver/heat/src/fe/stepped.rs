@@ -226,7 +226,7 @@ impl Motion for Stepped {
         Rises { values, behind: self.columns.behind as f64 - state.position.front, dense: 1 }
     }
 
-    /// What is below zero is what the iterations leave.
+    /// False: rises below zero are errors of the iterations, not rounding.
     fn is_heated(&self, _: Stage) -> bool {
         false
     }

@@ -158,7 +158,7 @@ impl Swept {
         }
     }
 
-    /// What is conducted along into a column on its way there, by the sweep before.
+    /// Heat that is conducted along into a column on its way there, by the sweep before.
     fn conduct_along(&mut self, column: usize, theta: f64) {
         let (size, across) = (self.block.nodes(), self.widths.len());
         let columns = self.heated + self.behind;
@@ -226,7 +226,7 @@ impl Motion for Swept {
         Rises { values, behind: self.behind as f64, dense: 1 }
     }
 
-    /// What is below zero is what the iterations leave.
+    /// False: rises below zero are errors of the iterations, not rounding.
     fn is_heated(&self, _: Stage) -> bool {
         false
     }

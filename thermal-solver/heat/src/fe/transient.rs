@@ -45,13 +45,13 @@ impl Columns {
 pub struct ModeState<'a> {
     /// Amplitudes.
     pub now: &'a mut [f64],
-    /// Those one step before, for a scheme that asks for them; empty otherwise.
+    /// Values one step before, for a scheme that asks for them; empty otherwise.
     pub before: &'a mut [f64],
     /// The flux at the columns in the last step [W/m²], for the same.
     pub flux: &'a mut [f64],
 }
 
-/// What a mode across computes in.
+/// Working memory of a mode across.
 #[derive(Clone, Default)]
 pub struct Scratch {
     old: Vec<f64>,

@@ -29,7 +29,7 @@ pub struct Stretch {
     pub from: f64,
     /// Its oldest age, which may be infinite [s].
     pub to: f64,
-    /// How far the surface has gone since its youngest age [m].
+    /// Way of the surface since its youngest age [m].
     pub way: f64,
     /// Speed of the surface [m/s].
     pub speed: f64,
@@ -42,7 +42,7 @@ impl Stretch {
         Self { from: 0.0, to: f64::INFINITY, way: 0.0, speed }
     }
 
-    /// How far the surface has gone since an age in it [m].
+    /// Way of the surface since an age in it [m].
     #[must_use]
     pub fn way_at(&self, age: f64) -> f64 {
         self.way + self.speed * (age - self.from)

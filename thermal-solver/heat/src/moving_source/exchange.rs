@@ -45,7 +45,7 @@ pub struct Exchange {
 }
 
 impl Exchange {
-    /// Of two bodies on a grid whose contact has this smallest resistance 1/h [m²·K/W].
+    /// Exchange of two bodies on a grid whose contact has this smallest resistance 1/h [m²·K/W].
     #[must_use]
     pub fn new(grid: &Structured, bodies: [&Influence; 2], least: f64) -> Self {
         let influence = Influence::sum(bodies);
@@ -97,11 +97,11 @@ impl Exchange {
     }
 }
 
-/// What touches, and its resistances 1/h, element by element [m²·K/W].
+/// Elements that touch, and their resistances 1/h, element by element [m²·K/W].
 pub struct Resisting<'a> {
     /// Elements and shapes.
     pub touching: &'a Touching,
-    /// Of the elements.
+    /// Resistances of the elements.
     pub resistances: &'a [f64],
 }
 

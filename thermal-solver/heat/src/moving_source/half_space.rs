@@ -179,7 +179,7 @@ impl HalfSpace {
         contracted
     }
 
-    /// What every age adds to the surface's rise at a place x [m] of the row that a flux was contracted
+    /// Contribution of every age to the surface's rise at a place x [m] of the row that a flux was contracted
     /// to [K].
     #[must_use]
     pub fn shares_at(&self, contracted: &Contracted, x: f64) -> Vec<f64> {
@@ -228,7 +228,7 @@ impl HalfSpace {
 }
 
 impl Influence {
-    /// That of some bodies together, on the surface of a grid.
+    /// Influence of some bodies together, on the surface of a grid.
     #[must_use]
     pub fn of(
         grid: &Structured,
@@ -255,7 +255,7 @@ impl Influence {
         self.work
     }
 
-    /// That of two bodies under the same flux.
+    /// Influence of two bodies under the same flux.
     #[must_use]
     pub fn sum(bodies: [&Self; 2]) -> Self {
         let [one, other] = bodies;

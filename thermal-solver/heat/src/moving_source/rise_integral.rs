@@ -46,7 +46,7 @@ pub struct RiseIntegral {
     material: Material,
     convolution: Convolution,
     fields: [Vec<f64>; 3],
-    /// What a stretch adds.
+    /// Contribution of a stretch.
     part: Vec<f64>,
     /// Influences of the stretches of the last question, and of the one before while it is answered.
     known: Vec<(Stretch, Influence)>,
@@ -54,7 +54,7 @@ pub struct RiseIntegral {
 }
 
 impl RiseIntegral {
-    /// Of a body of this material.
+    /// Rise integral of a body of this material.
     #[must_use]
     pub fn new(grid: &Structured, material: Material) -> Self {
         Self {

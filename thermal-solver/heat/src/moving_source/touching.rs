@@ -6,7 +6,7 @@
 //! receive nothing of a flux that changes its sign from one element to the next, and show nothing of such a temperature:
 //! in hats neither occurs. A row that is shorter than two elements is one hat.
 
-/// What the shapes are.
+/// Kind of the shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shapes {
     /// One each element.
@@ -20,7 +20,7 @@ pub enum Shapes {
 pub struct Touching {
     shapes: Shapes,
     elements: Vec<usize>,
-    /// Of each element, the first of two shapes that follow each other, and the part of the second.
+    /// For each element the first of two shapes that follow each other, and the part of the second.
     at: Vec<(usize, f64)>,
     /// Σ of a shape over the elements.
     sums: Vec<f64>,
@@ -33,7 +33,7 @@ impl Touching {
         Self { shapes, elements: Vec::new(), at: Vec::new(), sums: Vec::new() }
     }
 
-    /// What touches, by a flux or pressure of so many columns: in every row from the first element with some to the last.
+    /// Finds the elements that touch, by a flux or pressure of so many columns: in every row from the first element with some to the last.
     pub fn find(&mut self, values: &[f64], columns: usize) {
         self.elements.clear();
         self.at.clear();
@@ -67,13 +67,13 @@ impl Touching {
         &self.elements
     }
 
-    /// How many shapes there are.
+    /// Number of shapes.
     #[must_use]
     pub fn shapes(&self) -> usize {
         self.sums.len()
     }
 
-    /// What coefficients of the shapes are at the elements.
+    /// Values of a sum of shapes with these coefficients at the elements.
     pub fn spread(&self, coefficients: &[f64], values: &mut Vec<f64>) {
         values.clear();
         values.extend(self.at.iter().map(|(shape, part)| {

@@ -5,13 +5,13 @@ use crate::Material;
 use numerics::convolution::Complex64;
 use std::f64::consts::{FRAC_2_PI, PI};
 
-/// What has decayed: κ s² Δt of a window.
+/// κ s² Δt at which a wave has decayed in a window.
 const DECAYED: f64 = 36.0;
 
 /// A window of time in which the flux is constant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Window {
-    /// How long it lasts [s].
+    /// Its duration [s].
     pub duration: f64,
     /// Speed of the material, towards −x [m/s].
     pub speed: f64,
@@ -28,12 +28,12 @@ pub struct Instant {
     pub window: Window,
 }
 
-/// What a window of some length does to every wave.
+/// Factors of every wave for a window of some length.
 #[derive(Clone, Debug, Default)]
 struct Response {
     duration: f64,
     speed: f64,
-    /// What is left of a wave that does not change in depth [-].
+    /// Remainder of a wave that does not change in depth [-].
     along: Vec<Complex64>,
     /// Rise of the surface at its end, over the flux [K m²/W].
     surface: Vec<Complex64>,
@@ -41,7 +41,7 @@ struct Response {
     integral: Vec<Complex64>,
 }
 
-/// What earlier windows leave at the end of the window that was begun.
+/// Rise that earlier windows leave at the end of the window that was begun.
 #[derive(Clone, Debug, Default)]
 struct Past {
     known: bool,
