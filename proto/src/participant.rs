@@ -126,7 +126,7 @@ fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<d
     let outcome = server.serve();
     drop(pulse);
     outcome?;
-    // Its ports are left to the last member of the run, which removes all that the run has made.
+    // Ports are left to the last member of the run, which removes all that the run has made.
     std::mem::forget(server);
     Ok(())
 }

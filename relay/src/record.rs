@@ -94,7 +94,7 @@ pub(crate) fn seal(
 pub(crate) struct Records<R> {
     stream: R,
     number: u64,
-    /// What has come and is not opened yet lies from `start` to `end`.
+    /// Bytes that have come; those from `start` to `end` are not opened yet.
     bytes: Vec<u8>,
     start: usize,
     end: usize,
@@ -108,7 +108,7 @@ pub(crate) enum NoRecord {
 }
 
 impl<R: Read> Records<R> {
-    /// Those from this number on.
+    /// Reads the records of a stream from this number on.
     pub(crate) fn new(stream: R, number: u64) -> Self {
         Self { stream, number, bytes: vec![0; BATCH * RECORD], start: 0, end: 0 }
     }

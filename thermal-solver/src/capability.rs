@@ -1,7 +1,7 @@
-//! What an effect may need of a model: models say what they can, effects what they need, and neither
-//! knows the other's name.
+//! Capabilities: effects name those that they need of a model, models those that they have, and
+//! neither knows the other's name.
 
-/// Something that not every model can.
+/// A capability that not every model has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Capability {
     /// Heat flows between the surfaces where they touch.
@@ -23,7 +23,7 @@ pub enum Capability {
 }
 
 impl Capability {
-    /// What a model without it does, behind its name in a message.
+    /// Returns the words for a model without it, to follow the name of the model.
     #[must_use]
     pub fn lack(self) -> &'static str {
         match self {
@@ -44,8 +44,8 @@ impl Capability {
 pub struct Need {
     /// The key.
     pub key: &'static str,
-    /// What its value needs.
+    /// The capability that its value needs.
     pub capability: Capability,
-    /// What to do with the key for a model that lacks it.
+    /// Change of the key that suits a model without it.
     pub instead: &'static str,
 }

@@ -23,7 +23,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, Renamed};
 use proto::params::Params;
 
-/// Reads what the values of an effect's keys need of a model.
+/// Reads the capabilities that values of an effect's keys need of a model.
 pub type NeedsOfValues = fn(&Params) -> Result<Vec<Need>, Refusal>;
 
 /// An effect of the list.
@@ -33,9 +33,9 @@ pub struct Effect {
     pub name: &'static str,
     /// Its description, but for the models that support it.
     pub spec: fn() -> EffectSpec,
-    /// What it needs of a model.
+    /// Capabilities that it needs of a model.
     pub needs: &'static [Capability],
-    /// What values of its keys need besides.
+    /// Capabilities that values of its keys need besides.
     pub needs_of_values: Option<NeedsOfValues>,
     /// What it says of itself in a scene.
     pub advise: Option<fn(&Situation<'_>) -> Advice>,

@@ -41,7 +41,7 @@ pub struct Entry {
     pub name: &'static str,
     /// Its description.
     pub spec: fn() -> ModelSpec,
-    /// What it can that not every model can.
+    /// Capabilities that not every model has.
     pub capabilities: &'static [Capability],
     /// Prepares it for a configuration.
     pub configure: fn(&Configuration) -> Result<Box<dyn Setup>, Refusal>,

@@ -1,4 +1,4 @@
-//! Which model supports which effect: the one that can all that the effect needs.
+//! Models that support an effect: those that have all capabilities that it needs.
 
 use crate::capability::Capability;
 use crate::effects::{self, Effect};
@@ -6,27 +6,25 @@ use crate::models::{self, Entry};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::EffectSpec;
 
-/// Models that can all of these.
+/// Returns the models that have all of these capabilities.
 fn models_that_can(needs: &[Capability]) -> impl Iterator<Item = &'static Entry> {
     let can_all = |model: &&Entry| needs.iter().all(|need| model.capabilities.contains(need));
     models::REGISTRY.iter().filter(can_all)
 }
 
-/// Description of an effect, with the models that support it.
+/// Describes an effect, with the models that support it.
 pub(crate) fn description(effect: &Effect) -> EffectSpec {
     let models = models_that_can(effect.needs).map(|model| model.name.to_owned()).collect();
     EffectSpec { models, ..(effect.spec)() }
 }
 
-/// Refuses effects, and values of their keys, that need what a model cannot.
+/// Refuses effects, and values of their keys, that need a capability which the model lacks.
 ///
 /// # Errors
 /// There is one.
 pub(crate) fn refuse_needs(given: &Configuration, model: &Entry) -> Result<(), Refusal> {
     let refused = |key: &str, capability: Capability, instead: &str| {
-        let [first, ..] = models_that_can(&[capability]).collect::<Vec<_>>()[..] else {
-            unreachable!("no model can what an effect needs")
-        };
+        let first = models_that_can(&[capability]).next().expect("a model has each capability");
         let reason = format!("model `{}` {}", model.name, capability.lack());
         let fix = format!("write [thermal] model = \"{}\", or {instead}", first.name);
         Err(Refusal::new(key, reason, fix))

@@ -77,7 +77,7 @@ impl Cylinder {
         let hertz = (4.0 * load * self.radius * self.compliance / PI).sqrt();
         let ends = [hertz, hertz * (1.0 + self.delayed).sqrt()];
         let half_width = root_between(ends, |a| self.of_half_width(a).load - load);
-        // Of bodies that do not relax both ends are the half width.
+        // The ends are equal if the bodies do not relax.
         self.of_half_width(half_width.unwrap_or(hertz))
     }
 

@@ -8,7 +8,7 @@
 //! | [`carter`], [`cattaneo`] | a line that rolls or is sheared with partial slip |
 //! | [`kalker`] | Kalker's creep coefficients and forces of the linear theory |
 //! | [`creep_force`] | creep forces of the simplified theory in closed form, Polach's formula |
-//! | [`strips`], [`slip`] | Carter's solution in every strip of an ellipse, and its means over elements |
+//! | [`strips`], [`slip`] | Carter's solution in strips of an ellipse, and means over elements |
 //! | [`fastsim`] | springs in the place of half-spaces: FASTSIM and FASTRIP, strip by strip |
 //! | [`hunter`] | a cylinder that rolls on a viscoelastic half-space |
 //! | [`dissimilar`] | bodies of different elastic constants |

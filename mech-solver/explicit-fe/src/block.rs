@@ -68,7 +68,7 @@ pub struct Block {
     pub stride: usize,
     /// Length of an element along the surface [m].
     pub length: f64,
-    /// Its material.
+    /// Material of the body.
     pub solid: Solid,
     /// Its cross-section.
     pub section: Section,

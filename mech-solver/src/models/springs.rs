@@ -22,7 +22,7 @@ pub(super) fn flexibility_key() -> KeySpec {
     .default_value("single")
 }
 
-/// How many flexibilities a case asks for.
+/// Reads the number of flexibilities.
 ///
 /// # Errors
 /// The value is none of the choices.
@@ -55,7 +55,7 @@ pub(super) fn reduction_keys() -> Vec<KeySpec> {
     ]
 }
 
-/// How a case reduces the slope of the creep curve.
+/// Reads the reduction of the slope of the creep curve.
 ///
 /// # Errors
 /// A value is out of range.

@@ -4,7 +4,7 @@
 //! quadrilaterals. Values belong to element centres; the value of element (i, j) of a structured
 //! grid stands at index `j * ni + i` (i runs fastest). For the contact plane `step_i` points along
 //! x, the rolling direction, and `step_j` along y, to the left. Fields on volumes of hexahedra and at points
-//! are only written out.
+//! are only written out. [`state`] writes values to a file and reads them back.
 
 mod geometry;
 mod hexahedron;

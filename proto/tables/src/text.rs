@@ -1,7 +1,7 @@
 //! Text from outside: titles, names and messages of cases, participants and recordings.
 //!
-//! What controls a terminal, or moves text about in a line, never reaches a person as it is: it is
-//! written as an escape (`\u{1b}`, `\n`). Where a text is one line by contract, one with such
+//! Characters that control a terminal, or move text about in a line, never reach a person: they are
+//! written as escapes (`\u{1b}`, `\n`). Where a text is one line by contract, one with such
 //! characters is refused on entry ([`check_line`]).
 
 use std::borrow::Cow;

@@ -258,3 +258,20 @@ fn extreme_values_do_not_take_all_memory() {
     }
     place.assert_nothing_left();
 }
+
+/// The kernel's table of open files is large enough from the start: a process with threads that
+/// extends it waits 10 to 25 ms. It begins with 64 places where no file with a higher number is open.
+#[test]
+fn no_process_of_a_run_extends_its_table_of_open_files() {
+    let place = Place::new();
+    let running = place.start_run(&case("exchange.toml"), &["--set", "left.delay=600"]);
+    place.wait_for_log("every participant is ready");
+    let processes = [running.pid(), place.pid_of("left"), place.pid_of("right")];
+    for process in processes.map(|pid| pid.as_raw_nonzero()) {
+        let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+        let size = status.lines().find_map(|line| line.strip_prefix("FDSize:")).unwrap();
+        assert!(size.trim().parse::<usize>().unwrap() >= 1024, "{status}");
+    }
+    running.signal(Signal::INT);
+    assert_eq!(running.wait().code, Some(130));
+}

@@ -96,10 +96,7 @@ impl Conductance {
     }
 }
 
-/// Reads what the values of the keys need of a model: gaps through which a gas conducts.
-///
-/// # Errors
-/// None.
+/// Reads the capabilities that values of the keys need of a model: gaps, if a gas conducts through them.
 pub fn needs_of_values(case: &Params) -> Result<Vec<Need>, Refusal> {
     let gas = Need { key: GAS, capability: Capability::Gaps, instead: "remove the key" };
     Ok(if case.has(GAS) { vec![gas] } else { Vec::new() })

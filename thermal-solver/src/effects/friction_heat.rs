@@ -73,7 +73,8 @@ impl Partition {
     }
 }
 
-/// Reads what the partition needs of a model: heat that flows where the surfaces touch.
+/// Reads the capabilities that the partition needs of a model: heat that flows where the surfaces
+/// touch.
 ///
 /// # Errors
 /// The partition is none of the laws.

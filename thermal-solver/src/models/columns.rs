@@ -27,7 +27,7 @@ use proto::model::StepError;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
-/// What it can that not every model can.
+/// Capabilities that not every model has.
 pub const CAPABILITIES: &[Capability] = &[Capability::EarlierPassages, Capability::RiseIntegrals];
 
 /// Its description.

@@ -37,7 +37,7 @@ use std::io::{self, Read, Write};
 
 const SECONDS_PER_POINT: f64 = 30e-9;
 
-/// What it can that not every model can.
+/// Capabilities that not every model has.
 pub const CAPABILITIES: &[Capability] = &[Capability::EarlierPassages];
 
 /// Its description.

@@ -33,7 +33,7 @@ use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 
-/// What it can that not every model can.
+/// Capabilities that not every model has.
 pub const CAPABILITIES: &[Capability] = &[
     Capability::Exchange,
     Capability::RiseIntegrals,

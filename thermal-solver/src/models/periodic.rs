@@ -26,7 +26,7 @@ use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::io::{self, Read, Write};
 
-/// What it can that not every model can.
+/// Capabilities that not every model has.
 pub const CAPABILITIES: &[Capability] = &[Capability::RiseIntegrals];
 
 /// Its description.

@@ -37,7 +37,7 @@ use std::io::{self, Read, Write};
 /// Waves of a rod: those that are left out decay in 1e-5 of L²/κ.
 const WAVES: usize = 200;
 
-/// What it can that not every model can.
+/// Capabilities that not every model has.
 pub const CAPABILITIES: &[Capability] =
     &[Capability::Exchange, Capability::Gaps, Capability::RiseIntegrals];
 

@@ -21,7 +21,7 @@ pub struct Peer {
     attached: bool,
     commands: Sender<Command>,
     replies: Receiver<Reply>,
-    /// How far it is; opened with the first heartbeat that is received while it works.
+    /// Reports of progress; opened at the first heartbeat that comes while a command is worked on.
     reports: Option<Receiver<ProgressReport>>,
     ringer: Ringer,
     sequence: u64,
@@ -149,8 +149,8 @@ impl Peer {
         }
     }
 
-    /// Its heart has reported that it is further with the last command than before. A topic that
-    /// cannot be opened, for lack of shared memory, is tried again at the next heartbeat.
+    /// Returns true if a heartbeat has brought a report of progress with the last command. A topic
+    /// that cannot be opened, for lack of shared memory, is tried again at the next heartbeat.
     pub(super) fn has_advanced(&mut self, endpoint: &Endpoint) -> Result<bool, TransportError> {
         if !std::mem::take(&mut self.has_beaten) {
             return Ok(false);

@@ -27,7 +27,7 @@ pub fn max_rise(body: &str) -> String {
     format!("temperature.{body}.max_rise_k")
 }
 
-/// Whether a key is that of the largest temperature rise of some body.
+/// Returns true for the key of the largest temperature rise of some body.
 #[must_use]
 pub fn is_max_rise(key: &str) -> bool {
     let body = key.strip_prefix("temperature.").and_then(|key| key.strip_suffix(".max_rise_k"));

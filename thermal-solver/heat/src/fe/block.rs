@@ -71,7 +71,7 @@ pub enum Back {
 pub struct Sheet {
     /// Its thickness [m].
     pub thickness: f64,
-    /// Its back.
+    /// Back of the body.
     pub back: Back,
 }
 
