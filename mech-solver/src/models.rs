@@ -2,7 +2,8 @@
 //! [`MODELS`].
 
 mod conformal;
-mod each_window;
+mod contact_model;
+
 mod expected;
 pub mod explicit_fe;
 pub mod fastsim;
@@ -13,7 +14,7 @@ mod periodic;
 mod power_balance;
 mod precomputed;
 mod rod;
-mod row_by_row;
+
 mod settled_creepage;
 mod shortfall;
 mod springs;

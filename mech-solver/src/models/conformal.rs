@@ -19,7 +19,8 @@ mod running;
 mod summary;
 mod window;
 
-use super::each_window::{EachWindow, fields_over};
+use super::contact_model::ContactModel;
+use super::grids::fields_over;
 use crate::models::expected::refinement;
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
@@ -79,7 +80,8 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn layout(configuration: &Configuration, case: &Case, footprint: &Footprint) -> Layout {
     let grid = footprint.grid;
-    let (grids, fields) = fields_over(configuration, grid, case.difference, &[]);
+    let (grids, fields) =
+        fields_over(configuration, grid, case.difference.middle() * grid.dx(), &[]);
     let (elements, rows) = (grid.points() as f64, grid.nj as f64);
     let [low, high] = footprint.directions(case).map(f64::to_degrees);
     let remark = format!(
@@ -119,6 +121,6 @@ impl Setup for Prepared {
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { case, footprint, terms, configuration, .. } = *self;
         let running = Running::new(case, &footprint, terms, &configuration);
-        Ok(Box::new(EachWindow::new(running, &configuration)))
+        Ok(Box::new(ContactModel::new(running)))
     }
 }

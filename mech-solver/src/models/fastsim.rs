@@ -19,7 +19,7 @@
 //! | `fields` | element means on the contact's grid |
 //! | `case` | what a case asks for |
 //! | `limits` | bounds of friction that is not one coefficient |
-//! | `rubbing` | friction that depends on slip, on what comes in or on a bound of the traction |
+//! | `windows` | values that vary; friction that depends on slip, on inputs or on a bound of the traction |
 //!
 //! The model is quasi-static and has no memory but that of its friction. It is computed once, when the model is built, or in
 //! every iteration where friction depends on something.
@@ -34,17 +34,17 @@ mod case;
 mod contact;
 mod fields;
 mod limits;
-mod rubbing;
 mod sliding;
+mod windows;
 
 use crate::case::ellipse::{Ellipse, Prescribed};
 use crate::case::resolution;
 use crate::case::scene::{GivenPatch, Scene, contact_keys, given_patch_keys};
 use crate::effects;
+use crate::models::contact_model::ContactModel;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::row_by_row::RowByRow;
-use crate::models::varying::Varying;
+use crate::models::varying::{Scenes, Varying};
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::{Asked, Case, RESOLUTION, cells, own_keys, problem};
@@ -61,8 +61,8 @@ use proto::field::{self, FieldSpec};
 use proto::model::{Model, Setup};
 use proto::params::Params;
 use proto::progress::Progress;
-use rubbing::Rubbed;
 use serde_json::Value;
+use windows::Windows;
 
 /// Time to pass over a cell, measured [s].
 const SECONDS_PER_CELL: f64 = 4e-8;
@@ -231,24 +231,17 @@ impl Setup for Prepared {
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { scene, problem, case, varying, wanted, .. } = *self;
-        if !case.terms.friction.is_constant() {
-            return Ok(Box::new(Rubbed::new(scene, case, varying, wanted)));
-        }
-        if let Some(varying) = varying {
-            return Ok(Box::new(RowByRow::new(case, varying, wanted)));
+        if varying.is_some() || !case.terms.friction.is_constant() {
+            let windows = Windows::new(case, Scenes::new(scene, varying));
+            return Ok(Box::new(ContactModel::new(windows)));
         }
         let Case { terms, grid, .. } = case;
         let contact = problem.solve(None);
         contact.check_power()?;
-        let values = |spec: &&'static FieldSpec| {
-            let mut values = vec![0.0; precomputed::count(spec, &grid)];
-            fields::write(spec, &contact, grid, &terms, &mut values);
-            (*spec, values)
-        };
-        Ok(Box::new(Precomputed {
-            summary: contact.summary(),
-            work: cells(&problem) as u64,
-            fields: wanted.iter().map(values).collect(),
-        }))
+        let fields = precomputed::fields(&wanted, &grid, |spec, values| {
+            fields::write(spec, &contact, grid, &terms, values);
+        });
+        let (summary, work) = (contact.summary(), cells(&problem) as u64);
+        Ok(Precomputed { summary, work, fields, terms }.model())
     }
 }

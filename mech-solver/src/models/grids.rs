@@ -1,14 +1,19 @@
 //! The grids that models have in common, and which of them a run needs.
 
+use crate::terms::Observation;
 use proto::configuration::{Configuration, FieldOnGrid};
 use proto::field::{self, FieldSpec};
-use proto::grid::{Grid, Shape};
+use proto::grid::{Grid, Shape, Structured};
 
 /// Name of the grid that covers the contact.
 pub const CONTACT_GRID: &str = "contact";
 /// Name of the grid of quantities that belong to a whole body: one element as large as the
 /// contact's grid.
 pub const RIGID_GRID: &str = "rigid";
+
+/// Name of the grid of slip and friction power: the contact's grid, or half an element upstream of
+/// it.
+const PASSAGE_GRID: &str = "passage";
 
 /// The field belongs to a whole body or contact: it has one value for each component.
 pub(super) fn is_rigid(spec: &FieldSpec) -> bool {
@@ -33,4 +38,35 @@ pub(super) fn laid_out(
     let grids = grids.into_iter().filter(|(name, _)| used(name));
     let grid = |(name, shape): (&str, _)| Grid { name: name.to_owned(), revision: 1, shape };
     (grids.map(|(name, shape)| grid((name, shape.into()))).collect(), fields)
+}
+
+/// The fields of a contact on this grid: slip and friction power as far along x as they belong
+/// upstream, speeds for all of it; those of observations where they say.
+pub(super) fn fields_over(
+    configuration: &Configuration,
+    grid: Structured,
+    upstream: f64,
+    observations: &[Box<dyn Observation>],
+) -> (Vec<Grid>, Vec<FieldOnGrid>) {
+    let on = |spec: &FieldSpec| match *spec {
+        _ if let Some(grid) = observations.iter().find_map(|term| term.grid_of(spec)) => grid,
+        _ if is_rigid(spec) => RIGID_GRID,
+        field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
+        _ => CONTACT_GRID,
+    };
+    let mut passage = grid;
+    passage.origin[0] += upstream;
+    let mut grids = vec![
+        (CONTACT_GRID, grid.into()),
+        (PASSAGE_GRID, passage.into()),
+        (RIGID_GRID, whole(&grid).into()),
+    ];
+    grids.extend(observations.iter().flat_map(|term| term.grids()));
+    laid_out(configuration, on, grids)
+}
+
+/// One element as large as a grid.
+pub(super) fn whole(grid: &Structured) -> Structured {
+    let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
+    Structured::contact_plane(0.0, 0.0, length, width, 1, 1)
 }

@@ -31,8 +31,9 @@ use crate::case::keys::CheckedParams;
 use crate::case::resolution;
 use crate::case::scene::{GivenPatch, Scene, contact_keys, given_patch_keys, width_key};
 use crate::effects;
+use crate::models::contact_model::ContactModel;
 use crate::models::expected::refinement;
-use crate::models::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, laid_out};
+use crate::models::grids::fields_over;
 use crate::models::varying::Varying;
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Place, Terms};
@@ -44,15 +45,11 @@ use half_space::viscoelastic::Bodies;
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
-use proto::field::{self, FieldSpec};
-use proto::grid::Structured;
+use proto::field;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 use steady::{Following, Steady};
 use transient::Transient;
-
-/// Grid of slip and friction power.
-pub const PASSAGE_GRID: &str = "passage";
 
 /// Time of a solve over the elements^1.25, measured [s]: 0.04, 0.2 and 0.9 s with 40, 80 and 160
 /// elements per semi-axis.
@@ -375,22 +372,8 @@ fn memory(configuration: &Configuration, scene: &Scene, partial: bool) -> Result
 
 fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let grid = case.footprint.grid;
-    let observations = &case.terms.observations;
-    let on = |spec: &FieldSpec| match *spec {
-        _ if let Some(grid) = observations.iter().find_map(|term| term.grid_of(spec)) => grid,
-        _ if is_rigid(spec) => RIGID_GRID,
-        field::SLIP_VELOCITY | field::FRICTION_POWER => PASSAGE_GRID,
-        _ => CONTACT_GRID,
-    };
-    let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
-    let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let mut grids = vec![
-        (CONTACT_GRID, grid.into()),
-        (PASSAGE_GRID, case.passage_grid().into()),
-        (RIGID_GRID, whole.into()),
-    ];
-    grids.extend(observations.iter().flat_map(|term| term.grids()));
-    let (grids, fields) = laid_out(configuration, on, grids);
+    let upstream = case.passage().middle;
+    let (grids, fields) = fields_over(configuration, grid, upstream, &case.terms.observations);
     let elements = grid.points() as f64;
     let how = match case.memory {
         true => "one step an element rolled, or one for a shift",
@@ -457,10 +440,11 @@ impl Setup for Prepared {
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { case, following, .. } = *self;
         if !case.memory {
-            return Ok(Box::new(Steady::new(case, following)));
+            return Ok(Box::new(ContactModel::new(Steady::new(case, following))));
         }
         let fix = "check the shapes, the load and the units";
-        let model = Transient::new(case, following);
-        Ok(Box::new(model.map_err(|error| Refusal::new("load", error.to_string(), fix))?))
+        let transient = Transient::new(case, following)
+            .map_err(|error| Refusal::new("load", error.to_string(), fix))?;
+        Ok(Box::new(ContactModel::new(transient)))
     }
 }

@@ -10,7 +10,7 @@
 //! Fields are element means, see `strips`. The model is quasi-static and has no memory: its answer
 //! is the same in every window of a transient case. It is computed once, when the model is built; a
 //! solve copies it to the outputs that are asked for. Where friction depends on what comes in, on slip, or on a bound of the
-//! traction, one coefficient stands for it, computed in every iteration ([`heated`]).
+//! traction, one coefficient stands for it, computed in every iteration (`windows`).
 //!
 //! Deviations from the sources: the strips of an elliptic patch share one prefactor A and take ξ
 //! from their own half length, so that the friction power is V s F in every strip.
@@ -18,30 +18,28 @@
 mod case;
 mod contact;
 mod fields;
-mod heated;
+mod windows;
 
 use crate::case::ellipse::Ellipse;
 use crate::case::keys::CheckedParams;
 use crate::case::resolution;
 use crate::case::scene::{Drive, GivenPatch, Scene, contact_keys, given_patch_keys, width_key};
 use crate::effects;
+use crate::models::contact_model::ContactModel;
 use crate::models::expected::{STUDY, refinement};
 use crate::models::precomputed::{self, Precomputed};
-use crate::models::row_by_row::{RowByRow, Rows};
-use crate::models::varying::Varying;
+use crate::models::varying::{Scenes, Varying};
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::Case;
 use contact::{Contact, CreepLaw};
-use heated::Heated;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
-use serde_json::Value;
+use windows::Windows;
 
 const CREEP_LAW: &str = "motion.creep_law";
 /// Time to compute one value, measured [s].
@@ -133,8 +131,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     let wanted = precomputed::wanted_fields(configuration);
     let values: usize = wanted.iter().map(|spec| precomputed::count(spec, &grid)).sum();
     let mut layout = precomputed::layout(&wanted, grid, SECONDS_PER_VALUE * values as f64);
-    let follows = terms.friction_effect();
-    if follows.is_some() {
+    if terms.friction_effect().is_some() {
         layout.remarks = vec!["the fields are computed in every iteration".to_owned()];
     }
     if let (Some(varying), Some(extent)) = (&varying, &extent) {
@@ -149,15 +146,8 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
         ));
     }
     layout.closed_forms = contact.ellipse.closed_forms();
-    if let (Some(effect), Some(_)) = (follows, &varying) {
-        return Err(Refusal::new(
-            &format!("effects.{effect}"),
-            "this model does not follow a load or columns that vary and what friction depends on at once",
-            "choose the model half-space, or give numbers in the place of columns and no axle",
-        ));
-    }
-    let case = Case { scene, contact, law, terms, grid, wanted };
-    Ok(Box::new(Prepared { case, given, varying, layout }))
+    let case = Case { given, law, terms, grid };
+    Ok(Box::new(Prepared { scene, contact, case, varying, wanted, layout }))
 }
 
 fn remarks(
@@ -181,10 +171,12 @@ fn remarks(
 
 /// A checked case and its grids.
 struct Prepared {
+    scene: Scene,
+    contact: Contact,
     case: Case,
-    given: Option<GivenPatch>,
     /// The values that vary, if any do.
     varying: Option<Varying>,
+    wanted: Vec<&'static FieldSpec>,
     layout: Layout,
 }
 
@@ -194,57 +186,16 @@ impl Setup for Prepared {
     }
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { case, given, varying, .. } = *self;
-        if !case.terms.friction.is_constant() {
-            return Ok(Box::new(Heated::new(case)));
+        let Self { scene, contact, case, varying, wanted, .. } = *self;
+        if varying.is_some() || !case.terms.friction.is_constant() {
+            let windows = Windows::new(case, Scenes::new(scene, varying));
+            return Ok(Box::new(ContactModel::new(windows)));
         }
-        let Case { contact, grid, wanted, law, terms, .. } = case;
-        if let Some(varying) = varying {
-            let history = History { given, law, terms, grid };
-            return Ok(Box::new(RowByRow::new(history, varying, wanted)));
-        }
-        let fields = all(&wanted, &contact, grid, &terms);
+        let Case { terms, grid, .. } = case;
+        let fields = precomputed::fields(&wanted, &grid, |spec, values| {
+            fields::write(spec, &contact, grid, &terms, values);
+        });
         let (summary, work) = (contact.summary(), grid.points() as u64);
-        Ok(Box::new(Precomputed { summary, work, fields }))
+        Ok(Precomputed { summary, work, fields, terms }.model())
     }
-}
-
-/// What is the same in all rows of a history.
-struct History {
-    given: Option<GivenPatch>,
-    law: CreepLaw,
-    terms: Terms,
-    grid: Structured,
-}
-
-impl Rows for History {
-    type Contact = Contact;
-
-    fn compute(&self, scene: &Scene, _spent: Option<Contact>) -> Result<Contact, Refusal> {
-        Ellipse::refuse_rest(scene)?;
-        let ellipse = Ellipse::solve(scene, self.given)?;
-        Contact::solve(scene, ellipse, self.law, self.terms.adhesion)
-    }
-
-    fn work(&self, _: &Contact) -> u64 {
-        self.grid.points() as u64
-    }
-
-    fn summary(&self, contact: &Contact) -> Value {
-        contact.summary()
-    }
-
-    fn write(&self, contact: &Contact, spec: &FieldSpec, values: &mut [f64]) {
-        fields::write(spec, contact, self.grid, &self.terms, values);
-    }
-}
-
-/// The fields that are asked for.
-fn all(
-    wanted: &[&'static FieldSpec],
-    contact: &Contact,
-    grid: Structured,
-    terms: &Terms,
-) -> Vec<(&'static FieldSpec, Vec<f64>)> {
-    wanted.iter().map(|spec| (*spec, fields::values(spec, contact, grid, terms))).collect()
 }

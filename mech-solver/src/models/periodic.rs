@@ -17,7 +17,8 @@ mod case;
 mod cell;
 mod contact;
 
-use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out};
+use super::contact_model::ContactModel;
+use super::grids::{CONTACT_GRID, RIGID_GRID, laid_out, whole};
 use crate::case::scene::contact_keys;
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
@@ -27,7 +28,6 @@ use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 
@@ -86,8 +86,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         _ => CONTACT_GRID,
     };
     let [length, width] = case.cell();
-    let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-    let grids = vec![(CONTACT_GRID, grid), (RIGID_GRID, whole)];
+    let grids = vec![(CONTACT_GRID, grid), (RIGID_GRID, whole(&grid))];
     let (grids, fields) = laid_out(configuration, on, grids);
     Layout {
         grids,
@@ -118,6 +117,6 @@ impl Setup for Prepared {
     }
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        Ok(Box::new(Sliding::new(self.case)))
+        Ok(Box::new(ContactModel::new(Sliding::new(self.case))))
     }
 }

@@ -1,12 +1,14 @@
 //! Models without memory: their fields are computed once, when the model is built, and a solve
 //! copies them to the outputs that are asked for.
 
-use super::grids::{CONTACT_GRID, RIGID_GRID, is_rigid};
+use super::contact_model::{Contact, ContactModel};
+use super::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, whole};
+use crate::terms::Terms;
 use proto::configuration::{Configuration, FieldOnGrid, Layout};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
-use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
-use std::io::{self, Read, Write};
+use proto::model::{Inputs, Model, Step, StepError, StepReport};
+use serde_json::Value;
 
 /// Time to copy one value to an output, measured [s].
 const SECONDS_PER_COPY: f64 = 2e-9;
@@ -37,9 +39,7 @@ pub(super) fn layout(
 ) -> Layout {
     let mut grids = vec![Grid::structured(CONTACT_GRID, grid)];
     if wanted.iter().any(|spec| is_rigid(spec)) {
-        let (length, width) = (grid.dx() * grid.ni as f64, grid.dy() * grid.nj as f64);
-        let whole = Structured::contact_plane(0.0, 0.0, length, width, 1, 1);
-        grids.push(Grid::structured(RIGID_GRID, whole));
+        grids.push(Grid::structured(RIGID_GRID, whole(&grid)));
     }
     let values: usize = wanted.iter().map(|spec| count(spec, &grid)).sum();
     Layout {
@@ -58,57 +58,75 @@ fn on_grid(spec: &FieldSpec) -> FieldOnGrid {
     FieldOnGrid { field: spec.name.to_owned(), grid: grid.to_owned() }
 }
 
-/// The model that runs: the fields, computed once.
+/// A contact that is the same in every window: its fields, computed once.
 pub(super) struct Precomputed {
     /// Its part of `summary.json`.
-    pub(super) summary: serde_json::Value,
+    pub(super) summary: Value,
     /// Its measure of work.
     pub(super) work: u64,
     /// Its fields.
     pub(super) fields: Vec<(&'static FieldSpec, Vec<f64>)>,
+    /// The terms of the active effects.
+    pub(super) terms: Terms,
+}
+
+/// Values of the wanted fields, as `write` has them.
+pub(super) fn fields(
+    wanted: &[&'static FieldSpec],
+    grid: &Structured,
+    write: impl Fn(&FieldSpec, &mut [f64]),
+) -> Vec<(&'static FieldSpec, Vec<f64>)> {
+    let values = |spec: &&'static FieldSpec| {
+        let mut values = vec![0.0; count(spec, grid)];
+        write(spec, &mut values);
+        (*spec, values)
+    };
+    wanted.iter().map(values).collect()
 }
 
 impl Precomputed {
-    /// Copies the fields that are asked for.
-    pub(super) fn write(&self, outputs: &mut dyn Outputs) {
-        for (spec, values) in &self.fields {
-            if let Some(place) = outputs.get(spec) {
-                place.copy_from_slice(values);
-            }
-        }
+    /// The model that runs.
+    pub(super) fn model(self) -> Box<dyn Model> {
+        Box::new(ContactModel::new(self))
     }
 }
 
-impl Model for Precomputed {
+impl Contact for Precomputed {
+    type Window = ();
+
     fn solve(
         &mut self,
         _step: &Step,
         _inputs: &dyn Inputs,
-        outputs: &mut dyn Outputs,
-    ) -> Result<StepReport, StepError> {
-        self.write(outputs);
-        Ok(StepReport { substeps: 1, work: self.work, ..StepReport::default() })
+        _accepted: Option<&()>,
+        _spent: Option<()>,
+    ) -> Result<(), StepError> {
+        Ok(())
     }
 
-    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+    fn first(&mut self) -> Option<()> {
+        Some(())
     }
 
-    fn accept(&mut self) {}
-
-    fn observe(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+    fn report(&self, (): &()) -> StepReport {
+        StepReport { substeps: 1, work: self.work, ..StepReport::default() }
     }
 
-    fn summary(&self) -> serde_json::Value {
+    fn write(&self, (): &(), spec: &FieldSpec, values: &mut [f64]) {
+        if let Some((_, own)) = self.fields.iter().find(|(own, _)| *own == spec) {
+            values.copy_from_slice(own);
+        }
+    }
+
+    fn summary(&self, (): &()) -> Value {
         self.summary.clone()
     }
 
-    fn save(&self, _into: &mut dyn Write) -> io::Result<()> {
-        Ok(())
+    fn terms(&self) -> &Terms {
+        &self.terms
     }
 
-    fn restore(&mut self, _from: &mut dyn Read) -> Result<(), StateError> {
-        Ok(())
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.terms
     }
 }

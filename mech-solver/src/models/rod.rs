@@ -10,7 +10,8 @@
 //!
 //! Source: J. R. Barber, J. Dundurs, M. Comninou, J. Appl. Mech. 47 (1980) 871-874.
 
-use super::grids::{CONTACT_GRID, RIGID_GRID};
+use super::contact_model::{Contact, ContactModel};
+use super::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, laid_out};
 use crate::case::keys::CheckedParams;
 use crate::case::scene::read_material;
 use crate::effects;
@@ -19,14 +20,13 @@ use crate::terms::surface::Surface;
 use crate::terms::{Kind, Terms};
 use proto::accuracy::Accuracy;
 use proto::bodies::Bodies;
-use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
+use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::grid::{Grid, Structured};
-use proto::model::{Inputs, Model, Outputs, Setup, StateError, Step, StepError, StepReport};
+use proto::grid::Structured;
+use proto::model::{Inputs, Model, Setup, Step, StepError, StepReport};
 use proto::progress::Progress;
 use serde_json::{Value, json};
-use std::io::{self, Read, Write};
 
 /// Its entry in the list.
 pub(super) const MODEL: ModelEntry =
@@ -95,9 +95,12 @@ impl Rods {
     }
 
     /// Gap and pressure where the ends have come nearer by some length [m].
-    fn pressed(&self, nearer: f64) -> [f64; 2] {
-        let open = self.gap - nearer;
-        if open > 0.0 { [open, 0.0] } else { [0.0, -open / self.flexibility] }
+    fn pressed(&self, nearer: f64) -> Window {
+        let gap = self.gap - nearer;
+        match gap > 0.0 {
+            true => Window { gap, pressure: 0.0 },
+            false => Window { gap: 0.0, pressure: -gap / self.flexibility },
+        }
     }
 }
 
@@ -105,25 +108,13 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     let rods = Rods::read(configuration, terms.expansion)?;
     let side = rods.area.sqrt();
     let end = Structured::contact_plane(0.0, 0.0, side, side, 1, 1);
-    let fields: Vec<FieldOnGrid> = field::TABLE
-        .iter()
-        .filter(|spec: &&FieldSpec| {
-            let mut asked = configuration.outputs.iter().chain(&configuration.observed);
-            asked.any(|name| name == spec.name)
-        })
-        .map(|spec| {
-            let grid = if *spec == field::SURFACE_SPEED { RIGID_GRID } else { CONTACT_GRID };
-            FieldOnGrid { field: spec.name.to_owned(), grid: grid.to_owned() }
-        })
-        .collect();
-    let used = |name: &&str| fields.iter().any(|on| on.grid == *name);
-    let grids = [CONTACT_GRID, RIGID_GRID].into_iter().filter(used);
+    let on = |spec: &FieldSpec| if is_rigid(spec) { RIGID_GRID } else { CONTACT_GRID };
+    let (grids, fields) = laid_out(configuration, on, vec![(CONTACT_GRID, end), (RIGID_GRID, end)]);
     let remark = if terms.expansion.is_none() {
         effects::without(Kind::Expansion) + "nothing moves"
     } else {
         format!("ends {:.4e} m apart at the temperatures at the start", rods.gap)
     };
-    let grids = grids.map(|name| Grid::structured(name, end)).collect();
     let layout = Layout { grids, fields, remarks: vec![remark], ..Layout::default() };
     Ok(Box::new(Prepared { rods, terms, layout }))
 }
@@ -141,39 +132,33 @@ impl Setup for Prepared {
     }
 
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let state = self.rods.pressed(0.0);
-        Ok(Box::new(Contact { rods: self.rods, terms: self.terms, state }))
+        let Self { rods, terms, .. } = *self;
+        Ok(Box::new(ContactModel::new(Ends { rods, terms })))
     }
 }
 
-/// The model that runs.
-struct Contact {
+/// Ends of two rods.
+struct Ends {
     rods: Rods,
     terms: Terms,
-    /// Gap and pressure of the last solve.
-    state: [f64; 2],
 }
 
-impl Contact {
-    fn write(&self, outputs: &mut dyn Outputs) {
-        let [gap, pressure] = self.state;
-        let values = [(&field::GAP, gap), (&field::PRESSURE, pressure)];
-        let still = [(&field::FRICTION_POWER, 0.0), (&field::SURFACE_SPEED, 0.0)];
-        for (spec, value) in values.into_iter().chain(still) {
-            if let Some(values) = outputs.get(spec) {
-                values.fill(value);
-            }
-        }
-    }
+/// Gap and pressure in a window.
+struct Window {
+    gap: f64,
+    pressure: f64,
 }
 
-impl Model for Contact {
+impl Contact for Ends {
+    type Window = Window;
+
     fn solve(
         &mut self,
         _step: &Step,
         inputs: &dyn Inputs,
-        outputs: &mut dyn Outputs,
-    ) -> Result<StepReport, StepError> {
+        _accepted: Option<&Window>,
+        _spent: Option<Window>,
+    ) -> Result<Window, StepError> {
         let mut nearer = 0.0;
         if self.terms.expansion.is_some() {
             let fields = [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
@@ -181,25 +166,26 @@ impl Model for Contact {
                 nearer += coefficient * Surface::of(inputs, field)?.at(0.0, 0.0);
             }
         }
-        self.state = self.rods.pressed(nearer);
-        self.write(outputs);
-        Ok(StepReport { substeps: 1, work: 1, ..StepReport::default() })
+        Ok(self.rods.pressed(nearer))
     }
 
-    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+    fn first(&mut self) -> Option<Window> {
+        Some(self.rods.pressed(0.0))
     }
 
-    fn accept(&mut self) {
-        self.terms.accept();
+    fn report(&self, _: &Window) -> StepReport {
+        StepReport { substeps: 1, work: 1, ..StepReport::default() }
     }
 
-    fn observe(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+    fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
+        values.fill(match *spec {
+            field::GAP => window.gap,
+            field::PRESSURE => window.pressure,
+            _ => 0.0,
+        });
     }
 
-    fn summary(&self) -> Value {
-        let [gap, pressure] = self.state;
+    fn summary(&self, Window { gap, pressure }: &Window) -> Value {
         json!({"contact": {
             "gap_m": gap,
             "max_pressure_pa": pressure,
@@ -207,11 +193,11 @@ impl Model for Contact {
         }})
     }
 
-    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
-        self.terms.save(into)
+    fn terms(&self) -> &Terms {
+        &self.terms
     }
 
-    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
-        self.terms.restore(from)
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.terms
     }
 }

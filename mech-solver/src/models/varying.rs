@@ -214,6 +214,41 @@ impl Varying {
     }
 }
 
+/// The scenes of the windows of a run.
+#[derive(Clone, Debug)]
+pub(super) struct Scenes {
+    /// The scene of the case.
+    scene: Scene,
+    /// The values that vary, if any do.
+    varying: Option<Varying>,
+}
+
+impl Scenes {
+    /// The scene of the case for every window, unless its values vary.
+    pub(super) fn new(scene: Scene, varying: Option<Varying>) -> Self {
+        Self { scene, varying }
+    }
+
+    /// The scene of a window.
+    ///
+    /// # Errors
+    /// Its values make no scene.
+    pub(super) fn of(&mut self, step: &Step) -> Result<Scene, StepError> {
+        match &mut self.varying {
+            Some(varying) => varying.scene(step),
+            None => Ok(self.scene.clone()),
+        }
+    }
+
+    /// The summary of a window with what its axle has been through.
+    pub(super) fn complete(&self, mut summary: Value, step: &Step) -> Value {
+        if let Some(varying) = &self.varying {
+            varying.add_to(&mut summary["contact"], step);
+        }
+        summary
+    }
+}
+
 /// A key may change the ellipse: motion, friction and effects do not.
 fn shapes(key: &str) -> bool {
     !["motion.", "friction.", "effects."].iter().any(|section| key.starts_with(section))

@@ -31,7 +31,8 @@ mod shape;
 mod summary;
 mod wheels;
 
-use super::each_window::{EachWindow, fields_over};
+use super::contact_model::ContactModel;
+use super::grids::fields_over;
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::Case;
@@ -118,8 +119,8 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
     let grid = plane.grid();
-    let (grids, fields) =
-        fields_over(configuration, grid, case.settings.difference, &case.terms.observations);
+    let upstream = case.settings.difference.middle() * grid.dx();
+    let (grids, fields) = fields_over(configuration, grid, upstream, &case.terms.observations);
     let size = format!(
         "{} x {} elements of {:.4} x {:.4} mm over the rail's surface, along x and along the tape",
         grid.ni,
@@ -163,6 +164,6 @@ impl Setup for Prepared {
     fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self { case, plane, configuration, .. } = *self;
         let running = Running::new(case, plane, &configuration)?;
-        Ok(Box::new(EachWindow::new(running, &configuration)))
+        Ok(Box::new(ContactModel::new(running)))
     }
 }

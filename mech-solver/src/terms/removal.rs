@@ -74,13 +74,10 @@ pub(crate) struct Removal {
     compliance: f64,
     /// Where the rows are.
     rows: Rows,
-    /// Depths that a passage takes off both bodies through the latest contact, and through the latest that was accepted [m].
-    trial: [Vec<f64>; 2],
+    /// Depths that a passage takes off both bodies through the accepted contact [m].
     passage: [Vec<f64>; 2],
     /// Depths of all passages that were accepted [m].
     worn: [Vec<f64>; 2],
-    /// Largest pressure of every row of the latest contact [Pa].
-    pressure: Vec<f64>,
 }
 
 /// The rows of a grid.
@@ -111,10 +108,8 @@ impl Removal {
             names: scene.names.clone(),
             compliance: scene.contact_compliance(),
             rows: Rows::default(),
-            trial: Default::default(),
             passage: Default::default(),
             worn: Default::default(),
-            pressure: Vec::new(),
         })
     }
 
@@ -122,10 +117,8 @@ impl Removal {
     pub(crate) fn place(&mut self, grid: &Structured) {
         self.rows = Rows { first: grid.y(0), width: grid.dy(), count: grid.nj };
         let zeros = vec![0.0; grid.nj];
-        self.trial = [zeros.clone(), zeros.clone()];
         self.passage = [zeros.clone(), zeros.clone()];
-        self.worn = [zeros.clone(), zeros.clone()];
-        self.pressure = zeros;
+        self.worn = [zeros.clone(), zeros];
     }
 
     /// Takes the passages of the window that comes.
@@ -153,30 +146,51 @@ impl Removal {
         self.worn.iter().map(of).sum()
     }
 
-    /// Takes the contact of a window that may be accepted.
+    /// Depth that a passage through a contact takes off both bodies in a row of elements [m].
+    fn depths(&self, grid: &Structured, contact: &Accepted<'_>, row: usize) -> [f64; 2] {
+        let elements = row * grid.ni..(row + 1) * grid.ni;
+        let driving: f64 = elements.map(|at| self.law.driving(contact, at)).sum();
+        let mut depths = self.law.factors();
+        for (depth, speed) in depths.iter_mut().zip(contact.surface_speed) {
+            let per_speed = if *depth == 0.0 { 0.0 } else { *depth / speed };
+            *depth = per_speed * driving * grid.dx();
+        }
+        depths
+    }
+
+    /// Takes the contact that is accepted.
     pub(crate) fn take(&mut self, grid: &Structured, contact: &Accepted<'_>) {
-        let factors = self.law.factors();
         for row in 0..self.rows.count {
-            let elements = row * grid.ni..(row + 1) * grid.ni;
-            let driving: f64 = elements.clone().map(|at| self.law.driving(contact, at)).sum();
-            let bodies = factors.into_iter().zip(contact.surface_speed);
-            for (trial, (factor, speed)) in self.trial.iter_mut().zip(bodies) {
-                let per_speed = if factor == 0.0 { 0.0 } else { factor / speed };
-                trial[row] = per_speed * driving * grid.dx();
+            for (body, depth) in self.depths(grid, contact, row).into_iter().enumerate() {
+                self.passage[body][row] = depth;
             }
-            self.pressure[row] = contact.pressure[elements].iter().copied().fold(0.0, f64::max);
+        }
+        for (worn, passage) in self.worn.iter_mut().zip(&self.passage) {
+            for (sum, depth) in worn.iter_mut().zip(passage) {
+                *sum += self.passes * depth;
+            }
         }
     }
 
-    /// Refuses a window that wears more than a profile can follow.
-    pub(crate) fn refuse_too_much(&self) -> Result<(), StepError> {
+    /// Refuses a contact that wears more in a window than a profile can follow.
+    ///
+    /// # Errors
+    /// It does.
+    pub(crate) fn refuse_too_much(
+        &self,
+        grid: &Structured,
+        contact: &Accepted<'_>,
+    ) -> Result<(), StepError> {
         let stiffness = 0.5 * PI / (self.compliance * self.rows.width);
-        let [upper, lower] = &self.trial;
-        let response = upper.iter().zip(lower).zip(&self.pressure);
-        let largest = response
-            .filter(|(_, pressure)| **pressure > 0.0)
-            .map(|((upper, lower), pressure)| stiffness * (upper + lower) / pressure)
-            .fold(0.0, f64::max);
+        let mut largest = 0.0_f64;
+        for row in 0..self.rows.count {
+            let elements = &contact.pressure[row * grid.ni..(row + 1) * grid.ni];
+            let pressure = elements.iter().copied().fold(0.0, f64::max);
+            if pressure > 0.0 {
+                let [upper, lower] = self.depths(grid, contact, row);
+                largest = largest.max(stiffness * (upper + lower) / pressure);
+            }
+        }
         let most = (2.0 / largest).floor();
         if self.passes <= most {
             return Ok(());
@@ -219,15 +233,6 @@ impl Removal {
 }
 
 impl State for Removal {
-    fn accept(&mut self) {
-        std::mem::swap(&mut self.passage, &mut self.trial);
-        for (worn, passage) in self.worn.iter_mut().zip(&self.passage) {
-            for (sum, depth) in worn.iter_mut().zip(passage) {
-                *sum += self.passes * depth;
-            }
-        }
-    }
-
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         write_numbers(into, self.worn.iter().chain(&self.passage).flatten())
     }

@@ -39,7 +39,8 @@ impl Rolled {
         let configuration = in_time(case, threads);
         let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
         let layout = setup.layout().clone();
-        let model = setup.build(&Progress::default()).expect("a checked case builds");
+        let mut model = setup.build(&Progress::default()).expect("a checked case builds");
+        model.first_outputs(&mut Store::for_layout(&layout, &configuration.outputs));
         Self { model, layout, outputs: configuration.outputs, window: 0, time: 0.0 }
     }
 

@@ -3,14 +3,14 @@
 use super::case::{Case, Footprint, Row};
 use super::summary::summary;
 use super::window::Window;
-use crate::models::each_window::{Windows, write_pair};
+use crate::models::contact_model::{Contact, Nothing, write_pair};
 use crate::models::varying::no_answer;
 use crate::terms::Terms;
-use half_space::conformal::contact::ConformalSolver;
+use half_space::conformal::contact::{Conformal, ConformalSolver};
 use proto::configuration::Configuration;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
-use proto::model::{Inputs, Step, StepError};
+use proto::model::{Inputs, Step, StepError, StepReport};
 use serde_json::Value;
 
 /// The bodies.
@@ -36,23 +36,52 @@ impl Running {
         };
         Self { case, grid, terms, configuration: configuration.clone(), solver }
     }
-}
 
-impl Windows for Running {
-    type Row = Row;
-    type Window = Window;
-
+    /// What a window prescribes.
     fn row(&self, step: &Step) -> Result<Row, StepError> {
         let params = self.configuration.case_at(step);
         self.case.row(&params, self.terms.adhesion).map_err(no_answer)
     }
+}
 
-    fn solve(&mut self, row: &Row, _inputs: &dyn Inputs) -> Result<Window, StepError> {
+impl Contact for Running {
+    type Window = Window;
+
+    fn solve(
+        &mut self,
+        step: &Step,
+        _inputs: &dyn Inputs,
+        _accepted: Option<&Window>,
+        _spent: Option<Window>,
+    ) -> Result<Window, StepError> {
+        let row = self.row(step)?;
         let contact = self.solver.solve(&row.prescription);
         let contact = contact.map_err(|error| StepError::NoSolution(error.to_string()))?;
         let power = self.solver.friction_power(&contact, row.speed);
         let slip_velocity = self.solver.slip_velocity(&contact, row.speed);
-        Ok(Window { row: *row, contact, slip_velocity, power })
+        Ok(Window { row, contact, slip_velocity, power })
+    }
+
+    fn solves(&self, window: &Window, step: &Step) -> bool {
+        self.row(step).is_ok_and(|row| row == window.row)
+    }
+
+    fn first(&mut self) -> Option<Window> {
+        self.solve(&Step::STEADY, &Nothing, None, None).ok()
+    }
+
+    fn first_speeds(&self) -> [f64; 2] {
+        self.row(&Step::STEADY).map_or([0.0; 2], |row| [row.speed; 2])
+    }
+
+    fn report(&self, window: &Window) -> StepReport {
+        let Conformal { normal_iterations, newton_steps, .. } = window.contact;
+        StepReport {
+            substeps: 1,
+            inner_iterations: normal_iterations as u32,
+            work: newton_steps as u64,
+            ..StepReport::default()
+        }
     }
 
     fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
@@ -74,11 +103,11 @@ impl Windows for Running {
         summary(window, &self.grid)
     }
 
-    fn speed(&self, row: &Row) -> f64 {
-        row.speed
+    fn terms(&self) -> &Terms {
+        &self.terms
     }
 
-    fn effort(&self, window: &Window) -> [usize; 2] {
-        [window.contact.normal_iterations, window.contact.newton_steps]
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.terms
     }
 }

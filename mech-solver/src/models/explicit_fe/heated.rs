@@ -6,27 +6,33 @@ use super::creep_curve::CreepCurve;
 use super::outcome::{self, Fields, met_force};
 use super::passage::Report;
 use crate::case::scene::Scene;
+use crate::models::contact_model::Contact;
 use crate::models::varying::no_answer;
-use crate::terms::Kind;
 use crate::terms::softening::LEAST_SHARE;
 use crate::terms::surface::Surface;
+use crate::terms::{Kind, Terms};
 use explicit_fe::rolling::{Means, Rolling};
 use explicit_fe::settle::settle_again;
 use proto::field::{self, FieldSpec};
-use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use proto::model::{Inputs, Step, StepError, StepReport};
 use serde_json::Value;
-use std::io::{self, Read, Write};
 
-/// The model that runs.
+/// A contact whose bodies are warm.
 pub(super) struct Heated {
     rolling: Rolling,
     curve: CreepCurve,
     fields: Fields,
-    wanted: Vec<&'static FieldSpec>,
     report: Report,
     /// The state of steady rolling without heat.
     cold: Vec<f64>,
+    /// The summary of steady rolling without heat.
+    cold_summary: Value,
+}
+
+/// A window that is solved; its fields are those of the rolling bodies.
+pub(super) struct Window {
     summary: Value,
+    report: StepReport,
 }
 
 impl Heated {
@@ -36,18 +42,13 @@ impl Heated {
         means: &Means,
         curve: CreepCurve,
         fields: Fields,
-        wanted: Vec<&'static FieldSpec>,
         report: Report,
     ) -> Self {
         let mut cold = Vec::new();
         rolling.keep(&mut cold);
-        let summary =
+        let cold_summary =
             warm_summary(&fields.scene, &rolling, means, fields.terms.softens().then_some(1.0));
-        Self { rolling, curve, fields, wanted, report, cold, summary }
-    }
-
-    fn write(&self, outputs: &mut dyn Outputs) {
-        self.fields.write(&self.wanted, &self.rolling, outputs);
+        Self { rolling, curve, fields, report, cold, cold_summary }
     }
 }
 
@@ -103,13 +104,16 @@ fn warm(
     Ok(least)
 }
 
-impl Model for Heated {
+impl Contact for Heated {
+    type Window = Window;
+
     fn solve(
         &mut self,
         _step: &Step,
         inputs: &dyn Inputs,
-        outputs: &mut dyn Outputs,
-    ) -> Result<StepReport, StepError> {
+        _accepted: Option<&Window>,
+        _spent: Option<Window>,
+    ) -> Result<Window, StepError> {
         let integrals = [
             Surface::of(inputs, &field::UPPER_RISE_INTEGRAL)?,
             Surface::of(inputs, &field::LOWER_RISE_INTEGRAL)?,
@@ -120,35 +124,35 @@ impl Model for Heated {
         let least_share = warm(rolling, fields, &integrals)?;
         let settled = settle_again(rolling, |ratio| curve.creepage(ratio), &mut **report);
         let (means, met) = settled.map_err(no_answer)?;
-        outcome::check(&self.rolling, &means).map_err(no_answer)?;
+        outcome::check(rolling, &means).map_err(no_answer)?;
         met_force(&means, met).map_err(no_answer)?;
-        self.summary = warm_summary(&self.fields.scene, &self.rolling, &means, least_share);
-        self.write(outputs);
-        let elements: u64 = self.rolling.bodies.iter().map(|body| body.elements() as u64).sum();
-        let steps = self.rolling.steps() - before;
-        let substeps = u32::try_from(steps).unwrap_or(u32::MAX);
-        Ok(StepReport { substeps, work: steps * elements, ..StepReport::default() })
+        let summary = warm_summary(&fields.scene, rolling, &means, least_share);
+        let report = outcome::report(rolling, rolling.steps() - before);
+        Ok(Window { summary, report })
     }
 
-    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+    fn first(&mut self) -> Option<Window> {
+        let summary = self.cold_summary.clone();
+        Some(Window { summary, report: StepReport::default() })
     }
 
-    fn accept(&mut self) {}
-
-    fn observe(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+    fn report(&self, window: &Window) -> StepReport {
+        window.report
     }
 
-    fn summary(&self) -> Value {
-        self.summary.clone()
+    fn write(&self, _: &Window, spec: &FieldSpec, values: &mut [f64]) {
+        self.fields.write(spec, &self.rolling, values);
     }
 
-    fn save(&self, _into: &mut dyn Write) -> io::Result<()> {
-        Ok(())
+    fn summary(&self, window: &Window) -> Value {
+        window.summary.clone()
     }
 
-    fn restore(&mut self, _from: &mut dyn Read) -> Result<(), StateError> {
-        Ok(())
+    fn terms(&self) -> &Terms {
+        &self.fields.terms
+    }
+
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.fields.terms
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::case::scene::Scene;
 use crate::figures::measures::{Measures, add_elements};
-use crate::models::precomputed::count;
+use crate::models::contact_model::write_pair;
 use crate::models::summary::add_patches;
 use crate::terms::Terms;
 use explicit_fe::block::Block;
@@ -11,7 +11,7 @@ use half_space::area::contact_area;
 use half_space::extent::Moments;
 use proto::configuration::Refusal;
 use proto::field::{self, FieldSpec};
-use proto::model::Outputs;
+use proto::model::StepReport;
 use serde_json::{Value, json};
 
 /// Part of the pressure on the plane that is rounding.
@@ -75,37 +75,31 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Writes those of some fields that are asked for.
-    pub(super) fn write(
-        &self,
-        wanted: &[&'static FieldSpec],
-        rolling: &Rolling,
-        outputs: &mut dyn Outputs,
-    ) {
-        for spec in wanted {
-            if let Some(place) = outputs.get(spec) {
-                place.copy_from_slice(&self.values(spec, rolling));
-            }
-        }
-    }
-
-    /// Values of a field, component-major.
-    pub(super) fn values(&self, spec: &FieldSpec, rolling: &Rolling) -> Vec<f64> {
+    /// Writes a field, component-major.
+    pub(super) fn write(&self, spec: &FieldSpec, rolling: &Rolling, values: &mut [f64]) {
         let plane = &rolling.plane;
-        let both = |of: &dyn Fn(usize) -> Vec<f64>| [of(0), of(1)].concat();
+        let mut both = |of: &dyn Fn(usize) -> Vec<f64>| write_pair(values, &[of(0), of(1)]);
         match *spec {
-            field::PRESSURE => plane.mean(&plane.normal),
+            field::PRESSURE => values.copy_from_slice(&plane.mean(&plane.normal)),
             field::TRACTION => both(&|k| plane.mean(&plane.tangential[k])),
             field::SLIP_VELOCITY => both(&|k| plane.slip_velocity(k)),
             field::FRICTION_POWER => {
-                let mut power = plane.mean(&plane.work);
-                self.terms.keep_heat(&mut power);
-                power
+                values.copy_from_slice(&plane.mean(&plane.work));
+                self.terms.keep_heat(values);
             }
-            field::SURFACE_SPEED => self.scene.speeds.of_surfaces(rolling.motion.creepage).to_vec(),
-            _ => vec![0.0; count(spec, &plane.grid)],
+            field::SURFACE_SPEED => {
+                values.copy_from_slice(&self.scene.speeds.of_surfaces(rolling.motion.creepage));
+            }
+            _ => {}
         }
     }
+}
+
+/// Report of a solve that took this many steps.
+pub(super) fn report(rolling: &Rolling, steps: u64) -> StepReport {
+    let elements: u64 = rolling.bodies.iter().map(|body| body.elements() as u64).sum();
+    let substeps = u32::try_from(steps).unwrap_or(u32::MAX);
+    StepReport { substeps, work: steps * elements, ..StepReport::default() }
 }
 
 /// Its part of `summary.json`.

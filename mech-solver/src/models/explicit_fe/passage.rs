@@ -4,11 +4,13 @@
 //! rolling, so windows of whole passages of an element take exactly those.
 
 use super::outcome::{self, Fields};
+use crate::models::contact_model::Contact;
 use crate::models::varying::no_answer;
+use crate::terms::Terms;
 use elastic::axle::Axle;
 use explicit_fe::rolling::{Means, Rolling};
 use proto::field::FieldSpec;
-use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use proto::model::{Inputs, StateError, Step, StepError, StepReport};
 use proto::state::{read_numbers, write_numbers};
 use serde_json::Value;
 use std::io::{self, Read, Write};
@@ -16,18 +18,28 @@ use std::io::{self, Read, Write};
 /// Hears how many steps of how many are taken.
 pub(super) type Report = Box<dyn FnMut(u64, u64)>;
 
-/// The model that runs.
+/// Bodies that roll on.
 pub(super) struct Passage {
     rolling: Rolling,
     axle: Axle,
     fields: Fields,
-    wanted: Vec<&'static FieldSpec>,
     report: Report,
-    /// The accepted state; that of the bodies may be a trial beyond it.
+    /// The accepted state.
     kept: Vec<f64>,
+    /// The bodies are beyond it, in a trial.
+    beyond: bool,
     totals: Totals,
-    trial: Option<(Means, f64)>,
+    /// Means of steady rolling.
+    first: Means,
+    /// The summary of the accepted state.
     accepted: Value,
+}
+
+/// A window that is solved; its fields are those of the rolling bodies.
+pub(super) struct Window {
+    means: Means,
+    duration: f64,
+    report: StepReport,
 }
 
 /// What the accepted windows come to.
@@ -60,78 +72,84 @@ impl Passage {
         means: &Means,
         axle: Axle,
         fields: Fields,
-        wanted: Vec<&'static FieldSpec>,
         report: Report,
     ) -> Self {
         let mut kept = Vec::new();
         rolling.keep(&mut kept);
         let accepted = outcome::summary(&fields.scene, &rolling, means);
-        let totals = Totals::default();
-        Self { rolling, axle, fields, wanted, report, kept, totals, trial: None, accepted }
-    }
-
-    fn write(&self, outputs: &mut dyn Outputs) {
-        self.fields.write(&self.wanted, &self.rolling, outputs);
+        let (totals, beyond) = (Totals::default(), false);
+        Self { rolling, axle, fields, report, kept, beyond, totals, first: *means, accepted }
     }
 }
 
-impl Model for Passage {
+impl Contact for Passage {
+    type Window = Window;
+
     fn solve(
         &mut self,
         step: &Step,
         _inputs: &dyn Inputs,
-        outputs: &mut dyn Outputs,
-    ) -> Result<StepReport, StepError> {
-        if self.trial.take().is_some() {
+        _accepted: Option<&Window>,
+        _spent: Option<Window>,
+    ) -> Result<Window, StepError> {
+        if std::mem::replace(&mut self.beyond, true) {
             self.rolling.restore(&self.kept);
         }
         let (before, report) = (self.rolling.steps(), &mut self.report);
         let count = self.rolling.steps_in(step.duration());
         let mut told = |steps: u64| report(steps - before, count);
         let means = self.rolling.pass(step.duration(), &self.axle, &mut told);
-        self.trial = Some((means, step.duration()));
         outcome::check(&self.rolling, &means).map_err(no_answer)?;
-        self.write(outputs);
-        let elements: u64 = self.rolling.bodies.iter().map(|body| body.elements() as u64).sum();
-        let substeps = u32::try_from(count).unwrap_or(u32::MAX);
-        Ok(StepReport { substeps, work: count * elements, ..StepReport::default() })
+        let report = outcome::report(&self.rolling, count);
+        Ok(Window { means, duration: step.duration(), report })
     }
 
-    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+    fn first(&mut self) -> Option<Window> {
+        Some(Window { means: self.first, duration: 0.0, report: StepReport::default() })
     }
 
-    fn accept(&mut self) {
-        if let Some((means, duration)) = self.trial.take() {
-            self.rolling.keep(&mut self.kept);
-            self.totals.add(&means, duration);
-            let mut summary = outcome::summary(&self.fields.scene, &self.rolling, &means);
-            summary["contact"]["friction_work_j"] = self.totals.friction.into();
-            summary["contact"]["apart_s"] = self.totals.apart.into();
-            summary["contact"]["largest_normal_force_n"] = self.totals.largest.into();
-            self.accepted = summary;
-        }
+    fn report(&self, window: &Window) -> StepReport {
+        window.report
     }
 
-    fn observe(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
+    fn write(&self, _: &Window, spec: &FieldSpec, values: &mut [f64]) {
+        self.fields.write(spec, &self.rolling, values);
     }
 
-    fn summary(&self) -> Value {
+    fn accept(&mut self, Window { means, duration, .. }: &Window) {
+        self.beyond = false;
+        self.rolling.keep(&mut self.kept);
+        self.totals.add(means, *duration);
+        let mut summary = outcome::summary(&self.fields.scene, &self.rolling, means);
+        summary["contact"]["friction_work_j"] = self.totals.friction.into();
+        summary["contact"]["apart_s"] = self.totals.apart.into();
+        summary["contact"]["largest_normal_force_n"] = self.totals.largest.into();
+        self.accepted = summary;
+    }
+
+    fn summary(&self, _: &Window) -> Value {
         self.accepted.clone()
     }
 
-    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+    fn terms(&self) -> &Terms {
+        &self.fields.terms
+    }
+
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.fields.terms
+    }
+
+    fn save(&self, _: Option<&Window>, into: &mut dyn Write) -> io::Result<()> {
         write_numbers(into, &self.kept)?;
         let mut totals = self.totals;
         write_numbers(into, totals.numbers().map(|number| &*number))
     }
 
-    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+    fn restore(&mut self, from: &mut dyn Read) -> Result<Option<Window>, StateError> {
         read_numbers(from, &mut self.kept)?;
         read_numbers(from, self.totals.numbers())?;
         self.rolling.restore(&self.kept);
-        self.trial = None;
-        Ok(())
+        self.beyond = false;
+        Ok(None)
     }
 }

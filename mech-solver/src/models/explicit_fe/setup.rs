@@ -10,6 +10,7 @@ use crate::case::ellipse::{Ellipse, Prescribed};
 use crate::case::keys::CheckedParams;
 use crate::case::resolution;
 use crate::case::scene::{Drive, GivenPatch, Load, Scene};
+use crate::models::contact_model::ContactModel;
 use crate::models::precomputed::{self, Precomputed};
 use crate::terms::softening::Softening;
 use crate::terms::{Kind, Terms};
@@ -376,17 +377,19 @@ impl Setup for Prepared {
         let fields = Fields { scene, terms };
         if let Some(axle) = fields.terms.axle {
             rolling.begin(&means);
-            return Ok(Box::new(Passage::new(rolling, &means, axle, fields, wanted, report)));
+            let passage = Passage::new(rolling, &means, axle, fields, report);
+            return Ok(Box::new(ContactModel::new(passage)));
         }
         if fields.terms.warms() {
-            let model = Heated::new(rolling, &means, curve, fields, wanted, report);
-            return Ok(Box::new(model));
+            let heated = Heated::new(rolling, &means, curve, fields, report);
+            return Ok(Box::new(ContactModel::new(heated)));
         }
-        let values = |spec: &&'static FieldSpec| (*spec, fields.values(spec, &rolling));
-        Ok(Box::new(Precomputed {
-            summary: outcome::summary(&fields.scene, &rolling, &means),
-            work: rolling.steps() * elements,
-            fields: wanted.iter().map(values).collect(),
-        }))
+        let values = precomputed::fields(&wanted, &rolling.plane.grid, |spec, values| {
+            fields.write(spec, &rolling, values);
+        });
+        let Fields { scene, terms } = fields;
+        let (summary, work) =
+            (outcome::summary(&scene, &rolling, &means), rolling.steps() * elements);
+        Ok(Precomputed { summary, work, fields: values, terms }.model())
     }
 }

@@ -1,12 +1,10 @@
-//! What a case asks of the model, the problem that it makes of a scene, and the rows of a history.
+//! Requests of a case to the model, and the problem of a scene.
 
-use super::contact::{Contact, Problem};
-use super::fields;
+use super::contact::Problem;
 use crate::case::ellipse::Ellipse;
 use crate::case::keys::CheckedParams;
 use crate::case::resolution;
 use crate::case::scene::{GivenPatch, Scene};
-use crate::models::row_by_row::Rows;
 use crate::models::springs;
 use crate::terms::Terms;
 use elastic::fastsim::bound::Bound;
@@ -16,10 +14,8 @@ use elastic::fastsim::reduction::Reduction;
 use elastic::kalker::{self, CreepCoefficients};
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
-use proto::field::FieldSpec;
 use proto::grid::Structured;
 use proto::params::Params;
-use serde_json::Value;
 use std::f64::consts::PI;
 
 const TRACTION_BOUND: &str = "mech.traction_bound";
@@ -161,27 +157,4 @@ pub(super) struct Case {
     pub(super) asked: Asked,
     pub(super) terms: Terms,
     pub(super) grid: Structured,
-}
-
-impl Rows for Case {
-    type Contact = Contact;
-
-    fn compute(&self, scene: &Scene, spent: Option<Contact>) -> Result<Contact, Refusal> {
-        let (problem, _) = problem(scene, &self.asked, &self.grid)?;
-        let contact = problem.solve(spent);
-        contact.check_power()?;
-        Ok(contact)
-    }
-
-    fn work(&self, contact: &Contact) -> u64 {
-        cells(&contact.problem) as u64
-    }
-
-    fn summary(&self, contact: &Contact) -> Value {
-        contact.summary()
-    }
-
-    fn write(&self, contact: &Contact, spec: &FieldSpec, values: &mut [f64]) {
-        fields::write(spec, contact, self.grid, &self.terms, values);
-    }
 }

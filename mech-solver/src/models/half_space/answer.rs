@@ -11,7 +11,7 @@ use half_space::area::contact_area;
 use half_space::extent::Moments;
 use half_space::levels::Solution;
 use half_space::tangential::{Creepage, ElementState, TangentialState};
-use proto::field;
+use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::Outputs;
 use serde::{Deserialize, Serialize};
@@ -289,36 +289,36 @@ impl Answer {
         sums
     }
 
-    /// Writes the fields that are asked for; the friction power is the mean over the window, and of it
-    /// what becomes heat.
-    pub(super) fn write(&self, case: &Case, friction_power: &[f64], outputs: &mut dyn Outputs) {
-        let fields: [(_, &[f64]); 5] = [
-            (&field::PRESSURE, &self.pressure),
-            (&field::TRACTION, &self.traction),
-            (&field::SLIP_VELOCITY, &self.slip_velocity),
-            (&field::FRICTION_POWER, friction_power),
-            (&field::SURFACE_SPEED, &self.surface_speed),
-        ];
-        for (spec, values) in fields {
-            if let Some(place) = outputs.get(spec) {
-                place.copy_from_slice(values);
-                if *spec == field::FRICTION_POWER {
-                    case.terms.keep_heat(place);
-                }
+    /// Writes a field; the friction power is the mean over the window, and of it what becomes heat.
+    pub(super) fn write(
+        &self,
+        case: &Case,
+        friction_power: &[f64],
+        spec: &FieldSpec,
+        values: &mut [f64],
+    ) {
+        match *spec {
+            field::PRESSURE => values.copy_from_slice(&self.pressure),
+            field::TRACTION => values.copy_from_slice(&self.traction),
+            field::SLIP_VELOCITY => values.copy_from_slice(&self.slip_velocity),
+            field::FRICTION_POWER => {
+                values.copy_from_slice(friction_power);
+                case.terms.keep_heat(values);
             }
-        }
-        if let Some(place) = outputs.get(&field::CONTACT_FORCE) {
-            let grid = &case.footprint.grid;
-            let [normal, x, y, _] = self.sums(grid).map(|sum| sum * grid.element_area());
-            place.copy_from_slice(&[x, y, normal]);
+            field::SURFACE_SPEED => values.copy_from_slice(&self.surface_speed),
+            field::CONTACT_FORCE => {
+                let grid = &case.footprint.grid;
+                let [normal, x, y, _] = self.sums(grid).map(|sum| sum * grid.element_area());
+                values.copy_from_slice(&[x, y, normal]);
+            }
+            _ => {}
         }
     }
 }
 
 impl Case {
     /// Writes what is observed of an accepted window.
-    pub(super) fn observe(&mut self, answer: &Answer, power: &[f64], outputs: &mut dyn Outputs) {
-        answer.write(self, power, outputs);
+    pub(super) fn observe(&mut self, answer: &Answer, outputs: &mut dyn Outputs) {
         let accepted = answer.accepted();
         self.terms.removal.iter().for_each(|removal| removal.write(outputs));
         for term in &mut self.terms.observations {

@@ -11,9 +11,7 @@ use half_space::extent::{elliptic, sample};
 use half_space::retarded::Delay;
 use half_space::viscoelastic::Bodies;
 use proto::configuration::{Configuration, Refusal};
-use proto::field;
 use proto::grid::Structured;
-use proto::model::Outputs;
 
 /// A checked case.
 #[derive(Debug)]
@@ -116,13 +114,6 @@ impl Case {
         }
     }
 
-    /// Grid of slip and friction power: the contact grid, or half an element upstream of it.
-    pub(super) fn passage_grid(&self) -> Structured {
-        let mut passage = self.footprint.grid;
-        passage.origin[0] += self.passage().middle;
-        passage
-    }
-
     /// The pressure of the ellipse that the case gives, scaled so that it carries the ellipse's
     /// load; zero if it is to be solved for. Means of the elements; with the upwind difference
     /// values at their centres, as in CONTACT.
@@ -140,19 +131,6 @@ impl Case {
         let sum = pressure.iter().sum::<f64>() * grid.element_area();
         pressure.iter_mut().for_each(|value| *value *= ellipse.normal_force / sum);
         pressure
-    }
-
-    /// What holds before the first solve: nothing slips.
-    pub(super) fn first_outputs(&self, outputs: &mut dyn Outputs) {
-        let speeds = self.scene.speeds.of_surfaces(0.0);
-        for spec in field::TABLE {
-            if let Some(place) = outputs.get(spec) {
-                match *spec {
-                    field::SURFACE_SPEED => place.copy_from_slice(&speeds),
-                    _ => place.fill(0.0),
-                }
-            }
-        }
     }
 }
 

@@ -1,22 +1,24 @@
 //! Steady rolling, or sliding without partial slip: no memory.
 //!
-//! Solved in the first window; the answer is kept, since nothing that it depends on changes. Where
-//! friction or the surfaces depend on what comes in it is solved in every iteration, from scratch, so that it depends
-//! on that and on nothing else. Of a case whose values vary every window is solved,
-//! from the accepted solution of an earlier one.
+//! It is solved in the first window; the answer is kept, since nothing that it depends on changes.
+//! Where friction or the surfaces depend on inputs it is solved in every iteration, from scratch, so
+//! that it depends on them and on nothing else. Where values vary every window is solved, from the
+//! accepted solution of an earlier one.
 
 use super::answer::Answer;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use crate::case::scene::GivenPatch;
+use crate::models::contact_model::Contact;
 use crate::models::settled_creepage::SettledCreepage;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
-use crate::terms::removal::Removal;
+use crate::terms::Terms;
 use half_space::levels::{Motion, Solution};
-use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
-use serde_json::{Value, json};
+use proto::field::FieldSpec;
+use proto::model::{Inputs, Outputs, StateError, Step, StepError, StepReport};
+use serde_json::Value;
 use std::io::{self, Read, Write};
 
 /// Most bytes of a state of this model: 4 GiB, which a `usize` of 32 bits holds too.
@@ -31,33 +33,42 @@ pub(super) struct Following {
     pub(super) warm: bool,
 }
 
-/// The model that runs.
+/// A contact without memory.
 pub(super) struct Steady {
     case: Case,
     following: Option<Following>,
     contact: Option<ContactSolver>,
-    answer: Option<(Answer, StepReport)>,
-    /// The window of the answer.
-    window: Step,
-    /// The last row that was accepted, and its answer.
-    shown: Option<(Answer, Step)>,
-    /// The solution of the last row that has one, and its pressure: where the next one starts.
+}
+
+/// A window that is solved.
+pub(super) struct Window {
+    answer: Answer,
+    report: StepReport,
+    step: Step,
+    /// Where values vary the solution of the last row that has one, from which the next one starts.
     near: Near,
-    accepted: Near,
+    /// The force is not the prescribed one.
+    shortfall: Option<Shortfall>,
 }
 
 /// A solution, and the pressure under it.
 type Near = Option<(Solution, Vec<f64>)>;
 
+/// An answer, what it took, and the solution that it is of, if anything may stick.
+type Solved = (Answer, StepReport, Option<Solution>);
+
 impl Steady {
     pub(super) fn new(case: Case, following: Option<Following>) -> Self {
-        let window = Step::STEADY;
-        let (contact, answer, shown) = (None, None, None);
-        Self { case, following, contact, answer, window, shown, near: None, accepted: None }
+        Self { case, following, contact: None }
     }
 
-    /// The answer of a row, from the accepted solution of an earlier one.
-    fn row(&mut self, step: &Step, inputs: &dyn Inputs) -> Result<(Answer, StepReport), StepError> {
+    /// The solution of a row, from the accepted one of an earlier row.
+    fn row(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        accepted: Option<&Window>,
+    ) -> Result<Window, StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         if let Some(following) = &self.following {
             following.varying.refuse_more(step)?;
@@ -68,7 +79,7 @@ impl Steady {
             None => ContactSolver::new(&self.case, Motion::SteadyRolling).map_err(no_solution)?,
         };
         let Some(following) = &self.following else { unreachable!("rows are of what varies") };
-        let near = self.accepted.clone().filter(|_| following.warm);
+        let before = accepted.and_then(|window| window.near.as_ref());
         let row = following.varying.configuration(step);
         let taken = match &mut self.case.terms.removal {
             Some(removal) => removal.follow(&row),
@@ -79,13 +90,17 @@ impl Steady {
             return Err(no_answer(refusal));
         }
         let lost = following.varying.has_axle_load() && self.case.rest_if_lost();
-        let near = near.filter(|_| !lost).map(|(solution, pressure)| {
-            contact.pressure = pressure;
-            Solution::new(solution.state)
+        let start = before.filter(|_| following.warm && !lost).map(|(solution, pressure)| {
+            contact.pressure.clone_from(pressure);
+            Solution::new(solution.state.clone())
         });
-        let solved = self.solve_row(&mut contact, near, inputs);
+        let solved = self.solve_row(&mut contact, start, inputs);
+        let window = solved.map(|(answer, report, found)| {
+            let near = found.map(|found| (found, contact.pressure.clone()));
+            Window { answer, report, step: *step, near, shortfall: contact.shortfall }
+        });
         self.contact = Some(contact);
-        solved
+        window
     }
 
     fn solve_row(
@@ -93,13 +108,11 @@ impl Steady {
         contact: &mut ContactSolver,
         near: Option<Solution>,
         inputs: &dyn Inputs,
-    ) -> Result<(Answer, StepReport), StepError> {
+    ) -> Result<Solved, StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         self.case.expand(inputs)?;
         contact.follow(&self.case, near.is_some(), None).map_err(no_solution)?;
-        let (answer, report, solution) = self.settled(contact, near, inputs)?;
-        self.near = solution.map(|found| (found, contact.pressure.clone()));
-        Ok((answer, report))
+        self.settled(contact, near, inputs)
     }
 
     /// The solver, with the pressure of no friction.
@@ -119,7 +132,7 @@ impl Steady {
         contact: &mut ContactSolver,
         mut near: Option<Solution>,
         inputs: &dyn Inputs,
-    ) -> Result<(Answer, StepReport, Option<Solution>), StepError> {
+    ) -> Result<Solved, StepError> {
         let Case { driven, terms, footprint, .. } = &self.case;
         let searched = driven.has_force() && terms.friction.follows_slip();
         let first = near.as_ref().filter(|_| searched).map(|near| near.state.creepage);
@@ -143,7 +156,7 @@ impl Steady {
         contact: &mut ContactSolver,
         near: Option<Solution>,
         inputs: &dyn Inputs,
-    ) -> Result<(Answer, StepReport, Option<Solution>), StepError> {
+    ) -> Result<Solved, StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         let driven = self.case.driven;
         let case = &mut self.case;
@@ -174,112 +187,113 @@ impl Steady {
     }
 }
 
-impl Model for Steady {
+impl Contact for Steady {
+    type Window = Window;
+
     fn solve(
         &mut self,
         step: &Step,
         inputs: &dyn Inputs,
-        outputs: &mut dyn Outputs,
-    ) -> Result<StepReport, StepError> {
-        let fixed = !self.case.terms.follow_inputs() && self.following.is_none();
-        // What a row without an answer leaves is the answer of an earlier one.
-        let known = if fixed { self.answer.take() } else { None };
-        let (answer, report) = match known {
-            Some(known) => known,
-            None if self.following.is_some() => self.row(step, inputs)?,
-            None => {
-                let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
-                let raised = self.case.expand(inputs)?;
-                let mut contact = self.contact().map_err(no_solution)?;
-                if raised {
-                    contact.follow(&self.case, false, None).map_err(no_solution)?;
-                }
-                let (answer, report, _) = self.settled(&mut contact, None, inputs)?;
-                self.contact = Some(contact);
-                (answer, report)
-            }
-        };
-        answer.write(&self.case, &answer.friction_power, outputs);
-        if let Some(removal) = &mut self.case.terms.removal {
-            removal.take(&self.case.footprint.grid, &answer.accepted());
-        }
-        self.answer = Some((answer, report));
-        self.window = *step;
-        Ok(report)
-    }
-
-    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        self.case.first_outputs(outputs);
-    }
-
-    fn acceptable(&self) -> Result<(), StepError> {
-        let shortfall = self.contact.as_ref().and_then(|contact| contact.shortfall);
-        Shortfall::refused(shortfall, &self.case.terms)?;
-        let mut removal = self.case.terms.removal.iter().filter(|_| self.following.is_some());
-        removal.try_for_each(Removal::refuse_too_much)
-    }
-
-    fn accept(&mut self) {
+        accepted: Option<&Window>,
+        _spent: Option<Window>,
+    ) -> Result<Window, StepError> {
         if self.following.is_some() {
-            self.accepted.clone_from(&self.near);
-            self.shown = self.answer.take().map(|(answer, _)| (answer, self.window));
+            return self.row(step, inputs, accepted);
         }
-        self.case.terms.accept();
+        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
+        let raised = self.case.expand(inputs)?;
+        let mut contact = self.contact().map_err(no_solution)?;
+        if raised {
+            contact.follow(&self.case, false, None).map_err(no_solution)?;
+        }
+        let (answer, report, _) = self.settled(&mut contact, None, inputs)?;
+        let shortfall = contact.shortfall;
+        self.contact = Some(contact);
+        Ok(Window { answer, report, step: *step, near: None, shortfall })
     }
 
-    fn observe(&mut self, outputs: &mut dyn Outputs) {
-        let own = self.answer.as_ref().map(|(answer, _)| answer);
-        if let Some(answer) = self.shown.as_ref().map(|(answer, _)| answer).or(own) {
-            self.case.observe(answer, &answer.friction_power, outputs);
+    fn solves(&self, _: &Window, _: &Step) -> bool {
+        !self.case.terms.follow_inputs() && self.following.is_none()
+    }
+
+    fn first_speeds(&self) -> [f64; 2] {
+        self.case.scene.speeds.of_surfaces(0.0)
+    }
+
+    fn report(&self, window: &Window) -> StepReport {
+        window.report
+    }
+
+    fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
+        window.answer.write(&self.case, &window.answer.friction_power, spec, values);
+    }
+
+    fn acceptable(&self, window: &Window) -> Result<(), StepError> {
+        let Case { terms, footprint, .. } = &self.case;
+        Shortfall::refused(window.shortfall, terms)?;
+        let mut removal = terms.removal.iter().filter(|_| self.following.is_some());
+        let accepted = window.answer.accepted();
+        removal.try_for_each(|removal| removal.refuse_too_much(&footprint.grid, &accepted))
+    }
+
+    fn accept(&mut self, window: &Window) {
+        if let Some(removal) = &mut self.case.terms.removal {
+            removal.take(&self.case.footprint.grid, &window.answer.accepted());
         }
     }
 
-    fn summary(&self) -> Value {
-        let Some(following) = &self.following else {
-            return self.answer.as_ref().map_or(json!({}), |(answer, _)| self.case.summary(answer));
-        };
-        let Some((answer, window)) = &self.shown else { return json!({}) };
-        let mut summary = self.case.summary(answer);
-        following.varying.add_to(&mut summary["contact"], window);
+    fn observe(&mut self, window: &Window, outputs: &mut dyn Outputs) {
+        self.case.observe(&window.answer, outputs);
+    }
+
+    fn summary(&self, window: &Window) -> Value {
+        let mut summary = self.case.summary(&window.answer);
+        if let Some(following) = &self.following {
+            following.varying.add_to(&mut summary["contact"], &window.step);
+        }
         summary
     }
 
-    fn save(&self, mut into: &mut dyn Write) -> io::Result<()> {
-        self.case.terms.save(into)?;
+    fn terms(&self) -> &Terms {
+        &self.case.terms
+    }
+
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.case.terms
+    }
+
+    /// Only rows of what varies start from the one before.
+    fn save(&self, accepted: Option<&Window>, mut into: &mut dyn Write) -> io::Result<()> {
         if self.following.is_none() {
             return Ok(());
         }
-        let config = bincode::config::standard();
-        let shown = self.shown.as_ref().map(|(answer, Step { window, iteration, start, end })| {
-            (answer, (window, iteration, start, end))
+        let state = accepted.map(|Window { answer, step, near, .. }| {
+            let Step { window, iteration, start, end } = step;
+            (near, answer, (window, iteration, start, end))
         });
-        let state = (&self.accepted, shown);
+        let config = bincode::config::standard();
         let written = bincode::serde::encode_into_std_write(state, &mut into, config);
         written.map(|_| ()).map_err(io::Error::other)
     }
 
-    fn restore(&mut self, mut from: &mut dyn Read) -> Result<(), StateError> {
-        self.case.terms.restore(from)?;
+    fn restore(&mut self, mut from: &mut dyn Read) -> Result<Option<Window>, StateError> {
         if self.following.is_none() {
-            return Ok(());
+            return Ok(None);
         }
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
-        type Shown = Option<(Answer, (u64, u32, f64, f64))>;
-        let (near, shown): (Near, Shown) = bincode::serde::decode_from_std_read(&mut from, config)
+        type State = (Near, Answer, (u64, u32, f64, f64));
+        let state: Option<State> = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|error| wrong(error.to_string()))?;
+        let Some((near, answer, (window, iteration, start, end))) = state else { return Ok(None) };
         let count = self.case.footprint.grid.points();
-        let fits = |(solution, pressure): &(Solution, Vec<f64>)| {
+        let fits = near.as_ref().is_none_or(|(solution, pressure)| {
             solution.state.fits(count) && pressure.len() == count
-        };
-        let of_grid = |(answer, _): &(Answer, _)| answer.is_on(count);
-        if near.as_ref().is_some_and(|near| !fits(near)) || !shown.as_ref().is_none_or(of_grid) {
+        });
+        if !fits || !answer.is_on(count) {
             return Err(wrong("it is a state on another grid".to_owned()));
         }
-        self.accepted = near;
-        self.shown = shown.map(|(answer, (window, iteration, start, end))| {
-            (answer, Step { window, iteration, start, end })
-        });
-        Ok(())
+        let (step, report) = (Step { window, iteration, start, end }, StepReport::default());
+        Ok(Some(Window { answer, report, step, near, shortfall: None }))
     }
 }

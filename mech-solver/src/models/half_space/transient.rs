@@ -30,13 +30,16 @@ use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::creeping::{Creeping, Crept, Instant};
 use super::steady::{Following, MOST_BYTES};
+use crate::models::contact_model::Contact;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::no_answer;
+use crate::terms::Terms;
 use half_space::difference::Difference;
 use half_space::dissipation::shared;
 use half_space::levels::{History, Motion, Solution};
 use half_space::tangential::TangentialState;
-use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use proto::field::FieldSpec;
+use proto::model::{Inputs, Outputs, StateError, Step, StepError, StepReport};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io::{self, Read, Write};
@@ -44,7 +47,7 @@ use std::io::{self, Read, Write};
 /// A rest of a mechanical step shorter than this share of it is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The model that runs.
+/// A contact with memory.
 pub(super) struct Transient {
     case: Case,
     following: Option<Following>,
@@ -53,17 +56,23 @@ pub(super) struct Transient {
     /// Solver of further steps, where they differ.
     further: Option<ContactSolver>,
     creeping: Option<Creeping>,
-    accepted: Memory,
-    trial: Memory,
+    /// The state before the first window.
+    start: Memory,
+    /// It still has to become steady rolling.
+    begins: bool,
+}
+
+/// A window that is solved.
+pub(super) struct Window {
+    memory: Memory,
     /// Mean friction power over the window [W/m²].
     power: Vec<f64>,
-    /// It still has to begin from the steady state.
-    begins: bool,
-    /// A step of the last solve has not the prescribed force.
+    report: StepReport,
+    /// A step has not the prescribed force.
     shortfall: Option<Shortfall>,
 }
 
-/// What a step leaves for the next one.
+/// State that a step leaves for the next one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Memory {
     solution: Solution,
@@ -202,39 +211,27 @@ impl Transient {
         let further = case.difference == Difference::Fromm && case.scene.speeds.rolling > 0.0;
         let further =
             further.then(|| ContactSolver::new(&case, Motion::RollingStep)).transpose()?;
-        let mut accepted = Memory::at_rest(&case, &mut contact);
+        let mut start = Memory::at_rest(&case, &mut contact);
         if following.is_some() {
-            accepted = accepted.apart();
+            start = start.apart();
         }
         let zeros = vec![0.0; contact.pressure.len()];
         let mut creeping = None;
         if !case.delays.is_empty() {
             let normal = match following {
                 Some(_) => zeros.clone(),
-                None => contact.normal_displacement(&accepted.solution.state),
+                None => contact.normal_displacement(&start.solution.state),
             };
-            let (operators, crept) = Creeping::new(&case, &accepted.pressure, normal);
-            accepted.crept = crept;
+            let (operators, crept) = Creeping::new(&case, &start.pressure, normal);
+            start.crept = crept;
             creeping = Some(operators);
         }
         if case.terms.yields.is_some() {
-            let state = &mut accepted.solution.state;
-            (state.plastic, state.yielded) = (zeros.clone(), zeros.clone());
+            let state = &mut start.solution.state;
+            (state.plastic, state.yielded) = (zeros.clone(), zeros);
         }
-        let (trial, power, shortfall) = (accepted.clone(), zeros, None);
         let begins = case.begins_steady;
-        Ok(Self {
-            case,
-            following,
-            trial,
-            accepted,
-            contact,
-            further,
-            creeping,
-            power,
-            begins,
-            shortfall,
-        })
+        Ok(Self { case, following, contact, further, creeping, start, begins })
     }
 
     /// Becomes the steady rolling of the values in the beginning.
@@ -245,22 +242,22 @@ impl Transient {
         let driven = case.driven;
         steady.set_friction(case, inputs, driven.at(0.0).creepage)?;
         let solution = steady.solve_settled(case, inputs, &driven, None, None)?;
-        let accepted = &mut self.accepted;
-        accepted.answer = Answer::partial(case, &steady, &solution, None);
+        let start = &mut self.start;
+        start.answer = Answer::partial(case, &steady, &solution, None);
         if let Some(power) = steady.numerical_dissipation(case, &solution.state) {
-            accepted.answer.add_numerical_dissipation(case, &power);
+            start.answer.add_numerical_dissipation(case, &power);
         }
-        (accepted.pressure, accepted.approach) = (steady.pressure, steady.approach);
-        self.contact.pressure.clone_from(&accepted.pressure);
-        self.contact.displacement(&solution.state, &mut accepted.displacement);
-        accepted.solution = Solution::new(solution.state);
-        accepted.earlier = self.further.as_ref().map(|_| accepted.tangential());
+        (start.pressure, start.approach) = (steady.pressure, steady.approach);
+        self.contact.pressure.clone_from(&start.pressure);
+        self.contact.displacement(&solution.state, &mut start.displacement);
+        start.solution = Solution::new(solution.state);
+        start.earlier = self.further.as_ref().map(|_| start.tangential());
         Ok(())
     }
 
-    /// Takes the values of a window: their means if the bodies roll, where a shift ends else; and of bodies that creep what they
-    /// are at its end.
-    fn follow(&mut self, step: &Step) -> Result<(), StepError> {
+    /// Takes the values of a window: their means if the bodies roll, where a shift ends else; and of
+    /// bodies that creep what they are at its end. `before` is the state in the beginning.
+    fn follow(&mut self, step: &Step, before: &Memory) -> Result<(), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         if let Some(Following { varying, patch, .. }) = &self.following {
             let rolls = self.case.scene.speeds.rolling > 0.0;
@@ -275,59 +272,69 @@ impl Transient {
                 self.contact =
                     ContactSolver::new(&self.case, Motion::Shift).map_err(no_solution)?;
             }
-            creeping.recall(&self.accepted.crept, self.accepted.instant());
+            creeping.recall(&before.crept, before.instant());
         }
         let displaced = self.creeping.as_ref().map(Creeping::normal);
         for contact in self.further.iter_mut().chain([&mut self.contact]) {
-            contact.pressure.clone_from(&self.accepted.pressure);
+            contact.pressure.clone_from(&before.pressure);
             contact.follow(&self.case, true, displaced).map_err(no_solution)?;
         }
         Ok(())
     }
 
-    /// Goes from the accepted state to the end of the window.
-    fn advance(&mut self, duration: f64, inputs: &dyn Inputs) -> Result<StepReport, StepError> {
-        self.shortfall = None;
-        self.trial.clone_from(&self.accepted);
-        self.trial.solution.newton_steps = 0;
-        self.trial.solution.operator_applications = 0;
+    /// Goes from the state before a window to its end.
+    fn advance(
+        &mut self,
+        window: &mut Window,
+        duration: f64,
+        inputs: &dyn Inputs,
+    ) -> Result<(), StepError> {
+        window.memory.solution.newton_steps = 0;
+        window.memory.solution.operator_applications = 0;
         if self.following.is_none() && self.creeping.is_none() {
             for contact in self.further.iter_mut().chain([&mut self.contact]) {
-                contact.pressure.clone_from(&self.accepted.pressure);
-                contact.approach = self.accepted.approach;
+                contact.pressure.clone_from(&window.memory.pressure);
+                contact.approach = window.memory.approach;
             }
         }
-        self.power.fill(0.0);
-        let mut report = StepReport::default();
         let mut rest = duration;
         while rest > ROUNDING * duration {
-            if self.trial.left == 0.0 {
-                self.trial.left = self.step(duration, inputs)?;
-                report.substeps += 1;
+            if window.memory.left == 0.0 {
+                let (step, shortfall) = self.step(&mut window.memory, duration, inputs)?;
+                window.memory.left = step;
+                window.shortfall = window.shortfall.or(shortfall);
+                window.report.substeps += 1;
             }
-            let taken = self.trial.left.min(rest);
+            let Window { memory, power, .. } = window;
+            let taken = memory.left.min(rest);
             let share = taken / duration;
-            for (mean, power) in self.power.iter_mut().zip(&self.trial.answer.friction_power) {
+            for (mean, power) in power.iter_mut().zip(&memory.answer.friction_power) {
                 *mean += share * power;
             }
             rest -= taken;
-            self.trial.left -= taken;
-            if self.trial.left <= ROUNDING * taken {
-                self.trial.left = 0.0;
+            memory.left -= taken;
+            if memory.left <= ROUNDING * taken {
+                memory.left = 0.0;
             }
         }
+        let Window { memory, power, report, .. } = window;
         if duration == 0.0 {
-            self.power.clone_from(&self.trial.answer.friction_power);
+            power.clone_from(&memory.answer.friction_power);
         }
-        report.inner_iterations = self.trial.solution.newton_steps as u32;
-        report.work = self.trial.solution.operator_applications as u64;
-        Ok(report)
+        report.inner_iterations = memory.solution.newton_steps as u32;
+        report.work = memory.solution.operator_applications as u64;
+        Ok(())
     }
 
-    /// One mechanical step of the trial; its duration [s].
-    fn step(&mut self, window: f64, inputs: &dyn Inputs) -> Result<f64, StepError> {
+    /// One mechanical step; its duration [s], and what its force falls short by.
+    fn step(
+        &mut self,
+        trial: &mut Memory,
+        window: f64,
+        inputs: &dyn Inputs,
+    ) -> Result<(f64, Option<Shortfall>), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
-        let (case, trial) = (&mut self.case, &mut self.trial);
+        let case = &mut self.case;
         let rolls = case.scene.speeds.rolling > 0.0;
         let earlier = trial.earlier.take();
         case.first_step = earlier.is_none();
@@ -359,7 +366,7 @@ impl Transient {
             _ => &mut self.contact,
         };
         trial.solution = contact.solve_settled(case, inputs, &driven, near, Some(history))?;
-        self.shortfall = self.shortfall.or(contact.shortfall);
+        let shortfall = contact.shortfall;
         trial.answer = Answer::partial(case, contact, &trial.solution, Some(&before.traction));
         let state = &trial.solution.state;
         if let Some(power) = contact.numerical_dissipation(case, state) {
@@ -410,7 +417,7 @@ impl Transient {
         }
         trial.earlier = self.further.as_ref().map(|_| before);
         (trial.pressure, trial.approach) = (pressure, approach);
-        Ok(case.passage().duration)
+        Ok((case.passage().duration, shortfall))
     }
 }
 
@@ -433,71 +440,92 @@ impl Start {
     }
 }
 
-impl Model for Transient {
+impl Contact for Transient {
+    type Window = Window;
+
     fn solve(
         &mut self,
         step: &Step,
         inputs: &dyn Inputs,
-        outputs: &mut dyn Outputs,
-    ) -> Result<StepReport, StepError> {
-        if std::mem::take(&mut self.begins) {
+        accepted: Option<&Window>,
+        spent: Option<Window>,
+    ) -> Result<Window, StepError> {
+        if accepted.is_none() && std::mem::take(&mut self.begins) {
             self.begin(inputs)?;
         }
-        self.follow(step)?;
+        let before = accepted.map_or(&self.start, |window| &window.memory);
+        let report = StepReport::default();
+        let mut window = match spent {
+            Some(Window { mut memory, mut power, .. }) => {
+                memory.clone_from(before);
+                power.fill(0.0);
+                Window { memory, power, report, shortfall: None }
+            }
+            None => {
+                let power = vec![0.0; before.pressure.len()];
+                Window { memory: before.clone(), power, report, shortfall: None }
+            }
+        };
+        self.follow(step, &window.memory)?;
         let creepage = self.case.driven.at(0.0).creepage;
         for contact in self.further.iter_mut().chain([&mut self.contact]) {
             contact.set_friction(&mut self.case, inputs, creepage)?;
         }
-        let report = self.advance(step.duration(), inputs)?;
-        self.trial.answer.write(&self.case, &self.power, outputs);
-        Ok(report)
+        self.advance(&mut window, step.duration(), inputs)?;
+        Ok(window)
     }
 
-    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        self.case.first_outputs(outputs);
+    fn first_speeds(&self) -> [f64; 2] {
+        self.case.scene.speeds.of_surfaces(0.0)
     }
 
-    fn acceptable(&self) -> Result<(), StepError> {
-        Shortfall::refused(self.shortfall, &self.case.terms)
+    fn report(&self, window: &Window) -> StepReport {
+        window.report
     }
 
-    fn accept(&mut self) {
-        self.accepted.clone_from(&self.trial);
-        self.case.terms.accept();
+    fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
+        window.memory.answer.write(&self.case, &window.power, spec, values);
     }
 
-    fn observe(&mut self, outputs: &mut dyn Outputs) {
-        self.case.observe(&self.accepted.answer, &self.power, outputs);
+    fn acceptable(&self, window: &Window) -> Result<(), StepError> {
+        Shortfall::refused(window.shortfall, &self.case.terms)
     }
 
-    fn summary(&self) -> Value {
-        self.case.summary(&self.accepted.answer)
+    fn observe(&mut self, window: &Window, outputs: &mut dyn Outputs) {
+        self.case.observe(&window.memory.answer, outputs);
     }
 
-    fn save(&self, mut into: &mut dyn Write) -> io::Result<()> {
-        self.case.terms.save(into)?;
+    fn summary(&self, window: &Window) -> Value {
+        self.case.summary(&window.memory.answer)
+    }
+
+    fn terms(&self) -> &Terms {
+        &self.case.terms
+    }
+
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.case.terms
+    }
+
+    fn save(&self, accepted: Option<&Window>, mut into: &mut dyn Write) -> io::Result<()> {
+        let memory = accepted.map_or(&self.start, |window| &window.memory);
         let config = bincode::config::standard();
-        bincode::serde::encode_into_std_write(&self.accepted, &mut into, config)
+        bincode::serde::encode_into_std_write(memory, &mut into, config)
             .map(|_| ())
             .map_err(io::Error::other)
     }
 
-    fn restore(&mut self, mut from: &mut dyn Read) -> Result<(), StateError> {
-        self.case.terms.restore(from)?;
+    fn restore(&mut self, mut from: &mut dyn Read) -> Result<Option<Window>, StateError> {
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
         let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|e| wrong(e.to_string()))?;
-        let layer =
-            memory.solution.state.plastic.len() == self.accepted.solution.state.plastic.len();
-        let creeps = memory.crept.is_like(&self.accepted.crept);
-        if !memory.fits(self.power.len()) || !layer || !creeps {
+        let layer = memory.solution.state.plastic.len() == self.start.solution.state.plastic.len();
+        let creeps = memory.crept.is_like(&self.start.crept);
+        if !memory.fits(self.start.pressure.len()) || !layer || !creeps {
             return Err(wrong("it is a state on another grid".to_owned()));
         }
-        self.begins = false;
-        self.trial.clone_from(&memory);
-        self.accepted = memory;
-        self.power.clone_from(&self.accepted.answer.friction_power);
-        Ok(())
+        let (power, report) = (memory.answer.friction_power.clone(), StepReport::default());
+        Ok(Some(Window { memory, power, report, shortfall: None }))
     }
 }

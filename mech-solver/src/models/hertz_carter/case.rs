@@ -1,19 +1,16 @@
 //! What is known before the model is built.
 
-use super::contact::{Contact, CreepLaw};
-use crate::case::scene::Scene;
+use super::contact::CreepLaw;
+use crate::case::scene::GivenPatch;
 use crate::terms::Terms;
-use proto::field::FieldSpec;
 use proto::grid::Structured;
 
 /// A checked case.
 pub(super) struct Case {
-    pub(super) scene: Scene,
-    pub(super) contact: Contact,
+    /// The ellipse that the case gives, if it does.
+    pub(super) given: Option<GivenPatch>,
     pub(super) law: CreepLaw,
     /// The terms of the active effects.
     pub(super) terms: Terms,
     pub(super) grid: Structured,
-    /// The fields that this run asks for.
-    pub(super) wanted: Vec<&'static FieldSpec>,
 }

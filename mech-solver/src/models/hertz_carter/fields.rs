@@ -1,7 +1,7 @@
 //! The fields of the contact as element means.
 
 use super::contact::Contact;
-use crate::models::precomputed::{count, points};
+use crate::models::precomputed::points;
 use crate::terms::Terms;
 use elastic::slip::Slip;
 use elastic::strips::carter::{CarterPower, CarterSlip, CarterTraction};
@@ -11,19 +11,7 @@ use elastic::strips::{Lateral, StripField, Strips};
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 
-/// Values of a field that the model or one of its effects provides, component-major.
-pub(super) fn values(
-    spec: &FieldSpec,
-    contact: &Contact,
-    grid: Structured,
-    terms: &Terms,
-) -> Vec<f64> {
-    let mut values = vec![0.0; count(spec, &grid)];
-    write(spec, contact, grid, terms, &mut values);
-    values
-}
-
-/// Writes them.
+/// Writes the values of a field that the model or one of its effects provides, component-major.
 pub(super) fn write(
     spec: &FieldSpec,
     contact: &Contact,

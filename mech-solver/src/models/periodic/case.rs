@@ -86,4 +86,8 @@ impl Case {
     pub(super) fn slip_velocity(&self) -> [f64; 2] {
         self.creepage.map(|creepage| creepage * self.scene.speeds.rolling)
     }
+    /// Speeds of the upper and the lower surface [m/s].
+    pub(super) fn surface_speeds(&self) -> [f64; 2] {
+        self.scene.speeds.of_surfaces(self.creepage[0])
+    }
 }

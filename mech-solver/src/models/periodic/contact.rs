@@ -1,15 +1,16 @@
-//! The model that runs.
+//! Windows of the contact.
 
 use super::case::Case;
+use crate::models::contact_model::Contact;
+use crate::terms::Terms;
 use crate::terms::friction::{FrictionState, lateral};
 use crate::terms::surface::raise;
 use elastic::slip::RigidSlip;
 use half_space::friction::ElementFriction;
 use half_space::normal::{NormalContact, NormalSolver, Prescribed};
 use proto::field::{self, FieldSpec};
-use proto::model::{Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use proto::model::{Inputs, Step, StepError, StepReport};
 use serde_json::{Value, json};
-use std::io::{self, Read, Write};
 
 /// A contact that slides everywhere.
 pub(super) struct Sliding {
@@ -21,9 +22,16 @@ pub(super) struct Sliding {
     distance: Vec<f64>,
     /// What heat raises [m].
     rises: Vec<f64>,
+}
+
+/// A window that is solved.
+pub(super) struct Window {
+    solved: NormalContact,
+    /// Pressure of the elements [Pa].
     pressure: Vec<f64>,
     friction: ElementFriction,
-    solved: Option<NormalContact>,
+    /// Mean distance of the deformed surfaces [m].
+    separation: f64,
 }
 
 impl Sliding {
@@ -33,19 +41,11 @@ impl Sliding {
         let mut solver = NormalSolver::repeating(grid.ni, grid.nj, spacing, case.compliance());
         solver.pressure_bound = case.terms.pressure_bound();
         let heights = case.distance();
-        Self {
-            solver,
-            distance: heights.clone(),
-            heights,
-            rises: vec![0.0; if case.terms.expansion.is_some() { grid.points() } else { 0 }],
-            pressure: vec![0.0; grid.points()],
-            friction: ElementFriction::uniform(grid.points(), case.scene.friction_coefficient),
-            solved: None,
-            case,
-        }
+        let rises = vec![0.0; if case.terms.expansion.is_some() { grid.points() } else { 0 }];
+        Self { solver, distance: heights.clone(), heights, rises, case }
     }
 
-    /// Takes by how much heat raises the surfaces from the distance.
+    /// Takes the rise of the surfaces by heat from the distance.
     fn expand(&mut self, inputs: &dyn Inputs) -> Result<(), StepError> {
         let Some(coefficients) = self.case.terms.expansion else { return Ok(()) };
         let Case { scene, grid, .. } = &self.case;
@@ -56,57 +56,36 @@ impl Sliding {
         Ok(())
     }
 
-    fn write(&self, outputs: &mut dyn Outputs) {
-        let count = self.pressure.len();
-        let [vx, vy] = self.case.slip_velocity();
-        let speed = vx.hypot(vy);
-        let against = if speed > 0.0 { [-vx / speed, -vy / speed] } else { [0.0; 2] };
-        let bound = |at: usize| self.friction.bound(at, self.pressure[at]);
-        let fill = |values: &mut [f64], of: &dyn Fn(usize) -> [f64; 2]| {
-            for at in 0..count {
-                [values[at], values[count + at]] = of(at);
-            }
-        };
-        if let Some(values) = outputs.get(&field::PRESSURE) {
-            values.copy_from_slice(&self.pressure);
+    /// Mean distance of the deformed surfaces [m].
+    fn separation(&self, solved: &NormalContact) -> f64 {
+        let count = self.case.grid.points();
+        if solved.contact_elements == count {
+            return 0.0;
         }
-        if let Some(values) = outputs.get(&field::TRACTION) {
-            fill(values, &|at| against.map(|part| part * bound(at)));
-        }
-        if let Some(values) = outputs.get(&field::SLIP_VELOCITY) {
-            let touches = |at: usize| f64::from(u8::from(self.pressure[at] > 0.0));
-            fill(values, &|at| [vx * touches(at), vy * touches(at)]);
-        }
-        if let Some(values) = outputs.get(&field::FRICTION_POWER) {
-            values.iter_mut().enumerate().for_each(|(at, power)| *power = bound(at) * speed);
-            self.case.terms.keep_heat(values);
-        }
-        self.write_speeds(outputs);
-    }
-
-    fn write_speeds(&self, outputs: &mut dyn Outputs) {
-        if let Some(values) = outputs.get(&field::SURFACE_SPEED) {
-            values.copy_from_slice(&self.case.scene.speeds.of_surfaces(self.case.creepage[0]));
-        }
+        let distances = self.distance.iter().zip(self.solver.displacement());
+        distances.map(|(h, u)| h + u).sum::<f64>() / count as f64 - solved.approach
     }
 }
 
-impl Model for Sliding {
+impl Contact for Sliding {
+    type Window = Window;
+
     fn solve(
         &mut self,
         _step: &Step,
         inputs: &dyn Inputs,
-        outputs: &mut dyn Outputs,
-    ) -> Result<StepReport, StepError> {
+        _accepted: Option<&Window>,
+        spent: Option<Window>,
+    ) -> Result<Window, StepError> {
         self.expand(inputs)?;
-        self.pressure.fill(self.case.mean_pressure());
+        let grid = &self.case.grid;
+        let mut pressure = spent.map_or_else(|| vec![0.0; grid.points()], |spent| spent.pressure);
+        pressure.fill(self.case.mean_pressure());
         let load = Prescribed::Load(self.case.load);
-        let solved = self.solver.solve(&self.distance, load, &mut self.pressure);
+        let solved = self.solver.solve(&self.distance, load, &mut pressure);
         let solved = solved.map_err(|error| StepError::NoSolution(error.to_string()))?;
-        self.solved = Some(solved);
         let [xi, eta] = self.case.creepage;
         let slip = RigidSlip { creepage: [xi, eta, 0.0], speed: self.case.scene.speeds.rolling };
-        let grid = &self.case.grid;
         let state = FrictionState {
             velocity: None,
             inputs: Some(inputs),
@@ -114,54 +93,69 @@ impl Model for Sliding {
             rigid_slip: &|index| slip.at(grid, index),
             grid,
             coordinate: &lateral(grid, 0.0),
-            pressure: &self.pressure,
+            pressure: &pressure,
         };
         let coefficient = self.case.scene.friction_coefficient;
-        self.friction = self.case.terms.friction.evaluate(coefficient, &state)?;
-        self.write(outputs);
-        Ok(StepReport {
+        let friction = self.case.terms.friction.evaluate(coefficient, &state)?;
+        let separation = self.separation(&solved);
+        Ok(Window { solved, pressure, friction, separation })
+    }
+
+    fn first_speeds(&self) -> [f64; 2] {
+        self.case.surface_speeds()
+    }
+
+    fn report(&self, window: &Window) -> StepReport {
+        StepReport {
             substeps: 1,
-            inner_iterations: solved.iterations as u32,
-            work: solved.convolutions as u64,
+            inner_iterations: window.solved.iterations as u32,
+            work: window.solved.convolutions as u64,
             ..StepReport::default()
-        })
-    }
-
-    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        for spec in field::TABLE.iter().filter(|spec: &&FieldSpec| **spec != field::SURFACE_SPEED) {
-            if let Some(values) = outputs.get(spec) {
-                values.fill(0.0);
-            }
         }
-        self.write_speeds(outputs);
     }
 
-    fn accept(&mut self) {
-        self.case.terms.accept();
+    fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
+        let Window { pressure, friction, .. } = window;
+        let [vx, vy] = self.case.slip_velocity();
+        let speed = vx.hypot(vy);
+        let bound = |at: usize| friction.bound(at, pressure[at]);
+        let fill = |values: &mut [f64], of: &dyn Fn(usize) -> [f64; 2]| {
+            for at in 0..pressure.len() {
+                [values[at], values[pressure.len() + at]] = of(at);
+            }
+        };
+        match *spec {
+            field::PRESSURE => values.copy_from_slice(pressure),
+            field::TRACTION => {
+                let against = if speed > 0.0 { [-vx / speed, -vy / speed] } else { [0.0; 2] };
+                fill(values, &|at| against.map(|part| part * bound(at)));
+            }
+            field::SLIP_VELOCITY => {
+                let touches = |at: usize| f64::from(u8::from(pressure[at] > 0.0));
+                fill(values, &|at| [vx * touches(at), vy * touches(at)]);
+            }
+            field::FRICTION_POWER => {
+                values.iter_mut().enumerate().for_each(|(at, power)| *power = bound(at) * speed);
+                self.case.terms.keep_heat(values);
+            }
+            field::SURFACE_SPEED => values.copy_from_slice(&self.case.surface_speeds()),
+            _ => {}
+        }
     }
 
-    fn observe(&mut self, outputs: &mut dyn Outputs) {
-        self.write(outputs);
-    }
-
-    fn summary(&self) -> Value {
-        let Some(solved) = &self.solved else { return json!({}) };
+    fn summary(&self, window: &Window) -> Value {
+        let Window { solved, pressure, friction, separation } = window;
         let (case, area) = (&self.case, self.case.grid.element_area());
         let mean = case.mean_pressure();
-        let count = self.pressure.len() as f64;
-        let square = self.pressure.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / count;
-        let distances = self.distance.iter().zip(self.solver.displacement());
-        let separation = match solved.contact_elements == self.pressure.len() {
-            true => 0.0,
-            false => distances.map(|(h, u)| h + u).sum::<f64>() / count - solved.approach,
-        };
+        let count = pressure.len() as f64;
+        let square = pressure.iter().map(|p| (p - mean).powi(2)).sum::<f64>() / count;
         let [vx, vy] = case.slip_velocity();
         let speed = vx.hypot(vy);
-        let bounds = || self.friction.bounds(&self.pressure);
+        let bounds = || friction.bounds(pressure);
         let force = bounds().sum::<f64>() * area;
         let against = |part: f64| if speed > 0.0 { 0.0 - force * part / speed } else { 0.0 };
         json!({"contact": {
-            "max_pressure_pa": self.pressure.iter().copied().fold(0.0, f64::max),
+            "max_pressure_pa": pressure.iter().copied().fold(0.0, f64::max),
             "pressure_deviation_pa": square.sqrt(),
             "normal_force_n": solved.normal_force,
             "area_m2": solved.contact_elements as f64 * area,
@@ -178,11 +172,11 @@ impl Model for Sliding {
         }})
     }
 
-    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
-        self.case.terms.save(into)
+    fn terms(&self) -> &Terms {
+        &self.case.terms
     }
 
-    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
-        self.case.terms.restore(from)
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.case.terms
     }
 }

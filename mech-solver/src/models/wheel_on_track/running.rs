@@ -4,14 +4,15 @@ use super::case::{Case, Position};
 use super::interface::Between;
 use super::plane::Plane;
 use super::summary::summary;
-use crate::models::each_window::{Nothing, Windows, write_pair};
+use crate::models::contact_model::{Contact, Nothing, write_pair};
 use crate::models::varying::no_answer;
-use crate::terms::Accepted;
+use crate::terms::{Accepted, Terms};
 use numerics::team::{self, Team};
 use proto::configuration::{Configuration, Refusal};
 use proto::field::{self, FieldSpec};
-use proto::model::{Inputs, Outputs, Step, StepError};
+use proto::model::{Inputs, Outputs, Step, StepError, StepReport};
 use serde_json::Value;
+use std::iter;
 use wheel_rail::balance::{Balanced, WheelsetOnTrack};
 use wheel_rail::developed::Developed;
 use wheel_rail::patch::Patch;
@@ -35,7 +36,11 @@ pub(super) struct Running {
     /// The solver, once for each thread.
     solvers: Team<WheelsetOnTrack>,
     /// Windows that are solved at once.
-    at_once: usize,
+    at_once: u64,
+    /// Rows of a history; 0 if there is none.
+    rows: u64,
+    /// Windows to come, the next one last, that were solved with one before.
+    ahead: Vec<(Position, Result<Window, StepError>)>,
 }
 
 impl Running {
@@ -44,15 +49,42 @@ impl Running {
         plane: Plane,
         configuration: &Configuration,
     ) -> Result<Self, Refusal> {
-        let threads = match configuration.histories {
+        let history = configuration.histories.as_ref();
+        let threads = match history {
             Some(_) if !case.terms.follow_inputs() => team::threads(),
             _ => 1,
         };
+        let rows = history.filter(|of| of.rows && of.live.is_none()).map_or(0, |of| of.times.len());
         let solver = |_| case.wheelset_on_track(1.0, case.settings.patch_surface);
         let solvers = (0..threads).map(solver).collect::<Result<Vec<_>, _>>()?;
         let at_once = if threads > 1 { ROWS_OF_A_THREAD * threads } else { 1 };
         let configuration = configuration.clone();
-        Ok(Self { case, plane, configuration, solvers: solvers.into(), at_once })
+        let (solvers, ahead) = (solvers.into(), Vec::new());
+        let (at_once, rows) = (at_once as u64, rows as u64);
+        Ok(Self { case, plane, configuration, solvers, at_once, rows, ahead })
+    }
+
+    /// What a window prescribes.
+    fn position(&self, step: &Step) -> Result<Position, StepError> {
+        self.case.position(&self.configuration.case_at(step)).map_err(no_answer)
+    }
+
+    /// Solves a window and those behind it.
+    fn solve_from(&mut self, position: Position, step: &Step) {
+        let last = self.rows.min(step.window + self.at_once);
+        let behind = (step.window + 1..last)
+            .map_while(|window| self.position(&Step { window, ..*step }).ok());
+        let positions: Vec<Position> = iter::once(position).chain(behind).collect();
+        let mut solved: Vec<_> = positions.iter().map(|_| None).collect();
+        let of = (&self.case, &self.plane);
+        let places = positions.iter().zip(&mut solved);
+        let operations = team::WORTH * positions.len() as u64;
+        self.solvers.sweep(operations, places, |solver, (position, place)| {
+            *place = Some(Self::solved(of, solver, position, &Nothing));
+            1
+        });
+        self.ahead = positions.into_iter().zip(solved.into_iter().flatten()).collect();
+        self.ahead.reverse();
     }
 
     /// Solves a window from nothing, on a thread with its solver.
@@ -73,32 +105,53 @@ impl Running {
     }
 }
 
-impl Windows for Running {
-    type Row = Position;
+impl Contact for Running {
     type Window = Window;
 
-    fn row(&self, step: &Step) -> Result<Position, StepError> {
-        self.case.position(&self.configuration.case_at(step)).map_err(no_answer)
+    /// Rows of a history into which nothing comes are solved several at once, each by a thread.
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        _accepted: Option<&Window>,
+        _spent: Option<Window>,
+    ) -> Result<Window, StepError> {
+        let position = self.position(step)?;
+        if self.case.terms.follow_inputs() {
+            let of = (&self.case, &self.plane);
+            return Self::solved(of, self.solvers.first(), &position, inputs);
+        }
+        match self.ahead.iter().rposition(|(solved, _)| *solved == position) {
+            Some(place) => self.ahead.truncate(place + 1),
+            None => self.solve_from(position, step),
+        }
+        self.ahead.pop().expect("at least the window asked for").1
     }
 
-    fn solve(&mut self, position: &Position, inputs: &dyn Inputs) -> Result<Window, StepError> {
-        Self::solved((&self.case, &self.plane), self.solvers.first(), position, inputs)
+    fn solves(&self, window: &Window, step: &Step) -> bool {
+        let same = |position| position == window.position;
+        !self.case.terms.follow_inputs() && self.position(step).is_ok_and(same)
     }
 
-    fn solve_all(&mut self, positions: &[Position]) -> Vec<Result<Window, StepError>> {
-        let mut solved: Vec<_> = positions.iter().map(|_| None).collect();
-        let of = (&self.case, &self.plane);
-        let places = positions.iter().zip(&mut solved);
-        let operations = team::WORTH * positions.len() as u64;
-        self.solvers.sweep(operations, places, |solver, (position, place)| {
-            *place = Some(Self::solved(of, solver, position, &Nothing));
-            1
-        });
-        solved.into_iter().flatten().collect()
+    fn first(&mut self) -> Option<Window> {
+        if self.case.terms.follow_inputs() {
+            return None;
+        }
+        self.solve(&Step::STEADY, &Nothing, None, None).ok()
     }
 
-    fn at_once(&self) -> usize {
-        self.at_once
+    fn first_speeds(&self) -> [f64; 2] {
+        self.position(&Step::STEADY).map_or([0.0; 2], |position| [position.motion.velocity[0]; 2])
+    }
+
+    fn report(&self, window: &Window) -> StepReport {
+        let work = window.balanced.work;
+        StepReport {
+            substeps: 1,
+            inner_iterations: work.normal_iterations as u32,
+            work: work.newton_steps as u64,
+            ..StepReport::default()
+        }
     }
 
     fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
@@ -146,17 +199,12 @@ impl Windows for Running {
         summary
     }
 
-    fn speed(&self, position: &Position) -> f64 {
-        position.motion.velocity[0]
+    fn terms(&self) -> &Terms {
+        &self.case.terms
     }
 
-    fn follows_inputs(&self) -> bool {
-        self.case.terms.follow_inputs()
-    }
-
-    fn effort(&self, window: &Window) -> [usize; 2] {
-        let work = window.balanced.work;
-        [work.normal_iterations, work.newton_steps]
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.case.terms
     }
 }
 

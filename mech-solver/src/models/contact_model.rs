@@ -1,0 +1,210 @@
+//! The model that every contact runs as: solved window after window, from the accepted state on.
+//!
+//! A contact says how a window is solved and what it looks like ([`Contact`]). [`ContactModel`] does
+//! the rest of a model's work: it keeps the window that was solved last and the one that was
+//! accepted, hands out fields and figures, and saves and restores the state.
+
+use crate::terms::Terms;
+use proto::field::{self, FieldSpec};
+use proto::model::{InputField, Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use serde_json::{Value, json};
+use std::io::{self, Read, Write};
+
+/// A contact that is solved in windows of time.
+pub(super) trait Contact {
+    /// A window that is solved: everything that fields, figures and the next window need.
+    type Window;
+
+    /// Solves a window from the accepted one with these inputs. `spent` is a window that nobody needs
+    /// any more; its memory may be used, its values may not.
+    ///
+    /// # Errors
+    /// There is no solution, or an input is missing.
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        accepted: Option<&Self::Window>,
+        spent: Option<Self::Window>,
+    ) -> Result<Self::Window, StepError>;
+
+    /// Whether a window that is solved is the solution of this step as well.
+    fn solves(&self, _window: &Self::Window, _step: &Step) -> bool {
+        false
+    }
+
+    /// The window whose fields hold before the first solve, if one is known without inputs.
+    fn first(&mut self) -> Option<Self::Window> {
+        None
+    }
+
+    /// Speeds of the upper and the lower surface where no first window is known [m/s]; all other
+    /// fields are zero then.
+    fn first_speeds(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    /// What solving the window took.
+    fn report(&self, window: &Self::Window) -> StepReport;
+
+    /// Writes a field of the contact, component-major; leaves those of observations alone.
+    fn write(&self, window: &Self::Window, spec: &FieldSpec, values: &mut [f64]);
+
+    /// Whether the window may be accepted.
+    ///
+    /// # Errors
+    /// Why it may not.
+    fn acceptable(&self, _window: &Self::Window) -> Result<(), StepError> {
+        Ok(())
+    }
+
+    /// Makes the window the accepted state of the contact itself; the terms follow.
+    fn accept(&mut self, _window: &Self::Window) {}
+
+    /// Writes what observations make of the accepted window.
+    fn observe(&mut self, _window: &Self::Window, _outputs: &mut dyn Outputs) {}
+
+    /// The sections of `summary.json`.
+    fn summary(&self, window: &Self::Window) -> Value;
+
+    /// The terms of the active effects, which have states of their own.
+    fn terms(&self) -> &Terms;
+
+    /// The same, to be changed.
+    fn terms_mut(&mut self) -> &mut Terms;
+
+    /// Writes the accepted window, if the next one depends on it.
+    ///
+    /// # Errors
+    /// Those of `into`.
+    fn save(&self, _accepted: Option<&Self::Window>, _into: &mut dyn Write) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Reads back what [`Contact::save`] wrote.
+    ///
+    /// # Errors
+    /// It does not fit, or ends too early.
+    fn restore(&mut self, _from: &mut dyn Read) -> Result<Option<Self::Window>, StateError> {
+        Ok(None)
+    }
+}
+
+/// The model that runs.
+pub(super) struct ContactModel<C: Contact> {
+    contact: C,
+    /// The window that was solved last, unless the accepted one answers it too.
+    trial: Option<C::Window>,
+    accepted: Option<C::Window>,
+    /// A window that nobody needs any more.
+    spent: Option<C::Window>,
+}
+
+impl<C: Contact> ContactModel<C> {
+    pub(super) fn new(contact: C) -> Self {
+        Self { contact, trial: None, accepted: None, spent: None }
+    }
+
+    /// The window that was solved last, before any the first one.
+    fn last(&self) -> Option<&C::Window> {
+        self.trial.as_ref().or(self.accepted.as_ref())
+    }
+
+    /// Writes the fields of the contact that are asked for.
+    fn write(contact: &C, window: &C::Window, outputs: &mut dyn Outputs) {
+        for spec in field::TABLE {
+            if let Some(values) = outputs.get(spec) {
+                contact.write(window, spec, values);
+            }
+        }
+    }
+}
+
+impl<C: Contact> Model for ContactModel<C> {
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        outputs: &mut dyn Outputs,
+    ) -> Result<StepReport, StepError> {
+        let Self { contact, trial, accepted, spent } = self;
+        if !trial.as_ref().is_some_and(|window| contact.solves(window, step)) {
+            let memory = trial.take().or(spent.take());
+            if !accepted.as_ref().is_some_and(|window| contact.solves(window, step)) {
+                *trial = Some(contact.solve(step, inputs, accepted.as_ref(), memory)?);
+            }
+        }
+        let window = trial.as_ref().or(accepted.as_ref()).expect("one of them answers");
+        Self::write(contact, window, outputs);
+        Ok(contact.report(window))
+    }
+
+    fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
+        self.trial = self.contact.first();
+        if let Some(window) = &self.trial {
+            return Self::write(&self.contact, window, outputs);
+        }
+        let speeds = self.contact.first_speeds();
+        for spec in field::TABLE {
+            if let Some(values) = outputs.get(spec) {
+                match *spec {
+                    field::SURFACE_SPEED => values.copy_from_slice(&speeds),
+                    _ => values.fill(0.0),
+                }
+            }
+        }
+    }
+
+    fn acceptable(&self) -> Result<(), StepError> {
+        self.last().map_or(Ok(()), |window| self.contact.acceptable(window))
+    }
+
+    fn accept(&mut self) {
+        if let Some(window) = self.trial.take() {
+            self.spent = self.accepted.replace(window);
+        }
+        if let Some(window) = &self.accepted {
+            self.contact.accept(window);
+        }
+        self.contact.terms_mut().accept();
+    }
+
+    fn observe(&mut self, outputs: &mut dyn Outputs) {
+        if let Some(window) = &self.accepted {
+            Self::write(&self.contact, window, outputs);
+            self.contact.observe(window, outputs);
+        }
+    }
+
+    fn summary(&self) -> Value {
+        self.last().map_or_else(|| json!({}), |window| self.contact.summary(window))
+    }
+
+    fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.contact.terms().save(into)?;
+        self.contact.save(self.accepted.as_ref(), into)
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        self.contact.terms_mut().restore(from)?;
+        self.accepted = self.contact.restore(from)?;
+        self.trial = None;
+        Ok(())
+    }
+}
+
+/// Inputs of a window that has none.
+pub(super) struct Nothing;
+
+impl Inputs for Nothing {
+    fn get(&self, _: &FieldSpec) -> Option<InputField<'_>> {
+        None
+    }
+}
+
+/// Writes the components of a vector, one after the other.
+pub(super) fn write_pair(values: &mut [f64], [x, y]: &[Vec<f64>; 2]) {
+    let (first, second) = values.split_at_mut(x.len());
+    first.copy_from_slice(x);
+    second.copy_from_slice(y);
+}

@@ -1,0 +1,159 @@
+//! Windows of the contact: of values that vary, and of friction that depends on inputs or on slip.
+//!
+//! The springs and their reduction have the mean of f over the contact, weighted with the pressure;
+//! every place is bounded by the friction of its own element ([`super::limits`]). With one slip
+//! velocity for all, as Spiryagin, Polach and Cole have it, both are the same.
+
+use super::case::{Case, cells, problem};
+use super::contact::Contact;
+use super::fields;
+use super::limits::Limits;
+use crate::case::ellipse::Ellipse;
+use crate::case::scene::{Drive, Scene};
+use crate::models::contact_model;
+use crate::models::settled_creepage::SettledCreepage;
+use crate::models::shortfall::Shortfall;
+use crate::models::varying::{Scenes, no_answer};
+use crate::terms::Terms;
+use crate::terms::friction::{FrictionState, lateral};
+use elastic::slip::RigidSlip;
+use proto::field::FieldSpec;
+use proto::model::{Inputs, Step, StepError, StepReport};
+use serde_json::Value;
+
+/// What solves them.
+pub(super) struct Windows {
+    case: Case,
+    scenes: Scenes,
+    /// Hertz's pressure, where friction depends on something.
+    pressure: Vec<f64>,
+}
+
+/// A window that is solved.
+pub(super) struct Window {
+    contact: Contact,
+    step: Step,
+    /// Its force is not the prescribed one.
+    shortfall: Option<Shortfall>,
+}
+
+impl Windows {
+    pub(super) fn new(case: Case, scenes: Scenes) -> Self {
+        let pressure = vec![0.0; case.grid.points()];
+        Self { case, scenes, pressure }
+    }
+
+    /// The contact with the friction at some creepages.
+    fn contact_at(
+        &mut self,
+        inputs: &dyn Inputs,
+        scene: &Scene,
+        creepage: [f64; 3],
+        spent: Option<Contact>,
+    ) -> Result<(Contact, Option<Shortfall>), StepError> {
+        let Case { asked, terms, grid } = &mut self.case;
+        let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
+        let state = FrictionState {
+            inputs: Some(inputs),
+            speed: slip.speed,
+            rigid_slip: &|index| slip.at(grid, index),
+            grid,
+            coordinate: &lateral(grid, 0.0),
+            pressure: &self.pressure,
+            velocity: None,
+        };
+        let friction = terms.friction.evaluate(scene.friction_coefficient, &state)?;
+        let limits = Limits::new(grid, &friction, &self.pressure);
+        let at_rest = Drive::Creepage { xi: 0.0, eta: 0.0, phi: 0.0 };
+        let free = Scene { friction_coefficient: limits.mean, drive: at_rest, ..scene.clone() };
+        let (mut problem, _) = problem(&free, asked, grid).map_err(no_answer)?;
+        let load = problem.ellipse.normal_force;
+        // No more than the mean, to which forces are referred, where the sum over the strips is off by rounding or by its grid.
+        let most = limits.mean.min(problem.capacity(&limits) / load);
+        let (drive, shortfall) = Shortfall::of(scene.drive, most, load);
+        problem.prescribed =
+            problem.ellipse.prescribed(&Scene { drive, ..free }).map_err(no_answer)?;
+        let contact = problem.solve_limited(&limits, spent);
+        contact.check_power().map_err(no_answer)?;
+        Ok((contact, shortfall))
+    }
+
+    /// The contact with the friction that it leaves itself.
+    fn settled(
+        &mut self,
+        inputs: &dyn Inputs,
+        scene: &Scene,
+        mut spent: Option<Contact>,
+    ) -> Result<(Contact, Option<Shortfall>), StepError> {
+        let Case { asked, terms, grid } = &self.case;
+        if terms.friction.is_constant() {
+            let (problem, _) = problem(scene, asked, grid).map_err(no_answer)?;
+            let contact = problem.solve(spent);
+            contact.check_power().map_err(no_answer)?;
+            return Ok((contact, None));
+        }
+        let ellipse = Ellipse::solve(scene, asked.given).map_err(no_answer)?;
+        ellipse.write_pressure(*grid, &mut self.pressure);
+        let first = match scene.drive {
+            Drive::Creepage { xi, eta, phi } => [xi, eta, phi],
+            _ => [0.0; 3],
+        };
+        let mut search = SettledCreepage::new(first, ellipse.semi_axis_a);
+        loop {
+            let solved = self.contact_at(inputs, scene, search.at(), spent.take())?;
+            if !self.case.terms.friction.follows_slip() || search.take(solved.0.creepage)? {
+                return Ok(solved);
+            }
+            spent = Some(solved.0);
+        }
+    }
+}
+
+impl contact_model::Contact for Windows {
+    type Window = Window;
+
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        _accepted: Option<&Window>,
+        spent: Option<Window>,
+    ) -> Result<Window, StepError> {
+        let scene = self.scenes.of(step)?;
+        let (contact, shortfall) =
+            self.settled(inputs, &scene, spent.map(|window| window.contact))?;
+        Ok(Window { contact, step: *step, shortfall })
+    }
+
+    /// With the friction coefficient of the case.
+    fn first(&mut self) -> Option<Window> {
+        let scene = self.scenes.of(&Step::STEADY).ok()?;
+        let (problem, _) = problem(&scene, &self.case.asked, &self.case.grid).ok()?;
+        Some(Window { contact: problem.solve(None), step: Step::STEADY, shortfall: None })
+    }
+
+    fn report(&self, window: &Window) -> StepReport {
+        let work = cells(&window.contact.problem) as u64;
+        StepReport { substeps: 1, work, ..StepReport::default() }
+    }
+
+    fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
+        fields::write(spec, &window.contact, self.case.grid, &self.case.terms, values);
+    }
+
+    fn acceptable(&self, window: &Window) -> Result<(), StepError> {
+        Shortfall::refused(window.shortfall, &self.case.terms)
+    }
+
+    fn summary(&self, window: &Window) -> Value {
+        self.scenes.complete(window.contact.summary(), &window.step)
+    }
+
+    fn terms(&self) -> &Terms {
+        &self.case.terms
+    }
+
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.case.terms
+    }
+}

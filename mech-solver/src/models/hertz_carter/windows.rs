@@ -1,0 +1,155 @@
+//! Windows of the contact: of values that vary, and of friction that depends on inputs or on slip.
+//!
+//! Carter's strips know one friction coefficient: the equivalent one, Σ min(f p, τ)/Σ p over the
+//! elements, with which a contact that slides carries the same force. Tractions are this coefficient
+//! times Hertz's pressure at most, so that they pass a bound τ in the middle of the contact and are
+//! below it at the rim.
+
+use super::case::Case;
+use super::contact::Contact;
+use super::fields;
+use crate::case::ellipse::Ellipse;
+use crate::case::scene::{Drive, Scene};
+use crate::models::contact_model;
+use crate::models::settled_creepage::SettledCreepage;
+use crate::models::shortfall::Shortfall;
+use crate::models::varying::{Scenes, no_answer};
+use crate::terms::Terms;
+use crate::terms::friction::{FrictionState, lateral};
+use elastic::slip::RigidSlip;
+use proto::field::FieldSpec;
+use proto::model::{Inputs, Step, StepError, StepReport};
+use serde_json::Value;
+
+/// What solves them.
+pub(super) struct Windows {
+    case: Case,
+    scenes: Scenes,
+    /// Hertz's pressure of the ellipse that was solved last, where friction depends on something.
+    pressure: Vec<f64>,
+    ellipse: Option<Ellipse>,
+}
+
+/// A window that is solved.
+pub(super) struct Window {
+    contact: Contact,
+    step: Step,
+    /// Its force is not the prescribed one.
+    shortfall: Option<Shortfall>,
+}
+
+impl Windows {
+    pub(super) fn new(case: Case, scenes: Scenes) -> Self {
+        let pressure = vec![0.0; case.grid.points()];
+        Self { case, scenes, pressure, ellipse: None }
+    }
+
+    /// The equivalent friction coefficient at some creepages.
+    fn friction_at(
+        &self,
+        inputs: &dyn Inputs,
+        scene: &Scene,
+        creepage: [f64; 3],
+    ) -> Result<f64, StepError> {
+        let Case { terms, grid, .. } = &self.case;
+        let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
+        let state = FrictionState {
+            inputs: Some(inputs),
+            speed: slip.speed,
+            rigid_slip: &|index| slip.at(grid, index),
+            grid,
+            coordinate: &lateral(grid, 0.0),
+            pressure: &self.pressure,
+            velocity: None,
+        };
+        let elements = terms.friction.evaluate(scene.friction_coefficient, &state)?;
+        Ok(elements.equivalent(&self.pressure))
+    }
+
+    /// The contact with the friction that it leaves itself.
+    fn settled(
+        &mut self,
+        inputs: &dyn Inputs,
+        scene: &Scene,
+        ellipse: Ellipse,
+    ) -> Result<(Contact, Option<Shortfall>), StepError> {
+        let Case { law, terms, .. } = &self.case;
+        if terms.friction.is_constant() {
+            let contact = Contact::solve(scene, ellipse, *law, terms.adhesion);
+            return Ok((contact.map_err(no_answer)?, None));
+        }
+        if self.ellipse.replace(ellipse) != Some(ellipse) {
+            ellipse.write_pressure(self.case.grid, &mut self.pressure);
+        }
+        let first = match scene.drive {
+            Drive::Creepage { xi, eta, phi } => [xi, eta, phi],
+            _ => [0.0; 3],
+        };
+        let mut search = SettledCreepage::new(first, ellipse.semi_axis_a);
+        loop {
+            let friction = self.friction_at(inputs, scene, search.at())?;
+            let (drive, shortfall) = Shortfall::of(scene.drive, friction, ellipse.normal_force);
+            let scene = Scene { friction_coefficient: friction, drive, ..scene.clone() };
+            let Case { law, terms, .. } = &self.case;
+            let contact =
+                Contact::solve(&scene, ellipse, *law, terms.adhesion).map_err(no_answer)?;
+            let found = [contact.creepage_xi(), 0.0, 0.0];
+            if !terms.friction.follows_slip() || search.take(found)? {
+                return Ok((contact, shortfall));
+            }
+        }
+    }
+}
+
+impl contact_model::Contact for Windows {
+    type Window = Window;
+
+    fn solve(
+        &mut self,
+        step: &Step,
+        inputs: &dyn Inputs,
+        _accepted: Option<&Window>,
+        _spent: Option<Window>,
+    ) -> Result<Window, StepError> {
+        let scene = self.scenes.of(step)?;
+        Ellipse::refuse_rest(&scene).map_err(no_answer)?;
+        let ellipse = Ellipse::solve(&scene, self.case.given).map_err(no_answer)?;
+        let (contact, shortfall) = self.settled(inputs, &scene, ellipse)?;
+        Ok(Window { contact, step: *step, shortfall })
+    }
+
+    /// With the friction coefficient of the case.
+    fn first(&mut self) -> Option<Window> {
+        let step = Step::STEADY;
+        let scene = self.scenes.of(&step).ok()?;
+        let Case { given, law, terms, .. } = &self.case;
+        let ellipse = Ellipse::solve(&scene, *given).ok()?;
+        let contact = Contact::solve(&scene, ellipse, *law, terms.adhesion).ok()?;
+        Some(Window { contact, step, shortfall: None })
+    }
+
+    fn report(&self, _: &Window) -> StepReport {
+        let work = self.case.grid.points() as u64;
+        StepReport { substeps: 1, work, ..StepReport::default() }
+    }
+
+    fn write(&self, window: &Window, spec: &FieldSpec, values: &mut [f64]) {
+        fields::write(spec, &window.contact, self.case.grid, &self.case.terms, values);
+    }
+
+    fn acceptable(&self, window: &Window) -> Result<(), StepError> {
+        Shortfall::refused(window.shortfall, &self.case.terms)
+    }
+
+    fn summary(&self, window: &Window) -> Value {
+        self.scenes.complete(window.contact.summary(), &window.step)
+    }
+
+    fn terms(&self) -> &Terms {
+        &self.case.terms
+    }
+
+    fn terms_mut(&mut self) -> &mut Terms {
+        &mut self.case.terms
+    }
+}
