@@ -7,6 +7,7 @@
 //! | [`resolution`], [`difference`] | elements per semi-axis; the difference along x |
 //! | [`ellipse`] | the contact patch in closed form, with its grid |
 //! | [`curve`] | values over a coordinate, from a table |
+//! | [`shape`] | heights of the bodies across, of every kind of shape |
 //! | [`noise`] | scatter of the points of measured profiles |
 
 pub(crate) mod curve;
@@ -16,3 +17,4 @@ pub(crate) mod keys;
 pub(crate) mod noise;
 pub(crate) mod resolution;
 pub mod scene;
+pub(crate) mod shape;

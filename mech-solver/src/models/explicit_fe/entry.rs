@@ -4,7 +4,7 @@ use super::keys::{RESOLUTION, own_keys};
 use super::setup::configure;
 use crate::case::resolution;
 use crate::case::scene::contact_keys;
-use crate::models::half_space::gap;
+use crate::case::shape;
 use crate::registry::entry::ModelEntry;
 use crate::terms::Kind;
 use proto::accuracy::{Accuracy, Refinement, Simplification};
@@ -31,7 +31,7 @@ const STUDY: &str = "wheel-rail-fe against wheel-rail (docs/paper-elements.md)";
 
 fn spec() -> ModelSpec {
     let mut keys = [contact_keys(), own_keys()].concat();
-    keys.extend(gap::keys());
+    keys.extend(shape::keys());
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
         name: MODEL.name.to_owned(),

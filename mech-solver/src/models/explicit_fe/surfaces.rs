@@ -92,7 +92,7 @@ impl Surfaces {
     /// the origin.
     pub(super) fn drop(&self, body: usize, y: f64) -> f64 {
         match &self.gap {
-            Some(gap) if gap.is_measured(body) => gap.drop(body, y),
+            Some(gap) if !gap.is_parabola(body) => gap.drop(body, y),
             Some(gap) => {
                 let circle = circle(self.lateral[body]);
                 gap.drop(body, 0.0) + circle(y + gap.origin) - circle(gap.origin)

@@ -7,18 +7,14 @@
 //! normal for small contact angles only; a steeper contact is refused.
 
 use crate::case::keys::CheckedParams;
-use crate::case::noise;
 use crate::case::scene::Scene;
+use crate::case::shape::lateral::millimetres;
+use crate::case::shape::{self, BodyShape};
 use half_space::extent::Fitted;
 use half_space::patches::patches;
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
-use proto::description::KeySpec;
 use proto::grid::Structured;
-use std::path::Path;
-use wheel_rail::curve::Curve;
-use wheel_rail::profile::heights::{Profile, ProfileError};
-use wheel_rail::profile::orientation::Body;
 
 /// Points at which the lateral distance is searched for its smallest value.
 const SAMPLES: usize = 2000;
@@ -28,146 +24,11 @@ const STEEPEST: f64 = 0.2;
 /// range of heights: rounding.
 const TIE: f64 = 1e-9;
 
-const PROFILE: &str = "profile";
-const TOLERANCE: &str = "profile_tolerance";
-const LATERAL_SHIFT: &str = "lateral_shift";
-
-/// The keys that the shapes are read from besides the scene's.
-pub(in crate::models) fn keys() -> Vec<KeySpec> {
-    let of = |name: &str| format!("bodies.*.{name}");
-    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
-    vec![
-        KeySpec::file(
-            &of(PROFILE),
-            "measured lateral profile of the body: a table of `y [mm]` and `z [mm]` as it stands, y to the left and z up, or a file of SIMPACK (.prw, .prr) or Miniprof (.whl, .ban)",
-        ),
-        KeySpec::quantity(&of(TOLERANCE), "m", smoothing).at_least(0.0),
-        KeySpec::quantity(&of(LATERAL_SHIFT), "m", "lateral shift of a measured body, to the left")
-            .default_value(0.0),
-    ]
-}
-
-/// Lateral shape of a body.
-#[derive(Clone, Debug)]
-enum Shape {
-    /// z = ½ κ y².
-    Curvature(f64),
-    Profile(Profile),
-}
-
-impl Shape {
-    fn height(&self, y: f64) -> f64 {
-        match self {
-            Self::Curvature(curvature) => 0.5 * curvature * y * y,
-            Self::Profile(profile) => profile.height(y),
-        }
-    }
-
-    fn slope(&self, y: f64) -> f64 {
-        match self {
-            Self::Curvature(curvature) => curvature * y,
-            Self::Profile(profile) => profile.slope(y),
-        }
-    }
-
-    fn range(&self, shift: f64) -> [f64; 2] {
-        match self {
-            Self::Curvature(_) => [f64::NEG_INFINITY, f64::INFINITY],
-            Self::Profile(profile) => profile.range().map(|end| end + shift),
-        }
-    }
-}
-
-/// One of the bodies.
-#[derive(Clone, Debug)]
-struct Side {
-    /// The key of its profile.
-    key: String,
-    shape: Shape,
-    /// Radius along x at y = 0 [m].
-    radius: f64,
-    /// Lateral shift [m].
-    shift: f64,
-    /// 1 for a body above the contact, −1 for one below.
-    up: f64,
-}
-
-impl Side {
-    fn read(case: &CheckedParams<'_>, scene: &Scene, body: usize) -> Result<Self, Refusal> {
-        let key = |name: &str| scene.names.key(body, name);
-        let scene_body = &scene.bodies[body];
-        let up = if body == UPPER { 1.0 } else { -1.0 };
-        let (profile, shift) = (key(PROFILE), case.number(&key(LATERAL_SHIFT))?);
-        let of = if body == UPPER { Body::Wheel } else { Body::Rail };
-        let shape = match measured(case, &profile, &key(TOLERANCE), of)? {
-            Some(_) if scene_body.radius_y.is_finite() => {
-                let reason = format!("excludes `{}`", key("radius_y"));
-                return Err(Refusal::new(&profile, reason, "keep one of them"));
-            }
-            Some(profile) => Shape::Profile(profile),
-            None if shift != 0.0 => {
-                return Err(Refusal::new(
-                    &key(LATERAL_SHIFT),
-                    "shifts a measured body, and this one has no profile",
-                    format!("add `{profile}`, or remove the key"),
-                ));
-            }
-            None => Shape::Curvature(up / scene_body.radius_y),
-        };
-        Ok(Self { key: profile, shape, radius: scene_body.radius_x, shift, up })
-    }
-
-    fn height(&self, y: f64) -> f64 {
-        self.shape.height(y - self.shift)
-    }
-
-    /// Radius along x [m].
-    fn radius(&self, y: f64) -> f64 {
-        match &self.shape {
-            Shape::Curvature(_) => self.radius,
-            Shape::Profile(profile) => {
-                let middle = self.radius + self.up * profile.height(0.0);
-                middle - self.up * profile.height(y - self.shift)
-            }
-        }
-    }
-
-    fn range(&self) -> [f64; 2] {
-        self.shape.range(self.shift)
-    }
-}
-
-/// The profile of a body, if it has one.
-fn measured(
-    case: &CheckedParams<'_>,
-    key: &str,
-    tolerance: &str,
-    body: Body,
-) -> Result<Option<Profile>, Refusal> {
-    let within = case.maybe_number(tolerance)?;
-    if !case.has(key) {
-        return match within {
-            Some(_) => Err(Refusal::new(
-                tolerance,
-                "smooths a measured profile, and there is none",
-                format!("add `{key}`, or remove the key"),
-            )),
-            None => Ok(None),
-        };
-    }
-    let path = case.text(key)?;
-    let wrong = |error: ProfileError| {
-        let fix = "give a table of `y [mm]` and `z [mm]`, or a file of SIMPACK or Miniprof; docs/how-to/use-a-table.md has the format";
-        Refusal::new(key, format!("`{path}` {error}"), fix)
-    };
-    Profile::read(Path::new(path), body, within.unwrap_or(0.0)).map(Some).map_err(wrong)
-}
-
 /// The undeformed distance.
 #[derive(Clone, Debug)]
 pub(in crate::models) struct Gap {
     /// The upper and the lower body.
-    sides: [Side; 2],
+    sides: [BodyShape; 2],
     /// Smallest lateral distance [m].
     closest: f64,
     /// Lateral coordinate of the origin [m].
@@ -177,9 +38,9 @@ pub(in crate::models) struct Gap {
 impl Gap {
     /// Reads the shapes.
     pub(super) fn read(configuration: &Configuration, scene: &Scene) -> Result<Self, Refusal> {
-        let case = CheckedParams::new(&configuration.case, keys());
+        let case = CheckedParams::new(&configuration.case, shape::keys());
         Ok(Self {
-            sides: [Side::read(&case, scene, UPPER)?, Side::read(&case, scene, LOWER)?],
+            sides: [BodyShape::read(&case, scene, UPPER)?, BodyShape::read(&case, scene, LOWER)?],
             closest: 0.0,
             origin: 0.0,
         })
@@ -188,35 +49,31 @@ impl Gap {
     /// Takes the radii of another row; profiles stay.
     pub(super) fn follow(&mut self, scene: &Scene) {
         for (side, body) in self.sides.iter_mut().zip(&scene.bodies) {
-            side.radius = body.radius_x;
-            if let Shape::Curvature(curvature) = &mut side.shape {
-                *curvature = side.up / body.radius_y;
-            }
+            side.follow(body);
         }
     }
 
     /// The key of the first profile, which errors of shapes name.
     pub(super) fn profile_key(&self) -> &str {
-        let measured = self.sides.iter().rev();
-        let mut measured = measured.filter(|side| matches!(side.shape, Shape::Profile(_)));
-        &measured.next().unwrap_or(&self.sides[LOWER]).key
+        let shaped = self.sides.iter().rev().find(|side| !side.is_parabola());
+        &shaped.unwrap_or(&self.sides[LOWER]).key
     }
 
     /// Both bodies have curvatures, so that without terms of the gap the contact is Hertz's.
     pub(super) fn is_quadric(&self) -> bool {
-        self.sides.iter().all(|side| matches!(side.shape, Shape::Curvature(_)))
+        self.sides.iter().all(BodyShape::is_parabola)
     }
 
-    /// The body has a measured profile.
-    pub(in crate::models) fn is_measured(&self, body: usize) -> bool {
-        matches!(self.sides[body].shape, Shape::Profile(_))
+    /// Whether a body is the parabola of its radius.
+    pub(in crate::models) fn is_parabola(&self, body: usize) -> bool {
+        self.sides[body].is_parabola()
     }
 
     /// How far the surface of a body at a place from the origin is within the body [m], counted from the height of the lower body at
     /// the origin, where the bodies touch.
     pub(in crate::models) fn drop(&self, body: usize, y: f64) -> f64 {
         let level = self.sides[LOWER].height(self.origin);
-        let Side { up, .. } = self.sides[body];
+        let up = self.sides[body].up;
         let closest = if body == UPPER { self.closest } else { 0.0 };
         up * (self.sides[body].height(y + self.origin) - level - closest)
     }
@@ -239,22 +96,14 @@ impl Gap {
 
     /// The lateral range in which both shapes are known.
     pub(super) fn range(&self) -> [f64; 2] {
-        let [[u0, u1], [l0, l1]] = self.sides.each_ref().map(Side::range);
+        let [[u0, u1], [l0, l1]] = self.sides.each_ref().map(BodyShape::range);
         [u0.max(l0), u1.min(l1)]
     }
 
     /// Kinks of both shapes where they face each other, in the frame of the contact [m].
     fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
-        let of = |side: &Side| -> Vec<f64> {
-            match &side.shape {
-                Shape::Curvature(_) => Vec::new(),
-                Shape::Profile(profile) => {
-                    profile.curve().kinks().map(|y| y + side.shift).collect()
-                }
-            }
-        };
         let [first, last] = self.range();
-        let both = self.sides.iter().rev().flat_map(of);
+        let both = self.sides.iter().rev().flat_map(BodyShape::kinks);
         both.filter(move |y| (first..=last).contains(y))
     }
 
@@ -301,13 +150,8 @@ impl Gap {
 
     /// What was done to the shapes, and where the contact depends on it.
     pub(super) fn remarks(&self, fitted: &Fitted) -> Vec<String> {
-        let sides = self.sides.iter().rev();
-        let profiles = sides.filter_map(|side| match &side.shape {
-            Shape::Curvature(_) => None,
-            Shape::Profile(profile) => Some((side.key.as_str(), profile.curve())),
-        });
         let mut remarks: Vec<String> =
-            profiles.filter_map(|(key, curve)| treatment(key, curve)).collect();
+            self.sides.iter().rev().filter_map(BodyShape::remark).collect();
         let under = self.kinks_under(&fitted.grid, &fitted.pressure);
         if !under.is_empty() {
             let places = millimetres(under.iter().map(|y| y + self.origin));
@@ -319,17 +163,10 @@ impl Gap {
         remarks
     }
 
-    /// Warnings of profiles whose noise the pressure shows.
+    /// What may be wrong with the shapes.
     pub(in crate::models) fn warnings(&self, scene: &Scene) -> Vec<Refusal> {
-        let modulus = scene.contact_compliance().recip();
-        let of = |(body, side): (usize, &Side)| match &side.shape {
-            Shape::Curvature(_) => None,
-            Shape::Profile(profile) => {
-                let tolerance = scene.names.key(body, TOLERANCE);
-                noise::warning(&side.key, &tolerance, &profile.curve().passed(), modulus)
-            }
-        };
-        self.sides.iter().enumerate().filter_map(of).collect()
+        let sides = self.sides.iter().enumerate();
+        sides.filter_map(|(body, side)| side.warning(scene, body)).collect()
     }
 
     /// Refuses a contact that is steep anywhere.
@@ -337,7 +174,7 @@ impl Gap {
         let rows = fitted.pressure.chunks_exact(fitted.grid.ni).enumerate();
         for (row, _) in rows.filter(|(_, row)| row.iter().any(|p| *p > 0.0)) {
             let y = fitted.grid.y(row) + self.origin;
-            let slopes = self.sides.each_ref().map(|side| side.shape.slope(y - side.shift).abs());
+            let slopes = self.sides.each_ref().map(|side| side.slope(y).abs());
             let slope = slopes[LOWER].max(slopes[UPPER]);
             if slope.atan() > STEEPEST {
                 let angle = slope.atan();
@@ -350,29 +187,4 @@ impl Gap {
         }
         Ok(())
     }
-}
-
-/// What was done to a measured profile, if anything was.
-fn treatment(key: &str, curve: &Curve) -> Option<String> {
-    let mut done = Vec::new();
-    let kinks = curve.kinks().count();
-    if kinks > 0 {
-        let ends = if kinks == 1 { "splines end at the kink" } else { "splines end at the kinks" };
-        done.push(format!("{ends} at y = {}", millimetres(curve.kinks())));
-    }
-    if curve.moved() > 0.0 {
-        done.push(format!("smoothed, by {:.3} µm at most", 1e6 * curve.moved()));
-    }
-    (!done.is_empty()).then(|| format!("`{key}`: {} points, {}", curve.points(), done.join(", ")))
-}
-
-/// Some places in millimetres, the first few of many.
-fn millimetres(places: impl Iterator<Item = f64>) -> String {
-    const SHOWN: usize = 6;
-    let places: Vec<String> = places.map(|y| format!("{:.3}", 1e3 * y)).collect();
-    let more = match places.len().saturating_sub(SHOWN) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    format!("{} mm{more}", places[..places.len().min(SHOWN)].join(", "))
 }

@@ -3,12 +3,13 @@
 //! Its extent is Hertz's for radii. For profiles a coarse grid finds the contact, wherever the gap closes
 //! ([`fit_grid`]), and the origin lies at the centre of pressure.
 
-use super::gap::{self, Gap};
+use super::gap::Gap;
 use crate::case::difference;
 use crate::case::ellipse::{Ellipse, Extent};
 use crate::case::keys::CheckedParams;
 use crate::case::resolution::RESOLUTION;
 use crate::case::scene::{Load, Scene, WIDTH};
+use crate::case::shape;
 use crate::terms::{Kind, Terms};
 use half_space::difference::Difference;
 use half_space::extent::{Fitted, Moments, fit_grid};
@@ -54,7 +55,7 @@ const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 
 /// The keys that shapes and grid are read from besides the scene's.
 pub(super) fn keys() -> Vec<KeySpec> {
-    let mut keys = gap::keys();
+    let mut keys = shape::keys();
     keys.push(
         KeySpec::integer(
             LATERAL_RESOLUTION,

@@ -1,0 +1,98 @@
+//! Measured profiles, from files.
+
+use super::lateral::{Kind, LateralShape, millimetres};
+use crate::case::keys::CheckedParams;
+use crate::case::noise;
+use crate::case::scene::Scene;
+use proto::bodies::UPPER;
+use proto::configuration::Refusal;
+use proto::description::KeySpec;
+use std::path::Path;
+use std::sync::Arc;
+use wheel_rail::profile::heights::{Profile, ProfileError};
+use wheel_rail::profile::orientation::Body;
+
+/// Its entry in the list.
+pub(super) const KIND: Kind = Kind { key: PROFILE, keys, read };
+
+const PROFILE: &str = "profile";
+const TOLERANCE: &str = "profile_tolerance";
+
+fn keys() -> Vec<KeySpec> {
+    let of = |name: &str| format!("bodies.*.{name}");
+    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
+    vec![
+        KeySpec::file(
+            &of(PROFILE),
+            "measured lateral profile of the body: a table of `y [mm]` and `z [mm]` as it stands, y to the left and z up, or a file of SIMPACK (.prw, .prr) or Miniprof (.whl, .ban)",
+        ),
+        KeySpec::quantity(&of(TOLERANCE), "m", smoothing).at_least(0.0),
+    ]
+}
+
+fn read(
+    case: &CheckedParams<'_>,
+    scene: &Scene,
+    body: usize,
+) -> Result<Option<Arc<dyn LateralShape>>, Refusal> {
+    let [key, tolerance] = [PROFILE, TOLERANCE].map(|name| scene.names.key(body, name));
+    let within = case.maybe_number(&tolerance)?;
+    if !case.has(&key) {
+        return match within {
+            Some(_) => Err(Refusal::new(
+                &tolerance,
+                "smooths a measured profile, and there is none",
+                format!("add `{key}`, or remove the key"),
+            )),
+            None => Ok(None),
+        };
+    }
+    let path = case.text(&key)?;
+    let wrong = |error: ProfileError| {
+        let fix = "give a table of `y [mm]` and `z [mm]`, or a file of SIMPACK or Miniprof; docs/how-to/use-a-table.md has the format";
+        Refusal::new(&key, format!("`{path}` {error}"), fix)
+    };
+    let of = if body == UPPER { Body::Wheel } else { Body::Rail };
+    let profile = Profile::read(Path::new(path), of, within.unwrap_or(0.0)).map_err(wrong)?;
+    Ok(Some(Arc::new(profile)))
+}
+
+impl LateralShape for Profile {
+    fn height(&self, y: f64) -> f64 {
+        self.height(y)
+    }
+
+    fn slope(&self, y: f64) -> f64 {
+        self.slope(y)
+    }
+
+    fn range(&self) -> [f64; 2] {
+        self.range()
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.curve().kinks().collect()
+    }
+
+    /// Kinks, and how far smoothing moved its points.
+    fn remark(&self) -> Option<String> {
+        let curve = self.curve();
+        let mut done = Vec::new();
+        let kinks = curve.kinks().count();
+        if kinks > 0 {
+            let ends =
+                if kinks == 1 { "splines end at the kink" } else { "splines end at the kinks" };
+            done.push(format!("{ends} at y = {}", millimetres(curve.kinks())));
+        }
+        if curve.moved() > 0.0 {
+            done.push(format!("smoothed, by {:.3} µm at most", 1e6 * curve.moved()));
+        }
+        (!done.is_empty()).then(|| format!("{} points, {}", curve.points(), done.join(", ")))
+    }
+
+    /// Noise that the pressure shows.
+    fn warning(&self, scene: &Scene, body: usize, modulus: f64) -> Option<Refusal> {
+        let [key, tolerance] = [PROFILE, TOLERANCE].map(|name| scene.names.key(body, name));
+        noise::warning(&key, &tolerance, &self.curve().passed(), modulus)
+    }
+}
