@@ -249,6 +249,29 @@ impl Terms {
         Ok(())
     }
 
+    /// The kinds of which there are terms. [`Kind::LocalSlip`] and [`Kind::RailPlace`] are needs of values.
+    #[cfg(test)]
+    pub(crate) fn kinds(&self) -> Vec<Kind> {
+        let lists = [
+            (Kind::Gap, self.gap.len()),
+            (Kind::FrictionFactor, self.friction.factors.len()),
+            (Kind::TractionBound, self.friction.bounds.len()),
+            (Kind::PressureBound, self.pressure_bounds.len()),
+            (Kind::Adhesion, usize::from(self.adhesion)),
+            (Kind::Layer, self.layers.len()),
+            (Kind::Yield, usize::from(self.yields.is_some())),
+            (Kind::Expansion, usize::from(self.expansion.is_some())),
+            (Kind::Softening, self.softening.iter().flatten().count()),
+            (Kind::Retardation, self.retardation.iter().flatten().count()),
+            (Kind::Flow, self.flow.iter().flatten().count()),
+            (Kind::Axle, usize::from(self.axle.is_some())),
+            (Kind::HeatShare, self.heat_shares.len()),
+            (Kind::Removal, usize::from(self.removal.is_some())),
+            (Kind::Observation, self.observations.len()),
+        ];
+        lists.iter().filter(|(_, count)| *count > 0).map(|(kind, _)| *kind).collect()
+    }
+
     /// The first active effect that makes terms of a kind.
     pub(crate) fn effect_of(&self, kind: Kind) -> Option<&'static str> {
         self.effects.iter().find(|(_, kinds)| kinds.contains(&kind)).map(|(name, _)| *name)

@@ -65,33 +65,11 @@ fn supported(name: &str, model: &str) -> Result<&'static Effect, Refusal> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::terms::{Kind, Terms};
+    use crate::terms::Kind;
     use proto::configuration::Mode;
     use proto::description::KeyKind;
     use proto::params::Params;
     use serde_json::json;
-
-    /// The kinds of the lists in which there is something.
-    fn made(terms: &Terms) -> Vec<Kind> {
-        let lists = [
-            (Kind::Gap, terms.gap.len()),
-            (Kind::FrictionFactor, terms.friction.factors.len()),
-            (Kind::TractionBound, terms.friction.bounds.len()),
-            (Kind::PressureBound, terms.pressure_bounds.len()),
-            (Kind::Adhesion, usize::from(terms.adhesion)),
-            (Kind::Layer, terms.layers.len()),
-            (Kind::Yield, usize::from(terms.yields.is_some())),
-            (Kind::Expansion, usize::from(terms.expansion.is_some())),
-            (Kind::Softening, terms.softening.iter().flatten().count()),
-            (Kind::Retardation, terms.retardation.iter().flatten().count()),
-            (Kind::Flow, terms.flow.iter().flatten().count()),
-            (Kind::Axle, usize::from(terms.axle.is_some())),
-            (Kind::HeatShare, terms.heat_shares.len()),
-            (Kind::Removal, usize::from(terms.removal.is_some())),
-            (Kind::Observation, terms.observations.len()),
-        ];
-        lists.iter().filter(|(_, count)| *count > 0).map(|(kind, _)| *kind).collect()
-    }
 
     /// Every effect makes terms of the kinds that it declares, and of no other. Its quantities are the
     /// least that it needs, but for a share of the heat.
@@ -139,22 +117,17 @@ mod tests {
                 threads: 1,
             };
             let terms = crate::effects::terms(&[effect], &configuration).unwrap();
-            assert_eq!(made(&terms), effect.kinds, "{}", effect.name);
+            assert_eq!(terms.kinds(), effect.kinds, "{}", effect.name);
         }
     }
 
-    /// The page on adding an effect lists every kind with the models that take it.
+    /// The page on adding an effect lists every kind that a model takes.
     #[test]
-    fn the_page_lists_kinds_and_models() {
+    fn the_page_lists_the_kinds() {
         let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/add-an-effect.md");
         let page = std::fs::read_to_string(page).unwrap();
         for kind in MODELS.iter().flat_map(|model| model.takes) {
-            let start = format!("| `{kind:?}` |");
-            let row = page.lines().find(|line| line.starts_with(&start));
-            let row = row.unwrap_or_else(|| panic!("no row {start}"));
-            let taking = MODELS.iter().filter(|model| model.takes.contains(kind));
-            let names: Vec<_> = taking.map(|model| format!("`{}`", model.name)).collect();
-            assert!(row.ends_with(&format!("| {} |", names.join(", "))), "{row}: {names:?}");
+            assert!(page.contains(&format!("\n| `{kind:?}` |")), "{kind:?}");
         }
     }
 
