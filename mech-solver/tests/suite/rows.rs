@@ -1,6 +1,6 @@
 //! Cases whose values vary: rows of a sequence, solved again, from a saved state, without an answer.
 
-use crate::common::{NoInputs, Store, configuration, driven, paper};
+use crate::common::{NoInputs, Store, assert_close, configuration, driven, paper, run};
 use mech_solver::MechSolver;
 use proto::configuration::{Configuration, Layout};
 use proto::history::Histories;
@@ -29,11 +29,14 @@ struct Sequence {
 
 impl Sequence {
     fn new(model: &str) -> Self {
-        let configuration = rows(model);
-        let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
+        Self::of(&rows(model))
+    }
+
+    fn of(configuration: &Configuration) -> Self {
+        let setup = MechSolver.configure(configuration).unwrap_or_else(|error| panic!("{error}"));
         let layout = setup.layout().clone();
         let model = setup.build(&Progress::default()).expect("a checked case builds");
-        Self { model, layout, outputs: configuration.outputs }
+        Self { model, layout, outputs: configuration.outputs.clone() }
     }
 
     fn row(&mut self, window: u64) -> Result<(Store, StepReport), StepError> {
@@ -67,6 +70,32 @@ fn rows_depend_on_what_was_accepted_alone() {
         assert!(last.0 == restored.0, "{model}");
         if model == "half-space" {
             assert!(other.model.restore(&mut &state[..state.len() / 2]).is_err());
+        }
+    }
+}
+
+/// Rows whose friction falls with slip have the figures of cases with their values. Tolerances:
+/// rounding in closed form; the strips of the simplified theory follow the grid that all rows share.
+#[test]
+fn friction_follows_the_slip_of_every_row() {
+    for (model, tolerance) in [("hertz-carter", 1e-9), ("fastsim", 1e-5)] {
+        let falls = json!({"ratio": 0.4, "decrease": 0.6});
+        let mut configuration = rows(model);
+        configuration.case.0["effects"]["speed_friction"] = falls.clone();
+        let mut rows = Sequence::of(&configuration);
+        for (window, (ratio, load)) in [(0.2, 134e3), (0.35, 120e3)].into_iter().enumerate() {
+            let (fields, _) = rows.row(window as u64).unwrap();
+            rows.model.accept();
+            let mut case = driven(paper(), "traction_coefficient", ratio);
+            case["load"]["normal_force"] = json!(load);
+            case["mech"] = json!({"model": model, "resolution": 8});
+            case["effects"]["speed_friction"] = falls.clone();
+            let own = run(&case);
+            for figure in ["creepage_xi", "normal_force_n", "friction_power_w", "max_pressure_pa"] {
+                let of_row = rows.model.summary()["contact"][figure].as_f64().unwrap();
+                assert_close(of_row, own.number(figure), tolerance);
+            }
+            assert!(fields.0["pressure"].iter().any(|pressure| *pressure > 0.0));
         }
     }
 }
