@@ -6,15 +6,15 @@
 //! | [`scene`] | bodies, motion, load and friction |
 //! | [`resolution`], [`difference`] | elements per semi-axis; the difference along x |
 //! | [`ellipse`] | the contact patch in closed form, with its grid |
-//! | [`curve`] | values over a coordinate, from a table |
+//! | [`piecewise_linear`] | values over a coordinate, from a table |
 //! | [`shape`] | heights of the bodies across, of every kind of shape |
 //! | [`noise`] | scatter of the points of measured profiles |
 
-pub(crate) mod curve;
 pub(crate) mod difference;
 pub(crate) mod ellipse;
 pub(crate) mod keys;
 pub(crate) mod noise;
+pub(crate) mod piecewise_linear;
 pub(crate) mod resolution;
 pub mod scene;
 pub(crate) mod shape;

@@ -1,6 +1,6 @@
 //! The figures of the section `contact` of the summary.
 
-pub(crate) mod measures;
+pub(crate) mod indicators;
 
 use proto::figure::contact::{
     APPROACH, MAX_PRESSURE, NORMAL_FORCE, PATCHES, SEMI_AXIS_A, SEMI_AXIS_B,
@@ -9,7 +9,7 @@ use proto::figure::{FigureSpec, Style};
 
 /// All of them, in the order in which a person reads them. A model without one leaves it out.
 pub(crate) fn figures() -> Vec<FigureSpec> {
-    [extent(), patches(), forces(), motion(), slip(), measures::figures()].concat()
+    [extent(), patches(), forces(), motion(), slip(), indicators::figures()].concat()
 }
 
 /// Size, pressure and load. Of several patches the size is that of each.
@@ -61,7 +61,7 @@ fn forces() -> Vec<FigureSpec> {
     const MOMENT: &str = "contact.spin_moment_nm";
     let figure = |key, unit, words, short| FigureSpec::new(key, unit, words).on("friction", short);
     vec![
-        figure(measures::TRACTION_RATIO, "1", "traction coefficient |F|/N", "|F|/N")
+        figure(indicators::TRACTION_RATIO, "1", "traction coefficient |F|/N", "|F|/N")
             .ratio(&FORCES, NORMAL_FORCE)
             .digits(4)
             .absolute()

@@ -15,7 +15,7 @@ mod power_balance;
 mod precomputed;
 mod rod;
 
-mod settled_creepage;
+mod creepage_search;
 mod shortfall;
 mod springs;
 mod summary;
@@ -25,7 +25,7 @@ mod wheel_on_track;
 pub use grids::{CONTACT_GRID, RIGID_GRID};
 
 use crate::case::scene::Scene;
-use crate::figures::measures;
+use crate::figures::indicators;
 use crate::registry::entry::ModelEntry;
 use proto::advice::Known;
 use proto::configuration::Refusal;
@@ -52,7 +52,7 @@ pub(crate) fn own_figures() -> Vec<FigureSpec> {
 
 /// Diagrams of their figures.
 pub(crate) fn diagrams() -> Vec<Diagram> {
-    let common = vec![measures::creep_curve(), measures::shakedown_diagram()];
+    let common = vec![indicators::creep_curve(), indicators::shakedown_diagram()];
     [wheel_on_track::diagrams(), common].concat()
 }
 

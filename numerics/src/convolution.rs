@@ -97,12 +97,12 @@ pub struct Convolution<T = f64> {
     rows: [Vec<Complex<T>>; 2],
     /// Columns transformed back, (P_x/2 + 1) × ny, one for each component.
     columns: [Vec<Complex<T>>; 2],
-    team: Team<Work<T>>,
+    team: Team<Workspace<T>>,
 }
 
 /// Working memory of a thread.
 #[derive(Clone)]
-struct Work<T> {
+struct Workspace<T> {
     row: Vec<T>,
     scratch: Vec<Complex<T>>,
     /// Up to BLOCK rows transformed.
@@ -169,7 +169,7 @@ impl<T: FftNum> Convolution<T> {
         let columns = padded_x / 2 + 1;
         let half = zeros(ny * columns);
         let block = zeros(BLOCK * padded_y);
-        let work = Work {
+        let work = Workspace {
             row: vec![T::zero(); padded_x],
             scratch: zeros(scratch.into_iter().max().unwrap_or(0)),
             rows: zeros(BLOCK * columns),
@@ -438,7 +438,7 @@ impl Convolution<f64> {
     pub fn spectrum(&mut self, kernel: impl Fn(i32, i32) -> f64) -> Spectrum {
         let columns = self.columns();
         let Self { team, rows_forward, columns_forward, .. } = self;
-        let Work { row, scratch, .. } = team.first();
+        let Workspace { row, scratch, .. } = team.first();
         let mut values = vec![Complex64::default(); columns * self.padded_y];
         let mut transformed = vec![Complex64::default(); columns];
         let reach_x = offset((self.nx - 1).min(self.padded_x / 2));

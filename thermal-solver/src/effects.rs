@@ -16,8 +16,8 @@ pub mod volume_temperature;
 use crate::capability::{Capability, Need};
 use crate::scene::Scene;
 use crate::situation::Situation;
+use heat::fe::body_properties::BodyProperties;
 use heat::fe::conductor::Surroundings;
-use heat::fe::nature::Nature;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, Renamed};
@@ -131,7 +131,7 @@ pub fn renamed() -> Vec<Renamed> {
 
 /// What the upper and the lower body are made of, and what is round them, with the effects that the case
 /// names.
-pub fn natures(given: &Configuration, scene: &Scene) -> Result<[Nature; 2], Refusal> {
+pub fn natures(given: &Configuration, scene: &Scene) -> Result<[BodyProperties; 2], Refusal> {
     let case = &given.case;
     let mut surroundings = Surroundings::default();
     if given.has_effect(convection::NAME) {
@@ -146,8 +146,8 @@ pub fn natures(given: &Configuration, scene: &Scene) -> Result<[Nature; 2], Refu
     }
     let (materials, initial) = (&scene.materials, &scene.initial_temperatures);
     let bodies = points.into_iter().zip(materials.iter().zip(initial));
-    let natures: Vec<Nature> = bodies
-        .map(|(points, (material, initial))| Nature {
+    let natures: Vec<BodyProperties> = bodies
+        .map(|(points, (material, initial))| BodyProperties {
             material: *material,
             points,
             initial: *initial,

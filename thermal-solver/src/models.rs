@@ -3,12 +3,12 @@
 //! What models have in common stands beside them: [`setup`] checks a configuration and lays out the
 //! grids, [`inputs`] checks what comes in and splits the heat, [`summary`] fills the summary. A model
 //! whose surface temperatures are on the grid of the heat flux answers for the physics only, through
-//! [`conduction::Conduction`]; [`shell`] does the rest. Any other implements
+//! [`conduction::Conduction`]; [`conduction_model`] does the rest. Any other implements
 //! [`proto::model::Model`] with these helpers.
 
-mod background;
 pub mod columns;
 pub mod conduction;
+pub mod conduction_model;
 mod constriction;
 mod elements;
 pub mod ends;
@@ -22,9 +22,9 @@ pub mod moving_source;
 pub mod names;
 mod normal_only;
 pub mod periodic;
+mod previous_passages;
 pub mod rod;
 pub mod setup;
-pub mod shell;
 mod summary;
 mod transforming;
 mod white_layer;

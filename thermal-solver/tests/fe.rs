@@ -11,7 +11,7 @@ use heat::columns::reconstruction::Flux;
 use heat::fe::basis::Basis;
 use heat::fe::law::{Law, Point};
 use heat::fe::mesh::Axis;
-use heat::fe::steady::Steady;
+use heat::fe::steady::SteadyMotion;
 use proto::configuration::Mode;
 use proto::grid::{Grid, Shape, Structured};
 use proto::model::Solver;
@@ -384,7 +384,7 @@ fn layers_that_stagger() {
     let material = Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 };
     let rises = |depth: &Axis| {
         let basis = Basis::new(&across, depth, 0, 1);
-        let steady = Steady::new(&basis, &material, columns, h, SPEED, None);
+        let steady = SteadyMotion::new(&basis, &material, columns, h, SPEED, None);
         let all = basis.rises(&steady.below(&basis, &flux, 0, 0));
         let at = |k: usize| all[k * 2 * columns + 2 * hottest + 1] / exact;
         (0..depth.len()).map(at).collect::<Vec<f64>>()

@@ -14,7 +14,7 @@
 
 pub mod bound;
 pub mod flexibility;
-pub mod march;
+pub mod integration;
 pub mod overlaps;
 pub mod reduction;
 pub mod strip_theory;

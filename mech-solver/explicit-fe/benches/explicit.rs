@@ -2,10 +2,10 @@
 //! two threads, and of both with their contact.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use explicit_fe::block::{Block, Held, Solid};
+use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::contact::Law;
 use explicit_fe::plane::Plane;
-use explicit_fe::rolling::{Asked, RISE, Rolling};
+use explicit_fe::rolling::{Options, RISE, Rolling};
 use explicit_fe::section::{Section, Sizes, circle};
 use grids::Structured;
 
@@ -17,7 +17,7 @@ fn block(element: f64, radius: f64) -> Block {
     let solid = Solid { lame, density: 7850.0, flow: None, radius };
     let crown = if radius.is_finite() { f64::INFINITY } else { 0.3 };
     let section = Section::new(&sizes, circle(crown));
-    let mut block = Block::new(columns, element, section, solid, Held::Faces);
+    let mut block = Block::new(columns, element, section, solid, Support::Faces);
     // Numbers that move, so that nothing is denormal.
     let values = block.damped.iter_mut().flatten().enumerate();
     values.for_each(|(n, u)| *u = 1e-9 * ((n % 17) as f64 - 8.0));
@@ -54,7 +54,7 @@ fn pairs(criterion: &mut Criterion) {
         let row = row.unwrap_or_default();
         let (x0, y0) = (-f64::from(half) * element, section.nodes[row][0]);
         let grid = Structured::contact_plane(x0, y0, element, element, 37, 28);
-        let asked = Asked {
+        let asked = Options {
             speed,
             load: 100e3,
             law: Law { coefficient: 0.6, sticks: true, flexibility: [0.0; 2] },

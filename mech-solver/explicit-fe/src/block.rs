@@ -52,7 +52,7 @@ pub struct Solid {
 
 /// Part of a body that does not move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Held {
+pub enum Support {
     /// All its faces but the surface.
     Faces,
     /// Nothing.
@@ -73,7 +73,7 @@ pub struct Block {
     /// Its cross-section.
     pub section: Section,
     stiffness: Vec<Stiffness>,
-    held: Held,
+    held: Support,
     /// 1/M of the nodes of a row [1/kg]; 0 of those that are held. A free end has half of M.
     pub inverse_mass: Vec<f64>,
     /// u + βv [m] by component: node after node along a row, row after row across, plane after plane in depth.
@@ -97,7 +97,7 @@ pub struct Block {
 impl Block {
     /// A body without displacements, of at least so many columns of elements of a length [m].
     #[must_use]
-    pub fn new(columns: usize, length: f64, section: Section, solid: Solid, held: Held) -> Self {
+    pub fn new(columns: usize, length: f64, section: Section, solid: Solid, held: Support) -> Self {
         let columns = columns.next_multiple_of(LANES);
         let [across, deep] = section.counts;
         let of_row = |row: usize| {
@@ -116,7 +116,7 @@ impl Block {
         }
         let is_held = |row: usize| {
             let face = row / rows == deep || row.is_multiple_of(rows) || row % rows == across;
-            face && held == Held::Faces
+            face && held == Support::Faces
         };
         let inverse = |(row, mass): (usize, &f64)| if is_held(row) { 0.0 } else { 1.0 / mass };
         let stride = columns + PADDING;
@@ -265,7 +265,7 @@ impl Block {
             let [above, _, below] = &mut self.planes;
             std::mem::swap(above, below);
         }
-        if self.held == Held::Nothing {
+        if self.held == Support::Nothing {
             self.planes[1].iter_mut().for_each(|force| force.fill(0.0));
             self.advance(deep, step);
         }
@@ -275,7 +275,7 @@ impl Block {
     fn advance(&mut self, plane: usize, step: f64) {
         let Self { planes: [above, own, _], damped, velocity, inverse_mass, stride, .. } = self;
         let (last, rows, damping) = (self.counts[0], self.counts[1] + 1, self.damping);
-        let ends = usize::from(self.held == Held::Faces);
+        let ends = usize::from(self.held == Support::Faces);
         for row in 0..rows {
             let inverse = inverse_mass[plane * rows + row];
             if inverse == 0.0 {
@@ -284,7 +284,7 @@ impl Block {
             let free = |start: usize| start + ends..start + last + 1 - ends;
             let (at, node) = (row * *stride, (plane * rows + row) * *stride);
             for k in 0..3 {
-                if self.held == Held::Nothing {
+                if self.held == Support::Nothing {
                     for end in [at, at + last] {
                         above[k][end] *= 2.0;
                         own[k][end] *= 2.0;
@@ -423,7 +423,7 @@ impl Block {
     /// Upper bound of the highest angular frequency [1/s] of small vibrations ([`frequency`]).
     #[must_use]
     pub fn highest_frequency(&self) -> f64 {
-        let held = self.held == Held::Faces;
+        let held = self.held == Support::Faces;
         frequency::highest(&self.stiffness, self.counts[1], self.solid.density, held)
     }
 }

@@ -190,8 +190,8 @@ impl Contact {
             let last = if last[0][0].is_nan() { now } else { last };
             let [mean, rigid] = [0, 1].map(|k| add(now[k], last[k]).map(|sum| 0.5 * sum));
             let normal = dot(pair.impulse, pair.normal);
-            let tangential = less(pair.impulse, pair.normal, normal);
-            let before = less(pair.before, pair.normal, dot(pair.before, pair.normal));
+            let tangential = sub_scaled(pair.impulse, pair.normal, normal);
+            let before = sub_scaled(pair.before, pair.normal, dot(pair.before, pair.normal));
             let yields = if law.sticks { pair.yields[1] } else { 0.0 };
             let stored = 0.5 * yields / step * (dot(tangential, tangential) - dot(before, before));
             let slip = |k: usize| velocity[k] * step + yields * (tangential[k] - before[k]);
@@ -264,8 +264,8 @@ impl Contact {
                 let inverse_below = met.nodes.map(|node| lower.inverse_mass[node / lower.stride]);
                 for (corner, share) in met.shares.iter().enumerate() {
                     let (other, its_own) = rigid_of(&surfaces[1], met.nodes[corner]);
-                    rigid = less(rigid, other, *share);
-                    own = less(own, its_own, *share);
+                    rigid = sub_scaled(rigid, other, *share);
+                    own = sub_scaled(own, its_own, *share);
                     together += share * share * inverse_below[corner];
                 }
                 self.pairs.push(Pair {
@@ -299,10 +299,11 @@ impl Contact {
         let pair = &self.pairs[index];
         let [upper, lower] = &mut self.changes;
         let change = &mut upper[pair.node];
-        *change = less(*change, impulse, -pair.inverse);
+        *change = sub_scaled(*change, impulse, -pair.inverse);
         for corner in 0..4 {
             let change = &mut lower[pair.below[corner]];
-            *change = less(*change, impulse, pair.shares[corner] * pair.inverse_below[corner]);
+            *change =
+                sub_scaled(*change, impulse, pair.shares[corner] * pair.inverse_below[corner]);
         }
     }
 
@@ -310,7 +311,7 @@ impl Contact {
     fn change(&self, pair: &Pair) -> [f64; 3] {
         let mut change = self.changes[0][pair.node];
         for (node, share) in pair.below.iter().zip(pair.shares) {
-            change = less(change, self.changes[1][*node], share);
+            change = sub_scaled(change, self.changes[1][*node], share);
         }
         change
     }
@@ -330,22 +331,22 @@ impl Contact {
                 let new_pressed = (pressed - gap / (step * together + yields)).max(0.0);
                 let wanted = match law.sticks {
                     true => {
-                        let away = less(
+                        let away = sub_scaled(
                             velocity.map(|v| step * v),
-                            less(old, pair.before, 1.0),
+                            sub_scaled(old, pair.before, 1.0),
                             -yields_along,
                         );
-                        less(old, away, 1.0 / (step * together + yields_along))
+                        sub_scaled(old, away, 1.0 / (step * together + yields_along))
                     }
                     false => pair.rigid.map(|v| -v),
                 };
-                let tangential = less(wanted, normal, dot(wanted, normal));
+                let tangential = sub_scaled(wanted, normal, dot(wanted, normal));
                 let size = dot(tangential, tangential).sqrt();
                 let bound = law.coefficient * new_pressed;
                 let within = law.sticks && size <= bound || size == 0.0;
                 let scale = if within { 1.0 } else { bound / size };
-                let new = less(tangential.map(|t| scale * t), normal, -new_pressed);
-                let more = less(new, old, 1.0);
+                let new = sub_scaled(tangential.map(|t| scale * t), normal, -new_pressed);
+                let more = sub_scaled(new, old, 1.0);
                 self.pairs[index].impulse = new;
                 self.spread(index, more);
                 largest = largest.max(new_pressed);
@@ -390,7 +391,7 @@ struct Surface<'a> {
 }
 
 /// A point of a surface, and the gap to it.
-struct Met {
+struct SurfacePoint {
     nodes: [usize; 4],
     shares: [f64; 4],
     normal: [f64; 3],
@@ -467,12 +468,12 @@ impl<'a> Surface<'a> {
     }
 
     /// The point of this surface that a place meets.
-    fn below(&self, place: [f64; 3]) -> Met {
+    fn below(&self, place: [f64; 3]) -> SurfacePoint {
         let block = self.block;
         let [columns, across, _] = block.counts;
         let last = |value: f64, most: usize| (value.max(0.0) as usize).min(most - 1);
         let (mut along, mut lateral) = (place[0], place[1]);
-        let mut met = Met { nodes: [0; 4], shares: [0.0; 4], normal: [0.0; 3], gap: 0.0 };
+        let mut met = SurfacePoint { nodes: [0; 4], shares: [0.0; 4], normal: [0.0; 3], gap: 0.0 };
         // The place is that of the material: what has moved is looked for again.
         for _ in 0..3 {
             let at = (along + block.behind + self.way) / block.length + 0.5 * columns as f64;
@@ -497,7 +498,7 @@ impl<'a> Surface<'a> {
             let normal = cross(forward, left);
             let size = dot(normal, normal).sqrt();
             met.normal = normal.map(|n| n / size);
-            let to = less(place, mixed(met.shares), 1.0);
+            let to = sub_scaled(place, mixed(met.shares), 1.0);
             met.gap = dot(met.normal, to);
             along += to[0];
             lateral += to[1];
@@ -527,7 +528,7 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// a − scale b.
-fn less(a: [f64; 3], b: [f64; 3], scale: f64) -> [f64; 3] {
+fn sub_scaled(a: [f64; 3], b: [f64; 3], scale: f64) -> [f64; 3] {
     [a[0] - scale * b[0], a[1] - scale * b[1], a[2] - scale * b[2]]
 }
 

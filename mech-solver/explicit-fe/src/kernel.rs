@@ -111,7 +111,7 @@ impl<const CURVED: bool, const FLOWS: bool, const SOFTER: bool> WithSimd
         let Self { row, force, plastic } = self;
         let lanes = S::F64_LANES;
         let groups = row.elements / lanes;
-        let whole = Material::new(s, row.stiffness);
+        let whole = LaneMaterial::new(s, row.stiffness);
         let shares = row.shares.map(|shares| S::as_simd_f64s(shares).0);
         let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
         let mut out = force.map(|row| row.map(|row| &mut S::as_mut_simd_f64s(row).0[..=groups]));
@@ -165,7 +165,7 @@ impl<const CURVED: bool, const FLOWS: bool, const SOFTER: bool> WithSimd
         let Self { row, plastic } = self;
         let plastic = S::as_simd_f64s(plastic).0;
         let groups = row.elements / S::F64_LANES;
-        let whole = Material::new(s, row.stiffness);
+        let whole = LaneMaterial::new(s, row.stiffness);
         let shares = row.shares.map(|shares| S::as_simd_f64s(shares).0);
         let [near, far] = [0, 1].map(|from| views::<S>(&row.displacement, from, groups));
         let mut sums = [s.splat_f64s(0.0); 2];
@@ -193,7 +193,7 @@ fn views<'a, S: Simd>(rows: &Rows<&'a [f64]>, from: usize, groups: usize) -> Row
 
 /// The constants of a row, in every lane.
 #[derive(Clone, Copy)]
-struct Material<S: Simd> {
+struct LaneMaterial<S: Simd> {
     along: [S::f64s; 4],
     across: [[S::f64s; 3]; 2],
     twist: [S::f64s; 3],
@@ -204,7 +204,7 @@ struct Material<S: Simd> {
     turn: [S::f64s; 2],
 }
 
-impl<S: Simd> Material<S> {
+impl<S: Simd> LaneMaterial<S> {
     #[inline(always)]
     fn new(s: S, stiffness: &Stiffness) -> Self {
         let all = |value: f64| s.splat_f64s(value);
@@ -222,7 +222,7 @@ impl<S: Simd> Material<S> {
     }
 }
 
-impl<S: Simd> Material<S> {
+impl<S: Simd> LaneMaterial<S> {
     /// Constants of a group of elements, with their shares of its stiffness and of its yield stress if they are softer.
     #[inline(always)]
     fn of_group<const SOFTER: bool>(&self, s: S, shares: &[&[S::f64s]; 2], group: usize) -> Self {
@@ -264,7 +264,7 @@ impl<S: Simd> Ends<S> {
 
     /// From the directions of the nodes to those of the middle.
     #[inline(always)]
-    fn turned<const CURVED: bool>(mut self, s: S, material: &Material<S>) -> Self {
+    fn turned<const CURVED: bool>(mut self, s: S, material: &LaneMaterial<S>) -> Self {
         if !CURVED {
             return self;
         }
@@ -281,7 +281,7 @@ impl<S: Simd> Ends<S> {
 
     /// The transpose.
     #[inline(always)]
-    fn turned_back<const CURVED: bool>(mut self, s: S, material: &Material<S>) -> Self {
+    fn turned_back<const CURVED: bool>(mut self, s: S, material: &LaneMaterial<S>) -> Self {
         if !CURVED {
             return self;
         }
@@ -372,11 +372,11 @@ fn yielding<S: Simd>(
 #[inline(always)]
 fn answer<S: Simd, const FLOWS: bool>(
     s: S,
-    material: &Material<S>,
+    material: &LaneMaterial<S>,
     ends: &Ends<S>,
     plastic: &mut [S::f64s; PLASTIC],
 ) -> Answer<S> {
-    let Material { along, across: [by, bz], twist, bend, lame, hourglass, flow, .. } = material;
+    let LaneMaterial { along, across: [by, bz], twist, bend, lame, hourglass, flow, .. } = material;
     let (zero, half) = (s.splat_f64s(0.0), s.splat_f64s(0.5));
     let mut h = [[zero; 3]; 3];
     // ξη, ξζ, ξηζ and ηζ of every component; then what resists them.
@@ -456,16 +456,16 @@ fn answer<S: Simd, const FLOWS: bool>(
             s.mul_add_f64s(py, by[1], s.mul_f64s(pz, bz[1])),
             s.mul_add_f64s(py, by[2], s.mul_add_f64s(pz, bz[2], q[k][3])),
         ];
-        let (less, more) = (s.sub_f64s(odd[0], odd[1]), s.add_f64s(odd[0], odd[1]));
+        let (sub_scaled, more) = (s.sub_f64s(odd[0], odd[1]), s.add_f64s(odd[0], odd[1]));
         let (deep_less, deep_more) = (s.sub_f64s(odd[2], odd[3]), s.add_f64s(odd[2], odd[3]));
-        ends.difference[0][k] = s.sub_f64s(less, deep_less);
+        ends.difference[0][k] = s.sub_f64s(sub_scaled, deep_less);
         ends.difference[1][k] = s.sub_f64s(more, deep_more);
-        ends.difference[2][k] = s.add_f64s(less, deep_less);
+        ends.difference[2][k] = s.add_f64s(sub_scaled, deep_less);
         ends.difference[3][k] = s.add_f64s(more, deep_more);
-        let (less, more) = (s.sub_f64s(even[1], even[2]), s.add_f64s(even[1], even[2]));
-        ends.sum[0][k] = s.sub_f64s(s.sub_f64s(zero, even[0]), less);
+        let (sub_scaled, more) = (s.sub_f64s(even[1], even[2]), s.add_f64s(even[1], even[2]));
+        ends.sum[0][k] = s.sub_f64s(s.sub_f64s(zero, even[0]), sub_scaled);
         ends.sum[1][k] = s.sub_f64s(even[0], more);
-        ends.sum[2][k] = s.sub_f64s(less, even[0]);
+        ends.sum[2][k] = s.sub_f64s(sub_scaled, even[0]);
         ends.sum[3][k] = s.add_f64s(even[0], more);
     }
     Answer { ends, energy }

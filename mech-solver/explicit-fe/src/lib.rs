@@ -23,7 +23,7 @@
 //! | [`contact`] | impulses between the surfaces |
 //! | [`plane`] | what happens in the contact, summed on a plane that travels with it |
 //! | [`rolling`] | two bodies, an axle, their steps |
-//! | [`settle`] | rolling until that is steady |
+//! | [`steady_rolling`] | rolling until that is steady |
 //!
 //! Left out: what the rotation of the axle does to the wheel (V² ρ is 12 MPa at 140 km/h beside a pressure of 1.3 GPa) and Coriolis
 //! forces; wheel and rail are held at the faces of their blocks.
@@ -36,5 +36,5 @@ pub mod plane;
 pub mod quality;
 pub mod rolling;
 pub mod section;
-pub mod settle;
 pub mod shape;
+pub mod steady_rolling;

@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// Prescribed motion, load and friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Asked {
+pub struct Options {
     /// Rolling speed [m/s].
     pub speed: f64,
     /// Normal force [N].
@@ -96,7 +96,7 @@ impl Motion {
 /// Rolling bodies.
 pub struct Rolling {
     /// Prescribed motion, load and friction.
-    pub asked: Asked,
+    pub asked: Options,
     /// Upper and lower body.
     pub bodies: [Block; 2],
     contact: Contact,
@@ -111,7 +111,7 @@ pub struct Rolling {
 impl Rolling {
     /// Two bodies that touch in a point; the plane of the contact has the middle of `plane`.
     #[must_use]
-    pub fn new(mut bodies: [Block; 2], plane: Plane, asked: Asked) -> Self {
+    pub fn new(mut bodies: [Block; 2], plane: Plane, asked: Options) -> Self {
         let highest = bodies.iter().map(Block::highest_frequency).fold(0.0, f64::max);
         let longest = SAFETY * 2.0 / highest * ((1.0 + DAMPING * DAMPING).sqrt() - DAMPING);
         let passage = bodies[1].length / asked.speed;
@@ -265,7 +265,7 @@ impl Rolling {
 
     /// The axle on the way to steady rolling.
     fn press(&mut self, sums: &Sums, step: f64) {
-        let Asked { half_length, speed, stiffness, load, .. } = self.asked;
+        let Options { half_length, speed, stiffness, load, .. } = self.asked;
         let rise = RISE * half_length / speed;
         let mass = AXLE * stiffness * rise * rise;
         let part = (self.motion.time / rise).min(1.0);

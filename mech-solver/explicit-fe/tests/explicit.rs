@@ -1,6 +1,6 @@
 //! Explicit finite elements: what every such code has to meet.
 
-use explicit_fe::block::{Block, Held, Solid};
+use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::contact::{Contact, Frame, Law};
 use explicit_fe::plane::Plane;
 use explicit_fe::section::{Section, Sizes, circle};
@@ -73,7 +73,7 @@ fn largest(block: &Block) -> [f64; 2] {
 #[test]
 fn a_linear_field_makes_no_force_inside() {
     for radius in [f64::INFINITY, 0.2] {
-        let mut block = Block::new(24, 1e-3, distorted(1e-3), steel(NU, radius), Held::Nothing);
+        let mut block = Block::new(24, 1e-3, distorted(1e-3), steel(NU, radius), Support::Nothing);
         let slope = [[1e-4, 2e-5, -3e-5], [4e-5, -2e-4, 1e-5], [3e-5, 7e-5, 5e-5]];
         displace(&mut block, |x| slope.map(|row| row.iter().zip(x).map(|(g, x)| g * x).sum()));
         block.step(1e-9);
@@ -97,7 +97,7 @@ fn a_layer_that_expands_by_its_strain_makes_no_force() {
         let volume = chords * thickness * (1.0 - 0.5 * thickness / radius);
         let moved = |strained: f64| {
             let solid = steel(NU, radius);
-            let mut block = Block::new(16, 1e-3, section.clone(), solid, Held::Nothing);
+            let mut block = Block::new(16, 1e-3, section.clone(), solid, Support::Nothing);
             displace(&mut block, |x| x.map(|x| strained * x));
             block.expand(|_, _| strain * volume);
             block.step(1e-9);
@@ -113,7 +113,7 @@ fn a_layer_that_expands_by_its_strain_makes_no_force() {
 #[test]
 fn a_rigid_rotation_makes_no_force() {
     for radius in [f64::INFINITY, 0.2] {
-        let mut block = Block::new(24, 1e-3, distorted(1e-3), steel(NU, radius), Held::Nothing);
+        let mut block = Block::new(24, 1e-3, distorted(1e-3), steel(NU, radius), Support::Nothing);
         let (sine, cosine) = 0.3_f64.sin_cos();
         displace(&mut block, |[x, y, _]| {
             let (turned_x, turned_y) = (cosine * x - sine * y, sine * x + cosine * y);
@@ -121,7 +121,8 @@ fn a_rigid_rotation_makes_no_force() {
         });
         block.step(1e-9);
         let rigid = largest(&block)[1];
-        let mut strained = Block::new(24, 1e-3, distorted(1e-3), steel(NU, radius), Held::Nothing);
+        let mut strained =
+            Block::new(24, 1e-3, distorted(1e-3), steel(NU, radius), Support::Nothing);
         displace(&mut strained, |[x, _, _]| [0.3 * x, 0.0, 0.0]);
         strained.step(1e-9);
         let ratio = rigid / largest(&strained)[1];
@@ -142,7 +143,7 @@ fn a_bar_that_is_stopped() {
         element,
         Section::new(&sizes, circle(f64::INFINITY)),
         steel(NU, f64::INFINITY),
-        Held::Nothing,
+        Support::Nothing,
     );
     let speed = 1.0;
     block.velocity[0].iter_mut().for_each(|v| *v = -speed);
@@ -195,8 +196,8 @@ fn contact_conserves_momentum() {
         let sizes = Sizes { element: 1e-3, fine: [8e-3, 3e-3], whole: [20e-3, 15e-3], middle: 0.0 };
         Section::new(&sizes, circle(f64::INFINITY))
     };
-    let mut upper = Block::new(32, 1e-3, section(), steel(NU, 0.2), Held::Nothing);
-    let mut lower = Block::new(40, 1e-3, section(), steel(NU, f64::INFINITY), Held::Nothing);
+    let mut upper = Block::new(32, 1e-3, section(), steel(NU, 0.2), Support::Nothing);
+    let mut lower = Block::new(40, 1e-3, section(), steel(NU, f64::INFINITY), Support::Nothing);
     let row = (0..upper.section.counts[1] + 1)
         .find(|j| upper.section.nodes[*j][0] > -6.5e-3)
         .unwrap_or_default();
@@ -254,7 +255,7 @@ fn surfaces_that_yield_are_springs() {
             1e-3,
             Section::new(&sizes, circle(f64::INFINITY)),
             steel(NU, f64::INFINITY),
-            Held::Faces,
+            Support::Faces,
         )
     };
     let [mut upper, mut lower] = [new(), new()];

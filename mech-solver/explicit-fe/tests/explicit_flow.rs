@@ -1,6 +1,6 @@
 //! Explicit finite elements of a material that flows.
 
-use explicit_fe::block::{Block, Held, Solid};
+use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::kernel::Flow;
 use explicit_fe::section::Section;
 
@@ -12,7 +12,7 @@ fn bar(flow: Option<Flow>) -> Block {
     let nodes = vec![[0.0, 0.0], [1e-3, 0.0], [0.0, 1e-3], [1e-3, 1e-3]];
     let section = Section { counts: [1, 1], nodes, fine: [0, 1] };
     let solid = Solid { lame: [LAMBDA, MU], density: 7850.0, flow, radius: f64::INFINITY };
-    Block::new(16, 1e-3, section, solid, Held::Nothing)
+    Block::new(16, 1e-3, section, solid, Support::Nothing)
 }
 
 /// Shear stress [Pa] of a bar all of which has a shear strain γ of planes in depth: what pushes its upper nodes along.
@@ -120,7 +120,7 @@ fn softer_is_less_stiff_and_yields_sooner() {
     };
     let solid =
         Solid { lame: warm.solid.lame.map(|l| stiffness * l), flow: Some(softer), ..warm.solid };
-    let mut other = Block::new(16, 1e-3, warm.section.clone(), solid, Held::Nothing);
+    let mut other = Block::new(16, 1e-3, warm.section.clone(), solid, Support::Nothing);
     for part in [0.3, 1.0, 4.0, -2.0, 6.0] {
         let gamma = part * 1e-3;
         let (a, b) = (shear_stress(&mut warm, gamma), shear_stress(&mut other, gamma));

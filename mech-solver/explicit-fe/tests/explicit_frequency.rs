@@ -1,6 +1,6 @@
 //! The bound of the highest frequency, against all eigenvalues of small bodies.
 
-use explicit_fe::block::{Block, Held, Solid};
+use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::section::{Section, Sizes, circle};
 use nalgebra::DMatrix;
 
@@ -92,7 +92,7 @@ fn the_bound_is_above_the_highest_frequency_by_little() {
     for (name, section) in &sections {
         for radius in [f64::INFINITY, 0.02] {
             for nu in [0.0, 0.3, 0.45, 0.499] {
-                for (which, held) in [Held::Faces, Held::Nothing].into_iter().enumerate() {
+                for (which, held) in [Support::Faces, Support::Nothing].into_iter().enumerate() {
                     let block = Block::new(8, 1e-3, section.clone(), solid(nu, radius), held);
                     let bound = block.highest_frequency();
                     let excess = bound / dense(block) - 1.0;
@@ -146,7 +146,7 @@ fn of_a_wheel_and_a_rail_it_is_little_more_than_a_power_iteration_finds() {
     for (name, radius, crown) in [("wheel", 0.46, f64::INFINITY), ("rail", f64::INFINITY, 0.3)] {
         for nu in [0.3, 0.499] {
             let section = Section::new(&sizes, circle(crown));
-            let block = Block::new(56, element, section, solid(nu, radius), Held::Faces);
+            let block = Block::new(56, element, section, solid(nu, radius), Support::Faces);
             let bound = block.highest_frequency();
             let excess = bound / power_iteration(block, 400) - 1.0;
             println!("{name}, nu {nu}: {:.2} %", 100.0 * excess);
@@ -163,7 +163,7 @@ fn of_cubes_it_is_that_of_the_shortest_wave() {
     for nu in [0.0, 0.3, 0.45, 0.499] {
         let solid = solid(nu, f64::INFINITY);
         let section = section(&[1e-3; 24], &[1e-3; 3], 0.0);
-        let block = Block::new(8, 1e-3, section, solid, Held::Faces);
+        let block = Block::new(8, 1e-3, section, solid, Support::Faces);
         let speed = ((solid.lame[0] + 2.0 * solid.lame[1]) / DENSITY).sqrt();
         let ratio = block.highest_frequency() / (2.0 * speed / 1e-3);
         println!("nu {nu}: {ratio:.5}");
@@ -177,7 +177,7 @@ fn of_cubes_it_is_that_of_the_shortest_wave() {
 fn softer_elements_stay_below_the_bound() {
     for radius in [f64::INFINITY, 0.02] {
         let section = section(&[1e-3; 4], &[0.5e-3, 0.8e-3, 1.2e-3], 0.2);
-        let mut block = Block::new(8, 1e-3, section, solid(0.3, radius), Held::Faces);
+        let mut block = Block::new(8, 1e-3, section, solid(0.3, radius), Support::Faces);
         let bound = block.highest_frequency();
         let share = |x: f64, y: f64| 1.0 - 0.6 * (900.0 * x + 1700.0 * y).sin().powi(2);
         block.soften(|x, y, _| Ok::<_, ()>([share(x, y); 2])).expect("shares");
@@ -194,7 +194,7 @@ fn softer_elements_stay_below_the_bound() {
 fn vibrations_are_stable_below_the_bound() {
     for (share, stable) in [(0.999, true), (1.25, false)] {
         let section = section(&[1e-3; 4], &[1e-3; 4], 0.0);
-        let mut block = Block::new(24, 1e-3, section, solid(0.3, f64::INFINITY), Held::Faces);
+        let mut block = Block::new(24, 1e-3, section, solid(0.3, f64::INFINITY), Support::Faces);
         let step = share * 2.0 / block.highest_frequency();
         for (n, v) in block.velocity.iter_mut().flatten().enumerate() {
             *v = 1e-6 * ((n * 2_654_435_761 % 1009) as f64 / 504.5 - 1.0);

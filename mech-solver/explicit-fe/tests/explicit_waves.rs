@@ -1,6 +1,6 @@
 //! Explicit finite elements: waves, and the mesh that travels.
 
-use explicit_fe::block::{Block, Held, Solid};
+use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::section::{Section, Sizes, circle};
 
 const E: f64 = 210e9;
@@ -22,7 +22,7 @@ fn a_block_that_travels_is_part_of_a_long_one() {
     };
     for radius in [f64::INFINITY, 0.3] {
         let new = |columns: usize| {
-            Block::new(columns, element, section(), solid(0.3, radius), Held::Faces)
+            Block::new(columns, element, section(), solid(0.3, radius), Support::Faces)
         };
         let (mut short, mut long) = (new(48), new(64));
         let step = 0.9 * 2.0 / short.highest_frequency();
@@ -83,7 +83,7 @@ fn a_wave_goes_along_the_surface() {
         let nodes = (0..=deep).flat_map(|k| [place(k, 0), place(k, 1)]).collect();
         let section = Section { counts: [1, deep], nodes, fine: [0, 1] };
         let own = solid(nu, f64::INFINITY);
-        let mut block = Block::new(columns, element, section, own, Held::Nothing);
+        let mut block = Block::new(columns, element, section, own, Support::Nothing);
         let step = 0.9 * 2.0 / block.highest_frequency();
         let shear = (own.lame[1] / own.density).sqrt();
         let expected = shear * rayleigh(own.lame[1] / (own.lame[0] + 2.0 * own.lame[1]));

@@ -11,9 +11,9 @@ use elastic::hertz;
 use grids::Structured;
 use half_space::difference::Difference;
 use half_space::extent::sample;
-use half_space::levels::{Contact, Levels, Motion};
+use half_space::grid_continuation::{Contact, Levels, Motion};
 use half_space::normal::{self, NormalSolver};
-use half_space::tangential::Prescribed;
+use half_space::tangential::PrescribedMotion;
 use std::hint::black_box;
 
 const FRICTION: f64 = 0.6;
@@ -62,9 +62,9 @@ impl Scene {
         pressure
     }
 
-    fn rolling(&self, bound: &[f64], prescribed: &[Prescribed]) -> f64 {
+    fn rolling(&self, bound: &[f64], prescribed: &[PrescribedMotion]) -> f64 {
         let mut levels = Levels::new(&self.grid, &self.contact);
-        let solve = |one: &Prescribed| {
+        let solve = |one: &PrescribedMotion| {
             let solution = levels.solve(bound, one).expect("it converges");
             solution.state.creepage[0]
         };
@@ -75,7 +75,8 @@ impl Scene {
 fn half_space(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("half_space");
     group.sample_size(10);
-    let forces = [0.58, 0.5, 0.4, 0.3, 0.2].map(|mu| Prescribed::longitudinal_force(mu * LOAD));
+    let forces =
+        [0.58, 0.5, 0.4, 0.3, 0.2].map(|mu| PrescribedMotion::longitudinal_force(mu * LOAD));
     for resolution in [10, 20, 40, 80, 160] {
         let scene = Scene::new(resolution);
         let bound: Vec<f64> = scene.pressure().iter().map(|p| FRICTION * p).collect();
@@ -83,7 +84,7 @@ fn half_space(criterion: &mut Criterion) {
             bencher.iter(|| black_box(scene.pressure()));
         });
         group.bench_function(BenchmarkId::new("one_creepage", resolution), |bencher| {
-            let creepage = [Prescribed::creepages([-0.00863, 0.0, 0.0])];
+            let creepage = [PrescribedMotion::creepages([-0.00863, 0.0, 0.0])];
             bencher.iter(|| black_box(scene.rolling(&bound, &creepage)));
         });
         group.bench_function(BenchmarkId::new("five_forces", resolution), |bencher| {

@@ -15,8 +15,8 @@
 //! | [`dissipation`] | numerical dissipation of that difference |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
-//! | [`settling`] | friction that follows the slip of every element |
-//! | [`levels`] | the tangential problem by continuation in resolution |
+//! | [`slip_iteration`] | friction that follows the slip of every element |
+//! | [`grid_continuation`] | the tangential problem by continuation in resolution |
 //! | [`viscoelastic`] | the same displacement of bodies with a memory that roll |
 //! | [`retarded`] | of bodies with a memory that are pressed and shifted in place |
 //! | [`yielding`] | a layer that yields, in series with friction |
@@ -33,14 +33,14 @@ pub mod difference;
 pub mod dissipation;
 pub mod extent;
 pub mod friction;
+pub mod grid_continuation;
 pub mod influence;
 mod initial_pressure;
-pub mod levels;
 pub mod normal;
 pub mod patches;
 mod prescribed;
 pub mod retarded;
-pub mod settling;
+pub mod slip_iteration;
 pub mod slip_operator;
 pub mod subsurface;
 pub mod tangential;

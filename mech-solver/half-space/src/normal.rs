@@ -96,7 +96,7 @@ pub struct NormalSolver {
     compliance: f64,
     /// For bodies with a memory.
     point: Option<InteriorPoint>,
-    work: Work,
+    work: Workspace,
 }
 
 /// A of half-spaces, or of bodies with a curved surface.
@@ -119,7 +119,7 @@ impl Flexibility {
 
 /// Fields of the iteration, all zero outside C unless said.
 #[derive(Debug)]
-struct Work {
+struct Workspace {
     in_contact: Vec<bool>,
     /// u = A p, everywhere [m].
     displacement: Vec<f64>,
@@ -249,7 +249,7 @@ impl NormalSolver {
             area: dx * dy,
             compliance,
             point: None,
-            work: Work {
+            work: Workspace {
                 in_contact: vec![false; nx * ny],
                 displacement: zeros.clone(),
                 residual: zeros.clone(),
@@ -524,7 +524,7 @@ impl Progress {
     }
 }
 
-impl Work {
+impl Workspace {
     /// Sets a field to zero outside C.
     fn cut(&mut self, field: impl Fn(&mut Self) -> &mut Vec<f64>) {
         let mut values = std::mem::take(field(self));

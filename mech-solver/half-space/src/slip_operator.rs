@@ -237,7 +237,7 @@ enum Table {
     /// Numbers of elastic bodies.
     Elastic(Quarter<[f64; 3]>),
     /// Numbers of bodies with a memory, and the flexibility of a layer.
-    Memory(Numbers<3>, f64),
+    InternalVariables(Numbers<3>, f64),
 }
 
 impl Table {
@@ -254,7 +254,7 @@ impl Table {
         let numbers = Numbers::new(counts, sides, bodies, |of, x, y| {
             [of.xx_at(x, y), of.yy_at(x, y), of.xy_at(x, y)]
         });
-        Self::Memory(numbers, layer)
+        Self::InternalVariables(numbers, layer)
     }
 
     /// Value at an offset: of elastic bodies xx and yy are even in both offsets, xy is odd in both; with a memory the same across.
@@ -264,7 +264,7 @@ impl Table {
                 let [xx, yy, xy] = quarter.value(i, j);
                 [xx, yy, if (i < 0) == (j < 0) { xy } else { -xy }]
             }
-            Self::Memory(numbers, layer) => {
+            Self::InternalVariables(numbers, layer) => {
                 let [xx, yy, xy] = numbers.value(i, j);
                 let own = if (i, j) == (0, 0) { *layer } else { 0.0 };
                 [xx + own, yy + own, if j < 0 { -xy } else { xy }]

@@ -51,7 +51,7 @@ mod thermal;
 pub use element::{Element, UnitStresses};
 pub use peak::Peak;
 pub use points::Nodes;
-pub use section::{Effort, Section};
+pub use section::{Section, SectionCost};
 pub use thermal::{RiseIntegral, WarmBody};
 
 use elastic::Stress;

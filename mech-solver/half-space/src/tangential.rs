@@ -21,7 +21,7 @@
 //!
 //! Source: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4.
 
-mod bracket;
+mod force_bracketing;
 mod layer;
 mod linear;
 mod newton;
@@ -31,7 +31,7 @@ mod state;
 
 pub use layer::Layer;
 pub use newton::{Effort, NotConverged, TangentialSolver};
-pub use problem::{Prescribed, Problem, Wanted};
+pub use problem::{PrescribedMotion, Problem, Wanted};
 pub use state::{Creepage, ElementState, TangentialState};
 
 #[cfg(test)]

@@ -178,7 +178,7 @@ impl<const N: usize> Numbers<N> {
         }
         for Delayed { elasticity, length } in bodies.memories() {
             let influence = Influence::of_elements([dx, dy], elasticity);
-            let memory = Memory::new(dx, length);
+            let memory = InternalVariables::new(dx, length);
             for (j, row) in values.chunks_exact_mut(width).enumerate() {
                 let y = j as f64 * dy;
                 let line = Line {
@@ -230,7 +230,7 @@ impl<F> Line<F> {
 }
 
 /// An exponential memory.
-struct Memory {
+struct InternalVariables {
     dx: f64,
     length: f64,
     /// e^{−h} of an element's side.
@@ -239,7 +239,7 @@ struct Memory {
     weights: Vec<[f64; POINTS]>,
 }
 
-impl Memory {
+impl InternalVariables {
     fn new(dx: f64, length: f64) -> Self {
         let h = dx / length;
         let weights = (0..=MOST_HALVINGS).map(|k| weights(h / f64::from(1_u32 << k))).collect();

@@ -4,7 +4,7 @@
 
 use crate::case::resolution::{MOST, RESOLUTION};
 use crate::case::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene, WIDTH};
-use crate::figures::measures::Measures;
+use crate::figures::indicators::Indicators;
 use elastic::hertz;
 use elastic::strips::semi_ellipse::SemiEllipse;
 use elastic::strips::{Lateral, StripField, Strips};
@@ -35,7 +35,7 @@ pub(crate) struct Ellipse {
     /// Normal force that it carries [N].
     pub(crate) normal_force: f64,
     /// What it is held against.
-    pub(crate) measures: Measures,
+    pub(crate) indicators: Indicators,
 }
 
 /// What a grid has to cover: one ellipse, or several.
@@ -122,9 +122,9 @@ impl Ellipse {
     fn of_given_patch(scene: &Scene, patch: GivenPatch) -> Self {
         let GivenPatch { semi_axis_a, semi_axis_b, max_pressure } = patch;
         let normal_force = hertz::normal_force(semi_axis_a, semi_axis_b, max_pressure);
-        let measures = Measures::of(scene);
+        let indicators = Indicators::of(scene);
         let (line, approach) = (false, None);
-        Self { semi_axis_a, semi_axis_b, line, max_pressure, approach, normal_force, measures }
+        Self { semi_axis_a, semi_axis_b, line, max_pressure, approach, normal_force, indicators }
     }
 
     /// The line along which bodies touch that are straight across.
@@ -173,7 +173,7 @@ impl Ellipse {
             max_pressure: line.max_pressure,
             approach: Some(line.approach),
             normal_force,
-            measures: Measures::of(scene),
+            indicators: Indicators::of(scene),
         }
         .within_the_bodies(scene)
     }
@@ -196,7 +196,7 @@ impl Ellipse {
             max_pressure: solution.max_pressure,
             approach: Some(solution.approach),
             normal_force,
-            measures: Measures::of(scene),
+            indicators: Indicators::of(scene),
         }
         .within_the_bodies(scene)
     }

@@ -14,8 +14,8 @@
 //! a patch; its inclinations have the other sign.
 
 use crate::advice::situation::Situation;
-use crate::case::curve::Curve;
 use crate::case::keys::CheckedParams;
+use crate::case::piecewise_linear::PiecewiseLinear;
 use crate::registry::entry::Effect;
 use crate::terms::bands::{At, Bands, Over};
 use crate::terms::friction::{FrictionFactor, FrictionLaw, FrictionState};
@@ -94,7 +94,8 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         true => Ok(()),
         false => Err("has no factor above 0".to_owned()),
     };
-    let table = Curve::read(Path::new(path), &columns(over), true, positive).map_err(refused)?;
+    let table =
+        PiecewiseLinear::read(Path::new(path), &columns(over), true, positive).map_err(refused)?;
     let most = largest(over);
     if let Some(outside) = table.coordinates().find(|at| at.abs() > most) {
         let unit = &columns(over)[0].unit;

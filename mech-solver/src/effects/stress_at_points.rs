@@ -17,7 +17,7 @@ use crate::case::keys::CheckedParams;
 use crate::registry::entry::Effect;
 use crate::terms::thermal_stress::{self, ThermalStress};
 use crate::terms::{Accepted, Kind, Observation, Place, State, Terms};
-use blocks::Asked;
+use blocks::PointBlock;
 use elastic::Stress;
 use half_space::subsurface::{Nodes, SurfaceLoad};
 use proto::advice::Advice;
@@ -81,7 +81,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
 /// The points that a case asks for, and their stresses.
 #[derive(Debug)]
 struct AtPoints {
-    asked: Vec<Asked>,
+    asked: Vec<PointBlock>,
     thermal: ThermalStress,
     /// The contact's grid and the blocks, once it is known where they are.
     on: Option<(Structured, Points)>,
@@ -141,8 +141,10 @@ impl AtPoints {
 
 impl Observation for AtPoints {
     fn place(&mut self, place: &Place) {
-        let block =
-            |asked: &Asked| Block { name: asked.name.clone(), places: asked.places(&place.grid) };
+        let block = |asked: &PointBlock| Block {
+            name: asked.name.clone(),
+            places: asked.places(&place.grid),
+        };
         let points = Points { blocks: self.asked.iter().map(block).collect() };
         self.on = Some((place.grid, points));
     }

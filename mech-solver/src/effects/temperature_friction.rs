@@ -19,8 +19,8 @@
 //! slip velocity.
 
 use crate::advice::situation::{POWER, Situation};
-use crate::case::curve::Curve;
 use crate::case::keys::CheckedParams;
+use crate::case::piecewise_linear::PiecewiseLinear;
 use crate::registry::entry::Effect;
 use crate::terms::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::terms::surface::Surface;
@@ -97,7 +97,7 @@ enum TemperatureLaw {
         scale: f64,
     },
     /// Coefficients over temperature rises [K].
-    Table(Curve<1>),
+    Table(PiecewiseLinear<1>),
 }
 
 fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
@@ -111,10 +111,15 @@ fn read(params: &Params) -> Result<TemperatureLaw, Refusal> {
         let path = case.text(TABLE)?;
         let clamps = case.text(BEYOND)? == "hold";
         let curve =
-            Curve::read(Path::new(path), &columns(), clamps, |[friction]| match *friction > 0.0 {
-                true => Ok(()),
-                false => Err("has no friction coefficient above 0".to_owned()),
-            });
+            PiecewiseLinear::read(
+                Path::new(path),
+                &columns(),
+                clamps,
+                |[friction]| match *friction > 0.0 {
+                    true => Ok(()),
+                    false => Err("has no friction coefficient above 0".to_owned()),
+                },
+            );
         return curve.map(TemperatureLaw::Table).map_err(|reason| {
             let fix = format!("give a table of {}", headings(&columns()));
             Refusal::new(TABLE, format!("`{path}` {reason}"), fix)
@@ -227,7 +232,7 @@ mod tests {
     fn table(lines: &[u8]) -> TemperatureLaw {
         let table = Table::parse(String::from_utf8_lossy(lines).into_owned(), Reading::NUMBERS);
         TemperatureLaw::Table(
-            Curve::from_table(&table.unwrap(), &columns(), false, |_| Ok(())).unwrap(),
+            PiecewiseLinear::from_table(&table.unwrap(), &columns(), false, |_| Ok(())).unwrap(),
         )
     }
 

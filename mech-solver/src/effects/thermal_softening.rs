@@ -15,8 +15,8 @@
 //!
 //! Source: EN 1993-1-2:2005, table 3.1 (reduction factors of carbon steel).
 
-use crate::case::curve::{Curve, absolute_temperature};
 use crate::case::keys::CheckedParams;
+use crate::case::piecewise_linear::{PiecewiseLinear, absolute_temperature};
 use crate::registry::entry::Effect;
 use crate::terms::softening::{LEAST_SHARE, Softening};
 use crate::terms::{Kind, Terms};
@@ -94,12 +94,13 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
             Refusal::new(&key, format!("`{file}` {reason}"), fix)
         };
         let initial = own.number(&names.key(which, "initial_temperature"))?;
-        let curve = Curve::read(Path::new(file), &columns(), clamps, |shares| {
-            match shares.iter().all(|share| *share > 0.0 && *share <= 1.0) {
-                true => Ok(()),
-                false => Err("has a share that is not above 0 and 1 at most".to_owned()),
-            }
-        });
+        let curve =
+            PiecewiseLinear::read(Path::new(file), &columns(), clamps, |shares| {
+                match shares.iter().all(|share| *share > 0.0 && *share <= 1.0) {
+                    true => Ok(()),
+                    false => Err("has a share that is not above 0 and 1 at most".to_owned()),
+                }
+            });
         let curve = curve.map_err(refused)?;
         if !curve.falls() {
             return Err(refused("has a share that rises with the temperature".to_owned()));

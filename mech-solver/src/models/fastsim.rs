@@ -47,7 +47,7 @@ use crate::models::precomputed::{self, Precomputed};
 use crate::models::varying::{Scenes, Varying};
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
-use case::{Asked, Case, RESOLUTION, cells, own_keys, problem};
+use case::{Case, Options, RESOLUTION, cells, own_keys, problem};
 use contact::Problem;
 use elastic::fastsim::bound::Bound;
 use elastic::fastsim::flexibility::Kind as Flexibility;
@@ -96,7 +96,7 @@ fn spec() -> ModelSpec {
             .to_owned(),
         source:
             "Kalker, Vehicle System Dynamics 11 (1982) 1-13; Kalker, Three-Dimensional Elastic \
-                 Bodies in Rolling Contact (1990), table E.3; Sichani, Enblom, Berg, Vehicle System Dynamics 54 \
+                 Bodies in Rolling FastsimContact (1990), table E.3; Sichani, Enblom, Berg, Vehicle System Dynamics 54 \
                  (2016) 748-764"
                 .to_owned(),
         steady: true,
@@ -131,7 +131,7 @@ fn springs_for_half_space(effect: &str) -> Simplification {
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
-    let asked = Asked::read(&configuration.case, given, terms.adhesion)?;
+    let asked = Options::read(&configuration.case, given, terms.adhesion)?;
     let varying = Varying::of(configuration, &terms, given)?;
     let extent = match &varying {
         Some(varying) => varying.extent(given)?,
@@ -159,7 +159,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 pub(super) fn estimate(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
     let given = GivenPatch::read(case).ok()?;
     let grid = Ellipse::solve(scene, given).ok()?.extent().grid(COARSE).ok()?;
-    let asked = Asked {
+    let asked = Options {
         given,
         kind: Flexibility::Single,
         bound: Bound::Parabolic,

@@ -32,7 +32,7 @@ use crate::models::varying::{Scenes, Varying};
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
 use case::Case;
-use contact::{Contact, CreepLaw};
+use contact::{CarterContact, CreepLaw};
 use proto::accuracy::{Accuracy, Simplification};
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
@@ -72,7 +72,7 @@ fn spec() -> ModelSpec {
         summary: "Hertz ellipse and Carter strips in closed form, longitudinal creepage only"
             .to_owned(),
         source:
-            "Johnson, Contact Mechanics (1985) ch. 4; Carter, Proc. R. Soc. Lond. A 112 (1926) \
+            "Johnson, CarterContact Mechanics (1985) ch. 4; Carter, Proc. R. Soc. Lond. A 112 (1926) \
                  151-157; Naeimi et al., eqs. 18-19"
                 .to_owned(),
         steady: true,
@@ -124,7 +124,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     let partial = terms.adhesion;
     let resolution = resolution::read(&configuration.case, RESOLUTION)?;
     Ellipse::refuse_rest(&scene)?;
-    let contact = Contact::solve(&scene, Ellipse::solve(&scene, given)?, law, partial)?;
+    let contact = CarterContact::solve(&scene, Ellipse::solve(&scene, given)?, law, partial)?;
     let varying = Varying::of(configuration, &terms, given)?;
     let extent = varying.as_ref().map(|varying| varying.extent(given)).transpose()?;
     let grid = extent.unwrap_or(contact.ellipse.extent()).grid(resolution)?;
@@ -152,7 +152,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
 
 fn remarks(
     scene: &Scene,
-    contact: &Contact,
+    contact: &CarterContact,
     given: Option<GivenPatch>,
     partial: bool,
 ) -> Vec<String> {
@@ -172,7 +172,7 @@ fn remarks(
 /// A checked case and its grids.
 struct Prepared {
     scene: Scene,
-    contact: Contact,
+    contact: CarterContact,
     case: Case,
     /// The values that vary, if any do.
     varying: Option<Varying>,

@@ -1,6 +1,6 @@
 //! Friction that varies over the surfaces: factors on the friction coefficient over a coordinate.
 
-use crate::case::curve::Curve;
+use crate::case::piecewise_linear::PiecewiseLinear;
 
 /// What the factors are a table of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub(crate) enum At {
 /// Factors over a coordinate, straight between the lines of a table and constant beyond them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Bands {
-    pub(crate) table: Curve<1>,
+    pub(crate) table: PiecewiseLinear<1>,
     pub(crate) over: Over,
     pub(crate) at: At,
 }

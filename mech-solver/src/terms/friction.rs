@@ -11,7 +11,7 @@
 
 use crate::terms::bands::{At, Over};
 use half_space::friction::ElementFriction;
-use half_space::settling::SlipStart;
+use half_space::slip_iteration::SlipStart;
 use proto::grid::Structured;
 use proto::model::{Inputs, StepError};
 use std::fmt::Debug;

@@ -1,6 +1,6 @@
 //! A material that is softer where it is warm.
 
-use crate::case::curve::Curve;
+use crate::case::piecewise_linear::PiecewiseLinear;
 
 /// Of the softest element, among the figures of a contact.
 pub(crate) const LEAST_SHARE: &str = "least_stiffness_share";
@@ -9,7 +9,7 @@ pub(crate) const LEAST_SHARE: &str = "least_stiffness_share";
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Softening {
     /// Shares that fall with the temperature [K].
-    curve: Curve<2>,
+    curve: PiecewiseLinear<2>,
     /// Initial temperature [K].
     initial: f64,
     /// Shares at that.
@@ -18,7 +18,7 @@ pub(crate) struct Softening {
 
 impl Softening {
     /// Of shares that fall with the temperature; `None` if they have none at the initial one [K].
-    pub(crate) fn new(curve: Curve<2>, initial: f64) -> Option<Self> {
+    pub(crate) fn new(curve: PiecewiseLinear<2>, initial: f64) -> Option<Self> {
         let at_first = curve.at(initial)?;
         Some(Self { curve, initial, at_first })
     }

@@ -10,8 +10,8 @@ use elastic::Elasticity;
 use elastic::Material;
 use half_space::difference::Difference;
 use half_space::extent::{elliptic, sample};
-use half_space::levels::{Contact, Levels, Motion};
-use half_space::tangential::{ElementState, Prescribed};
+use half_space::grid_continuation::{Contact, Levels, Motion};
+use half_space::tangential::{ElementState, PrescribedMotion};
 use proto::grid::Structured;
 use serde_json::json;
 use std::f64::consts::PI;
@@ -74,7 +74,7 @@ fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2
         tolerance: 1e-6,
     };
     let mut levels = Levels::new(&grid, &contact);
-    let solution = levels.solve(&bound, &Prescribed::creepages(creepage));
+    let solution = levels.solve(&bound, &PrescribedMotion::creepages(creepage));
     let state = solution.expect("partial slip of a regular contact").state;
     let ([x, y], rate) = (&state.traction, SPEED / dx);
     let of_slip = |at: usize| {

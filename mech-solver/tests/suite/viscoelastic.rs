@@ -7,9 +7,9 @@ use elastic::hertz::elliptic_contact;
 use elastic::hunter::Cylinder;
 use half_space::difference::Difference;
 use half_space::extent::{Moments, fit_grid, sample};
-use half_space::levels::{Contact, Levels, Motion};
+use half_space::grid_continuation::{Contact, Levels, Motion};
 use half_space::normal::{NormalContact, NormalSolver, Prescribed};
-use half_space::tangential::{ElementState, Prescribed as Asked};
+use half_space::tangential::{ElementState, PrescribedMotion};
 use half_space::viscoelastic::{Bodies, Delayed};
 use proto::grid::Structured;
 use serde_json::{Value, json};
@@ -171,7 +171,7 @@ fn cylinders_of_contact() {
             difference: Difference::Upwind,
             tolerance: 1e-5,
         };
-        let asked = Asked::longitudinal_force(-0.18 * 6e5);
+        let asked = PrescribedMotion::longitudinal_force(-0.18 * 6e5);
         let solved = Levels::new(&grid, &contact).solve(&bound, &asked).unwrap();
         let found = solved.state.creepage[0];
         assert!((found / case.creepage - 1.0).abs() < 4e-4, "{found}");

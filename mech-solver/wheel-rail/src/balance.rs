@@ -14,9 +14,9 @@
 use super::contact::WheelOnRail;
 use super::error::TrackError;
 use super::interface::Interface;
-use super::patch::{Solved, Work};
+use super::patch::{SolveStats, Solved};
 use super::rail::{Deviation, Side};
-use super::root::Search;
+use super::root::RootSearch;
 use super::settings::Vertical;
 use super::wheelset::{Motion, Wheelset};
 use numerics::team;
@@ -61,7 +61,7 @@ pub struct Balanced {
     /// Its wheels with their sides, from left to right.
     pub wheels: Vec<(Side, Solved)>,
     /// Work of the solution.
-    pub work: Work,
+    pub work: SolveStats,
 }
 
 impl Balanced {
@@ -116,9 +116,9 @@ impl WheelsetOnTrack {
         };
         let first = motion.angular_velocity;
         let mut balanced = Balanced::default();
-        let mut work = Work::default();
+        let mut work = SolveStats::default();
         let [step, far] = SPIN;
-        let search = Search {
+        let search = RootSearch {
             first,
             slope: -f64::MIN_POSITIVE,
             reach: step * first,
@@ -154,7 +154,7 @@ impl WheelsetOnTrack {
         }
         let [step, far] = ROLL;
         let begin =
-            Search { first: motion.roll, slope: -self.tapes, reach: step, range: [-far, far] };
+            RootSearch { first: motion.roll, slope: -self.tapes, reach: step, range: [-far, far] };
         let [first, slope] = match self.rolled {
             Some(rolled) => rolled,
             None => {
@@ -166,8 +166,8 @@ impl WheelsetOnTrack {
             }
         };
         let mut balanced = Balanced::default();
-        let mut work = Work::default();
-        let search = Search { first, slope, ..begin };
+        let mut work = SolveStats::default();
+        let search = RootSearch { first, slope, ..begin };
         let found = search.root(|roll| {
             balanced = self.each(&Motion { roll, ..*motion }, deviation, given, interface)?;
             work = work.and(&balanced.work);
@@ -212,7 +212,8 @@ impl WheelsetOnTrack {
             wheels => wheels.iter_mut().map(solve).collect::<Result<_, _>>()?,
         };
         let wheels: Vec<(Side, Solved)> = solved;
-        let work = wheels.iter().fold(Work::default(), |work, (_, solved)| work.and(&solved.work));
+        let work =
+            wheels.iter().fold(SolveStats::default(), |work, (_, solved)| work.and(&solved.work));
         let z = wheels.iter().map(|(_, solved)| solved.z).sum::<f64>() / wheels.len() as f64;
         Ok(Balanced { motion: Motion { z, ..*motion }, wheels, work })
     }

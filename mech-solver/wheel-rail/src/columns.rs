@@ -12,7 +12,7 @@
 
 use super::gap::{Gap, OPEN, lowest};
 use super::rail::Rail;
-use super::rows::{Met, Rows, least_above};
+use super::rows::{Intersection, Rows, least_above};
 use super::wheelset::{Motion, Pose, Wheel};
 use nalgebra::Vector3;
 
@@ -49,13 +49,13 @@ pub struct Columns {
     /// Depth below touching for which columns are laid [m].
     depth: f64,
     /// Memory: where rows meet a curve, and the gaps of all columns, row by row.
-    met: [Vec<Option<Met>>; 2],
+    met: [Vec<Option<Intersection>>; 2],
     gaps: Vec<f64>,
 }
 
 /// The bodies and where they are.
 #[derive(Clone, Copy, Debug)]
-pub struct Standing<'a> {
+pub struct PlacedProfile<'a> {
     /// The rail, and its rows.
     pub rail: &'a Rail,
     /// Its rows.
@@ -70,12 +70,12 @@ pub struct Standing<'a> {
 
 impl Columns {
     /// Cuts bodies that are at a new position.
-    pub fn go_to(&mut self, bodies: &Standing<'_>) {
+    pub fn go_to(&mut self, bodies: &PlacedProfile<'_>) {
         self.lay(bodies, DEPTH);
     }
 
     /// Lays more columns if the wheel, with its middle at this height [m], is deeper than they were laid for.
-    pub fn deepen(&mut self, bodies: &Standing<'_>, height: f64) {
+    pub fn deepen(&mut self, bodies: &PlacedProfile<'_>, height: f64) {
         let depth = self.touching.map_or(0.0, |touching| -height - touching);
         if depth > self.depth {
             self.lay(bodies, 2.0 * depth);
@@ -128,7 +128,7 @@ impl Columns {
     }
 
     /// Lays columns where the wheel touches when it is so much deeper than touching [m].
-    fn lay(&mut self, bodies: &Standing<'_>, depth: f64) {
+    fn lay(&mut self, bodies: &PlacedProfile<'_>, depth: f64) {
         let reach = REACH * bodies.wheel.origin[1].abs();
         let far = (reach / COARSE).ceil() as i64;
         let coarse = (-far..=far).map(|k| Column::cut(bodies, COARSE * k as f64, STEPS[0]));
@@ -153,8 +153,8 @@ impl Columns {
 
 impl Column {
     /// The bodies at x, by points of their profiles about `step` apart [m].
-    fn cut(bodies: &Standing<'_>, x: f64, step: f64) -> Self {
-        let Standing { rail, wheel, pose, motion, .. } = bodies;
+    fn cut(bodies: &PlacedProfile<'_>, x: f64, step: f64) -> Self {
+        let PlacedProfile { rail, wheel, pose, motion, .. } = bodies;
         let forward = pose.rotation.matrix().row(0).transpose();
         let places = |[from, to]: [f64; 2]| {
             let count = ((to - from) / step).ceil() as usize;
@@ -189,7 +189,7 @@ impl Column {
     }
 
     /// By how much the wheel has to be lowered from z = 0 of its middle until it touches here [m].
-    fn clearance(&self, bodies: &Standing<'_>) -> Option<f64> {
+    fn clearance(&self, bodies: &PlacedProfile<'_>) -> Option<f64> {
         let shift = bodies.pose.middle.y;
         let wheel = |k: usize| [self.wheel[k][0] + shift, self.wheel[k][1]];
         match self.rail.is_empty() {

@@ -17,7 +17,7 @@ use super::error::TrackError;
 use super::interface::Interface;
 use super::outline::Outline;
 use super::pair::{Pair, nearest};
-use super::patch::{Solved, Work};
+use super::patch::{SolveStats, Solved};
 use super::rail::{Deviation, NoGauge, Rail, Side, Track};
 use super::settings::{Normal, Settings, Vertical};
 use super::surface::Surface;
@@ -241,7 +241,7 @@ impl WheelOnRail {
 
     /// Work of the last position.
     #[must_use]
-    pub fn work(&self) -> Work {
+    pub fn work(&self) -> SolveStats {
         self.pair.work
     }
 }

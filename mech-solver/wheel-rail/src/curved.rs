@@ -23,8 +23,8 @@ use super::rail::Rail;
 use super::settings::Settings;
 use super::wheelset::{Motion, Pose, Wheel};
 use half_space::conformal::elastic::ElasticPair;
-use half_space::conformal::numbers::{Numbers, Patch};
-use half_space::conformal::section::Section;
+use half_space::conformal::numbers::{InfluenceNumbers, SurfaceGrid};
+use half_space::conformal::section::CrossSection;
 use half_space::difference::Difference;
 use half_space::normal::{NormalContact, NormalError};
 use nalgebra::Vector3;
@@ -45,7 +45,7 @@ const MOST: f64 = 3e7;
 #[derive(Debug, Default)]
 pub(super) struct KnownNumbers {
     /// With the first of their rows.
-    known: Vec<(i64, Arc<Numbers>)>,
+    known: Vec<(i64, Arc<InfluenceNumbers>)>,
 }
 
 /// A patch on such a surface.
@@ -74,7 +74,7 @@ impl KnownNumbers {
     ) -> Result<Curved, TrackError> {
         let counts @ [nx, ny] = [window.counts()[0], end - from];
         let first = frame.element[1] - window.half[1] as i64 + from as i64;
-        let holds = |(row, numbers): &&(i64, Arc<Numbers>)| {
+        let holds = |(row, numbers): &&(i64, Arc<InfluenceNumbers>)| {
             let [columns, rows] = numbers.patch().counts;
             nx <= columns && *row <= first && first + ny as i64 <= row + rows as i64
         };
@@ -103,7 +103,7 @@ fn numbers(
     (first, counts): (i64, [usize; 2]),
     (rail, wheel, pose): (&Rail, &Wheel, &Pose),
     settings: &Settings,
-) -> Result<Numbers, TrackError> {
+) -> Result<InfluenceNumbers, TrackError> {
     let [nx, ny] = counts;
     if nx as f64 * (ny * ny) as f64 > MOST {
         return Err(TrackError::Rows { elements: nx, rows: ny });
@@ -127,8 +127,8 @@ fn numbers(
         ),
         section(&at, s, ranges[0], &of_rail),
     ];
-    let patch = Patch { counts, sides: settings.sides, first: edge(first) };
-    Ok(Numbers::new(&settings.materials, &sections, &patch))
+    let patch = SurfaceGrid { counts, sides: settings.sides, first: edge(first) };
+    Ok(InfluenceNumbers::new(&settings.materials, &sections, &patch))
 }
 
 /// A section from the directions at these lengths, round `middle`, as far as the body goes and does not turn too much.
@@ -137,7 +137,7 @@ fn section(
     middle: f64,
     [from, to]: [f64; 2],
     direction: &impl Fn(f64) -> f64,
-) -> Section {
+) -> CrossSection {
     let centre = at.partition_point(|s| *s < middle).min(at.len() - 1);
     let own = direction(at[centre]);
     let reach = |indices: &mut dyn Iterator<Item = usize>| -> Vec<(f64, f64)> {
@@ -156,7 +156,7 @@ fn section(
     known.push((at[centre], own));
     known.extend(reach(&mut (centre + 1..at.len())));
     let (at, directions) = known.into_iter().unzip();
-    Section::new(at, directions)
+    CrossSection::new(at, directions)
 }
 
 /// A frame whose origin is the rail at a tape distance [m].

@@ -1,9 +1,9 @@
 //! Why a wheel on a rail has no solution.
 
 use super::creepage::NotRolling;
-use half_space::levels::TangentialError;
+use half_space::grid_continuation::TangentialError;
 use half_space::normal::NormalError;
-use half_space::settling::Unsettled;
+use half_space::slip_iteration::Unsettled;
 
 /// Why a wheel on a rail has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -3,7 +3,7 @@
 use super::rail::Side;
 use grids::Structured;
 use half_space::friction::ElementFriction;
-use half_space::settling::SlipStart;
+use half_space::slip_iteration::SlipStart;
 
 /// The elements of a patch, and how they move over each other.
 #[derive(Clone, Copy)]

@@ -130,7 +130,7 @@ pub fn undeformed_distance(
 
 /// A row of a window as three of its distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Three {
+pub(super) struct NeighbourRows {
     /// x of the middle one, and how far the others are from it [m].
     pub(super) middle: f64,
     pub(super) reach: f64,
@@ -138,7 +138,7 @@ pub(super) struct Three {
     pub(super) distances: [f64; 3],
 }
 
-impl Three {
+impl NeighbourRows {
     /// The parabola through them, h = g + A (x − x₀)²: g and x₀ [m], and A [1/m], if it has a lowest place.
     pub(super) fn parabola(&self) -> Option<[f64; 3]> {
         let [behind, middle, ahead] = self.distances;
@@ -155,7 +155,7 @@ pub(super) fn three_distances(
     frame: &Frame,
     window: &Window,
     (rail, wheel, pose): (&Rail, &Wheel, &Pose),
-) -> (Vec<Option<Three>>, Vec<f64>) {
+) -> (Vec<Option<NeighbourRows>>, Vec<f64>) {
     let [_, ny] = window.counts();
     let (mut three, mut heights) = (vec![None; ny], vec![0.0; ny]);
     let mut surface = WheelSurface::new(frame, wheel, pose);
@@ -360,7 +360,7 @@ impl<'a> WheelSurface<'a> {
         reach: f64,
         rail: f64,
         guess: &mut Guess,
-    ) -> Option<Three> {
+    ) -> Option<NeighbourRows> {
         let base = self.origin + self.axes[1] * along;
         let own = self.meet(base + self.axes[0] * middle, *guess)?;
         *guess = own;
@@ -370,7 +370,7 @@ impl<'a> WheelSurface<'a> {
             let found = self.meet(base + self.axes[0] * (middle + side * reach), own)?;
             distances[distance] = found.height - rail;
         }
-        range.contains(&own.s).then_some(Three { middle, reach, distances })
+        range.contains(&own.s).then_some(NeighbourRows { middle, reach, distances })
     }
 
     /// Place where the line along the normal through a place of the plane meets the wheel.

@@ -4,13 +4,13 @@
 //! its place. What depends on the height is found from the last height on, and the tractions of a patch from those
 //! of the same patch before.
 
-use super::columns::{Columns, Standing};
+use super::columns::{Columns, PlacedProfile};
 use super::creepage::{Rolling, rolling};
 use super::error::TrackError;
 use super::interface::Interface;
 use super::mutual::{Acting, opening};
 use super::outline::Outline;
-use super::patch::{Patch, Solved, Work};
+use super::patch::{Patch, SolveStats, Solved};
 use super::pool::Pool;
 use super::pressed::{Heights, Pressed};
 use super::rail::{Deviation, Rail, Side};
@@ -60,7 +60,7 @@ pub(super) struct Pair {
     pub(super) pressed: Vec<Pressed>,
     /// Tractions of patches, with their places along the tape.
     sliding: Vec<(f64, [usize; 2], TangentialState)>,
-    pub(super) work: Work,
+    pub(super) work: SolveStats,
 }
 
 impl Pair {
@@ -92,7 +92,7 @@ impl Pair {
             pool: Pool::new(settings),
             pressed: Vec::new(),
             sliding: Vec::new(),
-            work: Work::default(),
+            work: SolveStats::default(),
         }
     }
 
@@ -118,7 +118,7 @@ impl Pair {
                 self.columns = Some(columns);
             }
         }
-        self.work = Work::default();
+        self.work = SolveStats::default();
         if self.is_curved() {
             self.turn();
         }
@@ -138,7 +138,7 @@ impl Pair {
             let rows = Rows::of(&rail, self.settings.sides[1]);
             let mut columns = Columns::default();
             let Self { wheel, .. } = self;
-            columns.go_to(&Standing { rail: &rail, rows: &rows, wheel, pose: &pose, motion });
+            columns.go_to(&PlacedProfile { rail: &rail, rows: &rows, wheel, pose: &pose, motion });
             rail.cut_at(columns.first_touch());
         }
         let along = |outline: &Outline| -> Vec<[f64; 2]> {
@@ -170,9 +170,9 @@ impl Pair {
     }
 
     /// The bodies, where they are.
-    fn standing(&self) -> Standing<'_> {
+    fn standing(&self) -> PlacedProfile<'_> {
         let Self { rail, rows, wheel, pose, motion, .. } = self;
-        Standing { rail, rows, wheel, pose, motion }
+        PlacedProfile { rail, rows, wheel, pose, motion }
     }
 
     /// Goes up or down to a height.
@@ -322,7 +322,7 @@ fn slide(
     (settings, side, bodies): (&Settings, Side, (&Rail, &Pose, &Motion)),
     mut near: Option<([usize; 2], TangentialState)>,
     interface: &dyn Interface,
-    (pool, work): (&mut Pool, &mut Work),
+    (pool, work): (&mut Pool, &mut SolveStats),
 ) -> Result<(Rolling, Slid), TrackError> {
     let (rail, pose, motion) = bodies;
     let mut traction = [0, 1].map(|_| vec![0.0; pressed.window.points()]);

@@ -3,7 +3,7 @@
 //! Along a row a wheel is as good as a circle, and the parabola off it by (x − x₀)⁴ A³: 3e-5 of h at 5 mm beside a
 //! wheel of 0.46 m. What approximate theories of the normal contact know of a patch are these rows.
 
-use super::local::{NOTHING, Three, Window};
+use super::local::{NOTHING, NeighbourRows, Window};
 
 /// A row.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +52,8 @@ pub(super) struct Deepest {
 
 impl Parabolas {
     /// Parabolas of a window, whose rows of this range are those of the patch.
-    pub(super) fn of(window: &Window, rows: &[Option<Three>], own: [usize; 2]) -> Self {
-        let parabola = |three: &Three| {
+    pub(super) fn of(window: &Window, rows: &[Option<NeighbourRows>], own: [usize; 2]) -> Self {
+        let parabola = |three: &NeighbourRows| {
             three.parabola().map(|[gap, place, bend]| Parabola { gap, place, bend })
         };
         let rows = rows.iter().map(|three| three.as_ref().and_then(parabola)).collect();

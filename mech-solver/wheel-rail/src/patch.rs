@@ -60,12 +60,12 @@ pub struct Solved {
     /// The same in wheelset axes [N m]; along y it turns the axle.
     pub moment_wheelset: [f64; 3],
     /// Work of the solution.
-    pub work: Work,
+    pub work: SolveStats,
 }
 
 /// Work of a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct SolveStats {
     /// Normal contacts of patches that were solved.
     pub normal_contacts: usize,
     /// Their iterations.
@@ -76,7 +76,7 @@ pub struct Work {
     pub newton_steps: usize,
 }
 
-impl Work {
+impl SolveStats {
     /// Both together.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {
@@ -139,7 +139,7 @@ impl Patch {
 
 impl Solved {
     /// Sums of patches.
-    pub(super) fn of(z: f64, patches: Vec<Patch>, pose: &Pose, work: Work) -> Self {
+    pub(super) fn of(z: f64, patches: Vec<Patch>, pose: &Pose, work: SolveStats) -> Self {
         let mut force = Vector3::zeros();
         let mut moment = Vector3::zeros();
         for patch in &patches {

@@ -8,8 +8,8 @@ use super::curved::KnownNumbers;
 use super::local::Window;
 use super::settings::Settings;
 use grids::Structured;
+use half_space::grid_continuation::{Contact, Levels, Motion};
 use half_space::influence::Influence;
-use half_space::levels::{Contact, Levels, Motion};
 use half_space::normal::NormalSolver;
 use numerics::convolution::smooth_size;
 

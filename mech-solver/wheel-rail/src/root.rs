@@ -7,7 +7,7 @@ const GROWTH: f64 = 4.0;
 
 /// Range of a search for a root, and its start.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Search {
+pub(super) struct RootSearch {
     /// The first place.
     pub(super) first: f64,
     /// Slope there, about.
@@ -31,7 +31,7 @@ pub(super) struct Found {
     pub(super) met: bool,
 }
 
-impl Search {
+impl RootSearch {
     /// Looks for a place whose value is within the tolerance that the function gives with it.
     ///
     /// # Errors
@@ -83,11 +83,11 @@ impl Search {
 mod tests {
     use super::*;
 
-    fn search(first: f64, slope: f64) -> Search {
-        Search { first, slope, reach: 1e-3, range: [-2.0, 2.0] }
+    fn search(first: f64, slope: f64) -> RootSearch {
+        RootSearch { first, slope, reach: 1e-3, range: [-2.0, 2.0] }
     }
 
-    fn root(search: &Search, function: impl Fn(f64) -> f64) -> (Found, usize) {
+    fn root(search: &RootSearch, function: impl Fn(f64) -> f64) -> (Found, usize) {
         let mut count = 0;
         let found = search.root(|place| {
             count += 1;

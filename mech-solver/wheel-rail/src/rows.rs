@@ -28,7 +28,7 @@ pub struct Rows {
 
 /// Place where a row's normal meets a curve, between its points `at` and `at + 1`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Met {
+pub(super) struct Intersection {
     pub(super) at: usize,
     /// Share of the way to the next point that is before it.
     pub(super) share: f64,
@@ -63,7 +63,7 @@ impl Rows {
         &self,
         count: usize,
         point: &impl Fn(usize) -> [f64; 2],
-        met: &mut Vec<Option<Met>>,
+        met: &mut Vec<Option<Intersection>>,
     ) {
         let rows = self.rows.len();
         met.clear();
@@ -111,7 +111,7 @@ impl Row {
         count: usize,
         point: &impl Fn(usize) -> [f64; 2],
         at: &mut usize,
-    ) -> Option<Met> {
+    ) -> Option<Intersection> {
         let along = |k: usize| self.seen_from_here(point(k))[0];
         let mut k = *at;
         while k + 1 < count && along(k + 1) <= 0.0 {
@@ -130,7 +130,7 @@ impl Row {
         }
         let share = -one[0] / (next[0] - one[0]);
         let height = one[1] + share * (next[1] - one[1]);
-        (height <= FAR).then_some(Met { at: k, share, height })
+        (height <= FAR).then_some(Intersection { at: k, share, height })
     }
 }
 

@@ -9,7 +9,7 @@
 use super::columns::Columns;
 use super::gap::{Gap, OPEN};
 use super::region::{Cuts, Joining, Penetrated, Region, grouped};
-use super::rows::{Met, Rows, least_above};
+use super::rows::{Intersection, Rows, least_above};
 use super::silhouette::Shadow;
 use nalgebra::Vector3;
 
@@ -26,7 +26,7 @@ pub enum Seen<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Search {
     gaps: Vec<Gap>,
-    met: Vec<Option<Met>>,
+    met: Vec<Option<Intersection>>,
 }
 
 /// By how much a wheel with this shadow, its middle here, has to be lowered until it touches [m], negative if
@@ -82,8 +82,8 @@ impl Search {
             [y + middle[0], z + middle[1]]
         };
         rows.meet(shadow.len(), &point, &mut self.met);
-        let gap = |met: &Option<Met>| {
-            let Some(Met { at, share, height }) = *met else { return OPEN };
+        let gap = |met: &Option<Intersection>| {
+            let Some(Intersection { at, share, height }) = *met else { return OPEN };
             let [from, to] = [&shadow[at], &shadow[at + 1]];
             let between = |one: f64, next: f64| one + share * (next - one);
             let x = between(from.place[0], to.place[0]);

@@ -128,7 +128,7 @@ pub struct Spot {
 }
 
 /// A position among the slices: two of them, and the weights of both and of their second derivatives.
-struct Between {
+struct SlicePair {
     slices: [usize; 2],
     weights: [f64; 4],
     /// Derivatives of the weights by the position.
@@ -344,7 +344,7 @@ impl Slices {
     }
 
     /// The slices beside a position, and their weights.
-    fn between(&self, position: f64) -> Between {
+    fn between(&self, position: f64) -> SlicePair {
         let last = self.at.len() - 1;
         let [from, to] = [self.at[0], self.at[last]];
         let mut position = position;
@@ -359,7 +359,7 @@ impl Slices {
                 let seam = from + period - to;
                 let share = (position - to) / seam;
                 let rate = 1.0 / seam;
-                return Between {
+                return SlicePair {
                     slices: [last, 0],
                     weights: [1.0 - share, share, 0.0, 0.0],
                     rates: [-rate, rate, 0.0, 0.0],
@@ -368,7 +368,11 @@ impl Slices {
         }
         if position <= from || position >= to {
             let end = if position <= from { 0 } else { last };
-            return Between { slices: [end, end], weights: [1.0, 0.0, 0.0, 0.0], rates: [0.0; 4] };
+            return SlicePair {
+                slices: [end, end],
+                weights: [1.0, 0.0, 0.0, 0.0],
+                rates: [0.0; 4],
+            };
         }
         let left = self.at.partition_point(|at| *at <= position).clamp(1, last) - 1;
         let width = self.at[left + 1] - self.at[left];
@@ -376,7 +380,7 @@ impl Slices {
         let a = 1.0 - b;
         let [bend_a, bend_b] = [a, b].map(|c| width * width * (c * c * c - c) / 6.0);
         let [rate_a, rate_b] = [a, b].map(|c| width * (3.0 * c * c - 1.0) / 6.0);
-        Between {
+        SlicePair {
             slices: [left, left + 1],
             weights: [a, b, bend_a, bend_b],
             rates: [-1.0 / width, 1.0 / width, -rate_a, rate_b],
@@ -384,7 +388,7 @@ impl Slices {
     }
 
     /// A piece with these weights.
-    fn blend(&self, between: &Between, piece: usize, [a, b, c, d]: &[f64; 4]) -> Piece {
+    fn blend(&self, between: &SlicePair, piece: usize, [a, b, c, d]: &[f64; 4]) -> Piece {
         let [one, next] = between.slices;
         let (from, to) = (&self.pieces[one][piece], &self.pieces[next][piece]);
         if *c == 0.0 && *d == 0.0 {

@@ -24,7 +24,7 @@ use super::strips::{PressedStrip, equivalent_ellipse};
 use elastic::Elasticity;
 use elastic::fastsim::bound::Bound;
 use elastic::fastsim::flexibility::{Flexibilities, Kind, Springs};
-use elastic::fastsim::march::{Cell, Lattice, March, Strip};
+use elastic::fastsim::integration::{Cell, Lattice, March, Strip};
 use elastic::fastsim::overlaps::overlaps;
 use elastic::fastsim::strip_theory::StripTheory;
 use elastic::kalker::creep_coefficients;

@@ -5,7 +5,7 @@ use super::error::TrackError;
 use super::fields::Fields;
 use super::interface::{Elements, Interface};
 use super::local::Window;
-use super::patch::Work;
+use super::patch::SolveStats;
 use super::pool::Pool;
 use super::pressed::{Pressed, copy_centred};
 use super::rail::Side;
@@ -14,10 +14,10 @@ use super::sliding::everywhere;
 use super::springs;
 use half_space::difference::Difference;
 use half_space::friction::ElementFriction;
-use half_space::levels::{History, Levels, Solution, TangentialError};
-use half_space::settling::SlipStart;
-use half_space::settling::{Settling, first_velocities, slip_velocities};
-use half_space::tangential::{Creepage, Prescribed, TangentialState};
+use half_space::grid_continuation::{History, Levels, Solution, TangentialError};
+use half_space::slip_iteration::SlipStart;
+use half_space::slip_iteration::{Settling, first_velocities, slip_velocities};
+use half_space::tangential::{Creepage, PrescribedMotion, TangentialState};
 
 /// A patch that is about to slide.
 pub(super) struct Sliding<'a> {
@@ -53,7 +53,7 @@ impl Sliding<'_> {
         law: &dyn Interface,
         near: Option<TangentialState>,
         pool: &mut Pool,
-        work: &mut Work,
+        work: &mut SolveStats,
     ) -> Result<Slid, TrackError> {
         let Self { settings, pressed, rolling, part, besides, elastic, .. } = self;
         let Pressed { frame, window, .. } = pressed;
@@ -191,7 +191,7 @@ fn rolls(
     more: Option<[&[f64]; 2]>,
     near: Option<TangentialState>,
 ) -> Result<Solution, TangentialError> {
-    let given = Prescribed::creepages(creepage);
+    let given = PrescribedMotion::creepages(creepage);
     let improved = near.and_then(|state| {
         let mut solution = Solution::new(state);
         levels

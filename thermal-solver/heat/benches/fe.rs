@@ -9,10 +9,10 @@ use grids::Structured;
 use heat::Material;
 use heat::fe::block::{Block, Elements, Solver};
 use heat::fe::body::Body;
+use heat::fe::body_properties::BodyProperties;
 use heat::fe::conductor::Surroundings;
 use heat::fe::law::Point;
-use heat::fe::nature::Nature;
-use heat::fe::section::Between;
+use heat::fe::section::Interpolation;
 
 const SEMI_AXES: [f64; 2] = [7.98e-3, 6.01e-3];
 const SPEED: f64 = 38.889;
@@ -44,7 +44,7 @@ fn elements(times: usize, solver: Solver) -> Elements {
     Elements { first_layer: Some(first), ratio: root, depth, wake, solver, ..Elements::default() }
 }
 
-fn nature(varies: bool) -> Nature {
+fn nature(varies: bool) -> BodyProperties {
     let point = |rise: f64| {
         let part = 1.0 - 5e-4 * rise;
         Point {
@@ -55,7 +55,7 @@ fn nature(varies: bool) -> Nature {
     };
     let points = if varies { vec![point(-100.0), point(600.0)] } else { Vec::new() };
     let surroundings = Surroundings::default();
-    Nature { material: STEEL, points, initial: 293.15, clamps: false, surroundings }
+    BodyProperties { material: STEEL, points, initial: 293.15, clamps: false, surroundings }
 }
 
 /// A body, and its unknowns.
@@ -74,7 +74,7 @@ fn go(body: &mut Body, duration: f64, rise: &mut [f64], more: &mut bool) {
     body.motion.pass(duration, SPEED).expect("the speed is one to solve for");
     body.motion.flux().reconstruct(&body.means);
     body.motion.warm().expect("there is a solution");
-    body.motion.show(Between::Bounded, rise);
+    body.motion.show(Interpolation::Bounded, rise);
     body.motion.accept();
 }
 

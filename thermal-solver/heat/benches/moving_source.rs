@@ -3,7 +3,7 @@
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use grids::Structured;
 use heat::columns::reconstruction::Flux;
-use heat::moving_source::ages::Stretch;
+use heat::moving_source::ages::PastInterval;
 use heat::moving_source::half_space::{HalfSpace, convolution};
 use std::hint::black_box;
 
@@ -18,11 +18,11 @@ fn bench(criterion: &mut Criterion) {
         for peclet in [0.0, 10.0, 1e4] {
             let name = format!("influence at Pe = {peclet}");
             group.bench_function(BenchmarkId::new(name, n), |bencher| {
-                let body = HalfSpace::new(&grid, 1.0, 1.0, Stretch::steady(2.0 * peclet));
+                let body = HalfSpace::new(&grid, 1.0, 1.0, PastInterval::steady(2.0 * peclet));
                 bencher.iter(|| body.influence(&mut plan));
             });
         }
-        let body = HalfSpace::new(&grid, 1.0, 1.0, Stretch::steady(20.0)).influence(&mut plan);
+        let body = HalfSpace::new(&grid, 1.0, 1.0, PastInterval::steady(20.0)).influence(&mut plan);
         let mut flux = Flux::zero(n, n);
         let ellipse = |at: usize| {
             let (x, y) = (grid.x(at % n), grid.y(at / n));

@@ -11,10 +11,10 @@
 //! | [`mesh`], [`block`] | axes; the mesh of a body and what the case says of it |
 //! | [`modes`], [`basis`] | modes of an axis; those across and in depth, and the way to the rows of the flux |
 //! | [`steady`], [`transient`] | constant properties in modes: exact along in steady motion; steps in time |
-//! | [`creep`], [`scheme`] | how a mesh moves with the material, step by step; backward Euler, BDF2, Crank–Nicolson |
+//! | [`mesh_advection`], [`scheme`] | how a mesh moves with the material, step by step; backward Euler, BDF2, Crank–Nicolson |
 //! | [`law`], [`conductor`], [`direct`] | properties over temperature; Newton and conjugate gradients on a block; a sparse Cholesky in their place |
-//! | [`nature`], [`motion`], [`body`] | what a body is made of; a way to solve for it; which one |
-//! | [`held`], [`marched`], [`swept`], [`stepped`] | the four ways, with their states |
+//! | [`body_properties`], [`body_solver`], [`body`] | what a body is made of; a way to solve for it; which one |
+//! | [`steady_modal`], [`transient_modal`], [`steady_marching`], [`transient_nodal`] | the four ways, with their states |
 //! | [`section`], [`height`] | what is below a row; what raises the surface |
 //! | [`error`] | why there is no answer |
 //!
@@ -23,22 +23,22 @@
 pub mod basis;
 pub mod block;
 pub mod body;
+pub mod body_properties;
+pub mod body_solver;
 pub mod conductor;
-pub mod creep;
 pub mod direct;
 pub mod error;
 pub mod height;
-pub mod held;
 pub mod law;
-pub mod marched;
 pub mod mesh;
+pub mod mesh_advection;
 pub mod modes;
-pub mod motion;
-pub mod nature;
 pub mod scheme;
 pub mod section;
 pub mod steady;
-pub mod stepped;
-pub mod swept;
+pub mod steady_marching;
+pub mod steady_modal;
 pub mod transient;
+pub mod transient_modal;
+pub mod transient_nodal;
 mod varying;

@@ -22,7 +22,7 @@
 //! convolution over Fourier space ([`half_space`]). Rises at single places and in depth come from the same
 //! sum, with the flux contracted to a row of the grid.
 //!
-//! What two bodies exchange where they touch is found by [`exchange`], in the shapes of [`touching`].
+//! What two bodies exchange where they touch is found by [`exchange`], in the shapes of [`contact_basis`].
 //!
 //! What the heat does to the height of the surface is [`rise_integral`].
 //!
@@ -35,9 +35,9 @@
 //! flux: of order 2.5 along x where it is an ellipse, as for the columns, and of second order across.
 
 pub mod ages;
+pub mod contact_basis;
 pub mod element;
 pub mod exchange;
 pub mod half_space;
 pub mod past;
 pub mod rise_integral;
-pub mod touching;

@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
 use heat::Material;
-use heat::fe::conductor::{Conductor, Memory, Request, Surroundings, Took};
+use heat::fe::body_properties::BodyProperties;
+use heat::fe::conductor::{Conductor, Workspace, NewtonStats, Request, Surroundings};
 use heat::fe::direct::Direct;
 use heat::fe::error::SolveError;
 use heat::fe::law::{Law, Point};
 use heat::fe::mesh::Axis;
-use heat::fe::nature::Nature;
 use heat::fe::scheme::Scheme;
 use std::f64::consts::PI;
 
@@ -44,7 +44,7 @@ fn nafems_t2_a_bar_that_radiates() {
     let (mut now, cold) = (vec![0.0; 8], vec![0.0; 8]);
     let steady =
         Request { free: &[true], ..request(f64::INFINITY, Scheme::BackwardEuler, 0, &[0.0]) };
-    block.step(&steady, &mut now, [&cold, &[]], &mut Memory::default());
+    block.step(&steady, &mut now, [&cold, &[]], &mut Workspace::default());
     let end = 1000.0 + block.law.rise(now[0]);
     // The benchmark has 5.67e-8 for Stefan and Boltzmann's constant, 7e-5 of it less.
     assert!((end / 927.0076 - 1.0).abs() < 1e-5, "{end}");
@@ -60,7 +60,7 @@ fn nafems_t3_a_bar_with_a_swinging_end() {
     let mut block = Conductor::new([&one(), &one(), &bar], law);
     let duration = 32.0 / f64::from(steps);
     let end = |step: f64| 35.0 * 100.0 * (PI * step * duration / 40.0).sin();
-    let (mut now, mut memory) = (vec![0.0; count], Memory::default());
+    let (mut now, mut memory) = (vec![0.0; count], Workspace::default());
     for step in 0..steps {
         let by = Scheme::CrankNicolson.coefficients(step as u64, 1.0);
         let (from, to) = (end(f64::from(step)), end(f64::from(step + 1)));
@@ -98,7 +98,7 @@ fn nafems_t4_a_plate_that_is_cooled() {
     for solver in [None, Some(Direct::new(block.counts))] {
         now.fill(0.0);
         let steady = request(f64::INFINITY, Scheme::BackwardEuler, 0, &none);
-        block.step(&steady, &mut now, [&cold, &[]], &mut Memory::with(solver));
+        block.step(&steady, &mut now, [&cold, &[]], &mut Workspace::with(solver));
         let found = 0.5 * (block.law.rise(now[39]) + block.law.rise(now[40]));
         assert!((found / 18.253_757 - 1.0).abs() < 5e-4, "{found}");
     }
@@ -187,7 +187,7 @@ fn manufactured(count: usize, steps: usize, scheme: Scheme) -> (Vec<f64>, Vec<f6
     };
     let (mut before, mut last, mut now) = (at(0.0), at(0.0), at(0.0));
     let none = vec![0.0; count * count];
-    let (mut memory, mut found, mut exact) = (Memory::default(), Vec::new(), Vec::new());
+    let (mut memory, mut found, mut exact) = (Workspace::default(), Vec::new(), Vec::new());
     let done = if scheme == Scheme::CrankNicolson { 2 } else { 0 };
     for step in 0..steps {
         let by = scheme.coefficients(step as u64 + done, 1.0);
@@ -263,7 +263,7 @@ fn heat_is_conserved_over_every_kind_of_boundary() {
         let came: f64 = surface.iter().sum();
         let size = block.nodes();
         let (mut now, mut last, mut before) = (vec![0.0; size], vec![0.0; size], vec![0.0; size]);
-        let mut memory = Memory::with(eliminates.then(|| Direct::new(block.counts)));
+        let mut memory = Workspace::with(eliminates.then(|| Direct::new(block.counts)));
         for step in 0..6 {
             let by = scheme.coefficients(step, 1.0);
             let duration = 1e-3;
@@ -294,7 +294,7 @@ fn nothing_becomes_colder_than_all_round_it() {
     for duration in [1e-9, 1e-6, 1e-3, 1.0] {
         let (mut now, cold) = (vec![0.0; block.nodes()], vec![0.0; block.nodes()]);
         let asked = request(duration, Scheme::BackwardEuler, 0, &surface);
-        block.step(&asked, &mut now, [&cold, &[]], &mut Memory::default());
+        block.step(&asked, &mut now, [&cold, &[]], &mut Workspace::default());
         let high = now.iter().fold(0.0_f64, |most, value| most.max(*value));
         let low = now.iter().fold(0.0_f64, |least, value| least.min(*value));
         assert!(high > 0.0 && low > -1e-8 * high, "{duration} {low:e} of {high:e}");
@@ -369,7 +369,7 @@ fn steps_of_the_properties_are_solved_from_any_start() {
             for eliminates in [false, true] {
                 for (start, now) in &starts {
                     let mut now = now.clone();
-                    let mut memory = Memory::with(eliminates.then(|| Direct::new(block.counts)));
+                    let mut memory = Workspace::with(eliminates.then(|| Direct::new(block.counts)));
                     let by = Scheme::BackwardEuler;
                     let asked =
                         Request { free: &free, surface: &surface, ..request(duration, by, 0, &[]) };
@@ -424,7 +424,7 @@ fn neumanns_front_takes_up_its_latent_heat() {
     for scheme in [Scheme::BackwardEuler, Scheme::CrankNicolson] {
         let mut block = Conductor::new([&one(), &one(), &body], law.clone());
         block.beyond[2][0] = block.law.potential(surface);
-        let (mut now, mut memory, mut newton) = (vec![0.0; count], Memory::default(), 0);
+        let (mut now, mut memory, mut newton) = (vec![0.0; count], Workspace::default(), 0);
         for step in 0..steps {
             let old = now.clone();
             let asked = request(time / f64::from(steps), scheme, u64::from(step), &[0.0]);
@@ -463,14 +463,14 @@ fn erf(x: f64) -> f64 {
 /// layer.
 #[test]
 fn the_cause_of_a_failed_solve_is_named() {
-    let nature = Nature {
+    let nature = BodyProperties {
         material: Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 },
         points: Vec::new(),
         initial: 293.15,
         clamps: false,
         surroundings: Surroundings::default(),
     };
-    let gradients_stopped = |took: Took| match nature.check([0.0; 2], took) {
+    let gradients_stopped = |took: NewtonStats| match nature.check([0.0; 2], took) {
         Err(SolveError::NotSolved { gradients_stopped, .. }) => gradients_stopped,
         other => panic!("{other:?}"),
     };
@@ -482,7 +482,7 @@ fn the_cause_of_a_failed_solve_is_named() {
         surface[block.counts[0] - 1] = heat;
         let asked = request(duration, Scheme::BackwardEuler, 0, &surface);
         let direct = solver.then(|| Direct::new(block.counts));
-        block.step(&asked, &mut now, [&cold, &[]], &mut Memory::with(direct))
+        block.step(&asked, &mut now, [&cold, &[]], &mut Workspace::with(direct))
     };
     let layer = Axis::middles(0.0, vec![1e-3]);
     let line = Axis::middles(0.0, vec![1e-4; 10_000]).ending([1e4, 0.0]);

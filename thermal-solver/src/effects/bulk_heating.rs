@@ -41,7 +41,7 @@ const MOST_PASSAGES: i64 = 10_000;
 
 /// Its part of what a body remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Memory {
+pub struct PassageHistory {
     /// Loss of the body as a whole [W/K]; `None` for one that stays as cold as it was.
     pub loss: Option<f64>,
     /// Earlier passages over the same place.
@@ -98,7 +98,7 @@ pub fn spec() -> EffectSpec {
 ///
 /// # Errors
 /// A value that is missing or out of range, and what has no answer with the effect.
-pub fn read(given: &Configuration, scene: &Scene) -> Result<[Memory; 2], Refusal> {
+pub fn read(given: &Configuration, scene: &Scene) -> Result<[PassageHistory; 2], Refusal> {
     if given.mode == Mode::Transient {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
@@ -146,7 +146,7 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<[Memory; 2], Refusal
     ))
 }
 
-fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<Memory, Refusal> {
+fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<PassageHistory, Refusal> {
     let key = |name: &str| scene.names.key(body, name);
     let positive = |name: &str| match given.case.maybe_number(&key(name))? {
         Some(value) if value <= 0.0 => Err(Refusal::new(
@@ -173,7 +173,7 @@ fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<Memory, 
             let fix = format!("add `{} = \"0.1 s\"`", key(INTERVAL));
             Err(Refusal::new(&key(INTERVAL), "missing beside passages", fix))
         }
-        _ => Ok(Memory {
+        _ => Ok(PassageHistory {
             loss: positive(LOSS)?,
             passages,
             interval: interval.unwrap_or(f64::INFINITY),

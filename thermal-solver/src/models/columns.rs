@@ -1,7 +1,7 @@
 //! Model `columns`: one-dimensional conduction with the exact kernel, for any heat flux in space
 //! and time. Equations and discretisation: [`heat::columns`].
 
-use super::conduction::{Conduction, Cost, Rub, Work};
+use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
@@ -98,7 +98,7 @@ pub struct Columns {
 
 impl Conduction for Columns {
     const TRANSIENT: bool = true;
-    const AT_REST: bool = false;
+    const SOLVES_STATIONARY_BODY: bool = false;
     const KEEPS_WINDOWS: bool = true;
     const STATE_TAG: u8 = 2;
 
@@ -145,9 +145,9 @@ impl Conduction for Columns {
     fn solve(
         &mut self,
         drive: &Drive,
-        rub: &Rub<'_>,
+        rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
-    ) -> Result<Work, StepError> {
+    ) -> Result<SolveStats, StepError> {
         let flux = rub.flux;
         let window = self.history.trial_mut();
         let points = flux.len() as u64;
@@ -164,7 +164,7 @@ impl Conduction for Columns {
             Mode::Steady => self.solve_steady(drive, heating, rise),
             Mode::Transient => self.solve_transient(drive, heating, rise),
         };
-        Ok(Work { operations, heat })
+        Ok(SolveStats { operations, heat })
     }
 
     fn rise_integral(&mut self, body: usize, integral: &mut [f64]) -> u64 {

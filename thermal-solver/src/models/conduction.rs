@@ -1,5 +1,5 @@
 //! A way to conduct heat whose surface temperatures are on the grid of the heat flux: what differs from
-//! one such model to the next. [`super::shell`] makes a model of it. A model with other unknowns
+//! one such model to the next. [`super::conduction_model`] makes a model of it. A model with other unknowns
 //! implements [`proto::model::Model`] itself, with the same helpers beside it: [`super::setup`],
 //! [`super::inputs`] and [`super::summary`].
 
@@ -23,7 +23,7 @@ pub struct Cost {
 
 /// What happens where the bodies touch, mean of a window.
 #[derive(Clone, Copy, Debug)]
-pub struct Rub<'a> {
+pub struct InterfaceLoad<'a> {
     /// Friction power density of the elements [W/m²].
     pub flux: &'a [f64],
     /// Contact pressure of the elements, where it matters [Pa].
@@ -34,7 +34,7 @@ pub struct Rub<'a> {
 
 /// What a solve cost and what heat it put into the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Work {
+pub struct SolveStats {
     /// Elementary operations, in the model's own measure.
     pub operations: u64,
     /// Sums over the elements of the shares of the friction heat that went into the upper and the lower body, without what
@@ -47,7 +47,7 @@ pub trait Conduction: Sized + 'static {
     /// It can answer a transient case.
     const TRANSIENT: bool;
     /// It can answer for a body at rest in a steady case.
-    const AT_REST: bool;
+    const SOLVES_STATIONARY_BODY: bool;
     /// For what the heat does to the height of the surfaces it keeps what every window of the past does.
     const KEEPS_WINDOWS: bool = false;
     /// It has elements of its own ([`heat::fe::block`]).
@@ -88,9 +88,9 @@ pub trait Conduction: Sized + 'static {
     fn solve(
         &mut self,
         drive: &Drive,
-        rub: &Rub<'_>,
+        rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
-    ) -> Result<Work, StepError>;
+    ) -> Result<SolveStats, StepError>;
 
     /// Rise of a body after the last solve, integrated over its depth, at the elements of its surface [K·m]; the
     /// multiply-adds that it took.

@@ -3,7 +3,7 @@
 //! The potentials are those of a model of the same kind whose bodies have the conductivity 1/ρ, and of which the upper one is 1 V
 //! above the lower one to begin with: what flows then is the conductance of the contact.
 
-use super::conduction::{Conduction, Rub};
+use super::conduction::{Conduction, InterfaceLoad};
 use super::frame::Frame;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::joule_heat::Current;
@@ -63,11 +63,11 @@ impl<C: Conduction> Constriction<C> {
         &mut self,
         frame: &Frame,
         drive: &Drive,
-        rub: &Rub<'_>,
+        rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
         let none = vec![0.0; rub.flux.len()];
-        let rub = Rub { flux: &none, pressure: rub.pressure, gap: None };
+        let rub = InterfaceLoad { flux: &none, pressure: rub.pressure, gap: None };
         let work = self.potentials.solve(drive, &rub, &mut self.rises)?;
         let conductance = frame.grid.element_area() * self.potentials.exchanged().unwrap_or(0.0);
         if conductance <= 0.0 {

@@ -15,7 +15,7 @@
 //! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
 //! equation 10 on the surface, so that here the polynomial flux itself is integrated in depth.
 
-use super::conduction::{Conduction, Cost, Rub, Work};
+use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
@@ -104,7 +104,7 @@ pub struct ErtzKnothe {
 
 impl Conduction for ErtzKnothe {
     const TRANSIENT: bool = false;
-    const AT_REST: bool = false;
+    const SOLVES_STATIONARY_BODY: bool = false;
     const STATE_TAG: u8 = 1;
 
     fn new(frame: &Frame) -> Self {
@@ -138,9 +138,9 @@ impl Conduction for ErtzKnothe {
     fn solve(
         &mut self,
         drive: &Drive,
-        rub: &Rub<'_>,
+        rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
-    ) -> Result<Work, StepError> {
+    ) -> Result<SolveStats, StepError> {
         let flux = rub.flux;
         self.flux.reconstruct(flux);
         self.trial.drive = *drive;
@@ -151,7 +151,7 @@ impl Conduction for ErtzKnothe {
         let warm = self.trial.rows.iter().filter(|row| row.semi_axis > 0.0).count();
         let heat: f64 = self.trial.rows.iter().map(|row| row.heat).sum();
         let heat = drive.shares.map(|share| share * heat / self.frame.grid.dx());
-        Ok(Work { operations: (warm * self.frame.grid.ni) as u64, heat })
+        Ok(SolveStats { operations: (warm * self.frame.grid.ni) as u64, heat })
     }
 
     fn accept(&mut self) {

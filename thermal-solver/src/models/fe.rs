@@ -1,11 +1,11 @@
 //! Model `fe`: finite elements of both bodies, extruded from the heat flux's grid and graded in depth, steady
 //! in the moving frame and in time. Equations and discretisation: [`heat::fe`].
 
-use super::conduction::{Conduction, Cost, Rub, Work};
+use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::elements;
 use super::fields::fields;
 use super::frame::Frame;
-use super::interface::{Flow, Interface, Rubbing, both};
+use super::interface::{Flow, HeatedBodies, Interface, both};
 use super::names;
 use super::setup::{resolution, resolution_across, section_key};
 use super::summary::{Peak, hottest, hottest_in_contact};
@@ -16,12 +16,12 @@ use heat::columns::convolution::remove_negative_rounding;
 use heat::columns::reconstruction::sum_of_means;
 use heat::fe::block::{Block, Elements, Solver};
 use heat::fe::body::Body;
+use heat::fe::body_properties::BodyProperties;
 use heat::fe::height::Height;
-use heat::fe::nature::Nature;
-use heat::fe::section::{Below, Between};
-use heat::moving_source::ages::Stretch;
+use heat::fe::section::{Below, Interpolation};
+use heat::moving_source::ages::PastInterval;
+use heat::moving_source::contact_basis::Shapes;
 use heat::moving_source::half_space::{HalfSpace, Influence};
-use heat::moving_source::touching::Shapes;
 use heat::window::{Drive, Stage};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
@@ -94,7 +94,7 @@ const STEPS: f64 = 5.0;
 pub struct FiniteElements {
     frame: Frame,
     bodies: [Body; 2],
-    windows: [Stretch; 2],
+    windows: [PastInterval; 2],
     /// If heat flows between the surfaces.
     interface: Option<Interface>,
     row_sums: Vec<f64>,
@@ -117,7 +117,8 @@ fn expected_speed(frame: &Frame, body: usize) -> f64 {
 
 /// Both bodies are solved for in the modes of their meshes.
 fn is_modal(frame: &Frame) -> bool {
-    elements(frame, LOWER).solver == Solver::Auto && frame.natures.iter().all(Nature::is_constant)
+    elements(frame, LOWER).solver == Solver::Auto
+        && frame.natures.iter().all(BodyProperties::is_constant)
 }
 
 /// Unknowns of both bodies.
@@ -138,7 +139,7 @@ fn unknowns(frame: &Frame) -> usize {
 
 impl Conduction for FiniteElements {
     const TRANSIENT: bool = true;
-    const AT_REST: bool = true;
+    const SOLVES_STATIONARY_BODY: bool = true;
     const ELEMENTS: bool = true;
     const STATE_TAG: u8 = 4;
 
@@ -169,7 +170,7 @@ impl Conduction for FiniteElements {
         };
         Self {
             bodies: [body(UPPER), body(LOWER)],
-            windows: [Stretch::steady(0.0); 2],
+            windows: [PastInterval::steady(0.0); 2],
             interface: Interface::of(frame, shapes),
             row_sums: vec![0.0; frame.grid.nj],
             line: vec![0.0; frame.grid.ni],
@@ -225,11 +226,11 @@ impl Conduction for FiniteElements {
     fn solve(
         &mut self,
         drive: &Drive,
-        rub: &Rub<'_>,
+        rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
-    ) -> Result<Work, StepError> {
+    ) -> Result<SolveStats, StepError> {
         let flux = rub.flux;
-        let mut work = Work::default();
+        let mut work = SolveStats::default();
         self.below.get_mut().take_if(|(stage, ..)| *stage == Stage::Trial);
         for (body, speed) in drive.speeds.into_iter().enumerate() {
             let share = drive.shares[body];
@@ -237,7 +238,7 @@ impl Conduction for FiniteElements {
             own.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
             let passed = own.motion.pass(drive.duration, speed);
             passed.map_err(|error| elements::no_solution(error, self.frame.mode))?;
-            self.windows[body] = Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
+            self.windows[body] = PastInterval { from: 0.0, to: drive.duration, way: 0.0, speed };
         }
         if let Some(mut interface) = self.interface.take() {
             for body in &mut self.bodies {
@@ -252,10 +253,10 @@ impl Conduction for FiniteElements {
             self.interface = Some(interface);
             work.operations += settled?;
             for (body, rise) in self.bodies.iter_mut().zip(rise) {
-                body.motion.show(Between::Bounded, rise);
+                body.motion.show(Interpolation::Bounded, rise);
             }
         } else {
-            work.operations += self.solve_for(Flow::default(), Between::Bounded, rise)?;
+            work.operations += self.solve_for(Flow::default(), Interpolation::Bounded, rise)?;
             work.heat = self.heat();
         }
         Ok(work)
@@ -366,12 +367,12 @@ impl Conduction for FiniteElements {
     }
 }
 
-impl Rubbing for FiniteElements {
+impl HeatedBodies for FiniteElements {
     fn warm(&mut self, flow: Flow, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
-        self.solve_for(flow, Between::Cubic, rise)
+        self.solve_for(flow, Interpolation::Cubic, rise)
     }
 
-    fn windows(&self) -> [Stretch; 2] {
+    fn windows(&self) -> [PastInterval; 2] {
         self.windows
     }
 
@@ -398,7 +399,7 @@ impl FiniteElements {
     fn solve_for(
         &mut self,
         flow: Flow,
-        between: Between,
+        between: Interpolation,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
         let mode = self.frame.mode;

@@ -1,7 +1,7 @@
 //! What a model knows before it is built, and its grids.
 
 use super::ends::Ends;
-use crate::effects::bulk_heating::Memory;
+use crate::effects::bulk_heating::PassageHistory;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
 use crate::effects::joule_heat::Current;
@@ -9,7 +9,7 @@ use crate::effects::phase_transformation::Criterion;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use heat::fe::block::Elements;
-use heat::fe::nature::Nature;
+use heat::fe::body_properties::BodyProperties;
 use proto::configuration::Mode;
 use proto::grid::{Grid, Structured};
 
@@ -38,11 +38,11 @@ pub struct Frame {
     /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
     pub section_y: f64,
     /// What the upper and the lower body are made of, with all effects.
-    pub natures: [Nature; 2],
+    pub natures: [BodyProperties; 2],
     /// Elements of a model that has its own, in the upper and the lower body.
     pub elements: Option<[Elements; 2]>,
     /// What earlier passages leave in both bodies, where that is asked for.
-    pub memories: Option<[Memory; 2]>,
+    pub memories: Option<[PassageHistory; 2]>,
     /// A current through the contact, if there is one.
     pub current: Option<Current>,
     /// When steel transforms, where that is asked for.

@@ -4,16 +4,16 @@
 //! windows ([`heat::moving_source::exchange`]), which another model need only resemble: what each correction
 //! leaves is measured by the model itself.
 
-use super::conduction::Rub;
+use super::conduction::InterfaceLoad;
 use super::frame::Frame;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::Partition;
 use crate::{LOWER, UPPER};
 use heat::columns::reconstruction::Flux;
-use heat::moving_source::ages::Stretch;
+use heat::moving_source::ages::PastInterval;
+use heat::moving_source::contact_basis::{ContactBasis, Shapes};
 use heat::moving_source::exchange::{Exchange, Resisting};
 use heat::moving_source::half_space::{Influence, convolution};
-use heat::moving_source::touching::{Shapes, Touching};
 use numerics::convolution::Convolution;
 use numerics::team;
 use proto::grid::Structured;
@@ -44,12 +44,12 @@ impl Flow<'_> {
 }
 
 /// The bodies of a model, as their interface sees them.
-pub(super) trait Rubbing {
+pub(super) trait HeatedBodies {
     /// Surfaces under the bodies' shares of the friction heat and what flows between them; the work.
     fn warm(&mut self, flow: Flow, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError>;
 
     /// Half-spaces that resemble the bodies in the newest window.
-    fn windows(&self) -> [Stretch; 2];
+    fn windows(&self) -> [PastInterval; 2];
 
     /// Their influences.
     fn influences(&self, convolution: &mut Convolution) -> [Arc<Influence>; 2];
@@ -65,9 +65,9 @@ pub(super) struct Interface {
     resistances: Vec<f64>,
     least: f64,
     /// The operator, with the windows that it is for.
-    exchange: Option<([Stretch; 2], Exchange)>,
+    exchange: Option<([PastInterval; 2], Exchange)>,
     convolution: Option<Convolution>,
-    touching: Touching,
+    touching: ContactBasis,
     /// What flows, in the shapes where the surfaces touch [W/m²], its correction, and the errors [K].
     flows: Vec<f64>,
     correction: Vec<f64>,
@@ -92,7 +92,7 @@ impl Interface {
             least: 0.0,
             exchange: None,
             convolution: None,
-            touching: Touching::new(shapes),
+            touching: ContactBasis::new(shapes),
             flows: Vec::new(),
             correction: Vec::new(),
             errors: Vec::new(),
@@ -130,8 +130,8 @@ impl Interface {
     pub(super) fn settle(
         &mut self,
         grid: &Structured,
-        rub: &Rub<'_>,
-        bodies: &mut dyn Rubbing,
+        rub: &InterfaceLoad<'_>,
+        bodies: &mut dyn HeatedBodies,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
         self.touching.find(rub.pressure.unwrap_or(&[]), grid.ni);
@@ -201,12 +201,13 @@ impl Interface {
     }
 
     /// Makes a correction of the errors; the products that it took.
-    fn correct(&mut self, grid: &Structured, bodies: &dyn Rubbing) -> u64 {
+    fn correct(&mut self, grid: &Structured, bodies: &dyn HeatedBodies) -> u64 {
         let windows = bodies.windows();
         let plan = self.convolution.get_or_insert_with(|| convolution(grid));
         let least = self.least;
-        let same =
-            |known: &mut ([Stretch; 2], Exchange)| known.0 == windows && known.1.least() == least;
+        let same = |known: &mut ([PastInterval; 2], Exchange)| {
+            known.0 == windows && known.1.least() == least
+        };
         let known = self.exchange.take_if(same).map(|(_, exchange)| exchange);
         let mut exchange = known.unwrap_or_else(|| {
             let influences = bodies.influences(plan);

@@ -5,10 +5,10 @@
 //! their influences, each over its own ages; they are merged as they grow old ([`heat::columns::history`]),
 //! and what they leave is kept while only the flux of the newest window changes.
 
-use super::conduction::{Conduction, Cost, Rub, Work};
+use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::fields::fields;
 use super::frame::Frame;
-use super::interface::{Flow, Interface, Rubbing, both};
+use super::interface::{Flow, HeatedBodies, Interface, both};
 use super::names;
 use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest, hottest_in_contact};
@@ -18,11 +18,11 @@ use heat::Material;
 use heat::columns::convolution::remove_negative_rounding;
 use heat::columns::history::{History, Window};
 use heat::columns::reconstruction::{Flux, sum_of_means};
-use heat::moving_source::ages::Stretch;
+use heat::moving_source::ages::PastInterval;
+use heat::moving_source::contact_basis::Shapes;
 use heat::moving_source::half_space::{Contracted, HalfSpace, Influence, convolution};
 use heat::moving_source::past::stretches;
 use heat::moving_source::rise_integral::RiseIntegral;
-use heat::moving_source::touching::Shapes;
 use heat::window::{Drive, Stage};
 use numerics::convolution::Convolution;
 use proto::accuracy::{Accuracy, Simplification};
@@ -90,8 +90,8 @@ struct Body {
     history: History,
     /// Rises that earlier windows leave at the end of this one [K], and the window for which.
     past: Vec<f64>,
-    past_of: Option<Stretch>,
-    newest: Option<(Stretch, Arc<Influence>)>,
+    past_of: Option<PastInterval>,
+    newest: Option<(PastInterval, Arc<Influence>)>,
     /// Element means of the flux into it [W/m²].
     means: Vec<f64>,
     /// For the height of its surface, once that is asked for.
@@ -117,13 +117,13 @@ impl Body {
         }
     }
 
-    fn half_space(&self, stretch: Stretch) -> HalfSpace {
+    fn half_space(&self, stretch: PastInterval) -> HalfSpace {
         let (diffusivity, effusivity) = (self.material.diffusivity(), self.material.effusivity());
         HalfSpace::new(&self.grid, diffusivity, effusivity, stretch)
     }
 
     /// Makes the influence of the newest window, unless it is known; the work.
-    fn meet(&mut self, stretch: Stretch) -> u64 {
+    fn meet(&mut self, stretch: PastInterval) -> u64 {
         if self.newest.as_ref().is_some_and(|(of, _)| *of == stretch) {
             return 0;
         }
@@ -134,7 +134,7 @@ impl Body {
     }
 
     /// Passes in the newest window, and sums up what earlier ones leave, unless both are known; the work.
-    fn pass(&mut self, stretch: Stretch) -> u64 {
+    fn pass(&mut self, stretch: PastInterval) -> u64 {
         let mut work = self.meet(stretch);
         if self.past_of == Some(stretch) {
             return work;
@@ -151,7 +151,7 @@ impl Body {
         work
     }
 
-    fn newest(&self) -> &(Stretch, Arc<Influence>) {
+    fn newest(&self) -> &(PastInterval, Arc<Influence>) {
         self.newest.as_ref().expect("the body has passed")
     }
 
@@ -191,7 +191,7 @@ pub struct MovingSource {
 
 impl Conduction for MovingSource {
     const TRANSIENT: bool = true;
-    const AT_REST: bool = true;
+    const SOLVES_STATIONARY_BODY: bool = true;
     const KEEPS_WINDOWS: bool = true;
     const STATE_TAG: u8 = 3;
 
@@ -230,11 +230,11 @@ impl Conduction for MovingSource {
     fn solve(
         &mut self,
         drive: &Drive,
-        rub: &Rub<'_>,
+        rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
-    ) -> Result<Work, StepError> {
+    ) -> Result<SolveStats, StepError> {
         let flux = rub.flux;
-        let mut work = Work::default();
+        let mut work = SolveStats::default();
         self.row.get_mut().take_if(|row| row.stage == Stage::Trial);
         for (body, share) in self.bodies.iter_mut().zip(drive.shares) {
             body.means.iter_mut().zip(flux).for_each(|(mean, flux)| *mean = share * flux);
@@ -337,7 +337,7 @@ impl Conduction for MovingSource {
     }
 }
 
-impl Rubbing for MovingSource {
+impl HeatedBodies for MovingSource {
     fn warm(&mut self, flow: Flow, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
         let points = self.frame.grid.points();
         let threads = self.threads(TRANSFORMS * points);
@@ -347,7 +347,7 @@ impl Rubbing for MovingSource {
         })
     }
 
-    fn windows(&self) -> [Stretch; 2] {
+    fn windows(&self) -> [PastInterval; 2] {
         self.bodies.each_ref().map(|body| body.newest().0)
     }
 
@@ -374,14 +374,14 @@ impl MovingSource {
 
     /// Lets both bodies pass in the newest window; bodies alike have one influence.
     fn pass(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
-        let stretch = |speed: f64| Stretch { from: 0.0, to: drive.duration, way: 0.0, speed };
+        let stretch = |speed: f64| PastInterval { from: 0.0, to: drive.duration, way: 0.0, speed };
         let [upper, lower] = drive.speeds.map(stretch);
         let mut work = 0;
         if upper == lower && self.bodies[UPPER].material == self.bodies[LOWER].material {
             work += self.bodies[UPPER].meet(upper);
             self.bodies[LOWER].newest = self.bodies[UPPER].newest.clone();
         }
-        let known = |body: &Body, stretch: Stretch| {
+        let known = |body: &Body, stretch: PastInterval| {
             let met = body.newest.as_ref().is_some_and(|(of, _)| *of == stretch);
             met && body.past_of == Some(stretch)
         };
@@ -402,7 +402,7 @@ impl MovingSource {
             Some(kept) if (kept.stage, kept.body, kept.row) == (stage, body, row) => kept,
             other => {
                 let of = &self.bodies[body];
-                let contracted = |(stretch, window): (Stretch, &Window)| {
+                let contracted = |(stretch, window): (PastInterval, &Window)| {
                     let half_space = of.half_space(stretch);
                     let contracted = half_space.contract(&window.flux, row);
                     (half_space, contracted)

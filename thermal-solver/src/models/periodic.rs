@@ -4,7 +4,7 @@
 //! Every place of both surfaces is rubbed all the time, or always again: the share `effusivity` is that of the effusivities alone, by which the
 //! means of both surfaces are equally warm, whatever the speeds.
 
-use super::conduction::{Conduction, Cost, Rub, Work};
+use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::fields::fields;
 use super::frame::Frame;
 use super::names;
@@ -12,7 +12,7 @@ use super::setup::section_key;
 use super::summary::{Peak, hottest};
 use crate::capability::Capability;
 use crate::{LOWER, UPPER};
-use heat::periodic::half_space::{HalfSpace, Instant};
+use heat::periodic::half_space::{Instant, PeriodicHalfSpace};
 use heat::window::{Drive, Stage};
 use numerics::convolution::Complex64;
 use numerics::waves::Waves;
@@ -63,7 +63,7 @@ const BYTES_PER_POINT: u64 = 2 * 2 * 190 * 8;
 pub struct Periodic {
     grid: Structured,
     diffusivities: [f64; 2],
-    bodies: [HalfSpace; 2],
+    bodies: [PeriodicHalfSpace; 2],
     waves: RefCell<Waves>,
     /// Waves of the rises of the surfaces in the last solve and in the accepted state.
     surfaces: [Vec<Complex64>; 2],
@@ -75,7 +75,7 @@ pub struct Periodic {
 
 impl Conduction for Periodic {
     const TRANSIENT: bool = true;
-    const AT_REST: bool = true;
+    const SOLVES_STATIONARY_BODY: bool = true;
     const REPEATS: bool = true;
     const STATE_TAG: u8 = 5;
 
@@ -90,7 +90,8 @@ impl Conduction for Periodic {
         };
         let numbers: Vec<[f64; 2]> = (0..waves.count()).map(numbers).collect();
         let cold = vec![Complex64::default(); waves.count()];
-        let body = |body: usize| HalfSpace::new(frame.scene.materials[body], numbers.clone());
+        let body =
+            |body: usize| PeriodicHalfSpace::new(frame.scene.materials[body], numbers.clone());
         Self {
             grid,
             diffusivities: frame.scene.materials.map(|material| material.diffusivity()),
@@ -144,13 +145,13 @@ impl Conduction for Periodic {
     fn solve(
         &mut self,
         drive: &Drive,
-        rub: &Rub<'_>,
+        rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
-    ) -> Result<Work, StepError> {
+    ) -> Result<SolveStats, StepError> {
         let waves = self.waves.get_mut();
         waves.of(rub.flux, &mut self.flux);
         let sum: f64 = rub.flux.iter().sum();
-        let mut work = Work::default();
+        let mut work = SolveStats::default();
         for (at, body) in self.bodies.iter_mut().enumerate() {
             let share = drive.shares[at];
             work.operations += body.begin(drive.duration, drive.speeds[at]);
@@ -172,7 +173,7 @@ impl Conduction for Periodic {
     }
 
     fn accept(&mut self) {
-        self.bodies.iter_mut().for_each(HalfSpace::accept);
+        self.bodies.iter_mut().for_each(PeriodicHalfSpace::accept);
         self.accepted.clone_from(&self.surfaces);
     }
 

@@ -14,7 +14,7 @@
 //!
 //! Source: Carslaw & Jaeger, Conduction of Heat in Solids (1959), 3.4 and 3.8.
 
-use super::conduction::{Conduction, Cost, Rub, Work};
+use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::ends::{self, Ends};
 use super::fields::fields;
 use super::frame::Frame;
@@ -179,7 +179,7 @@ pub struct Rods {
 
 impl Conduction for Rods {
     const TRANSIENT: bool = true;
-    const AT_REST: bool = true;
+    const SOLVES_STATIONARY_BODY: bool = true;
     const ENDS: bool = true;
     const STATE_TAG: u8 = 6;
 
@@ -226,9 +226,9 @@ impl Conduction for Rods {
     fn solve(
         &mut self,
         drive: &Drive,
-        rub: &Rub<'_>,
+        rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
-    ) -> Result<Work, StepError> {
+    ) -> Result<SolveStats, StepError> {
         let friction = rub.flux[0];
         let own = drive.shares.map(|share| share * friction);
         let mut ends = [[0.0; 2]; 2];
@@ -248,7 +248,7 @@ impl Conduction for Rods {
             rod.trial.flux = fluxes[at];
             rise[at][0] = past + response * fluxes[at];
         }
-        Ok(Work { operations: 2 * WAVES as u64, heat: own })
+        Ok(SolveStats { operations: 2 * WAVES as u64, heat: own })
     }
 
     fn rise_integral(&mut self, body: usize, integral: &mut [f64]) -> u64 {

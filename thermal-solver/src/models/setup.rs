@@ -1,12 +1,12 @@
 //! From a configuration to a model: checks, grids, cost.
 
 use super::conduction::Conduction;
+use super::conduction_model::ConductionModel;
 use super::elements;
 use super::elements::WAKE;
 use super::ends::Ends;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
-use super::shell::Shell;
 use crate::effects::bulk_heating;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::{self, Partition};
@@ -153,7 +153,7 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
 
 /// Refuses bodies at rest of which a model has no answer.
 fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<(), Refusal> {
-    if !C::AT_REST {
+    if !C::SOLVES_STATIONARY_BODY {
         refuse_rest(scene, given.mode)?;
     }
     match integrated::active(given).filter(|_| !C::ENDS) {
@@ -351,7 +351,7 @@ impl<C: Conduction> Setup for Prepared<C> {
                 let volumes = volumes.filter_map(|body| C::volume(&frame, body)).collect();
                 let expands =
                     RISE_INTEGRALS.iter().any(|spec| self.layout.grid_of(spec.name).is_some());
-                Ok(Box::new(Shell::<C>::new(frame, volumes, expands)))
+                Ok(Box::new(ConductionModel::<C>::new(frame, volumes, expands)))
             }
             None => Err(Refusal::new(
                 "effects.friction_heat",

@@ -30,7 +30,7 @@
 //! (1967) 10–62. Deviations: a reduction factor acts on both theories; the factor of the slip.
 
 use super::flexibility::Creepage;
-use super::march::{Cell, March, Strip, norm};
+use super::integration::{Cell, March, Strip, norm};
 use crate::strips::semi_ellipse::segment_area;
 use std::f64::consts::PI;
 

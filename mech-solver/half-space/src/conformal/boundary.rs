@@ -13,7 +13,7 @@
 //!
 //! Source: Brebbia, Telles, Wrobel, Boundary Element Techniques (1984), ch. 5.
 
-use super::kernel::{Material, Tensor, kernel};
+use super::kernel::{ElasticConstants, Tensor, kernel};
 use super::outline::{Arc, Outline};
 use faer::Mat;
 use faer::prelude::Solve;
@@ -30,7 +30,7 @@ const GATHERED: i32 = 5;
 #[derive(Clone, Debug)]
 pub(super) struct Body {
     /// Elastic constants.
-    pub(super) material: Material,
+    pub(super) material: ElasticConstants,
     /// Its surface.
     pub(super) outline: Outline,
     /// 1 for the body below the surface, −1 for that above.

@@ -22,11 +22,11 @@
 //! contact, to which a yaw moves it, there is none.
 
 use super::elastic::ElasticPair;
-use super::numbers::{Numbers, Patch};
-use super::section::Section;
+use super::numbers::{InfluenceNumbers, SurfaceGrid};
+use super::section::CrossSection;
 use super::shape::Arcs;
 use crate::difference::Difference;
-use crate::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
+use crate::grid_continuation::{Contact, History, Levels, Motion, Solution, TangentialError};
 use crate::normal::{NormalError, Prescribed};
 use crate::tangential::{self, Creepage, TangentialState};
 use crate::viscoelastic::Bodies;
@@ -130,16 +130,16 @@ impl ConformalSolver {
         semi_axes: [f64; 2],
         difference: Difference,
     ) -> Self {
-        let patch = Patch {
+        let patch = SurfaceGrid {
             counts: [grid.ni, grid.nj],
             sides: [grid.dx(), grid.dy()],
             first: grid.y(0) - 0.5 * grid.dy(),
         };
         let sections = arcs.curvatures.map(|curvature| match curvature {
-            0.0 => Section::straight(),
-            _ => Section::arc(curvature, 0.5 * turn / curvature.abs()),
+            0.0 => CrossSection::straight(),
+            _ => CrossSection::arc(curvature, 0.5 * turn / curvature.abs()),
         });
-        let numbers = Arc::new(Numbers::new(materials, &sections, &patch));
+        let numbers = Arc::new(InfluenceNumbers::new(materials, &sections, &patch));
         let elastic = ElasticPair::new(materials, numbers, 0, patch.counts);
         let bodies = Bodies::from(Elasticity::of_pair(&materials[0], &materials[1]));
         let (layer, motion) = (0.0, Motion::SteadyRolling);
@@ -274,7 +274,7 @@ impl ConformalSolver {
             return Ok(());
         }
         let slip = self.slip_besides(prescription, found);
-        let prescribed = tangential::Prescribed::creepages(prescription.creepage);
+        let prescribed = tangential::PrescribedMotion::creepages(prescription.creepage);
         let mut solved = match solution.take() {
             Some(near) => near,
             None => self.levels.solve(bound, &prescribed)?,

@@ -5,7 +5,7 @@
 //! A_tt what it differs by from that of half-spaces, whose operator the tangential solver has, is given with the tractions before.
 //! Slip of a step Δx is the displacement of an element less that of the one ahead.
 
-use super::numbers::Numbers;
+use super::numbers::InfluenceNumbers;
 use crate::difference::Difference;
 use crate::influence::Influence;
 use crate::normal::{NormalContact, NormalError, NormalSolver, Prescribed};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// The bodies on a grid of nx × ny elements.
 #[derive(Debug)]
 pub struct ElasticPair {
-    numbers: Arc<Numbers>,
+    numbers: Arc<InfluenceNumbers>,
     first: usize,
     influence: Influence,
     rows: Rows,
@@ -44,7 +44,7 @@ impl ElasticPair {
     #[must_use]
     pub fn new(
         materials: &[Material; 2],
-        numbers: Arc<Numbers>,
+        numbers: Arc<InfluenceNumbers>,
         first: usize,
         [nx, ny]: [usize; 2],
     ) -> Self {

@@ -22,14 +22,14 @@ pub(super) type Tensor = [[f64; 3]; 3];
 
 /// An elastic body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Material {
+pub(super) struct ElasticConstants {
     /// Shear modulus G [Pa].
     pub(super) shear_modulus: f64,
     /// Poisson's ratio ν [-].
     pub(super) poisson_ratio: f64,
 }
 
-impl Material {
+impl ElasticConstants {
     /// Constants of a material.
     pub(super) fn of(material: &elastic::Material) -> Self {
         let shear_modulus = material.shear_modulus();
@@ -41,7 +41,7 @@ impl Material {
 /// displacements are less a translation.
 #[must_use]
 pub(super) fn kernel(
-    material: &Material,
+    material: &ElasticConstants,
     k: f64,
     [y, z]: [f64; 2],
     normal: [f64; 2],
@@ -93,7 +93,7 @@ mod tests {
     /// Tractions by the differences of displacements, through Hooke's law.
     #[test]
     fn tractions_are_those_of_the_displacements() {
-        let material = Material { shear_modulus: 3.0, poisson_ratio: 0.3 };
+        let material = ElasticConstants { shear_modulus: 3.0, poisson_ratio: 0.3 };
         let (at, step) = ([0.7, -0.4], 1e-5);
         let normal = [0.6, 0.8];
         for k in [0.0, 0.3, 2.0] {

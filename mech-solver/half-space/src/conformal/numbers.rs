@@ -19,9 +19,9 @@
 //! 52 (2014) suppl. 455, who take them from finite elements. The transform along the axis and the boundary elements are this project's.
 
 use super::boundary::Body;
-use super::kernel::Material as Elastic;
+use super::kernel::ElasticConstants;
 use super::outline::Outline;
-use super::section::Section;
+use super::section::CrossSection;
 use crate::influence::Influence;
 use elastic::Elasticity;
 use elastic::Material;
@@ -48,7 +48,7 @@ const FEWEST: usize = 16;
 const PHASE: f64 = 1.0;
 /// The grid along x and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patch {
+pub struct SurfaceGrid {
     /// Elements along x and s.
     pub counts: [usize; 2],
     /// Their sides [m].
@@ -62,16 +62,20 @@ const COMPONENTS: usize = 3;
 
 /// The numbers A, and the products with them.
 #[derive(Debug)]
-pub struct Numbers {
-    patch: Patch,
+pub struct InfluenceNumbers {
+    patch: SurfaceGrid,
     /// A_ab(i; t, q) [m/Pa], i fastest, then q, t, b, a.
     values: Vec<f64>,
 }
 
-impl Numbers {
+impl InfluenceNumbers {
     /// Influence numbers of body 1 (upper) and body 2, with these sections over the same s.
     #[must_use]
-    pub fn new(materials: &[Material; 2], sections: &[Section; 2], patch: &Patch) -> Self {
+    pub fn new(
+        materials: &[Material; 2],
+        sections: &[CrossSection; 2],
+        patch: &SurfaceGrid,
+    ) -> Self {
         let [nx, ny] = patch.counts;
         let [dx, ds] = patch.sides;
         let influence =
@@ -91,12 +95,12 @@ impl Numbers {
     }
 
     /// Adds what curvature changes, by boundary elements of so many rows.
-    fn add(&mut self, materials: &[Material; 2], sections: &[Section; 2], joined: usize) {
-        let Patch { counts: [nx, rows], sides: [dx, side], first } = self.patch;
+    fn add(&mut self, materials: &[Material; 2], sections: &[CrossSection; 2], joined: usize) {
+        let SurfaceGrid { counts: [nx, rows], sides: [dx, side], first } = self.patch;
         let (ny, ds) = (rows.div_ceil(joined), joined as f64 * side);
         let bent = sections.iter().filter(|section| section.turn() > 0.0);
         // Of an arc its radius.
-        let radius = |section: &Section| {
+        let radius = |section: &CrossSection| {
             let [from, to] = section.ends();
             (to - from) / section.turn()
         };
@@ -108,11 +112,12 @@ impl Numbers {
         let steps = (DENSITY * (most / least).log2()).ceil();
         let waves: Vec<f64> =
             (0..=steps as usize).map(|n| least * (most / least).powf(n as f64 / steps)).collect();
-        let outline = |section: &Section| Outline::open(section, [first, ds], ny, REACH / least);
-        let straight = Section::straight();
+        let outline =
+            |section: &CrossSection| Outline::open(section, [first, ds], ny, REACH / least);
+        let straight = CrossSection::straight();
         let bodies = [(0, -1.0), (1, 1.0)].map(|(body, outward)| {
-            let material = Elastic::of(&materials[body]);
-            let of = |section: &Section| Body { material, outline: outline(section), outward };
+            let material = ElasticConstants::of(&materials[body]);
+            let of = |section: &CrossSection| Body { material, outline: outline(section), outward };
             (of(&sections[body]), of(&straight))
         });
         let same = materials[0] == materials[1];
@@ -221,16 +226,16 @@ impl Numbers {
 
     /// The grid.
     #[must_use]
-    pub fn patch(&self) -> &Patch {
+    pub fn patch(&self) -> &SurfaceGrid {
         &self.patch
     }
 }
 
 /// Rows that are one boundary element.
-fn joined(sections: &[Section; 2], patch: &Patch) -> usize {
-    let Patch { counts: [_, rows], sides: [_, side], first } = *patch;
+fn joined(sections: &[CrossSection; 2], patch: &SurfaceGrid) -> usize {
+    let SurfaceGrid { counts: [_, rows], sides: [_, side], first } = *patch;
     let edge = |row: usize| first + row as f64 * side;
-    let turn = |section: &Section| {
+    let turn = |section: &CrossSection| {
         let direction = |row: usize| section.at(edge(row)).1;
         (0..rows).map(|row| (direction(row + 1) - direction(row)).abs()).fold(0.0, f64::max)
     };
@@ -266,7 +271,7 @@ fn of_half_spaces(influence: &Influence, pair: usize, i: i32, j: i32) -> f64 {
 }
 
 /// Weights of the values at the wave numbers in the even and the odd integral, one row an offset along x [1].
-fn weights(waves: &[f64], patch: Patch) -> [Vec<f64>; 2] {
+fn weights(waves: &[f64], patch: SurfaceGrid) -> [Vec<f64>; 2] {
     let ([nx, _], [dx, _]) = (patch.counts, patch.sides);
     let count = waves.len();
     let [mut even, mut odd] = [vec![0.0; nx * count], vec![0.0; nx * count]];

@@ -3,7 +3,7 @@
 //! Elements are arcs. Those of the contact are equal, and numbered along the surface; the outline goes on from them
 //! on both sides, along the section as far as it is given and straight from there, in elements that grow. A closed outline is a circle.
 
-use super::section::Section;
+use super::section::CrossSection;
 
 /// Length of an element over that of the one before, away from the contact.
 const GROWTH: f64 = 1.5;
@@ -55,7 +55,7 @@ impl Outline {
     /// A section as far as `reach` [m]; with `count` elements of the contact, of this length [m], from `first` on [m].
     #[must_use]
     pub(super) fn open(
-        section: &Section,
+        section: &CrossSection,
         [first, length]: [f64; 2],
         count: usize,
         reach: f64,

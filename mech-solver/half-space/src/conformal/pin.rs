@@ -7,7 +7,7 @@
 //! Source: A. Persson, On the Stress Distribution of Cylindrical Elastic Bodies in Contact (Chalmers, 1964), for the problem.
 
 use super::boundary::Body;
-use super::kernel::Material as Elastic;
+use super::kernel::ElasticConstants;
 use super::outline::Outline;
 use crate::influence::Influence;
 use crate::normal::{NormalError, NormalSolver, Prescribed};
@@ -43,7 +43,7 @@ pub fn press(
     let outline = Outline::circle(1.0 / radius, count, contact);
     let length = outline.elements[0].length;
     let [pin, hole] = [(0, -1.0), (1, 1.0)].map(|(body, outward)| {
-        let material = Elastic::of(&materials[body]);
+        let material = ElasticConstants::of(&materials[body]);
         Body { material, outline: outline.clone(), outward }.flexibility(0.0)
     });
     let numbers = |t: usize, q: usize| {

@@ -6,7 +6,7 @@
 
 /// The section of a body.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Section {
+pub struct CrossSection {
     /// s where the direction is given, rising [m].
     at: Vec<f64>,
     /// θ there [rad].
@@ -15,7 +15,7 @@ pub struct Section {
     places: Vec<[f64; 2]>,
 }
 
-impl Section {
+impl CrossSection {
     /// With these directions [rad] at these lengths, rising [m]; the first of them is at y = z = 0.
     ///
     /// # Panics
@@ -100,7 +100,7 @@ mod tests {
     fn a_quarter_of_a_circle_and_the_lines_beyond() {
         let radius = 10e-3_f64;
         let quarter = std::f64::consts::FRAC_PI_4;
-        let arc = Section::arc(-1.0 / radius, radius * quarter);
+        let arc = CrossSection::arc(-1.0 / radius, radius * quarter);
         for angle in [-0.7, 0.0, 0.3] {
             let ([y, z], direction) = arc.at(radius * angle);
             assert!((y - radius * angle.sin()).abs() < 1e-17);
@@ -119,8 +119,8 @@ mod tests {
     #[test]
     fn pieces_of_an_arc_are_the_arc() {
         let at: Vec<f64> = (0..=8).map(|k| -4e-3 + 1e-3 * f64::from(k)).collect();
-        let pieces = Section::new(at.clone(), at.iter().map(|s| -90.0 * s).collect());
-        let whole = Section::new(vec![-4e-3, 4e-3], vec![0.36, -0.36]);
+        let pieces = CrossSection::new(at.clone(), at.iter().map(|s| -90.0 * s).collect());
+        let whole = CrossSection::new(vec![-4e-3, 4e-3], vec![0.36, -0.36]);
         for s in [-9e-3, -3.7e-3, 0.0, 2.2e-3, 4e-3, 8e-3] {
             let ((a, one), (b, other)) = (pieces.at(s), whole.at(s));
             assert!((a[0] - b[0]).abs() < 1e-16 && (a[1] - b[1]).abs() < 1e-16, "{s}");

@@ -44,7 +44,7 @@ struct EquidistantRows {
 
 /// Work done for one section.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Effort {
+pub struct SectionCost {
     /// Corners at which antiderivatives were evaluated.
     pub corners: usize,
     /// Transforms of length P.
@@ -76,7 +76,7 @@ pub struct Section {
     sums: [Vec<Complex64>; 6],
     /// The stresses themselves.
     lines: [Vec<f64>; 6],
-    effort: Effort,
+    effort: SectionCost,
 }
 
 impl std::fmt::Debug for Section {
@@ -124,7 +124,7 @@ impl Section {
             kernels: vec![[[0.0; 6]; 3]; grid.ni],
             sums: std::array::from_fn(|_| zeros(columns)),
             lines: std::array::from_fn(|_| vec![0.0; grid.ni]),
-            effort: Effort::default(),
+            effort: SectionCost::default(),
             rows,
         }
     }
@@ -140,7 +140,7 @@ impl Section {
     ///
     /// # Panics
     /// If the load is on another grid or `output` has another length than [`Section::points`].
-    pub fn stresses(&mut self, load: &SurfaceLoad<'_>, output: &mut [Stress]) -> Effort {
+    pub fn stresses(&mut self, load: &SurfaceLoad<'_>, output: &mut [Stress]) -> SectionCost {
         assert_eq!(output.len(), self.points(), "stresses of the section");
         self.solve(load, |index, stress| output[index] = stress)
     }
@@ -156,7 +156,7 @@ impl Section {
         besides: Option<&[Stress]>,
         von_mises: &mut [f64],
         max_shear: &mut [f64],
-    ) -> Effort {
+    ) -> SectionCost {
         let points = self.points();
         assert_eq!([von_mises.len(), max_shear.len()], [points; 2], "values on the section");
         assert_eq!(besides.map_or(points, <[Stress]>::len), points, "stresses on the section");
@@ -168,9 +168,13 @@ impl Section {
     }
 
     /// Calls `store` with the index and stress of every point.
-    fn solve(&mut self, load: &SurfaceLoad<'_>, mut store: impl FnMut(usize, Stress)) -> Effort {
+    fn solve(
+        &mut self,
+        load: &SurfaceLoad<'_>,
+        mut store: impl FnMut(usize, Stress),
+    ) -> SectionCost {
         assert_eq!(*load.grid, self.grid, "a load on another grid than the section's");
-        self.effort = Effort::default();
+        self.effort = SectionCost::default();
         self.transform_loads(load);
         let ni = self.grid.ni;
         for level in 0..self.depths.len() {

@@ -5,7 +5,7 @@ use super::state::{Creepage, TangentialState};
 
 /// A force for some components, a creepage for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prescribed {
+pub struct PrescribedMotion {
     /// Creepages [-, -, rad/m], or shifts [m, m, rad]; where a force is prescribed, not used.
     pub creepage: Creepage,
     /// Longitudinal and lateral force [N] and spin moment [N m] on body 1; `None` where the creepage
@@ -13,7 +13,7 @@ pub struct Prescribed {
     pub force: [Option<f64>; 3],
 }
 
-impl Prescribed {
+impl PrescribedMotion {
     /// All creepages.
     #[must_use]
     pub fn creepages(creepage: Creepage) -> Self {

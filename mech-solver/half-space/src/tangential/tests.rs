@@ -99,7 +99,7 @@ fn linear_steps_hardly_depend_on_the_resolution() {
 
 /// Work of a whole solve from rest: a snapshot of the Newton and GMRES steps with some room, so
 /// that the method cannot silently become slower. From rest they rise with the resolution, which is
-/// why [`super::super::levels`] starts on coarse grids.
+/// why [`super::super::grid_continuation`] starts on coarse grids.
 #[test]
 fn newton_steps_of_a_solve_from_rest() {
     for (n, newton, linear) in [(10, 12, 45), (20, 15, 65), (40, 22, 90)] {

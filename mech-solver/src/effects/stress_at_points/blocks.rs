@@ -51,7 +51,7 @@ pub(super) fn keys() -> Vec<KeySpec> {
 
 /// A block.
 #[derive(Clone, Debug)]
-pub(super) struct Asked {
+pub(super) struct PointBlock {
     pub(super) name: String,
     /// The body that it is in.
     pub(super) body: usize,
@@ -65,7 +65,7 @@ enum AskedPoints {
     Axes([Option<Vec<f64>>; 3]),
 }
 
-impl Asked {
+impl PointBlock {
     /// Where its points are, of a contact on this grid.
     pub(super) fn places(&self, grid: &Structured) -> Places {
         match &self.points {
@@ -98,9 +98,9 @@ pub(super) fn read(
     configuration: &Configuration,
     case: &CheckedParams<'_>,
     names: &Bodies,
-) -> Result<Vec<Asked>, Refusal> {
+) -> Result<Vec<PointBlock>, Refusal> {
     let table = configuration.case.get(TABLE).and_then(serde_json::Value::as_object);
-    let blocks: Vec<Asked> = table
+    let blocks: Vec<PointBlock> = table
         .into_iter()
         .flatten()
         .map(|(name, _)| block(name, case, names))
@@ -112,7 +112,7 @@ pub(super) fn read(
             format!("add [{TABLE}.NAME] with `body`, and `z` or `file`"),
         ));
     }
-    let count = blocks.iter().map(Asked::count).fold(0, usize::saturating_add);
+    let count = blocks.iter().map(PointBlock::count).fold(0, usize::saturating_add);
     if count > MOST_POINTS {
         let reason = format!("{count} points are more than {MOST_POINTS}");
         return Err(Refusal::new(TABLE, reason, "ask for fewer points, or in several runs"));
@@ -120,7 +120,7 @@ pub(super) fn read(
     Ok(blocks)
 }
 
-fn block(name: &str, case: &CheckedParams<'_>, names: &Bodies) -> Result<Asked, Refusal> {
+fn block(name: &str, case: &CheckedParams<'_>, names: &Bodies) -> Result<PointBlock, Refusal> {
     let key = |part: &str| format!("{TABLE}.{name}.{part}");
     check_name("block", name).map_err(|reason| {
         Refusal::new(&format!("{TABLE}.{name}"), reason, "give the block another name")
@@ -142,7 +142,7 @@ fn block(name: &str, case: &CheckedParams<'_>, names: &Bodies) -> Result<Asked, 
         let fix = format!("give a table of {}, {} in `{called}`", headings(&columns()), side(body));
         let points = from_file(Path::new(path), body)
             .map_err(|reason| Refusal::new(&file, format!("`{path}` {reason}"), fix))?;
-        return Ok(Asked { name: name.to_owned(), body, points: AskedPoints::List(points) });
+        return Ok(PointBlock { name: name.to_owned(), body, points: AskedPoints::List(points) });
     }
     let [x, y, z] = AXES.map(|axis| coordinates(axis, &key, case));
     let axes = [x?, y?, z?];
@@ -154,7 +154,7 @@ fn block(name: &str, case: &CheckedParams<'_>, names: &Bodies) -> Result<Asked, 
         let reason = format!("{outside} m is not in `{called}`, which has {}", side(body));
         return Err(Refusal::new(&key("z"), reason, "write the other sign, or another body"));
     }
-    Ok(Asked { name: name.to_owned(), body, points: AskedPoints::Axes(axes) })
+    Ok(PointBlock { name: name.to_owned(), body, points: AskedPoints::Axes(axes) })
 }
 
 fn inside(z: f64, body: usize) -> bool {

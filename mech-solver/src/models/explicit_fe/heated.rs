@@ -12,7 +12,7 @@ use crate::terms::softening::LEAST_SHARE;
 use crate::terms::surface::Surface;
 use crate::terms::{Kind, Terms};
 use explicit_fe::rolling::{Means, Rolling};
-use explicit_fe::settle::settle_again;
+use explicit_fe::steady_rolling::settle_again;
 use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Step, StepError, StepReport};
 use serde_json::Value;

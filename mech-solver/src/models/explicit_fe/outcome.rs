@@ -1,7 +1,7 @@
 //! What a measurement gives: faults, fields, figures.
 
 use crate::case::scene::Scene;
-use crate::figures::measures::{Measures, add_elements};
+use crate::figures::indicators::{Indicators, add_elements};
 use crate::models::contact_model::write_pair;
 use crate::models::summary::add_patches;
 use crate::terms::Terms;
@@ -105,7 +105,7 @@ pub(super) fn report(rolling: &Rolling, steps: u64) -> StepReport {
 /// Its part of `summary.json`.
 pub(super) fn summary(scene: &Scene, rolling: &Rolling, means: &Means) -> Value {
     let mut contact = figures(rolling, means);
-    Measures::of_elements(scene).add_to(&mut contact);
+    Indicators::of_elements(scene).add_to(&mut contact);
     json!({ "contact": contact })
 }
 

@@ -14,14 +14,14 @@ use crate::models::contact_model::ContactModel;
 use crate::models::precomputed::{self, Precomputed};
 use crate::terms::softening::Softening;
 use crate::terms::{Kind, Terms};
-use explicit_fe::block::{Block, Held, Solid};
+use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::contact::Law;
 use explicit_fe::kernel::Flow;
 use explicit_fe::plane::Plane;
 use explicit_fe::quality::Quality;
-use explicit_fe::rolling::{Asked, Rolling};
+use explicit_fe::rolling::{Options, Rolling};
 use explicit_fe::section::{Section, Sizes};
-use explicit_fe::settle::{expected_steps, expected_steps_again, settle};
+use explicit_fe::steady_rolling::{expected_steps, expected_steps_again, settle};
 use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::field::FieldSpec;
 use proto::grid::Structured;
@@ -49,7 +49,7 @@ struct Prepared {
     curve: CreepCurve,
     solids: [Solid; 2],
     columns: usize,
-    asked: Asked,
+    asked: Options,
     scene: Scene,
     terms: Terms,
     grid: Structured,
@@ -264,7 +264,7 @@ fn asked(
     scene: &Scene,
     surfaces: &Surfaces,
     terms: &Terms,
-) -> Result<Asked, Refusal> {
+) -> Result<Options, Refusal> {
     let Surfaces { ellipse, stiffness, .. } = surfaces;
     let own = CheckedParams::new(&configuration.case, own_keys());
     let yields = own.maybe_number(PENALTY)?.map_or(0.0, |stiffness| 1.0 / stiffness);
@@ -272,7 +272,7 @@ fn asked(
         Prescribed::Creepage { xi, .. } => (xi, None),
         Prescribed::ForceRatio(ratio) => (0.0, Some(ratio)),
     };
-    Ok(Asked {
+    Ok(Options {
         speed: scene.speeds.rolling,
         load: ellipse.normal_force,
         law: Law {
@@ -359,7 +359,7 @@ impl Setup for Prepared {
         }
         let [upper, lower] = sections;
         let block = |section: Section, solid: Solid| {
-            Block::new(columns, element, section, solid, Held::Faces)
+            Block::new(columns, element, section, solid, Support::Faces)
         };
         let bodies = [block(upper, solids[0]), block(lower, solids[1])];
         let elements: u64 = bodies.iter().map(|body| body.elements() as u64).sum();

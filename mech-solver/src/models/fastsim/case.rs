@@ -9,7 +9,7 @@ use crate::models::springs;
 use crate::terms::Terms;
 use elastic::fastsim::bound::Bound;
 use elastic::fastsim::flexibility::{Flexibilities, Kind};
-use elastic::fastsim::march::Lattice;
+use elastic::fastsim::integration::Lattice;
 use elastic::fastsim::reduction::Reduction;
 use elastic::kalker::{self, CreepCoefficients};
 use proto::configuration::Refusal;
@@ -49,7 +49,7 @@ pub(super) fn own_keys() -> Vec<KeySpec> {
 
 /// What a case asks for besides its scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Asked {
+pub(super) struct Options {
     /// The ellipse that the case gives.
     pub(super) given: Option<GivenPatch>,
     pub(super) kind: Kind,
@@ -63,7 +63,7 @@ pub(super) struct Asked {
     pub(super) partial: bool,
 }
 
-impl Asked {
+impl Options {
     /// What it says.
     ///
     /// # Errors
@@ -97,10 +97,10 @@ impl Asked {
 /// The scene has no ellipse or does not roll, its bodies are not in Kalker's table, or its force is beyond friction.
 pub(super) fn problem(
     scene: &Scene,
-    asked: &Asked,
+    asked: &Options,
     grid: &Structured,
 ) -> Result<(Problem, CreepCoefficients), Refusal> {
-    let Asked { given, kind, bound, strip_theory, reduction, resolution, partial } = *asked;
+    let Options { given, kind, bound, strip_theory, reduction, resolution, partial } = *asked;
     let ellipse = Ellipse::solve(scene, given)?;
     Ellipse::refuse_rest(scene)?;
     let coefficients = coefficients(scene, &ellipse)?;
@@ -154,7 +154,7 @@ pub(super) fn cells(problem: &Problem) -> usize {
 
 /// What is the same in all rows of a history.
 pub(super) struct Case {
-    pub(super) asked: Asked,
+    pub(super) asked: Options,
     pub(super) terms: Terms,
     pub(super) grid: Structured,
 }

@@ -7,7 +7,7 @@ use crate::case::scene::Speeds;
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_density, power_imbalance};
 use crate::models::summary::extend;
 use elastic::fastsim::flexibility::{Creepage, Flexibilities, Kind};
-use elastic::fastsim::march::{Cell, Lattice, March, Strip, norm};
+use elastic::fastsim::integration::{Cell, Lattice, March, Strip, norm};
 use elastic::fastsim::reduction::Reduction;
 use elastic::fastsim::strip_theory::StripTheory;
 use numerics::search::root_in_bracket;
@@ -82,12 +82,16 @@ impl Problem {
     }
 
     /// Solves it with one friction coefficient, in the memory of a contact that is no longer needed.
-    pub(super) fn solve(&self, spent: Option<Contact>) -> Contact {
+    pub(super) fn solve(&self, spent: Option<FastsimContact>) -> FastsimContact {
         self.solve_under(|_, _, bound| bound, 1.0, spent)
     }
 
     /// Solves it with the friction of elements.
-    pub(super) fn solve_limited(&self, limits: &Limits<'_>, spent: Option<Contact>) -> Contact {
+    pub(super) fn solve_limited(
+        &self,
+        limits: &Limits<'_>,
+        spent: Option<FastsimContact>,
+    ) -> FastsimContact {
         let most = self.capacity(limits) / self.friction_bound();
         self.solve_under(|x, y, bound| limits.at(x, y, bound), most, spent)
     }
@@ -116,8 +120,8 @@ impl Problem {
         &self,
         limit: impl Fn(f64, f64, f64) -> f64 + Copy,
         most: f64,
-        spent: Option<Contact>,
-    ) -> Contact {
+        spent: Option<FastsimContact>,
+    ) -> FastsimContact {
         let creepage = match self.prescribed {
             Prescribed::Creepage { xi, eta, phi } => [xi, eta, phi],
             Prescribed::ForceRatio(ratio) => {
@@ -141,7 +145,7 @@ impl Problem {
             totals.add_strip(&own, strip.width);
             strips.push((strip, first..cells.len()));
         }
-        let mut contact = Contact { problem: *self, creepage, strips, cells, totals };
+        let mut contact = FastsimContact { problem: *self, creepage, strips, cells, totals };
         if self.strip_theory.is_some() && self.partial {
             contact.balance_slip();
         }
@@ -274,7 +278,7 @@ impl Totals {
 
 /// A solved contact.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Contact {
+pub(super) struct FastsimContact {
     /// The case.
     pub(super) problem: Problem,
     /// Creepage, prescribed or found.
@@ -285,7 +289,7 @@ pub(super) struct Contact {
     totals: Totals,
 }
 
-impl Contact {
+impl FastsimContact {
     /// The strips with their cells, each from the leading to the trailing edge.
     pub(super) fn strips(&self) -> impl Iterator<Item = (&Strip, &[Cell])> {
         self.strips.iter().map(|(strip, cells)| (strip, &self.cells[cells.clone()]))
@@ -364,7 +368,7 @@ impl Contact {
             "power_imbalance": self.power_imbalance(),
         });
         extend(&mut contact, creep);
-        ellipse.measures.add_to(&mut contact);
+        ellipse.indicators.add_to(&mut contact);
         json!({ "contact": contact })
     }
 }

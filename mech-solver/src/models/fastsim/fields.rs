@@ -4,10 +4,10 @@
 //! [x_rear, x_front], along y over the band of its strip. The sum over the elements times their
 //! area is thus the sum over the cells, to rounding, for forces as for heat.
 
-use super::contact::Contact;
+use super::contact::FastsimContact;
 use crate::models::power_balance::power_density;
 use crate::terms::Terms;
-use elastic::fastsim::march::{Cell, Strip};
+use elastic::fastsim::integration::{Cell, Strip};
 use elastic::fastsim::overlaps::overlaps;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
@@ -15,7 +15,7 @@ use proto::grid::Structured;
 /// Writes the values of a field that the model or one of its effects provides, component-major.
 pub(super) fn write(
     spec: &FieldSpec,
-    contact: &Contact,
+    contact: &FastsimContact,
     grid: Structured,
     terms: &Terms,
     values: &mut [f64],
@@ -45,7 +45,7 @@ pub(super) fn write(
 
 /// Spreads a quantity of the cells over the elements.
 fn spread<const N: usize>(
-    contact: &Contact,
+    contact: &FastsimContact,
     grid: Structured,
     means: &mut [f64],
     quantity: impl Fn(&Cell) -> [f64; N],

@@ -8,7 +8,7 @@
 
 use elastic::fastsim::bound::Bound;
 use elastic::fastsim::flexibility::Creepage;
-use elastic::fastsim::march::{Cell, Lattice, Strip, norm};
+use elastic::fastsim::integration::{Cell, Lattice, Strip, norm};
 use elastic::strips::semi_ellipse::segment_area;
 
 /// What a sliding contact needs.
@@ -29,7 +29,7 @@ impl Sliding {
         Self { lattice, creepage, amplitude }
     }
 
-    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of [`elastic::fastsim::march::March::strip`].
+    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of [`elastic::fastsim::integration::March::strip`].
     pub(super) fn strip(
         &self,
         strip: &Strip,

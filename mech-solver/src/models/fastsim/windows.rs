@@ -5,13 +5,13 @@
 //! velocity for all, as Spiryagin, Polach and Cole have it, both are the same.
 
 use super::case::{Case, cells, problem};
-use super::contact::Contact;
+use super::contact::FastsimContact;
 use super::fields;
 use super::limits::Limits;
 use crate::case::ellipse::Ellipse;
 use crate::case::scene::{Drive, Scene};
 use crate::models::contact_model;
-use crate::models::settled_creepage::SettledCreepage;
+use crate::models::creepage_search::CreepageSearch;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Scenes, no_answer};
 use crate::terms::Terms;
@@ -31,7 +31,7 @@ pub(super) struct Windows {
 
 /// A window that is solved.
 pub(super) struct Window {
-    contact: Contact,
+    contact: FastsimContact,
     step: Step,
     /// Its force is not the prescribed one.
     shortfall: Option<Shortfall>,
@@ -49,8 +49,8 @@ impl Windows {
         inputs: &dyn Inputs,
         scene: &Scene,
         creepage: [f64; 3],
-        spent: Option<Contact>,
-    ) -> Result<(Contact, Option<Shortfall>), StepError> {
+        spent: Option<FastsimContact>,
+    ) -> Result<(FastsimContact, Option<Shortfall>), StepError> {
         let Case { asked, terms, grid } = &mut self.case;
         let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
         let state = FrictionState {
@@ -83,8 +83,8 @@ impl Windows {
         &mut self,
         inputs: &dyn Inputs,
         scene: &Scene,
-        mut spent: Option<Contact>,
-    ) -> Result<(Contact, Option<Shortfall>), StepError> {
+        mut spent: Option<FastsimContact>,
+    ) -> Result<(FastsimContact, Option<Shortfall>), StepError> {
         let Case { asked, terms, grid } = &self.case;
         if terms.friction.is_constant() {
             let (problem, _) = problem(scene, asked, grid).map_err(no_answer)?;
@@ -98,7 +98,7 @@ impl Windows {
             Drive::Creepage { xi, eta, phi } => [xi, eta, phi],
             _ => [0.0; 3],
         };
-        let mut search = SettledCreepage::new(first, ellipse.semi_axis_a);
+        let mut search = CreepageSearch::new(first, ellipse.semi_axis_a);
         loop {
             let solved = self.contact_at(inputs, scene, search.at(), spent.take())?;
             if !self.case.terms.friction.follows_slip() || search.take(solved.0.creepage)? {

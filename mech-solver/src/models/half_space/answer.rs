@@ -3,13 +3,13 @@
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::ContactSolver;
-use crate::figures::measures::{Measures, add_elements};
+use crate::figures::indicators::{Indicators, add_elements};
 use crate::models::summary::add_patches;
 use crate::terms::Accepted;
 use crate::terms::surface::KeptSurface;
 use half_space::area::contact_area;
 use half_space::extent::Moments;
-use half_space::levels::Solution;
+use half_space::grid_continuation::Solution;
 use half_space::tangential::{Creepage, ElementState, TangentialState};
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
@@ -234,7 +234,7 @@ impl Answer {
             // Adding zero turns −0 into 0.
             figures[name] = (value + 0.0).into();
         }
-        Measures::of(&case.scene).add_to(&mut figures);
+        Indicators::of(&case.scene).add_to(&mut figures);
         if let Some(balance) = &self.balance {
             balance.add_to(&mut figures);
         }

@@ -12,10 +12,10 @@ use elastic::slip::RigidSlip;
 use half_space::coupling::Coupling;
 use half_space::difference::Stencil;
 use half_space::friction::ElementFriction;
+use half_space::grid_continuation::{Contact, History, Levels, Motion, Solution, TangentialError};
 use half_space::influence::Influence;
-use half_space::levels::{Contact, History, Levels, Motion, Solution, TangentialError};
 use half_space::normal::{NormalError, NormalSolver, Prescribed};
-use half_space::settling::{Settling, Unsettled, first_velocities, slip_velocities};
+use half_space::slip_iteration::{Settling, Unsettled, first_velocities, slip_velocities};
 use half_space::slip_operator::Displacement;
 use half_space::tangential::{self, Creepage, TangentialState};
 use proto::model::{Inputs, StepError};
@@ -326,7 +326,7 @@ impl ContactSolver {
 
     /// What is prescribed at the latest pressure; where friction depends on what comes in, of a force
     /// beyond it what it carries.
-    fn prescribed(&mut self, driven: &Driven) -> tangential::Prescribed {
+    fn prescribed(&mut self, driven: &Driven) -> tangential::PrescribedMotion {
         let mut prescribed = driven.at(self.normal_force());
         let [x, y, _] = prescribed.force.map(Option::unwrap_or_default);
         let asked = x.hypot(y);

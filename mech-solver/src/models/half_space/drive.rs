@@ -6,7 +6,7 @@ use crate::case::scene::{Drive, Load, SPEED, Scene, WIDTH, shift_keys};
 use crate::effects;
 use crate::terms::Kind;
 use elastic::carter;
-use half_space::tangential::Prescribed;
+use half_space::tangential::PrescribedMotion;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::KeySpec;
 use std::sync::LazyLock;
@@ -98,8 +98,8 @@ impl Driven {
     }
 
     /// Forces and creepages at this normal force [N].
-    pub(super) fn at(&self, normal_force: f64) -> Prescribed {
-        let mut prescribed = Prescribed::creepages([0.0; 3]);
+    pub(super) fn at(&self, normal_force: f64) -> PrescribedMotion {
+        let mut prescribed = PrescribedMotion::creepages([0.0; 3]);
         for (k, component) in self.components.iter().enumerate() {
             match component {
                 Component::Creepage(value) => prescribed.creepage[k] = *value,

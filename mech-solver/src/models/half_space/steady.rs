@@ -11,11 +11,11 @@ use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use crate::case::scene::GivenPatch;
 use crate::models::contact_model::Contact;
-use crate::models::settled_creepage::SettledCreepage;
+use crate::models::creepage_search::CreepageSearch;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
 use crate::terms::Terms;
-use half_space::levels::{Motion, Solution};
+use half_space::grid_continuation::{Motion, Solution};
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::Value;
@@ -137,7 +137,7 @@ impl Steady {
         let searched = driven.has_force() && terms.friction.follows_slip();
         let first = near.as_ref().filter(|_| searched).map(|near| near.state.creepage);
         let first = first.unwrap_or(driven.at(0.0).creepage);
-        let mut search = SettledCreepage::new(first, footprint.semi_axes[0]);
+        let mut search = CreepageSearch::new(first, footprint.semi_axes[0]);
         let mut spent = StepReport { substeps: 1, ..StepReport::default() };
         loop {
             contact.set_friction(&mut self.case, inputs, search.at())?;

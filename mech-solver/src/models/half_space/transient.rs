@@ -36,7 +36,7 @@ use crate::models::varying::no_answer;
 use crate::terms::Terms;
 use half_space::difference::Difference;
 use half_space::dissipation::shared;
-use half_space::levels::{History, Motion, Solution};
+use half_space::grid_continuation::{History, Motion, Solution};
 use half_space::tangential::TangentialState;
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Outputs, StateError, Step, StepError, StepReport};
@@ -57,14 +57,14 @@ pub(super) struct Transient {
     further: Option<ContactSolver>,
     creeping: Option<Creeping>,
     /// The state before the first window.
-    start: Memory,
+    start: StepState,
     /// It still has to become steady rolling.
     begins: bool,
 }
 
 /// A window that is solved.
 pub(super) struct Window {
-    memory: Memory,
+    memory: StepState,
     /// Mean friction power over the window [W/m²].
     power: Vec<f64>,
     report: StepReport,
@@ -74,7 +74,7 @@ pub(super) struct Window {
 
 /// State that a step leaves for the next one.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Memory {
+struct StepState {
     solution: Solution,
     pressure: Vec<f64>,
     approach: Option<f64>,
@@ -141,7 +141,7 @@ impl Tangential {
     }
 }
 
-impl Memory {
+impl StepState {
     fn at_rest(case: &Case, contact: &mut ContactSolver) -> Self {
         let zeros = vec![0.0; contact.pressure.len()];
         let state = TangentialState::at_rest(&contact.pressure, [0.0; 3]);
@@ -211,7 +211,7 @@ impl Transient {
         let further = case.difference == Difference::Fromm && case.scene.speeds.rolling > 0.0;
         let further =
             further.then(|| ContactSolver::new(&case, Motion::RollingStep)).transpose()?;
-        let mut start = Memory::at_rest(&case, &mut contact);
+        let mut start = StepState::at_rest(&case, &mut contact);
         if following.is_some() {
             start = start.apart();
         }
@@ -257,7 +257,7 @@ impl Transient {
 
     /// Takes the values of a window: their means if the bodies roll, where a shift ends else; and of
     /// bodies that creep what they are at its end. `before` is the state in the beginning.
-    fn follow(&mut self, step: &Step, before: &Memory) -> Result<(), StepError> {
+    fn follow(&mut self, step: &Step, before: &StepState) -> Result<(), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         if let Some(Following { varying, patch, .. }) = &self.following {
             let rolls = self.case.scene.speeds.rolling > 0.0;
@@ -329,7 +329,7 @@ impl Transient {
     /// One mechanical step; its duration [s], and what its force falls short by.
     fn step(
         &mut self,
-        trial: &mut Memory,
+        trial: &mut StepState,
         window: f64,
         inputs: &dyn Inputs,
     ) -> Result<(f64, Option<Shortfall>), StepError> {
@@ -381,7 +381,7 @@ impl Transient {
         if let Some(creeping) = &mut self.creeping {
             creeping.add_to(&mut trial.displacement);
             let normal = self.contact.normal_displacement(state);
-            let Memory { solution, pressure, displacement, crept, .. } = &mut *trial;
+            let StepState { solution, pressure, displacement, crept, .. } = &mut *trial;
             let Tangential { traction, displacement: displaced, .. } = &before;
             let before = Instant { pressure, traction, displacement: displaced };
             let (pressure, traction) = (&self.contact.pressure, &solution.state.traction);
@@ -518,7 +518,7 @@ impl Contact for Transient {
     fn restore(&mut self, mut from: &mut dyn Read) -> Result<Option<Window>, StateError> {
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
-        let memory: Memory = bincode::serde::decode_from_std_read(&mut from, config)
+        let memory: StepState = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|e| wrong(e.to_string()))?;
         let layer = memory.solution.state.plastic.len() == self.start.solution.state.plastic.len();
         let creeps = memory.crept.is_like(&self.start.crept);

@@ -20,7 +20,7 @@ pub(super) enum CreepLaw {
 
 /// Everything about the contact that is one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Contact {
+pub(super) struct CarterContact {
     /// The normal contact.
     pub(super) ellipse: Ellipse,
     /// Friction coefficient [-].
@@ -33,7 +33,7 @@ pub(super) struct Contact {
     pub(super) slip: Slip,
 }
 
-impl Contact {
+impl CarterContact {
     /// Solves the tangential contact on an ellipse with the scene's friction coefficient.
     pub(super) fn solve(
         scene: &Scene,
@@ -112,12 +112,12 @@ impl Contact {
             "friction_power_w": self.friction_power(),
         });
         extend(&mut contact, creep);
-        self.ellipse.measures.add_to(&mut contact);
+        self.ellipse.indicators.add_to(&mut contact);
         json!({ "contact": contact })
     }
 }
 
-impl fmt::Display for Contact {
+impl fmt::Display for CarterContact {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,

@@ -1,6 +1,6 @@
 //! The fields of the contact as element means.
 
-use super::contact::Contact;
+use super::contact::CarterContact;
 use crate::models::precomputed::points;
 use crate::terms::Terms;
 use elastic::slip::Slip;
@@ -14,7 +14,7 @@ use proto::grid::Structured;
 /// Writes the values of a field that the model or one of its effects provides, component-major.
 pub(super) fn write(
     spec: &FieldSpec,
-    contact: &Contact,
+    contact: &CarterContact,
     grid: Structured,
     terms: &Terms,
     values: &mut [f64],
@@ -43,7 +43,7 @@ pub(super) fn write(
 }
 
 /// Longitudinal traction on the upper body [Pa].
-fn write_traction(strips: &Strips, contact: &Contact, means: &mut [f64]) {
+fn write_traction(strips: &Strips, contact: &CarterContact, means: &mut [f64]) {
     let (amplitude, lateral) = (contact.direction * contact.largest_bound(), Lateral::Elliptic);
     match contact.slip {
         Slip::Adhesion => {}
@@ -58,7 +58,7 @@ fn write_traction(strips: &Strips, contact: &Contact, means: &mut [f64]) {
 }
 
 /// Longitudinal velocity of the upper body relative to the lower one [m/s], against the traction.
-fn write_slip_velocity(strips: &Strips, contact: &Contact, means: &mut [f64]) {
+fn write_slip_velocity(strips: &Strips, contact: &CarterContact, means: &mut [f64]) {
     let (amplitude, lateral) = (-contact.direction * contact.speeds.rolling, Lateral::Constant);
     match contact.slip {
         Slip::Adhesion => {}

@@ -6,12 +6,12 @@
 //! below it at the rim.
 
 use super::case::Case;
-use super::contact::Contact;
+use super::contact::CarterContact;
 use super::fields;
 use crate::case::ellipse::Ellipse;
 use crate::case::scene::{Drive, Scene};
 use crate::models::contact_model;
-use crate::models::settled_creepage::SettledCreepage;
+use crate::models::creepage_search::CreepageSearch;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Scenes, no_answer};
 use crate::terms::Terms;
@@ -32,7 +32,7 @@ pub(super) struct Windows {
 
 /// A window that is solved.
 pub(super) struct Window {
-    contact: Contact,
+    contact: CarterContact,
     step: Step,
     /// Its force is not the prescribed one.
     shortfall: Option<Shortfall>,
@@ -72,10 +72,10 @@ impl Windows {
         inputs: &dyn Inputs,
         scene: &Scene,
         ellipse: Ellipse,
-    ) -> Result<(Contact, Option<Shortfall>), StepError> {
+    ) -> Result<(CarterContact, Option<Shortfall>), StepError> {
         let Case { law, terms, .. } = &self.case;
         if terms.friction.is_constant() {
-            let contact = Contact::solve(scene, ellipse, *law, terms.adhesion);
+            let contact = CarterContact::solve(scene, ellipse, *law, terms.adhesion);
             return Ok((contact.map_err(no_answer)?, None));
         }
         if self.ellipse.replace(ellipse) != Some(ellipse) {
@@ -85,14 +85,14 @@ impl Windows {
             Drive::Creepage { xi, eta, phi } => [xi, eta, phi],
             _ => [0.0; 3],
         };
-        let mut search = SettledCreepage::new(first, ellipse.semi_axis_a);
+        let mut search = CreepageSearch::new(first, ellipse.semi_axis_a);
         loop {
             let friction = self.friction_at(inputs, scene, search.at())?;
             let (drive, shortfall) = Shortfall::of(scene.drive, friction, ellipse.normal_force);
             let scene = Scene { friction_coefficient: friction, drive, ..scene.clone() };
             let Case { law, terms, .. } = &self.case;
             let contact =
-                Contact::solve(&scene, ellipse, *law, terms.adhesion).map_err(no_answer)?;
+                CarterContact::solve(&scene, ellipse, *law, terms.adhesion).map_err(no_answer)?;
             let found = [contact.creepage_xi(), 0.0, 0.0];
             if !terms.friction.follows_slip() || search.take(found)? {
                 return Ok((contact, shortfall));
@@ -124,7 +124,7 @@ impl contact_model::Contact for Windows {
         let scene = self.scenes.of(&step).ok()?;
         let Case { given, law, terms, .. } = &self.case;
         let ellipse = Ellipse::solve(&scene, *given).ok()?;
-        let contact = Contact::solve(&scene, ellipse, *law, terms.adhesion).ok()?;
+        let contact = CarterContact::solve(&scene, ellipse, *law, terms.adhesion).ok()?;
         Some(Window { contact, step, shortfall: None })
     }
 

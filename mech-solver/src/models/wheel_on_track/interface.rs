@@ -5,7 +5,7 @@ use super::case::{Case, Position};
 use crate::terms::bands::{At, Over};
 use crate::terms::friction::FrictionState;
 use half_space::friction::ElementFriction;
-use half_space::settling::SlipStart;
+use half_space::slip_iteration::SlipStart;
 use proto::bodies::LOWER;
 use proto::grid::Structured;
 use proto::model::Inputs;
@@ -13,7 +13,7 @@ use wheel_rail::interface::{Elements, Interface};
 use wheel_rail::rail::Side;
 
 /// What is between wheel and rail in a window.
-pub(super) struct Between<'a> {
+pub(super) struct FrictionInterface<'a> {
     pub(super) case: &'a Case,
     pub(super) position: &'a Position,
     /// What comes in, and y on the grid of the fields less the tape distance [m] of the left rail and the right; nothing while the grid is looked
@@ -21,7 +21,7 @@ pub(super) struct Between<'a> {
     pub(super) solving: Option<(&'a dyn Inputs, [f64; 2])>,
 }
 
-impl Interface for Between<'_> {
+impl Interface for FrictionInterface<'_> {
     fn is_rough(&self) -> bool {
         !self.case.terms.gap.is_empty()
     }
@@ -59,7 +59,7 @@ impl Interface for Between<'_> {
     }
 }
 
-impl Between<'_> {
+impl FrictionInterface<'_> {
     /// The coordinate of factors at an element.
     fn of_element(&self, over: Over, elements: &Elements<'_>, index: usize) -> f64 {
         let Elements { side, grid, .. } = elements;

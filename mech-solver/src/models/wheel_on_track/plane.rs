@@ -4,7 +4,7 @@
 //! of the left rail plus a shift, and that of the right one less the same shift, by which [`APART`] lies free between the lanes.
 
 use super::case::{Case, Position};
-use super::interface::Between;
+use super::interface::FrictionInterface;
 use crate::terms::Place;
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
@@ -122,7 +122,7 @@ impl Plane {
             }
             let position = case.position(&params)?;
             let Position { motion, deviation, given, .. } = &position;
-            let between = Between { case, position: &position, solving: None };
+            let between = FrictionInterface { case, position: &position, solving: None };
             // Patches hardly move with the angular velocity that a torque finds.
             let given = Given { torque: None, ..*given };
             match wheelset.solve(motion, deviation, &given, &between) {

@@ -1,7 +1,7 @@
 //! What solves the windows.
 
 use super::case::{Case, Position};
-use super::interface::Between;
+use super::interface::FrictionInterface;
 use super::plane::Plane;
 use super::summary::summary;
 use crate::models::contact_model::{Contact, Nothing, write_pair};
@@ -96,7 +96,7 @@ impl Running {
     ) -> Result<Window, StepError> {
         let Position { motion, deviation, given, .. } = position;
         let shifts = [Side::Left, Side::Right].map(|side| plane.shift(side));
-        let between = Between { case, position, solving: Some((inputs, shifts)) };
+        let between = FrictionInterface { case, position, solving: Some((inputs, shifts)) };
         solver.forget();
         let balanced = solver.solve(motion, deviation, given, &between);
         let balanced = balanced.map_err(|error| StepError::NoSolution(error.to_string()))?;

@@ -2,17 +2,17 @@
 //!
 //! | | steady | in time |
 //! |---|---|---|
-//! | constant properties, in the modes of the mesh | [`super::held`] | [`super::marched`] |
-//! | properties over temperature, free surfaces that cool, or a solver by name | [`super::swept`] | [`super::stepped`] |
+//! | constant properties, in the modes of the mesh | [`super::steady_modal`] | [`super::transient_modal`] |
+//! | properties over temperature, free surfaces that cool, or a solver by name | [`super::steady_marching`] | [`super::transient_nodal`] |
 
 use super::block::{Block, Elements, Solver};
-use super::held::Held;
-use super::marched::Marched;
-use super::motion::{Given, Motion, Rises};
-use super::nature::Nature;
+use super::body_properties::BodyProperties;
+use super::body_solver::{BodySolver, Given, Rises};
 use super::section::Below;
-use super::stepped::Stepped;
-use super::swept::Swept;
+use super::steady_marching::SteadyMarching;
+use super::steady_modal::SteadyModal;
+use super::transient_modal::TransientModal;
+use super::transient_nodal::TransientNodal;
 use crate::window::Stage;
 use grids::Structured;
 
@@ -25,7 +25,7 @@ pub struct Body {
     /// Element means of the flux into it [W/m²].
     pub means: Vec<f64>,
     /// Solver of its temperatures.
-    pub motion: Box<dyn Motion>,
+    pub motion: Box<dyn BodySolver>,
 }
 
 impl Body {
@@ -34,7 +34,7 @@ impl Body {
     #[must_use]
     pub fn new(
         grid: &Structured,
-        nature: &Nature,
+        nature: &BodyProperties,
         expected_speed: f64,
         elements: &Elements,
         steady: bool,
@@ -42,11 +42,11 @@ impl Body {
         let block = Block::new(grid, &nature.material, expected_speed, elements);
         let given = Given { grid, nature, block: &block, elements };
         let in_modes = nature.is_constant() && elements.solver == Solver::Auto;
-        let motion: Box<dyn Motion> = match (in_modes, steady) {
-            (true, true) => Box::new(Held::new(given)),
-            (true, false) => Box::new(Marched::new(given)),
-            (false, true) => Box::new(Swept::new(given)),
-            (false, false) => Box::new(Stepped::new(given)),
+        let motion: Box<dyn BodySolver> = match (in_modes, steady) {
+            (true, true) => Box::new(SteadyModal::new(given)),
+            (true, false) => Box::new(TransientModal::new(given)),
+            (false, true) => Box::new(SteadyMarching::new(given)),
+            (false, false) => Box::new(TransientNodal::new(given)),
         };
         let means = vec![0.0; grid.points()];
         Self { grid: *grid, means, motion, depths: block.depths(), nodes: block.depth.len() }

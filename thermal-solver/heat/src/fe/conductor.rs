@@ -114,7 +114,7 @@ pub struct Request<'a> {
 
 /// Effort of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Took {
+pub struct NewtonStats {
     /// Steps of Newton's method.
     pub newton: usize,
     /// Iterations of conjugate gradients.
@@ -125,7 +125,7 @@ pub struct Took {
     pub stopped: bool,
 }
 
-impl Took {
+impl NewtonStats {
     /// The equation is solved to its tolerance.
     #[must_use]
     pub fn is_solved(&self) -> bool {
@@ -146,7 +146,7 @@ impl Took {
 
 /// Working memory of a step.
 #[derive(Default)]
-pub struct Memory {
+pub struct Workspace {
     right: Vec<f64>,
     /// Slope of what a node holds and loses over Θ.
     diagonal: Vec<f64>,
@@ -163,7 +163,7 @@ pub struct Memory {
     pub direct: Option<Direct>,
 }
 
-impl Memory {
+impl Workspace {
     /// One that eliminates, or iterates.
     #[must_use]
     pub fn with(direct: Option<Direct>) -> Self {
@@ -247,8 +247,8 @@ impl Conductor {
         request: &Request,
         now: &mut [f64],
         earlier: [&[f64]; 2],
-        memory: &mut Memory,
-    ) -> Took {
+        memory: &mut Workspace,
+    ) -> NewtonStats {
         let size = self.nodes();
         for values in [
             &mut memory.right,
@@ -269,9 +269,9 @@ impl Conductor {
 
     /// The right-hand side: all of the equation that is known.
     #[inline(always)]
-    fn right(&self, request: &Request, [last, before]: [&[f64]; 2], memory: &mut Memory) {
+    fn right(&self, request: &Request, [last, before]: [&[f64]; 2], memory: &mut Workspace) {
         let Request { duration, by: Coefficients { a, theta }, .. } = *request;
-        let Memory { right, row, .. } = memory;
+        let Workspace { right, row, .. } = memory;
         let [nx, ny, nz] = self.counts;
         for j in 0..ny {
             for k in 0..nz {
@@ -307,8 +307,8 @@ impl Conductor {
     /// Norm of the known terms of the equation, which its residual is compared with: the right-hand side, and what the
     /// free surface exchanges at the initial temperature. Where the surroundings are warmer or colder than a body that
     /// nothing else heats, they are all that is known.
-    fn scale(&self, request: &Request, memory: &mut Memory) -> f64 {
-        let Memory { right, residual, image, .. } = memory;
+    fn scale(&self, request: &Request, memory: &mut Workspace) -> f64 {
+        let Workspace { right, residual, image, .. } = memory;
         image.fill(0.0);
         residual.fill(0.0);
         self.exchange(request.by.theta, request.free, image, residual, None);
@@ -423,12 +423,12 @@ impl Conductor {
 
     /// Factors the lines in depth of the matrix, with all of the diagonal.
     #[inline(always)]
-    fn factor(&self, theta: f64, memory: &mut Memory) {
+    fn factor(&self, theta: f64, memory: &mut Workspace) {
         let [nx, _, nz] = self.counts;
         let [_, across, layers] = &self.widths;
         let [gx, gy, gz] = &self.between;
         let (wx, gx) = (&self.widths[0][..nx], &gx[..nx + 1]);
-        let Memory { diagonal, gain, factor, .. } = memory;
+        let Workspace { diagonal, gain, factor, .. } = memory;
         for (j, wy) in across.iter().enumerate() {
             for (k, wz) in layers.iter().enumerate() {
                 let start = (j * nz + k) * nx;
@@ -459,10 +459,10 @@ impl Conductor {
 
     /// Solves the lines: out = P⁻¹ r.
     #[inline(always)]
-    fn solve_lines(&self, theta: f64, memory: &mut Memory) {
+    fn solve_lines(&self, theta: f64, memory: &mut Workspace) {
         let [nx, _, nz] = self.counts;
         let (wx, wy, gz) = (&self.widths[0][..nx], &self.widths[1], &self.between[2]);
-        let Memory { gain, factor, residual, preconditioned: out, .. } = memory;
+        let Workspace { gain, factor, residual, preconditioned: out, .. } = memory;
         for (j, wy) in wy.iter().enumerate() {
             for (k, gz) in gz[..nz].iter().enumerate() {
                 let start = (j * nz + k) * nx;
@@ -493,18 +493,18 @@ struct Solve<'a> {
     request: &'a Request<'a>,
     now: &'a mut [f64],
     earlier: [&'a [f64]; 2],
-    memory: &'a mut Memory,
+    memory: &'a mut Workspace,
 }
 
 impl NullaryFnOnce for Solve<'_> {
-    type Output = Took;
+    type Output = NewtonStats;
 
     #[inline(always)]
-    fn call(self) -> Took {
+    fn call(self) -> NewtonStats {
         let Self { block, request, now, earlier, memory } = self;
         block.right(request, earlier, memory);
         let scale = block.scale(request, memory);
-        let mut took = Took::default();
+        let mut took = NewtonStats::default();
         if scale == 0.0 {
             // Nothing enters and nothing is held: the body stays at its initial temperature.
             now.fill(0.0);
@@ -539,7 +539,7 @@ impl Conductor {
     /// Adds the correction to a state, or a part of it that lowers the energy, and finds the
     /// residual there. The whole of it is kept where the residual is not above `enough`.
     #[inline(always)]
-    fn advance(&self, request: &Request, now: &mut [f64], enough: f64, memory: &mut Memory) {
+    fn advance(&self, request: &Request, now: &mut [f64], enough: f64, memory: &mut Workspace) {
         add_scaled(now, &memory.correction, 1.0);
         self.residual(request, now, memory);
         // The slope of the energy along the correction, downwards.
@@ -571,9 +571,9 @@ impl Conductor {
 
     /// Residual of the equation, b − F(Θ), and the slope of what is not linear in it.
     #[inline(always)]
-    fn residual(&self, request: &Request, now: &[f64], memory: &mut Memory) {
+    fn residual(&self, request: &Request, now: &[f64], memory: &mut Workspace) {
         let Request { duration, by: Coefficients { a, theta }, .. } = *request;
-        let Memory { residual, diagonal, right, row, .. } = memory;
+        let Workspace { residual, diagonal, right, row, .. } = memory;
         let [nx, ny, nz] = self.counts;
         let widths = &self.widths[0][..nx];
         for j in 0..ny {
@@ -609,11 +609,11 @@ impl Conductor {
     }
 
     /// The correction by elimination.
-    fn eliminate(&self, theta: f64, memory: &mut Memory) {
+    fn eliminate(&self, theta: f64, memory: &mut Workspace) {
         let [nx, _, nz] = self.counts;
         let [wx, wy, wz] = &self.widths;
         let [gx, gy, gz] = &self.between;
-        let Memory { direct, diagonal, residual, correction, .. } = memory;
+        let Workspace { direct, diagonal, residual, correction, .. } = memory;
         let direct = direct.as_mut().expect("it is asked for");
         for (node, own) in diagonal.iter().enumerate() {
             let [i, j, k] = [node % nx, node / (nx * nz), node / nx % nz];
@@ -629,8 +629,8 @@ impl Conductor {
 
     /// The image of the direction under the matrix.
     #[inline(always)]
-    fn multiply(&self, theta: f64, memory: &mut Memory) {
-        let Memory { image, direction, diagonal, row, .. } = memory;
+    fn multiply(&self, theta: f64, memory: &mut Workspace) {
+        let Workspace { image, direction, diagonal, row, .. } = memory;
         let [nx, ny, nz] = self.counts;
         for j in 0..ny {
             for k in 0..nz {
@@ -647,7 +647,7 @@ impl Conductor {
 
     /// Conjugate gradients for the correction; the iterations.
     #[inline(always)]
-    fn correct(&self, theta: f64, reduction: f64, memory: &mut Memory) -> usize {
+    fn correct(&self, theta: f64, reduction: f64, memory: &mut Workspace) -> usize {
         memory.correction.fill(0.0);
         self.solve_lines(theta, memory);
         memory.direction.copy_from_slice(&memory.preconditioned);
@@ -656,7 +656,7 @@ impl Conductor {
         for iteration in 1..=MOST_ITERATIONS {
             self.multiply(theta, memory);
             let step = product / dot(&memory.direction, &memory.image);
-            let Memory { correction, residual, direction, image, .. } = &mut *memory;
+            let Workspace { correction, residual, direction, image, .. } = &mut *memory;
             let both = correction.iter_mut().zip(residual);
             for ((x, r), (p, q)) in both.zip(direction.iter().zip(&*image)) {
                 *x += step * p;

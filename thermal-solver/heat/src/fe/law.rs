@@ -56,7 +56,7 @@ struct Node {
 
 /// Properties of a place with a Θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
+pub struct HeatContent {
     /// H [J/m³].
     pub heat: f64,
     /// dH/dΘ [s/m²].
@@ -158,9 +158,9 @@ impl Law {
     /// Heat that a place with this Θ [W/m] holds.
     #[inline(always)]
     #[must_use]
-    pub fn held(&self, potential: f64) -> Held {
+    pub fn held(&self, potential: f64) -> HeatContent {
         let [heat, rate] = self.look_up(&self.heats, potential);
-        Held { heat, rate }
+        HeatContent { heat, rate }
     }
 
     /// Rise of its temperature [K].

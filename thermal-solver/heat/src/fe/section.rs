@@ -25,8 +25,8 @@ impl Below {
         let column = |column: usize| interpolate(&self.depths, depth, |k| at_node(k, column));
         let values: Vec<f64> = (0..self.columns).map(column).collect();
         for (i, rise) in rise.iter_mut().enumerate() {
-            *rise =
-                Between::Bounded.value(&values, (first + i as f64 * h - self.first) / self.spacing);
+            *rise = Interpolation::Bounded
+                .value(&values, (first + i as f64 * h - self.first) / self.spacing);
         }
     }
 
@@ -40,13 +40,13 @@ impl Below {
             interpolate(&self.depths, depth, |k| self.rises[k * self.columns + column])
         };
         let values: Vec<f64> = (from..to).map(column).collect();
-        Between::Bounded.value(&values, at - from as f64)
+        Interpolation::Bounded.value(&values, at - from as f64)
     }
 }
 
 /// Rises at the middles of elements from those of columns that are `front` of an element in front of them,
 /// the first being that [`BESIDE`] behind the first element.
-pub fn place(columns: &[f64], front: f64, between: Between, rise: &mut [f64]) {
+pub fn place(columns: &[f64], front: f64, between: Interpolation, rise: &mut [f64]) {
     if front == 0.0 {
         let count = rise.len();
         rise.copy_from_slice(&columns[BESIDE..BESIDE + count]);
@@ -59,7 +59,7 @@ pub fn place(columns: &[f64], front: f64, between: Between, rise: &mut [f64]) {
 
 /// Interpolation between even values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Between {
+pub enum Interpolation {
     /// The cubic through the four round a place: linear in the values.
     Cubic,
     /// The same with slopes at the two beside the place that keep it between them where the four rise or fall
@@ -67,7 +67,7 @@ pub enum Between {
     Bounded,
 }
 
-impl Between {
+impl Interpolation {
     /// The value at a place, in spacings from the first value; that of the end beyond the ends.
     fn value(self, values: &[f64], at: f64) -> f64 {
         let last = values.len() - 1;
@@ -126,7 +126,9 @@ mod tests {
         let even: Vec<f64> = (0..9).map(|i| cubic(f64::from(i))).collect();
         let places = [0.0, 0.5, 1.5, 4.0, 7.0, 8.0];
         for at in [1.25, 2.0, 3.9, 5.5, 6.999] {
-            assert!((Between::Bounded.value(&even, at) - cubic(at)).abs() < 1e-12 * cubic(8.0));
+            assert!(
+                (Interpolation::Bounded.value(&even, at) - cubic(at)).abs() < 1e-12 * cubic(8.0)
+            );
             let uneven = interpolate(&places, at, |k| cubic(places[k]));
             assert!((uneven - cubic(at)).abs() < 1e-12 * cubic(8.0), "{at}");
         }

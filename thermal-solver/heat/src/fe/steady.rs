@@ -28,7 +28,7 @@ use pulp::{Arch, NullaryFnOnce};
 const NOTHING: f64 = 1e-20;
 
 /// A body that moves steadily, prepared for its speed.
-pub struct Steady {
+pub struct SteadyMotion {
     columns: usize,
     marches: Vec<March>,
     arch: Arch,
@@ -70,7 +70,7 @@ pub struct Scratch {
     lanes: Vec<[f64; LANES]>,
 }
 
-impl Steady {
+impl SteadyMotion {
     /// Prepares a body on `columns` elements of the length `h` [m] along, at a speed [m/s].
     #[must_use]
     pub fn new(

@@ -12,7 +12,7 @@
 //! mesh, solved by elimination: there is no iteration and no error of one.
 
 use super::basis::{Basis, LANES};
-use super::creep::Step;
+use super::mesh_advection::Step;
 use super::scheme::Coefficients;
 use crate::Material;
 use pulp::{Arch, NullaryFnOnce};

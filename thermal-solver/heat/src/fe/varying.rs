@@ -1,21 +1,21 @@
 //! What bodies node by node have in common: their block, and its coldest and hottest rise.
 
 use super::block::Solver;
-use super::conductor::{Conductor, Memory};
+use super::body_solver::Given;
+use super::conductor::{Conductor, Workspace};
 use super::direct::Direct;
 use super::law::Law;
 use super::mesh::Axis;
-use super::motion::Given;
 
 /// The block of a body on these axes, and what its steps compute in.
-pub(super) fn conductor(given: Given, axes: [&Axis; 3]) -> (Conductor, Memory) {
+pub(super) fn conductor(given: Given, axes: [&Axis; 3]) -> (Conductor, Workspace) {
     let mut block = Conductor::new(axes, given.nature.law());
     block.surroundings = given.nature.surroundings;
     let direct = match given.elements.solver {
         Solver::Direct => Some(Direct::new(block.counts)),
         Solver::Auto | Solver::Iterative => None,
     };
-    (block, Memory::with(direct))
+    (block, Workspace::with(direct))
 }
 
 /// Coldest and hottest rise [K].

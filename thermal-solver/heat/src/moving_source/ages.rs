@@ -24,7 +24,7 @@ pub struct Age {
 
 /// A stretch of the past.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
+pub struct PastInterval {
     /// Its youngest age [s].
     pub from: f64,
     /// Its oldest age, which may be infinite [s].
@@ -35,7 +35,7 @@ pub struct Stretch {
     pub speed: f64,
 }
 
-impl Stretch {
+impl PastInterval {
     /// All of the past, at one speed [m/s].
     #[must_use]
     pub fn steady(speed: f64) -> Self {
@@ -61,7 +61,7 @@ const OLDEST: f64 = 1e12;
 /// The ages for elements of this size [m] on a grid of this length [m], for a body of this diffusivity
 /// [m²/s] in a stretch of the past; without an end it begins now.
 #[must_use]
-pub fn ages(diffusivity: f64, stretch: &Stretch, element: [f64; 2], length: f64) -> Vec<Age> {
+pub fn ages(diffusivity: f64, stretch: &PastInterval, element: [f64; 2], length: f64) -> Vec<Age> {
     let speed = stretch.speed;
     let smallest = element[0].min(element[1]);
     let spread = |age: f64| (4.0 * diffusivity * age).sqrt();
@@ -120,20 +120,20 @@ mod tests {
     #[test]
     fn the_number_of_ages_is_bounded_at_any_speed() {
         let (element, length) = ([1e-4, 1e-4], 0.02);
-        let number = |stretch: Stretch| ages(1e-5, &stretch, element, length).len();
+        let number = |stretch: PastInterval| ages(1e-5, &stretch, element, length).len();
         for speed in [1.0, 1e3, 1e9, 1e30, 1e300] {
             for to in [1e-9, 1e-3, 1e6] {
-                let newest = Stretch { from: 0.0, to, way: 0.0, speed };
+                let newest = PastInterval { from: 0.0, to, way: 0.0, speed };
                 assert!(number(newest) <= 12 * 800, "{speed} {to}: {}", number(newest));
-                let older = Stretch { from: to, to: 2.0 * to, way: 0.0, speed };
+                let older = PastInterval { from: to, to: 2.0 * to, way: 0.0, speed };
                 assert!(number(older) <= 12 * 800, "{speed} {to}: {}", number(older));
             }
         }
         // A stretch that ends before the material leaves is covered whole.
-        let short = Stretch { from: 0.0, to: 1e-3, way: 0.0, speed: 1.0 };
+        let short = PastInterval { from: 0.0, to: 1e-3, way: 0.0, speed: 1.0 };
         let sum: f64 = ages(1e-5, &short, element, length).iter().map(|age| age.weight).sum();
         assert!((sum - 2.0 * 1e-3_f64.sqrt()).abs() < 1e-12, "{sum}");
-        let gone = Stretch { from: 1.0, to: 2.0, way: 1.0, speed: 1.0 };
+        let gone = PastInterval { from: 1.0, to: 2.0, way: 1.0, speed: 1.0 };
         assert_eq!(number(gone), 0);
     }
 
@@ -141,15 +141,15 @@ mod tests {
     /// which is π. Tolerance: Gauss's rule.
     #[test]
     fn integrals_of_known_functions() {
-        let fast = ages(1e-5, &Stretch::steady(30.0), [1e-4, 1e-4], 0.02);
+        let fast = ages(1e-5, &PastInterval::steady(30.0), [1e-4, 1e-4], 0.02);
         let last = fast.last().unwrap().age;
         let sum: f64 = fast.iter().map(|age| age.weight).sum();
         assert!((sum / (2.0 * last.sqrt()) - 1.0).abs() < 0.02, "{sum} {last}");
-        let rest = ages(1e-5, &Stretch::steady(0.0), [1e-4, 1e-4], 0.02);
+        let rest = ages(1e-5, &PastInterval::steady(0.0), [1e-4, 1e-4], 0.02);
         let integral: f64 = rest.iter().map(|one| one.weight / (1.0 + one.age)).sum();
         assert!((integral / std::f64::consts::PI - 1.0).abs() < 1e-9, "{integral}");
         // On a grid that is longer than the way.
-        let stretch = Stretch { from: 0.5, to: 2.0, way: 0.1, speed: 1.0 };
+        let stretch = PastInterval { from: 0.5, to: 2.0, way: 0.1, speed: 1.0 };
         let part: f64 = ages(1e-5, &stretch, [1e-4, 1e-4], 2.0).iter().map(|one| one.weight).sum();
         assert!((part - 2.0 * (2f64.sqrt() - 0.5f64.sqrt())).abs() < 1e-14, "{part}");
     }

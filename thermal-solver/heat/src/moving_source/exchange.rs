@@ -12,10 +12,10 @@
 //! preconditioner; where 1/h is larger than its smallest value 1/h₀, that is scaled on both sides by √((1/h₀ + a)/(1/h + a)), with the
 //! influence a of an element on itself. In steady motion A is not symmetric.
 //!
-//! Between the elements that touch, g and the errors live on shapes ([`Touching`]).
+//! Between the elements that touch, g and the errors live on shapes ([`ContactBasis`]).
 
+use super::contact_basis::ContactBasis;
 use super::half_space::Influence;
-use super::touching::Touching;
 use crate::columns::reconstruction::Flux;
 use grids::Structured;
 use numerics::convolution::{Complex64, Convolution, Spectrum};
@@ -100,7 +100,7 @@ impl Exchange {
 /// Elements that touch, and their resistances 1/h, element by element [m²·K/W].
 pub struct Resisting<'a> {
     /// Elements and shapes.
-    pub touching: &'a Touching,
+    pub touching: &'a ContactBasis,
     /// Resistances of the elements.
     pub resistances: &'a [f64],
 }

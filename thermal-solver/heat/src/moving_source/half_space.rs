@@ -1,6 +1,6 @@
 //! A half-space whose surface passes under a flux on a grid.
 
-use super::ages::{Age, REACH, Stretch, ages};
+use super::ages::{Age, PastInterval, REACH, ages};
 use super::element::{parabolas, shares};
 use crate::columns::reconstruction::Flux;
 use grids::Structured;
@@ -13,7 +13,7 @@ use std::ops::Range;
 pub struct HalfSpace {
     grid: Structured,
     diffusivity: f64,
-    stretch: Stretch,
+    stretch: PastInterval,
     /// 1/(β√π) [m²·K·√s/J].
     amplitude: f64,
     ages: Vec<Age>,
@@ -52,7 +52,12 @@ pub fn convolution(grid: &Structured) -> Convolution {
 impl HalfSpace {
     /// A body of this diffusivity κ [m²/s] and effusivity β [J/(m²·K·√s)] in a stretch of the past.
     #[must_use]
-    pub fn new(grid: &Structured, diffusivity: f64, effusivity: f64, stretch: Stretch) -> Self {
+    pub fn new(
+        grid: &Structured,
+        diffusivity: f64,
+        effusivity: f64,
+        stretch: PastInterval,
+    ) -> Self {
         let (element, length) = ([grid.dx(), grid.dy()], grid.ni as f64 * grid.dx());
         Self {
             grid: *grid,
@@ -65,7 +70,12 @@ impl HalfSpace {
 
     /// A body of this diffusivity κ [m²/s] in which what has spread weighs alike at all ages, with this factor.
     #[must_use]
-    pub fn ageless(grid: &Structured, diffusivity: f64, factor: f64, stretch: Stretch) -> Self {
+    pub fn ageless(
+        grid: &Structured,
+        diffusivity: f64,
+        factor: f64,
+        stretch: PastInterval,
+    ) -> Self {
         let mut body = Self::new(grid, diffusivity, 1.0, stretch);
         body.ages.iter_mut().for_each(|age| age.weight *= age.age.sqrt());
         Self { amplitude: factor, ..body }
@@ -332,7 +342,7 @@ mod tests {
     /// A body of conductivity 1 under a flux at this Péclet number Va/2κ, a = 1.
     fn heated(peclet: f64, grid: Structured, flux: impl Fn(f64, f64) -> f64) -> Heated {
         let mut convolution = convolution(&grid);
-        let body = HalfSpace::new(&grid, 1.0, 1.0, Stretch::steady(2.0 * peclet));
+        let body = HalfSpace::new(&grid, 1.0, 1.0, PastInterval::steady(2.0 * peclet));
         let means: Vec<f64> = (0..grid.points())
             .map(|at| {
                 let (x, y) = (grid.x(at % grid.ni), grid.y(at / grid.ni));

@@ -1,6 +1,6 @@
 //! The windows of a history as stretches of the past.
 
-use super::ages::Stretch;
+use super::ages::PastInterval;
 use crate::columns::history::{History, Window};
 use crate::window::Stage;
 
@@ -9,12 +9,12 @@ pub fn stretches(
     history: &History,
     stage: Stage,
     body: usize,
-) -> impl Iterator<Item = (Stretch, &Window)> {
-    let newest = Stretch { from: 0.0, to: 0.0, way: 0.0, speed: 0.0 };
+) -> impl Iterator<Item = (PastInterval, &Window)> {
+    let newest = PastInterval { from: 0.0, to: 0.0, way: 0.0, speed: 0.0 };
     history.windows(stage).scan(newest, move |before, window| {
         let (from, way) = (before.to, before.way_at(before.to));
         let (to, speed) = (from + window.drive.duration, window.drive.speeds[body]);
-        *before = Stretch { from, to, way, speed };
+        *before = PastInterval { from, to, way, speed };
         (from < f64::INFINITY).then_some((*before, window))
     })
 }

@@ -21,7 +21,7 @@
 //! the function. Errors: the rule over v leaves some 1e-8; of windows whose material has left the grid the rest is forgotten
 //! ([`crate::columns::history`]).
 
-use super::ages::Stretch;
+use super::ages::PastInterval;
 use super::half_space::{HalfSpace, Influence, convolution};
 use crate::Material;
 use crate::columns::reconstruction::Flux;
@@ -49,8 +49,8 @@ pub struct RiseIntegral {
     /// Contribution of a stretch.
     part: Vec<f64>,
     /// Influences of the stretches of the last question, and of the one before while it is answered.
-    known: Vec<(Stretch, Influence)>,
-    before: Vec<(Stretch, Influence)>,
+    known: Vec<(PastInterval, Influence)>,
+    before: Vec<(PastInterval, Influence)>,
 }
 
 impl RiseIntegral {
@@ -72,7 +72,7 @@ impl RiseIntegral {
     /// that the body took; the multiply-adds that it took.
     pub fn of<'a>(
         &mut self,
-        past: impl Iterator<Item = (Stretch, f64, &'a Flux)>,
+        past: impl Iterator<Item = (PastInterval, f64, &'a Flux)>,
         integral: &mut [f64],
     ) -> u64 {
         integral.fill(0.0);
@@ -97,7 +97,7 @@ impl RiseIntegral {
         work
     }
 
-    fn influence(&mut self, stretch: Stretch) -> Influence {
+    fn influence(&mut self, stretch: PastInterval) -> Influence {
         let Self { grid, material, convolution, .. } = self;
         let capacity = material.density * material.specific_heat;
         let bodies = rule().map(|(v, weight)| {
@@ -134,7 +134,7 @@ mod tests {
         let of = flux(&grid, |x, _| 1e6 * (k * x).cos());
         for over in [0.05_f64, 0.5, 3.0] {
             let duration = over / (k * k * STEEL.diffusivity());
-            let stretch = Stretch { from: 0.0, to: duration, way: 0.0, speed: 0.0 };
+            let stretch = PastInterval { from: 0.0, to: duration, way: 0.0, speed: 0.0 };
             let mut integral = vec![0.0; grid.points()];
             RiseIntegral::new(&grid, STEEL).of(std::iter::once((stretch, 1.0, &of)), &mut integral);
             // With r = √τ.
@@ -160,7 +160,7 @@ mod tests {
         let grid = Structured::contact_plane(-1e-4, 0.0, 1e-4, 1e-4, 61, 3);
         let of = flux(&grid, |x, y| if x.abs() < 5e-5 && y.abs() < 5e-5 { 1e8 } else { 0.0 });
         let duration = 4e-4;
-        let stretch = Stretch { from: 0.0, to: duration, way: 0.0, speed: 0.0 };
+        let stretch = PastInterval { from: 0.0, to: duration, way: 0.0, speed: 0.0 };
         let mut integral = vec![0.0; grid.points()];
         RiseIntegral::new(&grid, STEEL).of(std::iter::once((stretch, 1.0, &of)), &mut integral);
         let spread = (STEEL.diffusivity() * duration).sqrt();
@@ -178,7 +178,7 @@ mod tests {
         let grid = Structured::contact_plane(-1e-2, -1e-2, 5e-4, 5e-4, 41, 41);
         let of = flux(&grid, |x, y| if x.abs() < 5.2e-3 && y.abs() < 8e-3 { 1e8 } else { 0.0 });
         let mut integral = vec![0.0; grid.points()];
-        let stretch = Stretch::steady(40.0);
+        let stretch = PastInterval::steady(40.0);
         RiseIntegral::new(&grid, STEEL).of(std::iter::once((stretch, 1.0, &of)), &mut integral);
         let whole = 1e8 * 21.0 * 5e-4 / 40.0 / (STEEL.density * STEEL.specific_heat);
         let behind = integral[20 * 41 + 4];

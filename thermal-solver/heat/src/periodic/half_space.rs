@@ -10,7 +10,7 @@ const DECAYED: f64 = 36.0;
 
 /// A window of time in which the flux is constant.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Window {
+pub struct FluxWindow {
     /// Its duration [s].
     pub duration: f64,
     /// Speed of the material, towards −x [m/s].
@@ -25,7 +25,7 @@ pub struct Instant {
     /// ϑ̂ [K m], node after node, all waves of a node together.
     pub start: Vec<Complex64>,
     /// The last window.
-    pub window: Window,
+    pub window: FluxWindow,
 }
 
 /// Factors of every wave for a window of some length.
@@ -51,7 +51,7 @@ struct Past {
 
 /// A body of one material.
 #[derive(Debug)]
-pub struct HalfSpace {
+pub struct PeriodicHalfSpace {
     material: Material,
     /// Wave numbers k_x and k of every wave [rad/m].
     numbers: Vec<[f64; 2]>,
@@ -64,7 +64,7 @@ pub struct HalfSpace {
     pub trial: Instant,
 }
 
-impl HalfSpace {
+impl PeriodicHalfSpace {
     /// A cold body, under waves with the numbers k_x and k [rad/m], the first of which is the mean.
     #[must_use]
     pub fn new(material: Material, numbers: Vec<[f64; 2]>) -> Self {
@@ -73,7 +73,10 @@ impl HalfSpace {
         let rule = Rule::new(material.diffusivity(), range);
         let cold = Instant {
             start: vec![Complex64::default(); rule.nodes.len() * numbers.len()],
-            window: Window { flux: vec![Complex64::default(); numbers.len()], ..Window::default() },
+            window: FluxWindow {
+                flux: vec![Complex64::default(); numbers.len()],
+                ..FluxWindow::default()
+            },
         };
         let empty = || vec![Complex64::default(); numbers.len()];
         let past = Past { known: false, surface: empty(), integral: empty() };
@@ -207,7 +210,7 @@ impl HalfSpace {
     /// Waves of the rise at a depth in a state, at the end of its window [K].
     #[must_use]
     pub fn below(&self, state: &Instant, depth: f64) -> Vec<Complex64> {
-        let Window { duration, speed, flux } = &state.window;
+        let FluxWindow { duration, speed, flux } = &state.window;
         let waves = self.numbers.len();
         if *duration == 0.0 {
             return vec![Complex64::default(); waves];
@@ -272,8 +275,8 @@ mod tests {
     const STEEL: Material = Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 };
 
     /// Runs windows of these lengths under a flux of 1 W/m² in every wave.
-    fn heated(numbers: Vec<[f64; 2]>, speed: f64, windows: &[f64]) -> HalfSpace {
-        let mut body = HalfSpace::new(STEEL, numbers);
+    fn heated(numbers: Vec<[f64; 2]>, speed: f64, windows: &[f64]) -> PeriodicHalfSpace {
+        let mut body = PeriodicHalfSpace::new(STEEL, numbers);
         for duration in windows {
             body.begin(*duration, speed);
             body.trial.window.flux.fill(Complex64::new(1.0, 0.0));
@@ -310,7 +313,7 @@ mod tests {
                 let wave = usize::from(k > 0.0);
                 let scale = exact(0.0).norm();
                 let mut surface = vec![Complex64::default(); 2];
-                let mut last = HalfSpace::new(STEEL, vec![[0.0, 0.0], [k, k]]);
+                let mut last = PeriodicHalfSpace::new(STEEL, vec![[0.0, 0.0], [k, k]]);
                 for duration in &windows {
                     last.begin(*duration, speed);
                     last.trial.window.flux.fill(Complex64::new(1.0, 0.0));

@@ -8,7 +8,7 @@
 //! elements but the section.
 
 use super::*;
-use crate::conformal::section::Section;
+use crate::conformal::section::CrossSection;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 use numerics::quadrature::GAUSS_3;
@@ -45,8 +45,8 @@ fn growing(start: f64, size: f64, reach: f64) -> Vec<f64> {
 /// [`Body::flexibility`]; they are `length` [m] long, about s = 0, on a body below (`outward` 1) or
 /// above the surface, which turns within `half` [m] of the middle.
 fn flexibility(
-    material: &Material,
-    section: &Section,
+    material: &ElasticConstants,
+    section: &CrossSection,
     outward: f64,
     k: f64,
     [length, half]: [f64; 2],
@@ -186,7 +186,7 @@ fn flexibility(
 /// tenth of the radius, of which 6 % are reached; 3 % for reciprocity, as collocation has it.
 #[test]
 fn a_corner_and_a_throat_are_those_of_finite_elements() {
-    let material = Material { shear_modulus: 82e9, poisson_ratio: 0.28 };
+    let material = ElasticConstants { shear_modulus: 82e9, poisson_ratio: 0.28 };
     let (length, count) = (1e-3, 11);
     let quarter = std::f64::consts::FRAC_PI_4;
     for k in [50.0, 200.0] {
@@ -195,7 +195,7 @@ fn a_corner_and_a_throat_are_those_of_finite_elements() {
         for (radius, outward) in [(10.2e-3, -1.0), (10e-3, 1.0)] {
             let half = quarter * radius;
             for (sign, section) in
-                [(1.0, Section::arc(-1.0 / radius, half)), (-1.0, Section::straight())]
+                [(1.0, CrossSection::arc(-1.0 / radius, half)), (-1.0, CrossSection::straight())]
             {
                 let first = -0.5 * count as f64 * length;
                 let outline = Outline::open(&section, [first, length], count, 100.0 / k);

@@ -1,6 +1,6 @@
 use super::*;
 
-const STEEL: Material = Material { shear_modulus: 2.0, poisson_ratio: 0.28 };
+const STEEL: ElasticConstants = ElasticConstants { shear_modulus: 2.0, poisson_ratio: 0.28 };
 
 /// I₀ and I₁ by their series.
 fn i0_i1(x: f64) -> [f64; 2] {
@@ -19,7 +19,7 @@ fn i0_i1(x: f64) -> [f64; 2] {
 /// Radial displacement, and the amplitude of that along the axis, on a solid cylinder or in a bore of unit radius whose surface is pulled outwards
 /// by cos kx: Papkovich and Neuber's solution of potentials I₀(kr) and r I₁(kr), or K₀ and −r K₁.
 fn pulled(k: f64, [f0, f1]: [f64; 2]) -> [f64; 2] {
-    let Material { shear_modulus: g, poisson_ratio: nu } = STEEL;
+    let ElasticConstants { shear_modulus: g, poisson_ratio: nu } = STEEL;
     let radial = [k * f1, 4.0 * (1.0 - nu) * f1 - k * f0];
     let axial = [-k * f0, k * f1];
     let pull = [

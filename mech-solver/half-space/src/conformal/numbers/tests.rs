@@ -5,14 +5,15 @@ const STEEL: Material = Material { youngs_modulus: 209.92e9, poisson_ratio: 0.28
 /// A wave along x on flat bodies, summed over x, is that of half-spaces with all its signs: rigid against elastic.
 #[test]
 fn flat_bodies_are_half_spaces() {
-    let patch = Patch { counts: [24, 7], sides: [1e-3, 1e-3], first: -3.5e-3 };
-    let outline = Outline::open(&Section::straight(), [patch.first, 1e-3], 7, 1000.0);
+    let patch = SurfaceGrid { counts: [24, 7], sides: [1e-3, 1e-3], first: -3.5e-3 };
+    let outline = Outline::open(&CrossSection::straight(), [patch.first, 1e-3], 7, 1000.0);
     let waves: Vec<f64> = (0..45).map(|n| 0.05 * 1.33_f64.powi(n)).collect();
     let [even, odd] = weights(&waves, patch);
     for (outward, elasticity) in [-1.0, 1.0].into_iter().zip(Elasticity::of_bodies(&[STEEL, STEEL]))
     {
         let influence = Influence::of_elements([1e-3; 2], elasticity);
-        let body = Body { material: Elastic::of(&STEEL), outline: outline.clone(), outward };
+        let body =
+            Body { material: ElasticConstants::of(&STEEL), outline: outline.clone(), outward };
         let flexibilities: Vec<_> = waves.iter().map(|k| body.flexibility(*k)).collect();
         for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 0), (0, 2), (2, 0), (1, 2), (2, 1)] {
             let (weights, sign) = match (a, b) {
@@ -38,10 +39,10 @@ fn flat_bodies_are_half_spaces() {
 /// Betti's reciprocity, which boundary elements do not have by themselves: error of constant tractions.
 #[test]
 fn curved_bodies_are_reciprocal() {
-    let patch = Patch { counts: [9, 13], sides: [0.8e-3; 2], first: -5.2e-3 };
+    let patch = SurfaceGrid { counts: [9, 13], sides: [0.8e-3; 2], first: -5.2e-3 };
     let quarter = std::f64::consts::FRAC_PI_4;
-    let sections = [98.0, 100.0].map(|c| Section::arc(-c, quarter / c));
-    let numbers = Numbers::new(&[STEEL, STEEL], &sections, &patch);
+    let sections = [98.0, 100.0].map(|c| CrossSection::arc(-c, quarter / c));
+    let numbers = InfluenceNumbers::new(&[STEEL, STEEL], &sections, &patch);
     let own = numbers.value([2, 2], 0, [6, 6]);
     for i in [0, 2, 8] {
         for (t, q) in [(6, 6), (7, 6), (10, 3), (12, 0)] {
@@ -59,12 +60,12 @@ fn curved_bodies_are_reciprocal() {
 /// what curvature changes is not as smooth as elsewhere.
 #[test]
 fn boundary_elements_may_be_longer_than_rows() {
-    let patch = Patch { counts: [9, 48], sides: [0.2e-3; 2], first: -4.8e-3 };
-    let sections = [12.0, 12.5].map(|c| Section::arc(-c, 0.1 / c));
+    let patch = SurfaceGrid { counts: [9, 48], sides: [0.2e-3; 2], first: -4.8e-3 };
+    let sections = [12.0, 12.5].map(|c| CrossSection::arc(-c, 0.1 / c));
     assert_eq!(joined(&sections, &patch), 3);
-    let flat = [Section::straight(), Section::straight()];
-    let numbers = |sections: &[Section; 2], joined: Option<usize>| {
-        let mut numbers = Numbers::new(&[STEEL, STEEL], &flat, &patch);
+    let flat = [CrossSection::straight(), CrossSection::straight()];
+    let numbers = |sections: &[CrossSection; 2], joined: Option<usize>| {
+        let mut numbers = InfluenceNumbers::new(&[STEEL, STEEL], &flat, &patch);
         joined.iter().for_each(|joined| numbers.add(&[STEEL, STEEL], sections, *joined));
         numbers
     };
@@ -74,7 +75,7 @@ fn boundary_elements_may_be_longer_than_rows() {
         let (mut most, mut off) = (0.0_f64, 0.0_f64);
         for i in [0, 3, 8] {
             for (t, q) in [(24, 24), (25, 24), (30, 22), (5, 5), (40, 8)] {
-                let of = |numbers: &Numbers| numbers.value(pair, i, [t, q]);
+                let of = |numbers: &InfluenceNumbers| numbers.value(pair, i, [t, q]);
                 most = most.max((of(&one) - of(&none)).abs());
                 off = off.max((of(&one) - of(&three)).abs());
             }

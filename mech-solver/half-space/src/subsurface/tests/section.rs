@@ -83,7 +83,7 @@ fn work_of_a_section() {
             let effort = section.stresses(&load, &mut vec![Stress::default(); section.points()]);
             let corners = depths.len() * (rows + 1) * 41;
             let transforms = depths.len() * (4 * kinds * rows + 6) + 2 * kinds * rows;
-            assert_eq!(effort, Effort { corners, transforms });
+            assert_eq!(effort, SectionCost { corners, transforms });
         }
     }
 }

@@ -25,14 +25,14 @@ const ACROSS: &str = "elements_across";
 
 /// What a contact is held against.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Measures {
+pub(crate) struct Indicators {
     /// Yield stress in shear of the softer body, k [Pa].
     shear_strength: Option<f64>,
     /// Radii of both bodies along and across the motion, of either the smaller [m].
     radii: [f64; 2],
 }
 
-impl Measures {
+impl Indicators {
     /// Of a scene.
     pub(crate) fn of(scene: &Scene) -> Self {
         let yields = scene.bodies.iter().filter_map(|body| body.yield_stress);
@@ -183,27 +183,27 @@ mod tests {
     /// Tγ is forces times creepages, against the forces; the work has moment times spin too, where both are known.
     #[test]
     fn the_work_for_each_metre() {
-        let measures = Measures { shear_strength: None, radii: [f64::INFINITY; 2] };
+        let indicators = Indicators { shear_strength: None, radii: [f64::INFINITY; 2] };
         let mut contact = json!({"creep_force_x_n": 2e4, "creep_force_y_n": -1e4, "spin_moment_nm": -10.0,
             "creepage_xi": -2e-3, "creepage_eta": 1e-3, "creepage_phi_per_m": 0.3});
-        measures.add_to(&mut contact);
+        indicators.add_to(&mut contact);
         assert!((contact[T_GAMMA].as_f64().unwrap() - 50.0).abs() < 1e-12, "{contact}");
         assert!((contact[WORK].as_f64().unwrap() - 53.0).abs() < 1e-12, "{contact}");
         let mut shifted = json!({"creep_force_x_n": 2e4, "shift_x_m": 1e-6});
-        measures.add_to(&mut shifted);
+        indicators.add_to(&mut shifted);
         assert_eq!(shifted.get(T_GAMMA), None);
         let mut strips = json!({"creep_force_x_n": 2e4, "creepage_xi": -1e-3, "creepage_eta": 0.0});
-        measures.add_to(&mut strips);
+        indicators.add_to(&mut strips);
         assert_eq!((&strips[T_GAMMA], strips.get(WORK)), (&json!(20.0), None));
     }
 
     /// p₀/k and its part of the limit with the softer body's strength; sizes over the smaller radius of either direction.
     #[test]
     fn a_contact_is_held_against_its_limits() {
-        let measures = Measures { shear_strength: Some(300e6), radii: [0.5, f64::INFINITY] };
+        let indicators = Indicators { shear_strength: Some(300e6), radii: [0.5, f64::INFINITY] };
         let mut contact = json!({"max_pressure_pa": 1.2e9, "normal_force_n": 1e5, "creep_force_x_n": -5e4,
             "semi_axis_a_m": 5e-3, "semi_axis_b_m": 8e-3});
-        measures.add_to(&mut contact);
+        indicators.add_to(&mut contact);
         assert_eq!(contact[SHEAR_RATIO], 4.0);
         assert_eq!(contact[SHAKEDOWN], 2.0, "1/0.5 is the limit");
         assert_eq!(contact[SIZE], 0.01);
@@ -214,7 +214,7 @@ mod tests {
         contact["patches"] = json!(2);
         add_elements(&mut contact, &grid);
         assert_eq!(contact[ACROSS], 2.0);
-        let soft = Measures { shear_strength: None, ..measures };
+        let soft = Indicators { shear_strength: None, ..indicators };
         let mut other = json!({"max_pressure_pa": 1e9, "normal_force_n": 0.0});
         soft.add_to(&mut other);
         assert_eq!(other.get(SHAKEDOWN), None);

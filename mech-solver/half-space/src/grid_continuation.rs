@@ -13,8 +13,8 @@ use super::dissipation::Dissipation;
 use super::influence::Influence;
 use super::slip_operator::SlipOperator;
 use super::tangential::{
-    ElementState, Layer, NotConverged, Prescribed, Problem, TangentialSolver, TangentialState,
-    Wanted,
+    ElementState, Layer, NotConverged, PrescribedMotion, Problem, TangentialSolver,
+    TangentialState, Wanted,
 };
 use super::viscoelastic::Bodies;
 use super::yielding::Yield;
@@ -218,7 +218,7 @@ impl Level {
         self.bound.chunks_exact(self.nx).zip(&self.y).map(row).sum::<f64>() * self.area
     }
 
-    fn refuse_beyond_friction(&self, prescribed: &Prescribed) -> Result<(), TangentialError> {
+    fn refuse_beyond_friction(&self, prescribed: &PrescribedMotion) -> Result<(), TangentialError> {
         let stiffness = self.solver.self_influence().recip();
         if let Some(Yield { hardening, .. }) = self.yields.filter(|law| law.hardening <= -stiffness)
         {
@@ -255,7 +255,7 @@ impl<'a> History<'a> {
 
 /// Task for one grid.
 struct Target<'a> {
-    prescribed: &'a Prescribed,
+    prescribed: &'a PrescribedMotion,
     history: Option<History<'a>>,
     /// Accuracy of the tractions.
     accuracy: f64,
@@ -270,7 +270,7 @@ struct Target<'a> {
 impl Target<'_> {
     /// The forces, on a grid that carries f N at most.
     fn wanted(&self, most_force: f64) -> Wanted {
-        let Prescribed { force, creepage } = *self.prescribed;
+        let PrescribedMotion { force, creepage } = *self.prescribed;
         let [x, y, moment] = force.map(|one| one.unwrap_or_default().abs());
         // Small forces that nothing but their creepage makes.
         let alone = self.history.is_none() && creepage == [0.0; 3];
@@ -378,7 +378,7 @@ impl Levels {
     pub fn solve(
         &mut self,
         bound: &[f64],
-        prescribed: &Prescribed,
+        prescribed: &PrescribedMotion,
     ) -> Result<Solution, TangentialError> {
         self.restrict(bound);
         self.levels[0].refuse_beyond_friction(prescribed)?;
@@ -389,7 +389,7 @@ impl Levels {
         for index in (0..self.levels.len()).rev() {
             // What the bound of a coarser grid loses at its edge, forces lose too.
             let share = self.levels[index].most_force() / most_force;
-            let prescribed = Prescribed {
+            let prescribed = PrescribedMotion {
                 force: prescribed.force.map(|one| one.map(|force| share * force)),
                 ..*prescribed
             };
@@ -414,7 +414,7 @@ impl Levels {
     pub fn improve(
         &mut self,
         bound: &[f64],
-        prescribed: &Prescribed,
+        prescribed: &PrescribedMotion,
         history: Option<History<'_>>,
         solution: &mut Solution,
     ) -> Result<(), TangentialError> {
@@ -460,7 +460,7 @@ impl Levels {
 
     fn target<'a>(
         &self,
-        prescribed: &'a Prescribed,
+        prescribed: &'a PrescribedMotion,
         history: Option<History<'a>>,
         finest: bool,
     ) -> Target<'a> {

@@ -1,13 +1,13 @@
 //! What a body is made of, and what is round it.
 
-use super::conductor::{Surroundings, Took};
+use super::conductor::{NewtonStats, Surroundings};
 use super::error::SolveError;
 use super::law::{Law, Point};
 use crate::Material;
 
 /// Material of a body, and its surroundings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Nature {
+pub struct BodyProperties {
     /// Its properties while it is cold.
     pub material: Material,
     /// The points of its properties over temperature, if they depend on it.
@@ -20,7 +20,7 @@ pub struct Nature {
     pub surroundings: Surroundings,
 }
 
-impl Nature {
+impl BodyProperties {
     /// Its equations are linear, and the same everywhere.
     #[must_use]
     pub fn is_constant(&self) -> bool {
@@ -41,7 +41,7 @@ impl Nature {
     ///
     /// # Errors
     /// The equations are not solved, or the rises are beyond what is known of the material.
-    pub fn check(&self, extremes: [f64; 2], took: Took) -> Result<u64, SolveError> {
+    pub fn check(&self, extremes: [f64; 2], took: NewtonStats) -> Result<u64, SolveError> {
         if !took.is_solved() {
             return Err(SolveError::NotSolved {
                 residual: took.residual,

@@ -85,7 +85,7 @@ impl Step {
 
 /// The steps of a window.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Creep {
+pub struct MeshAdvection {
     /// The steps.
     pub steps: Vec<Step>,
     /// Nothing that was on the mesh before the window is on it in the end: it begins cold.
@@ -94,7 +94,7 @@ pub struct Creep {
     pub position: Position,
 }
 
-impl Creep {
+impl MeshAdvection {
     /// Plans a window of this duration [s] at this speed in elements a second on a mesh of so many columns,
     /// with steps of an element at most and no longer than `longest` [s].
     pub fn plan(
@@ -140,8 +140,8 @@ impl Creep {
 mod tests {
     use super::*;
 
-    fn plan(from: &Position, way: f64) -> Creep {
-        let mut creep = Creep::default();
+    fn plan(from: &Position, way: f64) -> MeshAdvection {
+        let mut creep = MeshAdvection::default();
         creep.plan(from, [1.0, way, f64::INFINITY], 50, Scheme::CrankNicolson);
         creep
     }

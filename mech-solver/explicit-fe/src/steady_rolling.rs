@@ -4,7 +4,7 @@
 //! elements: first by the factor between both that a measurement gives, then along the straight line that ξ of the curve
 //! has over ξ of the elements through the last two.
 
-use super::rolling::{Asked, Means, RISE, Rolling};
+use super::rolling::{Means, Options, RISE, Rolling};
 
 /// Ways in half lengths of the contact: after which what is prescribed has settled, and over which is measured.
 const SETTLE: f64 = 4.5;
@@ -20,7 +20,7 @@ const MEASUREMENTS: usize = 8;
 
 /// Steps that it will take, about, of a length [s].
 #[must_use]
-pub fn expected_steps(asked: &Asked, step: f64) -> f64 {
+pub fn expected_steps(asked: &Options, step: f64) -> f64 {
     let measurements = if asked.force.is_some() && asked.law.sticks { 2.0 } else { 1.0 };
     let way = RISE + SETTLE + (measurements - 1.0) * (SETTLE_AGAIN + MEASURE) + MEASURE;
     way * asked.half_length / (asked.speed * step)
@@ -28,7 +28,7 @@ pub fn expected_steps(asked: &Asked, step: f64) -> f64 {
 
 /// Steps that bodies which roll steadily take, about, until they do so again with something changed.
 #[must_use]
-pub fn expected_steps_again(asked: &Asked, step: f64) -> f64 {
+pub fn expected_steps_again(asked: &Options, step: f64) -> f64 {
     (SETTLE_AGAIN + MEASURE) * asked.half_length / (asked.speed * step)
 }
 
@@ -71,7 +71,7 @@ fn roll_to_force<E>(
 ) -> Result<(Means, bool), E> {
     rolling.roll(way, told);
     let mut means = rolling.roll(MEASURE, told);
-    let Asked { force: Some(target), law, .. } = rolling.asked else { return Ok((means, true)) };
+    let Options { force: Some(target), law, .. } = rolling.asked else { return Ok((means, true)) };
     let of = |means: &Means| means.force[0] / (law.coefficient * means.force[2]);
     let (aim, mut search) = (curve(target)?, Search::new());
     for before in 1..=MEASUREMENTS {

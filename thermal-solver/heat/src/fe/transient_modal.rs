@@ -1,11 +1,11 @@
 //! A body of constant properties in time, in the modes of its mesh ([`super::transient`]).
 
 use super::basis::Basis;
-use super::creep::{Creep, Position};
+use super::body_solver::{BodySolver, Given, Rises};
 use super::error::SolveError;
-use super::motion::{Given, Motion, Rises};
+use super::mesh_advection::{MeshAdvection, Position};
 use super::scheme::Scheme;
-use super::section::{BESIDE, Between, place};
+use super::section::{BESIDE, Interpolation, place};
 use super::steady;
 use super::transient::{Mesh, ModeFlux, ModeState, Scratch};
 use crate::columns::convolution::remove_negative_rounding;
@@ -15,12 +15,12 @@ use grids::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
 /// The body.
-pub struct Marched {
+pub struct TransientModal {
     mesh: Mesh,
     scheme: Scheme,
     /// Longest step [s].
     longest: f64,
-    creep: Creep,
+    creep: MeshAdvection,
     flux: Flux,
     trial: State,
     accepted: State,
@@ -43,7 +43,7 @@ struct State {
     heated: bool,
 }
 
-impl Marched {
+impl TransientModal {
     /// A cold body.
     #[must_use]
     pub fn new(given: Given) -> Self {
@@ -55,7 +55,7 @@ impl Marched {
         Self {
             scheme: elements.scheme,
             longest: elements.step,
-            creep: Creep::default(),
+            creep: MeshAdvection::default(),
             flux: Flux::zero(grid.ni, grid.nj),
             trial: accepted.clone(),
             accepted,
@@ -102,7 +102,7 @@ impl Marched {
     }
 }
 
-impl Motion for Marched {
+impl BodySolver for TransientModal {
     fn pass(&mut self, duration: f64, speed: f64) -> Result<(), SolveError> {
         let columns = self.mesh.columns;
         let window = [duration, speed / columns.h, self.longest];
@@ -114,7 +114,7 @@ impl Motion for Marched {
         Ok(self.march())
     }
 
-    fn show(&mut self, between: Between, rise: &mut [f64]) {
+    fn show(&mut self, between: Interpolation, rise: &mut [f64]) {
         let (basis, columns) = (&self.mesh.basis, self.mesh.columns);
         self.rows.fill(0.0);
         basis.add_modes(columns.count(), &self.surfaces, &mut self.rows);
@@ -122,7 +122,7 @@ impl Motion for Marched {
         for (row, rise) in rows.zip(rise.chunks_exact_mut(columns.heated)) {
             place(&row[columns.behind - BESIDE..], self.trial.position.front, between, rise);
         }
-        if self.trial.heated && between == Between::Bounded {
+        if self.trial.heated && between == Interpolation::Bounded {
             remove_negative_rounding(rise);
         }
     }

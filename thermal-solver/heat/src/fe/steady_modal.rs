@@ -3,10 +3,10 @@
 
 use super::basis::Basis;
 use super::block::Passages;
+use super::body_solver::{BodySolver, Given, Rises};
 use super::error::SolveError;
-use super::motion::{Given, Motion, Rises};
-use super::section::Between;
-use super::steady::{Scratch, Steady};
+use super::section::Interpolation;
+use super::steady::{Scratch, SteadyMotion};
 use crate::Material;
 use crate::columns::convolution::remove_negative_rounding;
 use crate::columns::reconstruction::Flux;
@@ -16,13 +16,13 @@ use grids::state::{read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
 /// The body.
-pub struct Held {
+pub struct SteadyModal {
     grid: Structured,
     material: Material,
     behind: usize,
     passages: Option<Passages>,
     basis: Basis,
-    prepared: Option<(f64, Steady)>,
+    prepared: Option<(f64, SteadyMotion)>,
     /// The speed [m/s] and the flux of the last solve, and of the accepted one.
     speed: f64,
     flux: Flux,
@@ -31,7 +31,7 @@ pub struct Held {
     scratch: Scratch,
 }
 
-impl Held {
+impl SteadyModal {
     /// A cold body.
     #[must_use]
     pub fn new(given: Given) -> Self {
@@ -54,13 +54,13 @@ impl Held {
         }
     }
 
-    fn prepare(&self, speed: f64) -> Steady {
+    fn prepare(&self, speed: f64) -> SteadyMotion {
         let (columns, h) = (self.grid.ni, self.grid.dx());
-        Steady::new(&self.basis, &self.material, columns, h, speed, self.passages)
+        SteadyMotion::new(&self.basis, &self.material, columns, h, speed, self.passages)
     }
 }
 
-impl Motion for Held {
+impl BodySolver for SteadyModal {
     fn pass(&mut self, _: f64, speed: f64) -> Result<(), SolveError> {
         self.speed = speed;
         if self.prepared.as_ref().is_none_or(|(of, _)| *of != speed) {
@@ -79,7 +79,7 @@ impl Motion for Held {
         Ok((basis.across.len() * basis.size() * columns) as u64)
     }
 
-    fn show(&mut self, _: Between, rise: &mut [f64]) {
+    fn show(&mut self, _: Interpolation, rise: &mut [f64]) {
         rise.fill(0.0);
         self.basis.add_modes(self.grid.ni, &self.surfaces, rise);
         if self.flux.is_heating() {

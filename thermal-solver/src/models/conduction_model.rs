@@ -1,11 +1,11 @@
 //! The model round a [`Conduction`]: inputs, outputs, state.
 
-use super::background::Background;
-use super::conduction::{Conduction, Rub};
+use super::conduction::{Conduction, InterfaceLoad};
 use super::constriction::Constriction;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{Frame, LEVELS};
 use super::inputs::{checked, drive, refuse_without_height};
+use super::previous_passages::Background;
 use super::summary::{self, Peak, Solution};
 use super::transforming::{self, Transforming};
 use super::white_layer::{Cycle, WhiteLayer};
@@ -27,7 +27,7 @@ const DEEPEST: f64 = 2.0;
 const AS_HOT: f64 = 0.999;
 
 /// A model of the contract round a [`Conduction`].
-pub struct Shell<C> {
+pub struct ConductionModel<C> {
     frame: Frame,
     conduction: C,
     trial: [Vec<f64>; 2],
@@ -51,7 +51,7 @@ pub struct Shell<C> {
     volumes: Vec<Grid>,
 }
 
-impl<C: Conduction> Shell<C> {
+impl<C: Conduction> ConductionModel<C> {
     /// A model in its cold state.
     #[must_use]
     pub fn new(frame: Frame, volumes: Vec<Grid>, expands: bool) -> Self {
@@ -230,7 +230,7 @@ impl<C: Conduction> Shell<C> {
     }
 }
 
-impl<C: Conduction> Model for Shell<C> {
+impl<C: Conduction> Model for ConductionModel<C> {
     fn solve(
         &mut self,
         step: &Step,
@@ -239,7 +239,7 @@ impl<C: Conduction> Model for Shell<C> {
     ) -> Result<StepReport, StepError> {
         self.solved = false;
         let flux = checked(inputs, &field::FRICTION_POWER, self.frame.grid.points())?;
-        let drive = drive(&self.frame, C::AT_REST, C::REPEATS, step, inputs)?;
+        let drive = drive(&self.frame, C::SOLVES_STATIONARY_BODY, C::REPEATS, step, inputs)?;
         (self.speeds, self.duration) = (drive.speeds, drive.duration);
         if self.integrals.is_some() && !C::ENDS {
             refuse_without_height(&self.frame, &drive)?;
@@ -252,7 +252,7 @@ impl<C: Conduction> Model for Shell<C> {
             true => Some(checked(inputs, &field::GAP, self.frame.grid.points())?.values),
             false => None,
         };
-        let rub = Rub { flux: flux.values, pressure, gap };
+        let rub = InterfaceLoad { flux: flux.values, pressure, gap };
         let work = self.conduction.solve(&drive, &rub, &mut self.trial)?;
         self.refuse_no_numbers(&drive)?;
         self.add_background(&drive, flux.values, work.heat)?;
@@ -392,7 +392,7 @@ impl<C: Conduction> Model for Shell<C> {
     }
 }
 
-impl<C: Conduction> Solution for Shell<C> {
+impl<C: Conduction> Solution for ConductionModel<C> {
     fn grid(&self) -> &Structured {
         &self.frame.grid
     }

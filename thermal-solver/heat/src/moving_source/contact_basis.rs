@@ -17,7 +17,7 @@ pub enum Shapes {
 
 /// Elements that touch, and the shapes on them.
 #[derive(Clone, Debug)]
-pub struct Touching {
+pub struct ContactBasis {
     shapes: Shapes,
     elements: Vec<usize>,
     /// For each element the first of two shapes that follow each other, and the part of the second.
@@ -26,7 +26,7 @@ pub struct Touching {
     sums: Vec<f64>,
 }
 
-impl Touching {
+impl ContactBasis {
     /// Nothing touches yet.
     #[must_use]
     pub fn new(shapes: Shapes) -> Self {
@@ -101,8 +101,8 @@ fn add(sums: &mut [f64], (shape, part): (usize, f64), value: f64) {
 mod tests {
     use super::*;
 
-    fn touching(shapes: Shapes, flux: &[f64], columns: usize) -> Touching {
-        let mut touching = Touching::new(shapes);
+    fn touching(shapes: Shapes, flux: &[f64], columns: usize) -> ContactBasis {
+        let mut touching = ContactBasis::new(shapes);
         touching.find(flux, columns);
         touching
     }

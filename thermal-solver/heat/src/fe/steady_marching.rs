@@ -9,13 +9,13 @@
 //! solution, and is refused.
 
 use super::block::Block;
-use super::conductor::{Conductor, Memory, Request, Took};
+use super::body_properties::BodyProperties;
+use super::body_solver::{BodySolver, Given, Rises};
+use super::conductor::{Conductor, NewtonStats, Request, Workspace};
 use super::error::SolveError;
 use super::mesh::Axis;
-use super::motion::{Given, Motion, Rises};
-use super::nature::Nature;
 use super::scheme::Scheme;
-use super::section::Between;
+use super::section::Interpolation;
 use super::transient::ModeFlux;
 use super::varying::{conductor, extremes};
 use crate::columns::reconstruction::{Flux, FluxRow};
@@ -31,8 +31,8 @@ const SETTLED: f64 = 1e-7;
 const MOST_SWEEPS: usize = 60;
 
 /// The body.
-pub struct Swept {
-    nature: Nature,
+pub struct SteadyMarching {
+    nature: BodyProperties,
     flux: Flux,
     block: Conductor,
     first_row: usize,
@@ -48,14 +48,14 @@ pub struct Swept {
     trial: Vec<f64>,
     accepted: Vec<f64>,
     sweep: Vec<f64>,
-    memory: Memory,
+    memory: Workspace,
     means: Vec<f64>,
     surface: Vec<f64>,
     inside: Vec<f64>,
     free: Vec<bool>,
 }
 
-impl Swept {
+impl SteadyMarching {
     /// A cold body.
     #[must_use]
     pub fn new(given: Given) -> Self {
@@ -88,14 +88,14 @@ impl Swept {
     }
 
     /// Sweeps until nothing changes; what the steps took, or the change of the last sweep.
-    fn settle(&mut self) -> Result<Took, f64> {
+    fn settle(&mut self) -> Result<NewtonStats, f64> {
         let columns = self.heated + self.behind;
         for (row, means) in self.means.chunks_exact_mut(columns).enumerate() {
             let FluxRow { middle, edge, .. } = self.flux.row(row);
             let edge = &edge[..self.heated + 1];
             ModeFlux { middle, edge }.means(0.5, self.behind, means);
         }
-        let (mut all, mut change) = (Took::default(), f64::INFINITY);
+        let (mut all, mut change) = (NewtonStats::default(), f64::INFINITY);
         for sweep in 0..MOST_SWEEPS {
             all.add(self.march(sweep == 0));
             let largest = self.sweep.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -110,10 +110,10 @@ impl Swept {
     }
 
     /// One sweep from the leading edge downstream.
-    fn march(&mut self, first: bool) -> Took {
+    fn march(&mut self, first: bool) -> NewtonStats {
         let (size, columns) = (self.block.nodes(), self.heated + self.behind);
         let cold = vec![0.0; size];
-        let mut all = Took::default();
+        let mut all = NewtonStats::default();
         for column in (0..columns).rev() {
             let by = self.scheme.coefficients((columns - 1 - column) as u64, 1.0);
             self.receive(column, by.a);
@@ -179,7 +179,7 @@ impl Swept {
     }
 }
 
-impl Motion for Swept {
+impl BodySolver for SteadyMarching {
     fn pass(&mut self, _: f64, speed: f64) -> Result<(), SolveError> {
         let fourier = 1.0 / (self.block.law.held(0.0).rate * speed * self.h);
         if fourier <= SLOW {
@@ -194,7 +194,7 @@ impl Motion for Swept {
         self.nature.check(extremes(&self.trial, &self.block.law), took)
     }
 
-    fn show(&mut self, _: Between, rise: &mut [f64]) {
+    fn show(&mut self, _: Interpolation, rise: &mut [f64]) {
         let size = self.block.nodes();
         for (row, rise) in rise.chunks_exact_mut(self.heated).enumerate() {
             for (column, rise) in rise.iter_mut().enumerate() {

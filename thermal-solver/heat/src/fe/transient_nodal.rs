@@ -3,14 +3,14 @@
 //! shifted and how its surface is seen are the same.
 
 use super::block::Block;
-use super::conductor::{Conductor, Memory, Request, Took};
-use super::creep::{Creep, Position, Step};
+use super::body_properties::BodyProperties;
+use super::body_solver::{BodySolver, Given, Rises};
+use super::conductor::{Conductor, NewtonStats, Request, Workspace};
 use super::error::SolveError;
 use super::mesh::Axis;
-use super::motion::{Given, Motion, Rises};
-use super::nature::Nature;
+use super::mesh_advection::{MeshAdvection, Position, Step};
 use super::scheme::Scheme;
-use super::section::{BESIDE, Between, place};
+use super::section::{BESIDE, Interpolation, place};
 use super::transient::{Columns, ModeFlux};
 use super::varying::{conductor, extremes};
 use crate::columns::reconstruction::{Flux, FluxRow};
@@ -30,8 +30,8 @@ struct State {
 }
 
 /// The body.
-pub struct Stepped {
-    nature: Nature,
+pub struct TransientNodal {
+    nature: BodyProperties,
     flux: Flux,
     /// Longest step [s].
     longest: f64,
@@ -41,10 +41,10 @@ pub struct Stepped {
     rows: usize,
     widths: Vec<f64>,
     scheme: Scheme,
-    creep: Creep,
+    creep: MeshAdvection,
     trial: State,
     accepted: State,
-    memory: Memory,
+    memory: Workspace,
     /// One and two steps ago.
     old: [Vec<f64>; 2],
     means: Vec<f64>,
@@ -52,7 +52,7 @@ pub struct Stepped {
     free: Vec<bool>,
 }
 
-impl Stepped {
+impl TransientNodal {
     /// A cold body.
     #[must_use]
     pub fn new(given: Given) -> Self {
@@ -78,7 +78,7 @@ impl Stepped {
             rows,
             widths: across.widths.clone(),
             scheme,
-            creep: Creep::default(),
+            creep: MeshAdvection::default(),
             trial: cold.clone(),
             accepted: cold,
             memory,
@@ -90,9 +90,9 @@ impl Stepped {
     }
 
     /// Takes the body through the window; what the steps took.
-    fn go(&mut self) -> Took {
+    fn go(&mut self) -> NewtonStats {
         self.begin();
-        let mut all = Took::default();
+        let mut all = NewtonStats::default();
         for index in 0..self.creep.steps.len() {
             let step = self.creep.steps[index];
             self.receive(&step);
@@ -184,7 +184,7 @@ impl Stepped {
     }
 }
 
-impl Motion for Stepped {
+impl BodySolver for TransientNodal {
     fn pass(&mut self, duration: f64, speed: f64) -> Result<(), SolveError> {
         let window = [duration, speed / self.columns.h, self.longest];
         self.creep.plan(&self.accepted.position, window, self.columns.count(), self.scheme);
@@ -196,7 +196,7 @@ impl Motion for Stepped {
         self.nature.check(extremes(&self.trial.now, &self.block.law), took)
     }
 
-    fn show(&mut self, between: Between, rise: &mut [f64]) {
+    fn show(&mut self, between: Interpolation, rise: &mut [f64]) {
         let columns = self.columns.count();
         for (row, rise) in rise.chunks_exact_mut(self.columns.heated).enumerate() {
             let start = (self.first_row + row) * self.block.counts[2] * columns;

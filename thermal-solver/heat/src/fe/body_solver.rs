@@ -2,9 +2,9 @@
 //! next. [`super::body`] chooses.
 
 use super::block::{Block, Elements};
+use super::body_properties::BodyProperties;
 use super::error::SolveError;
-use super::nature::Nature;
-use super::section::Between;
+use super::section::Interpolation;
 use crate::columns::reconstruction::Flux;
 use crate::window::Stage;
 use grids::Structured;
@@ -16,7 +16,7 @@ pub struct Given<'a> {
     /// The grid of the heat flux.
     pub grid: &'a Structured,
     /// Material and surroundings of the body.
-    pub nature: &'a Nature,
+    pub nature: &'a BodyProperties,
     /// Its mesh.
     pub block: &'a Block,
     /// Settings of the elements.
@@ -34,7 +34,7 @@ pub struct Rises {
 }
 
 /// A way to solve, with its states.
-pub trait Motion: Send {
+pub trait BodySolver: Send {
     /// Prepares a window of this duration [s], infinite in steady motion, at this speed [m/s].
     ///
     /// # Errors
@@ -48,7 +48,7 @@ pub trait Motion: Send {
     fn warm(&mut self) -> Result<u64, SolveError>;
 
     /// Rises of the surface [K] in the last solve.
-    fn show(&mut self, between: Between, rise: &mut [f64]);
+    fn show(&mut self, between: Interpolation, rise: &mut [f64]);
 
     /// The flux into the body in the window.
     fn flux(&mut self) -> &mut Flux;
@@ -68,7 +68,7 @@ pub trait Motion: Send {
     /// Errors of `into`.
     fn save(&self, into: &mut dyn Write) -> io::Result<()>;
 
-    /// Reads back what [`Motion::save`] wrote.
+    /// Reads back what [`BodySolver::save`] wrote.
     ///
     /// # Errors
     /// It does not fit; then nothing has changed.

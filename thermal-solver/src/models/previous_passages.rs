@@ -1,7 +1,7 @@
 //! What earlier passages have left, on which the flash temperature comes ([`crate::effects::bulk_heating`]).
 
 use super::frame::Frame;
-use crate::effects::bulk_heating::Memory;
+use crate::effects::bulk_heating::PassageHistory;
 use heat::window::Drive;
 use proto::model::StepError;
 use std::f64::consts::PI;
@@ -12,7 +12,7 @@ const SPREAD: f64 = 8.0;
 /// Temperatures that the passage finds.
 #[derive(Clone, Debug)]
 pub(super) struct Background {
-    memories: [Memory; 2],
+    memories: [PassageHistory; 2],
     /// Of the whole body [K].
     bulk: [f64; 2],
     /// Left by earlier passages, row by row [K].
@@ -21,7 +21,7 @@ pub(super) struct Background {
 
 impl Background {
     /// Nothing has passed.
-    pub(super) fn new(memories: [Memory; 2], rows: usize) -> Self {
+    pub(super) fn new(memories: [PassageHistory; 2], rows: usize) -> Self {
         Self { memories, bulk: [0.0; 2], residual: [vec![0.0; rows], vec![0.0; rows]] }
     }
 
@@ -38,7 +38,7 @@ impl Background {
     ) -> Result<(), StepError> {
         let grid = &frame.grid;
         for (body, power) in power.into_iter().enumerate() {
-            let Memory { loss, passages, interval } = self.memories[body];
+            let PassageHistory { loss, passages, interval } = self.memories[body];
             self.bulk[body] = loss.map_or(0.0, |loss| power / loss);
             let passing = grid.ni as f64 * grid.dx() / drive.speeds[body];
             if passages > 0 && interval <= passing {

@@ -14,13 +14,13 @@ pub(crate) fn absolute_temperature() -> Column {
 
 /// `N` values at coordinates that rise.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Curve<const N: usize> {
+pub(crate) struct PiecewiseLinear<const N: usize> {
     points: Vec<(f64, [f64; N])>,
     /// The first and the last values hold beyond them.
     clamps: bool,
 }
 
-impl<const N: usize> Curve<N> {
+impl<const N: usize> PiecewiseLinear<N> {
     /// Reads a file with a table of `columns`: the coordinate, and `N` values. `check` refuses values.
     ///
     /// # Errors
@@ -35,7 +35,7 @@ impl<const N: usize> Curve<N> {
         Self::from_table(&table.map_err(|error| error.to_string())?, columns, clamps, check)
     }
 
-    /// Takes the columns of a table, as [`Curve::read`] does.
+    /// Takes the columns of a table, as [`PiecewiseLinear::read`] does.
     ///
     /// # Errors
     /// What is wrong with it, and in which line.
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn curve<const N: usize>(text: &str, clamps: bool) -> Result<Curve<N>, String> {
+    fn curve<const N: usize>(text: &str, clamps: bool) -> Result<PiecewiseLinear<N>, String> {
         let positive = |values: &[f64; N]| match values.iter().all(|value| *value > 0.0) {
             true => Ok(()),
             false => Err("has no value above 0".to_owned()),
@@ -102,7 +102,7 @@ mod tests {
             Table::parse(text.to_owned(), Reading::NUMBERS).map_err(|error| error.to_string())?;
         let columns =
             [Column::new(&["T"], "K"), Column::new(&["f"], "1"), Column::new(&["g"], "1")];
-        Curve::from_table(&table, &columns[..=N], clamps, positive)
+        PiecewiseLinear::from_table(&table, &columns[..=N], clamps, positive)
     }
 
     #[test]
@@ -112,9 +112,10 @@ mod tests {
         assert_eq!(of(false).at(200.0), Some([0.2]));
         assert_eq!((of(false).at(201.0), of(false).at(-1.0)), (None, None));
         assert_eq!((of(true).at(1e9), of(true).at(-1.0)), (Some([0.2]), Some([0.5])));
-        let two: Curve<2> = curve("0 1 1\n10 0.5 0.25\n", false).unwrap();
+        let two: PiecewiseLinear<2> = curve("0 1 1\n10 0.5 0.25\n", false).unwrap();
         assert_eq!(two.at(5.0), Some([0.75, 0.625]));
-        let named: Curve<1> = curve("f; T [°C]\n0,5; -273,15\n0,25; 26,85\n", false).unwrap();
+        let named: PiecewiseLinear<1> =
+            curve("f; T [°C]\n0,5; -273,15\n0,25; 26,85\n", false).unwrap();
         assert_eq!(named.at(150.0), Some([0.375]));
         for (text, part) in [
             ("", "no rows"),

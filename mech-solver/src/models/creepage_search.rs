@@ -14,7 +14,7 @@ const LARGEST: f64 = 1e3;
 
 /// A search for them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SettledCreepage {
+pub(super) struct CreepageSearch {
     /// Spin is taken times this length [m].
     length: f64,
     at: [f64; 3],
@@ -23,7 +23,7 @@ pub(super) struct SettledCreepage {
     tried: usize,
 }
 
-impl SettledCreepage {
+impl CreepageSearch {
     /// Begins at some creepages, in a contact of this size [m].
     pub(super) fn new(at: [f64; 3], length: f64) -> Self {
         Self { length, at, residual: None, factor: 1.0, tried: 0 }
@@ -81,11 +81,11 @@ mod tests {
     /// solution.
     #[test]
     fn a_gain_near_one_and_no_solution() {
-        let mut search = SettledCreepage::new([0.0; 3], 1e-3);
+        let mut search = CreepageSearch::new([0.0; 3], 1e-3);
         while !search.take([1e-3 + 0.99 * search.at()[0], 0.0, 0.0]).unwrap() {}
         assert!((search.at()[0] / 0.1 - 1.0).abs() < 1e-6, "{search:?}");
         assert!(search.tried < 5);
-        let mut search = SettledCreepage::new([0.0; 3], 1e-3);
+        let mut search = CreepageSearch::new([0.0; 3], 1e-3);
         let ended = loop {
             match search.take([-1.0 - search.at()[0].powi(2), 0.0, 0.0]) {
                 Ok(false) => {}
