@@ -1,6 +1,8 @@
 //! `coordinator picture`: the maps of a report as a file for papers and slides, without a browser.
 
 mod convert;
+#[cfg(feature = "pictures")]
+mod render;
 
 use crate::report::maps;
 use crate::report::sheet::{Ground, sheet};
@@ -23,7 +25,8 @@ pub(crate) struct Arguments {
     /// Fields to draw, in this order [default: all].
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     field: Vec<String>,
-    /// The file, whose ending says what it is: png, svg or pdf [default: DIR/picture.png].
+    /// The file, by its ending SVG or, in builds with pictures, PNG or PDF [default: picture.png in
+    /// DIR, else picture.svg].
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Drawings beside each other [default: one alone, or two].
@@ -44,7 +47,8 @@ pub(crate) struct Arguments {
 /// No run has written into the folder; it has no such field; an ending that means no format; the file
 /// system.
 pub(crate) fn act(arguments: &Arguments) -> Result<String, RunError> {
-    let path = arguments.out.clone().unwrap_or_else(|| arguments.folder.join("picture.png"));
+    let path =
+        arguments.out.clone().unwrap_or_else(|| arguments.folder.join(Format::default_file()));
     let format = Format::of(&path)?;
     let results = Results::read(&arguments.folder)?;
     let zero = maps::zero(&results);

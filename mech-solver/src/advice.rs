@@ -1,4 +1,4 @@
-//! What the mechanics says of its effects in a scene, before it is run.
+//! Estimates of the influence of effects on a scene, before it is run.
 
 pub(crate) mod situation;
 
@@ -10,7 +10,7 @@ use crate::terms::Kind;
 use proto::advice::{self, Advice, Opinion};
 use serde_json::Value;
 
-/// What the mechanics says of a scene. Of one that it cannot read it says nothing.
+/// Returns the estimates of a scene; empty for a scene that cannot be read.
 pub(crate) fn opinion(asked: &advice::Scene) -> Opinion {
     let Ok(scene) = Scene::read(&asked.case) else { return Opinion::default() };
     let active = asked.case.get("effects").and_then(Value::as_object);

@@ -1,13 +1,13 @@
 //! Values of a case that several models read.
 //!
-//! | module | what |
+//! | module | contents |
 //! |---|---|
 //! | [`keys`] | values checked against the specifications that the description publishes |
 //! | [`scene`] | bodies, motion, load and friction |
-//! | [`resolution`], [`difference`] | elements per semi-axis; the difference along x |
+//! | [`resolution`], [`difference`] | elements per semi-axis; difference scheme along x |
 //! | [`ellipse`] | the contact patch in closed form, with its grid |
 //! | [`piecewise_linear`] | values over a coordinate, from a table |
-//! | [`shape`] | heights of the bodies across, of every kind of shape |
+//! | [`shape`] | lateral shapes of the bodies, of every kind |
 //! | [`noise`] | scatter of the points of measured profiles |
 
 pub(crate) mod difference;

@@ -1,5 +1,5 @@
-//! The effects by name. An effect is a file of this folder, with its law and its terms, and one line
-//! in [`EFFECTS`]. An effect that a case does not name leaves no trace at run time.
+//! Effects by name. An effect is a file of this folder, with its law and its terms, and one line in
+//! [`EFFECTS`]. An effect that the case does not name has no influence at run time.
 
 pub mod friction_bands;
 pub mod friction_heat;
@@ -48,10 +48,10 @@ pub const EFFECTS: &[Effect] = &[
     wear::EFFECT,
 ];
 
-/// The terms of some effects of a configuration.
+/// Collects the terms of effects of a configuration.
 ///
 /// # Errors
-/// An effect refuses its values, or two effects exclude each other.
+/// A value that an effect refuses; two effects that exclude each other.
 pub(crate) fn terms(
     effects: &[&'static Effect],
     configuration: &Configuration,
@@ -63,12 +63,12 @@ pub(crate) fn terms(
     Ok(terms)
 }
 
-/// The effects that make terms of a kind, by name.
+/// Names of the effects that create terms of a kind.
 pub(crate) fn of_kind(kind: Kind) -> impl Iterator<Item = &'static str> {
     EFFECTS.iter().filter(move |effect| effect.kinds.contains(&kind)).map(|effect| effect.name)
 }
 
-/// What a case lacks that needs an effect of this kind, and has none.
+/// Returns the refusal of a case that needs an effect of this kind, and has none.
 pub(crate) fn lacking(kind: Kind, reason: &str) -> Refusal {
     let names: Vec<_> = of_kind(kind).collect();
     let fix: Vec<_> = names.iter().map(|name| format!("[effects.{name}]")).collect();
@@ -76,7 +76,7 @@ pub(crate) fn lacking(kind: Kind, reason: &str) -> Refusal {
     Refusal::new(&key, reason, format!("add {}", fix.join(" or ")))
 }
 
-/// How a sentence begins that says what holds without the effects of a kind.
+/// Returns the beginning of a sentence on the behaviour without the effects of a kind.
 pub(crate) fn without(kind: Kind) -> String {
     let names: Vec<_> = of_kind(kind).map(|name| format!("effects.{name}")).collect();
     if names.is_empty() { String::new() } else { format!("without {}: ", names.join(" and ")) }

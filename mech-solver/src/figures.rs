@@ -1,4 +1,4 @@
-//! The figures of the section `contact` of the summary.
+//! Quantities of the section `contact` of the summary.
 
 pub(crate) mod indicators;
 
@@ -7,12 +7,13 @@ use proto::figure::contact::{
 };
 use proto::figure::{FigureSpec, Style};
 
-/// All of them, in the order in which a person reads them. A model without one leaves it out.
+/// Returns all quantities of a contact in reading order. A model omits those that it does not
+/// compute.
 pub(crate) fn figures() -> Vec<FigureSpec> {
     [extent(), patches(), forces(), motion(), slip(), indicators::figures()].concat()
 }
 
-/// Size, pressure and load. Of several patches the size is that of each.
+/// Size, pressure and load. With several patches, the sizes are listed for each patch instead.
 fn extent() -> Vec<FigureSpec> {
     let figure = |key, unit, words, short| FigureSpec::new(key, unit, words).on("contact", short);
     vec![
@@ -41,7 +42,7 @@ fn extent() -> Vec<FigureSpec> {
     ]
 }
 
-/// Of each patch, where there are several.
+/// Quantities of each patch, if there are several.
 fn patches() -> Vec<FigureSpec> {
     let figure = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("contact.each_patch.#.{name}"), unit, words).on("patch", short)
@@ -55,7 +56,7 @@ fn patches() -> Vec<FigureSpec> {
     ]
 }
 
-/// Forces on the upper body; what is rounding against the load stands on no line.
+/// Forces on the upper body. A force within rounding of the load is not printed.
 fn forces() -> Vec<FigureSpec> {
     const FORCES: [&str; 2] = ["contact.creep_force_x_n", "contact.creep_force_y_n"];
     const MOMENT: &str = "contact.spin_moment_nm";
@@ -92,7 +93,7 @@ fn motion() -> Vec<FigureSpec> {
     ]
 }
 
-/// Slip, and the heat that it makes.
+/// Slip and friction power.
 fn slip() -> Vec<FigureSpec> {
     let figure = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("contact.{name}"), unit, words).on("friction", short)

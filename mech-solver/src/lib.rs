@@ -1,26 +1,26 @@
 //! Contact mechanics of two bodies as a participant of the co-simulation.
 //!
-//! | room | what |
+//! | module | contents |
 //! |---|---|
-//! | [`models`] | the models by name, one module a fidelity level |
-//! | [`effects`] | the effects by name, one file an effect |
-//! | [`terms`] | what effects contribute to a contact, kind by kind |
-//! | `case` | what is read of a case: bodies, motion, load, resolution, tables; the contact ellipse |
-//! | `registry` | entries of the lists of models and effects; which model supports which effect |
-//! | `figures` | figures of the summary, and those by which one judges whether a model suffices |
-//! | `advice` | what effects say of themselves in a scene, before it is run |
+//! | [`models`] | the models by name, one module for each fidelity |
+//! | [`effects`] | the effects by name, one file for each effect |
+//! | [`terms`] | contributions of effects to a contact, by kind |
+//! | `case` | case values: bodies, motion, load, resolution, tables; the contact ellipse |
+//! | `registry` | entries of the lists of models and effects; support of effects by models |
+//! | `figures` | quantities of the summary, and indicators of the validity of a model |
+//! | `advice` | estimates, before a run, of the influence of each effect |
 //!
-//! The numerics are crates of their own: [`elastic`], [`half_space`], [`explicit_fe`], [`wheel_rail`].
+//! The numerics are separate crates: [`elastic`], [`half_space`], [`explicit_fe`], [`wheel_rail`].
 //!
-//! Axes, bodies and signs (Kalker's, as CONTACT has them): x along the rolling direction, y to the
-//! left, z up; the origin is the centre of the undeformed contact and moves with it. Material
-//! enters at x = +a and leaves at x = −a. Body 1 is the upper one, body 2 the lower one. Tractions and
-//! forces act on the upper body, slip and creepage are of the upper body relative to the lower one: an upper
-//! body that drives has a creepage ξ < 0 and a creep force F_x > 0, and the friction power −p·v is never
-//! negative.
+//! Axes, bodies and signs follow Kalker and CONTACT: x along the rolling direction, y to the left,
+//! z up. The origin is the centre of the undeformed contact and moves with it. Material enters at
+//! x = +a and leaves at x = −a. Body 1 is the upper one, body 2 the lower one. Tractions and forces
+//! act on the upper body; slip and creepage are those of the upper body relative to the lower one.
+//! A driving upper body has a creepage ξ < 0 and a creep force F_x > 0, and the friction power −p·v
+//! is never negative.
 //!
-//! Adding an effect takes its file under `effects/` and one line in [`effects::EFFECTS`]; adding a
-//! model likewise under `models/` and in [`models::MODELS`].
+//! A new effect is a file under `effects/` and one line in [`effects::EFFECTS`]. A new model is a
+//! module under `models/` and one line in [`models::MODELS`].
 
 mod advice;
 pub mod case;
@@ -38,7 +38,7 @@ use proto::model::{Setup, Solver};
 use registry::entry::Effect;
 use registry::support;
 
-/// The mechanics program: every model and every effect of this crate.
+/// Mechanics solver with every model and every effect of this crate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MechSolver;
 
@@ -64,8 +64,8 @@ impl Solver for MechSolver {
     }
 
     /// # Errors
-    /// Refuses an unknown model, an effect that the model does not support, a field that neither
-    /// the model nor an active effect provides, and what the model itself refuses.
+    /// An unknown model; an effect that the model does not support; a field that neither the model
+    /// nor an active effect provides; a value that the model refuses.
     fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
         numerics::team::limit(configuration.threads);
         let model = models::find(&configuration.model)?;

@@ -1,5 +1,5 @@
-//! The models by name: those of round bodies, cheapest first, then those of bodies that repeat or end. A model is a module of this folder and one line in
-//! [`MODELS`].
+//! Registry of the models by name: first models of round bodies, cheapest first, then models of
+//! periodic or finite bodies. A model is a module of this folder and one line in [`MODELS`].
 
 mod conformal;
 mod contact_model;
@@ -33,7 +33,7 @@ use proto::diagram::Diagram;
 use proto::figure::FigureSpec;
 use proto::params::Params;
 
-/// Every model of this crate: those of round bodies, cheapest first, and of others.
+/// All models of this crate: first those of round bodies, cheapest first, then the others.
 pub const MODELS: &[ModelEntry] = &[
     hertz_carter::MODEL,
     fastsim::MODEL,
@@ -45,26 +45,27 @@ pub const MODELS: &[ModelEntry] = &[
     rod::MODEL,
 ];
 
-/// Figures that models alone give.
+/// Figures that are specific to a model.
 pub(crate) fn own_figures() -> Vec<FigureSpec> {
     [wheel_on_track::figures(), conformal::figures()].concat()
 }
 
-/// Diagrams of their figures.
+/// Diagrams of the models and of the common figures.
 pub(crate) fn diagrams() -> Vec<Diagram> {
     let common = vec![indicators::creep_curve(), indicators::shakedown_diagram()];
     [wheel_on_track::diagrams(), common].concat()
 }
 
-/// The contact as the cheapest model that knows all creepages has it, its figures by their keys in the summary; `None` where it has none.
+/// Figures of the contact, by their keys in the summary, estimated with the cheapest model that
+/// supports all creepages; `None` if that model has no solution.
 pub(crate) fn estimated_contact(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
     fastsim::estimate(scene, case, sticks)
 }
 
-/// The model with this name.
+/// Returns the model with this name.
 ///
 /// # Errors
-/// Refuses a name that is not in [`MODELS`].
+/// A name that is not in [`MODELS`].
 pub fn find(name: &str) -> Result<&'static ModelEntry, Refusal> {
     MODELS.iter().find(|model| model.name == name).ok_or_else(|| {
         let known: Vec<_> = MODELS.iter().map(|model| model.name).collect();

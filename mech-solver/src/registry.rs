@@ -1,4 +1,4 @@
-//! Lists of models and effects: their entries, and which model supports which effect.
+//! Lists of models and effects: their entries, and the support of effects by models.
 
 pub mod entry;
 pub(crate) mod support;

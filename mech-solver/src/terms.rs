@@ -1,31 +1,31 @@
-//! What effects contribute to a contact: terms of a few kinds.
+//! Contributions of effects to a contact: terms of a few kinds.
 //!
-//! The registry entry of an effect makes its terms ([`crate::effects`]); the model that runs holds the
-//! terms of all active effects, a list a kind, and takes each kind in one place. A list without terms
-//! costs nothing.
+//! The registry entry of an effect creates its terms ([`crate::effects`]). The model that runs
+//! holds the terms of all active effects, one list for each kind, and uses each kind in one place.
+//! An empty list costs nothing.
 //!
-//! | [`Kind`] | a term is | it enters |
+//! | [`Kind`] | term | quantity that it changes |
 //! |---|---|---|
 //! | `Gap` | heights [m] | the undeformed distance, to which they are added |
-//! | `FrictionFactor` | factors on the friction coefficient of the case | the traction bound, before every solve; several multiply |
-//! | `LocalSlip` | such factors by the slip of every element | the same, in turn with that slip |
-//! | `RailPlace` | such factors by a place on a rail of a track | the same |
-//! | `TractionBound` | a largest traction [Pa] | the same; the smallest holds, after all factors |
-//! | `PressureBound` | a largest pressure [Pa], of several the smallest | the normal contact |
-//! | `Adhesion` | that surfaces may stick | the tangential contact; without it all of the contact slides |
+//! | `FrictionFactor` | factors on the friction coefficient; they multiply | the traction bound |
+//! | `LocalSlip` | factors that depend on each element's slip | the traction bound, iteratively |
+//! | `RailPlace` | factors that depend on the position on a rail of a track | the traction bound |
+//! | `TractionBound` | a largest traction [Pa]; the smallest holds | the bound, after all factors |
+//! | `PressureBound` | a largest pressure [Pa]; the smallest holds | the normal contact |
+//! | `Adhesion` | permission to stick; without it all elements slide | the tangential contact |
 //! | `Layer` | a tangential flexibility [m/Pa], in series | the displacement difference |
-//! | `Yield` | how the yield stress of a layer changes with its plastic shift | the tangential contact |
-//! | `Expansion` | coefficients of thermal expansion [1/K] | the undeformed distance, or the stress of finite elements |
+//! | `Yield` | yield stress of a layer over its plastic shift | the tangential contact |
+//! | `Expansion` | thermal expansion [1/K] | the undeformed distance, or the stress of elements |
 //! | `Softening` | stiffness and yield stress over temperature | the stress of finite elements |
-//! | `Flow` | how the material of each body flows | the stress of finite elements |
-//! | `Retardation` | what the compliance of each body gains with time | the displacement difference |
-//! | `Axle` | a mass that carries the load, and what it runs over | the height of the upper body |
+//! | `Flow` | law of plastic flow of each body | the stress of finite elements |
+//! | `Retardation` | delayed compliance of each body | the displacement difference |
+//! | `Axle` | a mass that carries the load, and its irregularity | the height of the upper body |
 //! | `HeatShare` | a factor | the friction power that is provided as heat |
-//! | `Removal` | what an accepted contact takes off both bodies | the undeformed distance of the next one |
-//! | `Observation` | fields and figures of an accepted contact | the outputs and the summary |
+//! | `Removal` | material removed by an accepted contact | the next undeformed distance |
+//! | `Observation` | fields and quantities of an accepted contact | the outputs and the summary |
 //!
-//! A model declares the kinds that it takes, an effect those that it makes; a model supports the
-//! effects all of whose kinds it takes.
+//! A model declares the kinds that it uses, and an effect the kinds that it creates. A model
+//! supports an effect if it uses all kinds of that effect.
 
 pub(crate) use crate::terms::state::{Accepted, State};
 
@@ -53,47 +53,47 @@ use serde_json::Value;
 use std::fmt::Debug;
 use std::io::{self, Read, Write};
 
-/// The kinds of terms.
+/// Kinds of terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Heights of the surfaces.
     Gap,
     /// Factors on the friction coefficient of the case.
     FrictionFactor,
-    /// Such factors by the slip of every element with its elastic part.
+    /// Factors that depend on the slip of every element, elastic part included.
     LocalSlip,
-    /// Such factors by a place on a rail of a track.
+    /// Factors that depend on the position on a rail of a track.
     RailPlace,
     /// Largest traction.
     TractionBound,
     /// Largest pressure.
     PressureBound,
-    /// Surfaces that may stick.
+    /// Permission for the surfaces to stick.
     Adhesion,
     /// Tangential flexibility between the surfaces.
     Layer,
-    /// A layer that flows plastically.
+    /// Plastic flow of a layer between the surfaces.
     Yield,
-    /// Materials that expand where they are warm.
+    /// Thermal expansion.
     Expansion,
-    /// Materials that are softer where they are warm.
+    /// Softening with temperature.
     Softening,
-    /// Materials that flow.
+    /// Plastic flow of the bodies.
     Flow,
-    /// Materials whose compliance grows with time.
+    /// Compliance that grows with time.
     Retardation,
-    /// What carries the load, and runs over irregularities.
+    /// Mass that carries the load, and the irregularity that it runs over.
     Axle,
-    /// Part of the friction power that becomes heat.
+    /// Share of the friction power that becomes heat.
     HeatShare,
-    /// Material that the contact takes off.
+    /// Material removed by the contact.
     Removal,
-    /// What is computed of an accepted contact.
+    /// Fields and quantities computed from an accepted contact.
     Observation,
 }
 
 impl Kind {
-    /// A contact has at most one of it.
+    /// Returns true if at most one effect of a contact may create this kind.
     pub(crate) fn is_exclusive(self) -> bool {
         match self {
             Self::Yield
@@ -117,75 +117,77 @@ impl Kind {
     }
 }
 
-/// A term of the undeformed distance.
+/// Term of the undeformed distance.
 pub(crate) trait GapTerm: State + Debug {
-    /// Height at a place from the origin of the undeformed contact [m]; positive opens the gap.
+    /// Height [m] at a position relative to the origin of the undeformed contact; positive opens
+    /// the gap.
     fn height(&self, x: f64, y: f64) -> f64;
 
-    /// Repeats along x and y every so many metres from now on.
+    /// Makes the heights periodic with these periods along x and y [m].
     ///
     /// # Errors
-    /// It cannot, or not without becoming another surface.
+    /// A surface that cannot be periodic, or only by becoming another surface.
     fn repeat(&mut self, periods: [f64; 2]) -> Result<(), Refusal>;
 }
 
-/// Where a contact is solved.
+/// Grid and position of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    /// The contact's grid.
+    /// Grid of the contact.
     pub(crate) grid: Structured,
-    /// Semi-axes, or what comes near them [m].
+    /// Semi-axes, or an estimate of them [m].
     pub(crate) semi_axes: [f64; 2],
     /// Lateral coordinate of the highest pressure without friction [m].
     pub(crate) peak_y: f64,
 }
 
-/// Fields and figures of an accepted contact.
+/// Fields and summary quantities computed from an accepted contact.
 pub(crate) trait Observation: State + Debug {
-    /// Learns where the contact is solved; comes before all else.
+    /// Sets the grid and position of the contact; called before all other methods.
     fn place(&mut self, place: &Place);
 
-    /// Learns that both bodies expand where they are warm, with these coefficients [1/K], and how fast they pass [m/s].
+    /// Announces thermal expansion of both bodies, with their coefficients [1/K] and their surface
+    /// speeds [m/s].
     ///
     /// # Errors
-    /// It has no answer to that.
+    /// An observation that is not defined for such bodies.
     fn expand(&mut self, coefficients: [f64; 2], speeds: [f64; 2]) -> Result<(), Refusal>;
 
-    /// Grids of its own, by name.
+    /// Grids of the observation, by name.
     fn grids(&self) -> Vec<(&'static str, Shape)>;
 
-    /// Which of them a field is on; `None` for the fields of others.
+    /// Name of the grid of a field; `None` for fields of other terms.
     fn grid_of(&self, field: &FieldSpec) -> Option<&'static str>;
 
-    /// Computes from an accepted contact.
+    /// Computes the fields and quantities of an accepted contact.
     fn observe(&mut self, accepted: &Accepted<'_>);
 
-    /// Writes those of its fields that are asked for.
+    /// Writes the requested fields.
     fn write(&self, outputs: &mut dyn Outputs);
 
-    /// Its section of `summary.json`, by name; `None` before anything was observed.
+    /// Name and content of the section of `summary.json`; `None` before the first observation.
     fn summary(&self) -> Option<(&'static str, Value)>;
 }
 
-/// A kind that the value of a key needs a model to take, beyond those that its effect always makes.
+/// Kind that a model must use if a key has a certain value, beyond the kinds of its effect.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Need {
     pub(crate) kind: Kind,
     pub(crate) key: &'static str,
-    /// The model lacks this.
+    /// Noun phrase for the message: the capability that the model lacks.
     pub(crate) lacks: &'static str,
     /// Value of the key that every model takes.
     pub(crate) instead: &'static str,
 }
 
-/// The terms of all active effects.
+/// Terms of all active effects.
 #[derive(Debug, Default)]
 pub(crate) struct Terms {
-    /// The active effects, with the kinds that they make.
+    /// Active effects, with the kinds that they create.
     pub(crate) effects: Vec<(&'static str, &'static [Kind])>,
     pub(crate) gap: Vec<Box<dyn GapTerm>>,
     pub(crate) friction: FrictionLaw,
-    /// Capabilities of a model that values of keys need.
+    /// Kinds that the model must use because of the values of keys.
     pub(crate) needs: Vec<Need>,
     pub(crate) pressure_bounds: Vec<f64>,
     pub(crate) adhesion: bool,
@@ -202,10 +204,10 @@ pub(crate) struct Terms {
 }
 
 impl Terms {
-    /// Adds the terms of one more effect.
+    /// Adds the terms of another effect.
     ///
     /// # Errors
-    /// Refuses a second effect of a kind of which a contact has one; both are named.
+    /// A second effect of an exclusive kind; the refusal names both effects.
     pub(crate) fn join(
         &mut self,
         name: &'static str,
@@ -232,7 +234,7 @@ impl Terms {
         self.layers.extend(more.layers);
         self.heat_shares.extend(more.heat_shares);
         self.observations.extend(more.observations);
-        // No earlier effect has made a term of these kinds.
+        // No earlier effect has created a term of these kinds.
         self.yields = self.yields.take().or(more.yields);
         self.expansion = self.expansion.take().or(more.expansion);
         self.axle = self.axle.take().or(more.axle);
@@ -249,7 +251,8 @@ impl Terms {
         Ok(())
     }
 
-    /// The kinds of which there are terms. [`Kind::LocalSlip`] and [`Kind::RailPlace`] are needs of values.
+    /// Kinds with at least one term. [`Kind::LocalSlip`] and [`Kind::RailPlace`] are not listed:
+    /// they are needs of key values.
     #[cfg(test)]
     pub(crate) fn kinds(&self) -> Vec<Kind> {
         let lists = [
@@ -272,54 +275,54 @@ impl Terms {
         lists.iter().filter(|(_, count)| *count > 0).map(|(kind, _)| *kind).collect()
     }
 
-    /// The first active effect that makes terms of a kind.
+    /// Name of the first active effect that creates terms of a kind.
     pub(crate) fn effect_of(&self, kind: Kind) -> Option<&'static str> {
         self.effects.iter().find(|(_, kinds)| kinds.contains(&kind)).map(|(name, _)| *name)
     }
 
-    /// Sum of the heights at a place, and what has been worn off there [m].
+    /// Sum of the heights and of the worn depth at a position [m].
     pub(crate) fn height(&self, x: f64, y: f64) -> f64 {
         let worn = self.removal.as_ref().map_or(0.0, |removal| removal.depth(y));
         self.gap.iter().map(|term| term.height(x, y)).sum::<f64>() + worn
     }
 
-    /// The first active effect that changes the traction bound.
+    /// Name of the first active effect that changes the traction bound.
     pub(crate) fn friction_effect(&self) -> Option<&'static str> {
         self.effect_of(Kind::FrictionFactor).or_else(|| self.effect_of(Kind::TractionBound))
     }
 
-    /// The smallest of the largest pressures; infinite without one [Pa].
+    /// Smallest pressure bound [Pa]; infinite without one.
     pub(crate) fn pressure_bound(&self) -> f64 {
         self.pressure_bounds.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// The pressure of smooth bodies stays that of Hertz.
+    /// Returns true if no term changes the Hertz pressure of smooth bodies.
     pub(crate) fn leave_hertz(&self) -> bool {
         let as_given = self.gap.is_empty() && self.pressure_bounds.is_empty();
         as_given && self.expansion.is_none() && self.removal.is_none()
     }
 
-    /// The contact depends on what comes in.
+    /// Returns true if the contact depends on input fields.
     pub(crate) fn follow_inputs(&self) -> bool {
         self.friction.follows_inputs() || self.warms()
     }
 
-    /// Materials expand or soften where they are warm.
+    /// Returns true if a material expands or softens with temperature.
     pub(crate) fn warms(&self) -> bool {
         self.expansion.is_some() || self.softens()
     }
 
-    /// A material softens where it is warm.
+    /// Returns true if a material softens with temperature.
     pub(crate) fn softens(&self) -> bool {
         self.softening.iter().any(Option::is_some)
     }
 
-    /// Flexibility of all layers together [m/Pa].
+    /// Total flexibility of all layers [m/Pa].
     pub(crate) fn layer(&self) -> f64 {
         self.layers.iter().sum()
     }
 
-    /// Leaves of a friction power what becomes heat.
+    /// Multiplies the friction power by the share that becomes heat.
     pub(crate) fn keep_heat(&self, power: &mut [f64]) {
         for share in &self.heat_shares {
             power.iter_mut().for_each(|power| *power *= share);
@@ -340,23 +343,23 @@ impl Terms {
         gap.chain(removal).chain(observations)
     }
 
-    /// The last solve becomes the accepted state of every term.
+    /// Accepts the last solve as the state of every term.
     pub(crate) fn accept(&mut self) {
         self.states_mut().for_each(State::accept);
     }
 
-    /// Writes the accepted states, one after the other.
+    /// Writes the accepted states of all terms in sequence.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// A failure to write.
     pub(crate) fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         self.states().try_for_each(|term| term.save(into))
     }
 
-    /// Reads back what [`Terms::save`] wrote.
+    /// Restores the states that [`Terms::save`] wrote.
     ///
     /// # Errors
-    /// It does not fit.
+    /// Data that does not match the terms.
     pub(crate) fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
         self.states_mut().try_for_each(|term| term.restore(from))
     }
@@ -367,7 +370,7 @@ mod tests {
     use super::*;
     use proto::state::{read_numbers, write_numbers};
 
-    /// A height that grows with every accepted state.
+    /// Height that grows with every accepted state.
     #[derive(Debug)]
     struct Growing {
         height: f64,
@@ -398,8 +401,8 @@ mod tests {
         }
     }
 
-    /// Terms of two effects in one list: their contributions add up, their states are accepted, saved
-    /// and restored one after the other, and a state that is cut off is refused.
+    /// Terms of two effects add up. Their states are accepted, saved and restored in sequence, and
+    /// a truncated state is refused.
     #[test]
     fn terms_add_up_and_keep_their_states() {
         let growing = |by: f64| -> Box<dyn GapTerm> { Box::new(Growing { height: 0.0, by }) };
@@ -432,7 +435,8 @@ mod tests {
         assert!(terms.restore(&mut &saved[..9]).is_err());
     }
 
-    /// The second effect of an exclusive kind is refused, by both names, and nothing of it is taken.
+    /// A second effect of an exclusive kind is refused with both names, and none of its terms is
+    /// added.
     #[test]
     fn a_second_effect_of_an_exclusive_kind_is_refused() {
         for kinds in [&[Kind::Yield], &[Kind::Expansion], &[Kind::Axle]] {

@@ -1,4 +1,4 @@
-//! What the thermal side says of its effects in a scene, before it is run.
+//! Advice of the thermal participant on its effects in a scene, before it is run.
 
 use crate::effects::REGISTRY;
 use crate::effects::friction_heat::Partition;
@@ -8,7 +8,8 @@ use crate::{LOWER, UPPER};
 use proto::advice::{self, Advice, Opinion};
 use proto::configuration::Mode;
 
-/// What the thermal side says of a scene. Of one whose contact nobody knows it says nothing, nor of a body at rest that warms for a time.
+/// Returns the estimated rises and the advice for a scene. The result is empty if the contact is
+/// unknown, and for a transient case with a stationary body.
 #[must_use]
 pub fn opinion(asked: &advice::Scene) -> Opinion {
     let Ok(scene) = Scene::read(&asked.case) else { return Opinion::default() };

@@ -1,29 +1,29 @@
-//! Capabilities: effects name those that they need of a model, models those that they have, and
-//! neither knows the other's name.
+//! Optional capabilities of models. Effects list those that they need and models those that they
+//! have, so that neither refers to the other by name.
 
-/// A capability that not every model has.
+/// Optional capability of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Capability {
-    /// Heat flows between the surfaces where they touch.
+    /// Heat exchange between surfaces in contact.
     Exchange,
-    /// Heat flows through gaps between the surfaces.
+    /// Heat exchange through gaps between the surfaces.
     Gaps,
     /// Potentials of an electric current through the contact.
     Potentials,
-    /// Rises of earlier passages add up.
+    /// Superposition of the rises left by earlier passages.
     EarlierPassages,
-    /// The rise of each body, integrated over its depth.
+    /// Rise of each body integrated over its depth.
     RiseIntegrals,
-    /// Properties depend on the temperature.
+    /// Material properties that depend on the temperature.
     VaryingProperties,
-    /// Free surfaces lose heat.
+    /// Heat loss through free surfaces.
     FreeSurfaces,
-    /// Rises of elements, on volumes.
+    /// Rises of the elements, on volume grids.
     Volumes,
 }
 
 impl Capability {
-    /// Returns the words for a model without it, to follow the name of the model.
+    /// Returns the text for a model without the capability, to follow the name of the model.
     #[must_use]
     pub fn lack(self) -> &'static str {
         match self {
@@ -39,13 +39,13 @@ impl Capability {
     }
 }
 
-/// A capability that the value of a key needs, beyond those that its effect always needs.
+/// Capability required by the value of a key, in addition to those that the effect always needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Need {
-    /// The key.
+    /// Key of the value.
     pub key: &'static str,
-    /// The capability that its value needs.
+    /// Capability that the value needs.
     pub capability: Capability,
-    /// Change of the key that suits a model without it.
+    /// Alternative value or action for a model without the capability.
     pub instead: &'static str,
 }

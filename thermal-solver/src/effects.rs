@@ -1,4 +1,4 @@
-//! The effects that the thermal participant takes part in: one file an effect, one line here.
+//! Effects that involve the thermal participant, one file and one registry entry each.
 
 pub mod bulk_heating;
 pub mod contact_conductance;
@@ -23,21 +23,21 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::{EffectSpec, Renamed};
 use proto::params::Params;
 
-/// Reads the capabilities that values of an effect's keys need of a model.
+/// Function that returns the capabilities required by the values of an effect's keys.
 pub type NeedsOfValues = fn(&Params) -> Result<Vec<Need>, Refusal>;
 
-/// An effect of the list.
+/// Entry of the registry list.
 #[derive(Clone, Copy, Debug)]
 pub struct Effect {
-    /// Name in the case file.
+    /// Name of the effect in the case file.
     pub name: &'static str,
-    /// Its description, but for the models that support it.
+    /// Returns the description of the effect, without the models that support it.
     pub spec: fn() -> EffectSpec,
-    /// Capabilities that it needs of a model.
+    /// Capabilities that a model needs to support the effect.
     pub needs: &'static [Capability],
-    /// Capabilities that values of its keys need besides.
+    /// Further capabilities that depend on the values of its keys.
     pub needs_of_values: Option<NeedsOfValues>,
-    /// What it says of itself in a scene.
+    /// Estimates how much the effect matters in a scene.
     pub advise: Option<fn(&Situation<'_>) -> Advice>,
 }
 
@@ -122,15 +122,18 @@ pub const REGISTRY: &[Effect] = &[
     },
 ];
 
-/// Keys of version 0.1.
+/// Returns the keys of version 0.1 that have been replaced.
 #[must_use]
 pub fn renamed() -> Vec<Renamed> {
     let to = "[effects.contact_conductance] with its conductance";
     vec![Renamed::new("effects.friction_heat.conductance", to)]
 }
 
-/// What the upper and the lower body are made of, and what is round them, with the effects that the case
-/// names.
+/// Reads the properties and the surroundings of the upper and the lower body, with the effects of
+/// the case.
+///
+/// # Errors
+/// A value that is missing or out of range; a table that cannot be read.
 pub fn natures(given: &Configuration, scene: &Scene) -> Result<[BodyProperties; 2], Refusal> {
     let case = &given.case;
     let mut surroundings = Surroundings::default();

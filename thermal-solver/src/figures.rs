@@ -1,12 +1,12 @@
-//! The figures of the section `temperature` of the summary, those of a body on a line of its own.
+//! Figures of the section `temperature` of the summary, one output line per body.
 
 use proto::figure::contact::{FRICTION_POWER, PATCHES, SEMI_AXIS_A};
 use proto::figure::{FigureSpec, Style};
 
-/// Largest rises of the heated strips [K]; a patch has that of its own strip.
+/// Key of the largest rises of the heated strips [K]; a patch is assigned that of its own strip.
 const STRIPS: &str = "temperature.*.each_strip.#.max_rise_k";
 
-/// All of them, in the order in which a person reads them.
+/// Returns all figures, in reading order.
 pub(crate) fn figures() -> Vec<FigureSpec> {
     let figure = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("temperature.*.{name}"), unit, words)

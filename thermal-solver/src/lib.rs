@@ -1,17 +1,17 @@
 //! Heat conduction into the upper and the lower body under a moving frictional contact.
 //!
-//! | module | what |
+//! | module | contents |
 //! |---|---|
-//! | [`models`] | the models, cheapest first, and their registry list |
-//! | [`heat`] | the numerics, a crate of their own |
-//! | [`capability`], `support` | what effects may need of a model; which model supports which effect |
-//! | [`situation`], [`advice`] | what is known of a scene before it is run, and what effects say of themselves with it |
-//! | [`effects`] | the effects this participant takes part in, one file an effect, and their list |
-//! | [`scene`] | what is read from the case: materials and speed |
+//! | [`models`] | the models and their registry list |
+//! | [`heat`] | the numerics, a separate crate |
+//! | [`capability`], `support` | optional capabilities of models, and those that effects need |
+//! | [`situation`], [`advice`] | estimates for a scene before it is run; advice of the effects |
+//! | [`effects`] | the effects that involve this participant, and their registry list |
+//! | [`scene`] | materials and speeds read from the case |
 //!
-//! Conventions: x is the rolling direction, y to the left, z up, origin at the centre of the
+//! Conventions: x is the rolling direction, y to the left, z up. The origin is the centre of the
 //! contact, and the frame moves with it. Material enters the contact at its leading edge (large x)
-//! and moves towards −x at the surface speed. Temperatures are rises over the initial one [K]; a
+//! and moves towards −x at the surface speed. Temperatures are rises above the initial one [K]; a
 //! heat flux into a body is positive. Pairs of values are ordered upper, lower.
 
 pub mod advice;
@@ -31,7 +31,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::Description;
 use proto::model::{Setup, Solver};
 
-/// The thermal participant's program: models and effects of the registry lists.
+/// Program of the thermal participant: models and effects of the registry lists.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ThermalSolver;
 

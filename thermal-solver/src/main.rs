@@ -1,4 +1,4 @@
-//! The thermal solver's executable.
+//! Executable of the thermal solver.
 
 use std::process::ExitCode;
 

@@ -1,9 +1,10 @@
-//! The models, those of one contact first, cheapest first: one file a model, one entry in the list here, its name in [`names`].
+//! The models of heat conduction, one file each. Each has an entry in the registry list and its
+//! name in [`names`].
 //!
-//! What models have in common stands beside them: [`setup`] checks a configuration and lays out the
-//! grids, [`inputs`] checks what comes in and splits the heat, [`summary`] fills the summary. A model
-//! whose surface temperatures are on the grid of the heat flux answers for the physics only, through
-//! [`conduction::Conduction`]; [`conduction_model`] does the rest. Any other implements
+//! Shared parts are separate modules: [`setup`] checks a configuration and lays out the grids,
+//! [`inputs`] checks the inputs and splits the heat, [`summary`] fills the summary. A model whose
+//! surface temperatures are on the grid of the heat flux implements only the physics, through
+//! [`conduction::Conduction`]; [`conduction_model`] does the rest. Any other model implements
 //! [`proto::model::Model`] with these helpers.
 
 pub mod columns;
@@ -34,20 +35,20 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::ModelSpec;
 use proto::model::Setup;
 
-/// A model of the list.
+/// Entry of the registry list.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// Name in the case file.
+    /// Name of the model in the case file.
     pub name: &'static str,
-    /// Its description.
+    /// Returns the description of the model.
     pub spec: fn() -> ModelSpec,
-    /// Capabilities that not every model has.
+    /// Optional capabilities of the model.
     pub capabilities: &'static [Capability],
-    /// Prepares it for a configuration.
+    /// Checks a configuration and prepares the model for it.
     pub configure: fn(&Configuration) -> Result<Box<dyn Setup>, Refusal>,
 }
 
-/// All models: those of one contact, cheapest first, and of bodies that repeat or end.
+/// All models: those of a single contact, cheapest first, then those of periodic or finite bodies.
 pub const REGISTRY: &[Entry] = &[
     Entry {
         name: names::ERTZ_KNOTHE,
@@ -87,10 +88,10 @@ pub const REGISTRY: &[Entry] = &[
     },
 ];
 
-/// The model with this name.
+/// Returns the model with this name.
 ///
 /// # Errors
-/// There is none.
+/// An unknown name.
 pub(crate) fn find(name: &str) -> Result<&'static Entry, Refusal> {
     REGISTRY.iter().find(|model| model.name == name).ok_or_else(|| {
         let known: Vec<&str> = REGISTRY.iter().map(|model| model.name).collect();

@@ -1,4 +1,4 @@
-//! What the thermal participant reads from a case, whatever the model: materials and speed.
+//! Materials and speeds that the thermal participant reads from a case, for all models.
 
 use heat::Material;
 use proto::bodies::{
@@ -9,24 +9,27 @@ use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;
 
-/// The bodies and their speed.
+/// Materials, initial temperatures and speeds of the bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// What the case calls the upper and the lower body.
+    /// Names of the upper and the lower body in the case.
     pub names: Bodies,
     /// Materials of the upper and the lower body.
     pub materials: [Material; 2],
     /// Initial temperatures of the upper and the lower body [K].
     pub initial_temperatures: [f64; 2],
-    /// Which of the bodies the case leaves at rest.
+    /// True for each body that the case prescribes as stationary.
     pub at_rest: [bool; 2],
-    /// Expected speeds of the surfaces of the upper and the lower body [m/s]; they set the depth of the
-    /// sections only, the heat moves with the surface speeds that arrive as an input.
+    /// Expected surface speeds of the upper and the lower body [m/s]. They set the depth of the
+    /// sections only; the conduction uses the surface speeds that arrive as an input.
     pub speeds: [f64; 2],
 }
 
 impl Scene {
-    /// Reads the scene; refuses what is missing or not positive, with the key named.
+    /// Reads the scene.
+    ///
+    /// # Errors
+    /// A value that is missing or not positive; the error names its key.
     pub fn read(case: &Params) -> Result<Self, Refusal> {
         let names = Bodies::read(case)?;
         let material = |body: usize| read_material(case, case.text(&names.key(body, "material"))?);
@@ -46,8 +49,8 @@ impl Scene {
     }
 }
 
-/// The speed of each body's own surface, or the rolling speed. A body at rest counts as passing at the
-/// other's speed: its section is as deep.
+/// Reads the surface speed of each body, or the rolling speed. A stationary body is assigned the
+/// speed of the other body, so that both sections are equally deep.
 fn read_speeds(case: &Params, names: &Bodies) -> Result<[f64; 2], Refusal> {
     let own = |body: usize| case.maybe_number(&names.key(body, "surface_speed"));
     let rolling = case.maybe_number(SPEED)?;
@@ -55,7 +58,7 @@ fn read_speeds(case: &Params, names: &Bodies) -> Result<[f64; 2], Refusal> {
     match (upper.unwrap_or(0.0), lower.unwrap_or(0.0)) {
         (upper, lower) if upper > 0.0 && lower > 0.0 => Ok([upper, lower]),
         (one, other) if one.max(other) > 0.0 => Ok([one.max(other); 2]),
-        // Heat of bodies that rest reaches as deep as a section can be.
+        // Between stationary bodies the section has its largest depth.
         _ if upper.is_some() || lower.is_some() => Ok([f64::MIN_POSITIVE; 2]),
         _ => Err(Refusal::new(
             SPEED,
@@ -67,7 +70,7 @@ fn read_speeds(case: &Params, names: &Bodies) -> Result<[f64; 2], Refusal> {
 
 const SPEED: &str = "motion.speed";
 
-/// The keys that [`Scene::read`] reads.
+/// Returns the keys that [`Scene::read`] reads.
 #[must_use]
 pub fn keys() -> Vec<KeySpec> {
     let property = |name: &str, unit: &str, help: &str| {

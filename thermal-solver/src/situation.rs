@@ -1,9 +1,10 @@
-//! What is known of a scene before it is run, and what effects may say of themselves with it.
+//! Estimates for a scene before it is run, on which the advice of the effects is based.
 //!
-//! The flux is that of an ellipse with the power and the size that the mechanics has estimated; its rise is that of a fast source and of
-//! one at rest, whose squares of the reciprocals add up: exact at both ends, to a tenth between them, and to a quarter for ellipses six
-//! times as long as wide. An estimate is of the first order: it says whether an effect is worth a run,
-//! and a run says by how much.
+//! The flux is elliptic, with the power and the size estimated by the mechanics. The rise combines
+//! that of a fast and that of a stationary source: the squares of their reciprocals are added. This
+//! is exact in both limits and within 10 % between them; for ellipses six times as long as wide it
+//! is within 25 %. The estimate is of first order: it tells whether an effect is worth a run, and
+//! the run gives its size.
 
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
@@ -16,29 +17,31 @@ use proto::figure::contact::{
 use proto::params::Params;
 use std::f64::consts::PI;
 
-/// Figures of the contact that estimates read; the mechanics describes them.
+/// Figures of the contact that the estimates read; the mechanical participant provides them.
 pub const OF_CONTACT: [&str; 5] =
     [FRICTION_POWER, SEMI_AXIS_A, SEMI_AXIS_B, APPROACH, SLIP_AREA_RATIO];
 
-/// Rise under a fast ellipse of flux, over q₀/β √(a/(πV)): the maximum of
+/// Rise under a fast elliptic flux, over q₀/β √(a/(πV)): the maximum of
 /// [`heat::closed_form::ellipse::surface`].
 const FAST: f64 = 2.188;
 
-/// Share of the rise of the surface up to which the heat capacity counts, for a flux that is
-/// constant in time. With heat capacity over conductivity rising by δ of itself a kelvin, ∫ λ dT at
-/// the surface falls by 0.196 δϑ of itself (the first-order perturbation of ierfc, integrated
-/// numerically), and for the mean over a share of the rise by a quarter of that share.
+/// Share of the surface rise over which the heat capacity is averaged, for a flux that is constant
+/// in time. Let heat capacity over conductivity rise by the relative amount δ per kelvin. Then ∫ λ
+/// dT at the surface falls by the relative amount 0.196 δϑ (first-order perturbation of ierfc,
+/// integrated numerically). With a constant mean over the share s of the rise it falls by s δϑ/4,
+/// which is the same for this s.
 const INSIDE: f64 = 0.785;
-/// Halvings of the range in which a rise is looked for.
+/// Number of bisection steps in the search for a rise.
 const HALVINGS: usize = 50;
-/// Depth of the heat over the semi-axis across, times this, is what the height of a warm surface
-/// lacks of that of a layer: fitted to the rise integrals of `moving-source`, to a tenth.
+/// Coefficient k of the surface height, which is that of a heated layer over 1 + k d/b, with the
+/// heated depth d and the semi-axis b across. Fitted to the rise integrals of `moving-source`,
+/// within 10 %.
 const WEIGHED_LESS: f64 = 1.4;
 
-/// Smaller rises are not worth a process [K].
+/// Smallest rise that justifies a thermal participant [K].
 const LEAST_RISE: f64 = 1.0;
 
-/// A scene, as an effect looks at it.
+/// Estimated contact and temperatures of a scene, for the advice of the effects.
 #[derive(Debug)]
 pub struct Situation<'a> {
     /// Materials and speeds.
@@ -51,18 +54,19 @@ pub struct Situation<'a> {
     pub semi_axes: [f64; 2],
     /// Approach of the bodies [m].
     pub approach: f64,
-    /// Heat that goes into both bodies [W].
+    /// Heat flow into both bodies [W].
     pub heat: [f64; 2],
-    /// Speeds of the surfaces [m/s].
+    /// Surface speeds of both bodies [m/s].
     pub speeds: [f64; 2],
     /// Largest rises of both bodies [K].
     pub rises: [f64; 2],
-    /// Part of the contact's length in which heat enters [-].
+    /// Share of the contact length in which heat enters [-].
     slips: f64,
 }
 
 impl<'a> Situation<'a> {
-    /// Of a scene whose contact is known, and whose heat goes into both bodies by `shares` at some speeds.
+    /// Estimates a scene whose contact is known; `shares` returns the heat partition for two
+    /// speeds. `None` if a figure of the contact is missing.
     pub fn of(
         scene: &'a Scene,
         case: &'a Params,
@@ -86,8 +90,8 @@ impl<'a> Situation<'a> {
         Some(own)
     }
 
-    /// Largest λ ϑ of a body with a diffusivity [m²/s], or ∫ λ dT where λ depends on the
-    /// temperature [W/m].
+    /// Largest λ ϑ [W/m] of a body with the given diffusivity [m²/s]; the value of ∫ λ dT if λ
+    /// depends on the temperature.
     fn potential(&self, body: usize, diffusivity: f64) -> f64 {
         let [a, b] = [self.semi_axes[0] * self.slips, self.semi_axes[1]];
         let flux = 1.5 * self.heat[body] / (PI * a * b);
@@ -99,10 +103,11 @@ impl<'a> Situation<'a> {
         if fast == 0.0 { 0.0 } else { (fast.powi(-2) + rest.powi(-2)).powf(-0.5) }
     }
 
-    /// Largest rise of a body whose properties depend on temperature [K].
+    /// Returns the largest rise of a body whose properties depend on temperature [K].
     ///
-    /// At rest ∫ λ dT is what it is for a constant λ. In motion the diffusivity counts as well, as
-    /// a mean from the initial temperature to [`INSIDE`] of the rise.
+    /// For a stationary body ∫ λ dT is the same as for a constant λ. For a moving body the
+    /// diffusivity matters as well, as a mean from the initial temperature to [`INSIDE`] of the
+    /// rise.
     #[must_use]
     pub fn rise_with(&self, body: usize, law: &Law) -> f64 {
         let (mut low, mut high) = (0.0, self.potential(body, f64::INFINITY));
@@ -118,36 +123,37 @@ impl<'a> Situation<'a> {
         law.rise(high)
     }
 
-    /// The body that becomes hotter.
+    /// Returns the body with the higher rise.
     #[must_use]
     pub fn hotter(&self) -> usize {
         if self.rises[UPPER] > self.rises[LOWER] { UPPER } else { LOWER }
     }
 
-    /// The key of the largest rise of a body.
+    /// Returns the key of the largest rise of a body.
     #[must_use]
     pub fn rise_of(&self, body: usize) -> String {
         max_rise(&self.scene.names.0[body])
     }
 
-    /// What an effect makes of the rise of a body; nothing of one that is not worth a process.
+    /// Adds the relative change of a body's rise to an advice; zero if the rise is too small to
+    /// justify a thermal participant.
     #[must_use]
     pub fn moved(&self, advice: Advice, body: usize, relative: f64) -> Advice {
         let counts = self.rises[body] >= LEAST_RISE;
         advice.moves(self.rise_of(body), if counts { relative } else { 0.0 })
     }
 
-    /// Heat per area that a passage leaves in the middle of a body's track, over the half-ellipse
-    /// of the flux [J/m²].
+    /// Heat per area that a passage of the elliptic flux leaves in the middle of a body's track
+    /// [J/m²].
     #[must_use]
     pub fn left_behind(&self, body: usize) -> f64 {
         self.heat[body] / (self.speeds[body] * 4.0 / 3.0 * self.semi_axes[1])
     }
 
-    /// Rise of a body behind the contact, integrated over its depth as the height of its surface
-    /// feels it ([`heat::moving_source::rise_integral`]) [K·m]: heat per area over the heat
-    /// capacity, less what has gone so deep that more than the place above it is raised. Infinite
-    /// for a body at rest.
+    /// Rise of a body behind the contact, integrated over the depth with the weight of the surface
+    /// height ([`heat::moving_source::rise_integral`]) [K·m]. It is the heat per area over the heat
+    /// capacity, reduced because deep heat raises more than the surface above it. Infinite for a
+    /// stationary body.
     #[must_use]
     pub fn rise_integral(&self, body: usize) -> f64 {
         let (material, [a, b]) = (&self.scene.materials[body], self.semi_axes);
@@ -159,13 +165,14 @@ impl<'a> Situation<'a> {
         layer / (1.0 + WEIGHED_LESS * depth / b)
     }
 
-    /// Va/(2κ) of a body.
+    /// Péclet number Va/(2κ) of a body.
     #[must_use]
     pub fn peclet(&self, body: usize) -> f64 {
         0.5 * self.speeds[body] * self.semi_axes[0] / self.scene.materials[body].diffusivity()
     }
 
-    /// What a coefficient of heat transfer [W/(m²·K)] takes of the rise of the hotter body while it is in the contact, relative to it.
+    /// Relative change of the rise of the hotter body that a heat transfer coefficient [W/(m²·K)]
+    /// causes while material passes the contact.
     #[must_use]
     pub fn lost_to(&self, coefficient: f64) -> f64 {
         let body = self.hotter();

@@ -1,4 +1,4 @@
-//! Models that support an effect: those that have all capabilities that it needs.
+//! Models that support an effect: those with all capabilities that it needs.
 
 use crate::capability::Capability;
 use crate::effects::{self, Effect};
@@ -21,7 +21,7 @@ pub(crate) fn description(effect: &Effect) -> EffectSpec {
 /// Refuses effects, and values of their keys, that need a capability which the model lacks.
 ///
 /// # Errors
-/// There is one.
+/// A capability that the model lacks; a value that cannot be read.
 pub(crate) fn refuse_needs(given: &Configuration, model: &Entry) -> Result<(), Refusal> {
     let refused = |key: &str, capability: Capability, instead: &str| {
         let first = models_that_can(&[capability]).next().expect("a model has each capability");

@@ -1,7 +1,9 @@
-//! What is known of a scene before it is run, and what effects may say of themselves with it.
+//! Estimates for a scene before it is run, and the methods by which effects estimate their
+//! influence.
 //!
-//! The contact is that of Hertz and Kalker's simplified theory (milliseconds); temperatures are what the thermal side has estimated.
-//! An estimate is of the first order: it says whether an effect is worth a run, and a run says by how much.
+//! The contact is estimated by Hertz's theory and Kalker's simplified theory (milliseconds).
+//! Temperatures are the estimates of the thermal side. Estimates are of first order: they show
+//! whether an effect is worth a run, and a run shows the size of the effect.
 
 use crate::case::scene::Scene;
 use proto::advice::{Advice, Known};
@@ -12,47 +14,50 @@ pub(crate) use proto::figure::contact::{
     CREEPAGE_XI as CREEPAGE, FRICTION_POWER as POWER, MAX_PRESSURE as PRESSURE,
 };
 
-/// A scene, as an effect looks at it.
+/// Scene with its estimates, as an effect sees it.
 pub(crate) struct Situation<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) case: &'a Params,
-    /// Surfaces may stick.
+    /// True if surfaces may stick.
     pub(crate) sticks: bool,
     pub(crate) known: &'a Known,
-    /// The figures of the contact of a scene, in which surfaces may stick or not, by their keys.
+    /// Estimates the quantities of the contact of a scene by their keys; the flag is true if
+    /// surfaces may stick.
     pub(crate) estimated: &'a dyn Fn(&Scene, bool) -> Option<Known>,
 }
 
 impl Situation<'_> {
-    /// A figure that somebody has estimated.
+    /// Returns an estimated quantity, if it is known.
     pub(crate) fn known(&self, key: &str) -> Option<f64> {
         self.known.get(key).copied()
     }
 
-    /// The case names the effect.
+    /// Returns true if the case has the effect.
     pub(crate) fn has(&self, effect: &str) -> bool {
         self.case.has(&format!("effects.{effect}"))
     }
 
-    /// The largest of the bodies' rises [K].
+    /// Largest temperature rise of the bodies [K].
     pub(crate) fn largest_rise(&self) -> Option<f64> {
         let rises = self.known.iter().filter(|(key, _)| is_max_rise(key));
         rises.map(|(_, rise)| *rise).reduce(f64::max)
     }
 
-    /// Largest pressure, and approach of the bodies [Pa, m].
+    /// Largest pressure [Pa] and approach [m].
     pub(crate) fn pressed(&self) -> Option<[f64; 2]> {
         Some([self.known(PRESSURE)?, self.known(APPROACH)?])
     }
 
-    /// A figure of the contact with another friction coefficient, or where surfaces may stick or not; `None` where friction does not
-    /// carry the force.
+    /// Estimates a quantity of the contact with another friction coefficient, with or without
+    /// sticking; `None` if friction does not carry the force.
     pub(crate) fn otherwise(&self, key: &str, friction: f64, sticks: bool) -> Option<f64> {
         let scene = Scene { friction_coefficient: friction, ..self.scene.clone() };
         (self.estimated)(&scene, sticks)?.get(key).copied()
     }
 
-    /// A layer that bears so much shear stress [Pa], named by a key: an ellipse of friction cut off at t = τ/(f p₀) carries (3t − t³)/2 of it.
+    /// Estimates the influence of a layer with a shear yield stress [Pa] that is named by a key. A
+    /// Hertz distribution of friction that is cut off at t = τ/(f p₀) carries (3t − t³)/2 of the
+    /// full force.
     pub(crate) fn cut_off(&self, effect: &str, key: &str, yield_stress: f64) -> Advice {
         let advice =
             Advice::new(effect, format!("what friction carries beyond {yield_stress:.1e} Pa"))
@@ -69,7 +74,7 @@ impl Situation<'_> {
         self.with_friction(advice, friction * 0.5 * (3.0 * cut - cut.powi(3)))
     }
 
-    /// What another friction coefficient makes of the friction power.
+    /// Adds the relative change of the friction power for another friction coefficient.
     pub(crate) fn with_friction(&self, advice: Advice, friction: f64) -> Advice {
         let now = self.otherwise(POWER, self.scene.friction_coefficient, self.sticks);
         let Some(now) = now.filter(|power| *power > 0.0) else { return advice };
@@ -79,7 +84,7 @@ impl Situation<'_> {
         }
     }
 
-    /// The names of the bodies' materials, each once.
+    /// Names of the materials of both bodies, each once.
     pub(crate) fn materials(&self) -> Vec<&str> {
         let of = |body: usize| self.case.text(&self.scene.names.key(body, "material")).ok();
         let mut names: Vec<&str> = (0..2).filter_map(of).collect();

@@ -1,6 +1,6 @@
-//! The contact patch in closed form that several models share: Hertz's ellipse, the ellipse that the
-//! case gives under `[contact]`, or the line of bodies that are straight across, with the grid that covers it and
-//! the friction limit it sets.
+//! Contact patch in closed form, shared by several models: the Hertz ellipse, the ellipse given
+//! under `[contact]`, or the line contact of bodies that are straight across. The module also has
+//! the grid that covers the patch and the friction limit.
 
 use crate::case::resolution::{MOST, RESOLUTION};
 use crate::case::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED, Scene, WIDTH};
@@ -16,32 +16,32 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt;
 
-/// More elements are refused: their fields would take gigabytes.
+/// Largest number of elements; the fields of larger grids would take gigabytes.
 const MOST_ELEMENTS: f64 = 33_554_432.0;
 
-/// The normal contact.
+/// Normal contact in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ellipse {
     /// Semi-axis a along x [m].
     pub(crate) semi_axis_a: f64,
-    /// Semi-axis b along y; of a line half its width [m].
+    /// Semi-axis b along y, or half the width of a line contact [m].
     pub(crate) semi_axis_b: f64,
-    /// A line of contact, uniform across.
+    /// True for a line contact, uniform across its width.
     pub(crate) line: bool,
     /// Pressure at the centre [Pa].
     pub(crate) max_pressure: f64,
-    /// Approach of the bodies, unknown for a given ellipse [m].
+    /// Approach of the bodies [m]; unknown for a given ellipse.
     pub(crate) approach: Option<f64>,
-    /// Normal force that it carries [N].
+    /// Normal force of the patch [N].
     pub(crate) normal_force: f64,
-    /// What it is held against.
+    /// Reference values of the assessment indicators.
     pub(crate) indicators: Indicators,
 }
 
-/// What a grid has to cover: one ellipse, or several.
+/// Region that a grid has to cover: one ellipse, or several.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extent {
-    /// Semi-axis of which an element is a part [m].
+    /// Semi-axis that sets the element size [m].
     pub(crate) finest: f64,
     /// Smallest semi-axis along x [m].
     pub(crate) smallest: f64,
@@ -49,18 +49,18 @@ pub(crate) struct Extent {
     pub(crate) a: f64,
     /// Largest semi-axis along y [m].
     pub(crate) b: f64,
-    /// Of lines, which one row covers.
+    /// True for line contacts, which one row of elements covers.
     pub(crate) line: bool,
 }
 
 impl Extent {
-    /// Of contacts that grow by this factor, from elements of the same size on.
+    /// Returns the extent enlarged by a factor, with the same element size.
     pub(crate) fn grown(&self, factor: f64) -> Self {
         let b = if self.line { self.b } else { factor * self.b };
         Self { a: factor * self.a, b, ..*self }
     }
 
-    /// That of both.
+    /// Returns the extent that covers both.
     pub(crate) fn and(&self, other: &Self) -> Self {
         Self {
             finest: self.finest.min(other.finest),
@@ -71,8 +71,8 @@ impl Extent {
         }
     }
 
-    /// Rows and columns of elements Δx = Δy = finest/resolution that cover it, odd in number; of a line one
-    /// row.
+    /// Returns a grid of elements Δx = Δy = finest/resolution that covers the extent. The numbers
+    /// of rows and columns are odd; a line contact has one row.
     pub(crate) fn grid(&self, resolution: usize) -> Result<Structured, Refusal> {
         let step = self.finest / resolution as f64;
         let half = |semi_axis: f64| (semi_axis / step - 0.5).ceil().max(0.0);
@@ -94,17 +94,17 @@ impl Extent {
     }
 }
 
-/// What is prescribed on an ellipse.
+/// Prescribed tangential force or creepage of an ellipse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Prescribed {
-    /// Longitudinal force over f N, in [−1, 1]; positive drives.
+    /// Longitudinal force divided by f N, in [−1, 1]; positive drives.
     ForceRatio(f64),
     /// Creepages: longitudinal and lateral [-], spin [rad/m].
     Creepage { xi: f64, eta: f64, phi: f64 },
 }
 
 impl Ellipse {
-    /// Solves the normal contact, or takes the given ellipse.
+    /// Solves the normal contact, or uses the given ellipse.
     pub(crate) fn solve(scene: &Scene, given: Option<GivenPatch>) -> Result<Self, Refusal> {
         let ellipse = match given {
             Some(patch) => Self::of_given_patch(scene, patch),
@@ -127,7 +127,7 @@ impl Ellipse {
         Self { semi_axis_a, semi_axis_b, line, max_pressure, approach, normal_force, indicators }
     }
 
-    /// The line along which bodies touch that are straight across.
+    /// Solves the line contact of bodies that are straight across.
     fn of_line(scene: &Scene) -> Result<Self, Refusal> {
         let width = scene.width.unwrap_or_default();
         let gap = scene.gap_coefficient_x();
@@ -201,8 +201,8 @@ impl Ellipse {
         .within_the_bodies(scene)
     }
 
-    /// Refuses a contact that is longer than a body is round: the paraboloid that stands for it goes
-    /// on there, and the body does not.
+    /// Refuses a semi-axis a that is not below the smallest radius along x. The paraboloid that
+    /// approximates the body continues there, and the body does not.
     fn within_the_bodies(self, scene: &Scene) -> Result<Self, Refusal> {
         let a = self.semi_axis_a;
         let radius = scene.smallest_radius_x();
@@ -219,7 +219,7 @@ impl Ellipse {
     }
 
     fn refuse_beyond_floating_point(&self, scene: &Scene) -> Result<(), Refusal> {
-        // The area of the smallest element is the root of its square.
+        // Square of the area of the smallest element, which must be representable as well.
         let squared_area = (self.semi_axis_a / MOST as f64).powi(4);
         let size = [squared_area, self.semi_axis_b, self.max_pressure, self.normal_force];
         if size.iter().all(|value| value.is_normal()) {
@@ -244,13 +244,13 @@ impl Ellipse {
         }
     }
 
-    /// What a grid for it covers.
+    /// Extent of a grid that covers the ellipse.
     pub(crate) fn extent(&self) -> Extent {
         let Self { semi_axis_a: a, semi_axis_b: b, line, .. } = *self;
         Extent { finest: a, smallest: a, a, b, line }
     }
 
-    /// What drives the upper body, with a force as its share of f N.
+    /// Returns the prescribed creepage, or the prescribed force as a share of f N.
     pub(crate) fn prescribed(&self, scene: &Scene) -> Result<Prescribed, Refusal> {
         let within = |key: &str, value: f64, limit: f64, unit: &str| {
             if value.abs() <= limit {
@@ -276,9 +276,9 @@ impl Ellipse {
         }
     }
 
-    /// What a reader should know when the ellipse replaces the case's normal force.
+    /// Returns a remark if the given ellipse replaces the load of the case.
     pub(crate) fn remark(&self, scene: &Scene) -> Option<String> {
-        // Quantities are shown to about this accuracy; less is no difference to a reader.
+        // Smallest relative difference that is visible in printed numbers.
         const VISIBLE: f64 = 1e-6;
         if self.approach.is_some() {
             return None;
@@ -294,7 +294,7 @@ impl Ellipse {
         ))
     }
 
-    /// Its strips on a grid that covers it.
+    /// Strips of the patch on a grid that covers it.
     pub(crate) fn strips(&self, grid: Structured) -> Strips {
         let Self { semi_axis_a: a, semi_axis_b: b, .. } = *self;
         if self.line { Strips::of_line(a, b, grid) } else { Strips::new(a, b, grid) }
@@ -306,7 +306,7 @@ impl Ellipse {
         shape * self.semi_axis_a * self.semi_axis_b
     }
 
-    /// Writes the element means of Hertz's pressure [Pa].
+    /// Writes the element means of the Hertz pressure [Pa].
     pub(crate) fn write_pressure(&self, grid: Structured, means: &mut [f64]) {
         let strips = self.strips(grid);
         let (density, amplitude) = (SemiEllipse, self.max_pressure);
@@ -314,7 +314,7 @@ impl Ellipse {
         strips.write_means(&StripField { density, amplitude, lateral }, means);
     }
 
-    /// The figures of the summary that it gives in closed form.
+    /// Summary quantities that are known in closed form.
     pub(crate) fn closed_forms(&self) -> BTreeMap<String, f64> {
         let known = [
             ("semi_axis_a_m", Some(self.semi_axis_a)),
@@ -326,7 +326,7 @@ impl Ellipse {
         known.into_iter().filter_map(keyed).collect()
     }
 
-    /// The ellipse's part of the section `contact` of `summary.json`.
+    /// Part of the section `contact` of `summary.json` that describes the ellipse.
     pub(crate) fn summary(&self) -> Value {
         let mut contact = json!({
             "semi_axis_a_m": self.semi_axis_a,
@@ -359,7 +359,7 @@ impl fmt::Display for Ellipse {
     }
 }
 
-/// The key that decides how large the contact is.
+/// Key of the prescribed load, which determines the size of the contact.
 fn load_key(scene: &Scene) -> &'static str {
     match scene.load {
         Load::NormalForce(_) => NORMAL_FORCE,
@@ -367,15 +367,15 @@ fn load_key(scene: &Scene) -> &'static str {
     }
 }
 
-/// What to write where bodies touch along a line: along y, or along x.
+/// Suggested fix if the bodies touch along a line: along y, or along x.
 const LINE_FIX: [&str; 2] = [
     "write a radius of the size of the other bodies' radii; or remove it, and write contact.width for a line of contact (half-space, hertz-carter)",
     "write a radius of the size of the other bodies' radii",
 ];
 
-/// Refuses bodies that touch along a line or all around instead of over an ellipse.
+/// Refuses bodies that touch along a line, or that conform, and so have no contact ellipse.
 fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refusal> {
-    // Semi-axes in a ratio of about a million.
+    // Smallest ratio of the gap coefficients; the semi-axes then have a ratio of about a million.
     const FLATTEST: f64 = 1e-12;
     let [along, across] = [gap_y <= FLATTEST * gap_x, gap_x <= FLATTEST * gap_y];
     if !along && !across {
@@ -398,7 +398,7 @@ fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refu
         scene.names.0[hollow],
         scene.names.0[1 - hollow]
     );
-    // In a flat body, or one that is hollow itself, a hollow one touches nothing but its rim.
+    // A concave body touches a flat or concave one only at its rim.
     let fix = match other.is_finite() {
         true if other > 0.0 => format!("write a value below -{other} m, or above 0 m"),
         true => format!("write a value above 0 m and below {} m", -other),

@@ -1,8 +1,7 @@
-//! Case values checked against the very specifications that the description publishes.
+//! Case values, checked against the specifications that the description publishes.
 //!
-//! A coordinator has normally checked all of this already. A participant that is started by
-//! anything else still refuses a value out of range, with the same bounds, because both read the
-//! same [`KeySpec`].
+//! A coordinator has normally checked all values already. A participant that is started otherwise
+//! refuses the same values, because both read the same [`KeySpec`].
 
 use proto::configuration::Refusal;
 use proto::description::{KeyKind, KeySpec};
@@ -16,17 +15,17 @@ pub(crate) struct CheckedParams<'a> {
 }
 
 impl<'a> CheckedParams<'a> {
-    /// Values of `params` that `specs` describe.
+    /// Selects the values of `params` that `specs` describe.
     pub(crate) fn new(params: &'a Params, specs: impl Into<Cow<'a, [KeySpec]>>) -> Self {
         Self { params, specs: specs.into() }
     }
 
-    /// A number, or its default [SI]; refused when missing or out of range.
+    /// Reads a number in SI units, or its default; refuses a value that is missing or out of range.
     pub(crate) fn number(&self, key: &str) -> Result<f64, Refusal> {
         self.maybe_number(key)?.ok_or_else(|| missing(key))
     }
 
-    /// A number, its default, or nothing [SI]; refused when out of range.
+    /// Reads a number in SI units, or its default, if there is one; refuses a value out of range.
     pub(crate) fn maybe_number(&self, key: &str) -> Result<Option<f64>, Refusal> {
         let spec = self.spec(key);
         let value = self.params.maybe_number(key)?;
@@ -34,7 +33,8 @@ impl<'a> CheckedParams<'a> {
         value.map(|number| in_range(key, spec, number)).transpose()
     }
 
-    /// A number or a list of numbers, or nothing [SI]; refused when empty or out of range.
+    /// Reads a number or a list of numbers in SI units, if there is one; refuses an empty list and
+    /// values out of range.
     pub(crate) fn maybe_numbers(&self, key: &str) -> Result<Option<Vec<f64>>, Refusal> {
         let Some(serde_json::Value::Array(items)) = self.params.get(key) else {
             return Ok(self.maybe_number(key)?.map(|value| vec![value]));
@@ -53,7 +53,7 @@ impl<'a> CheckedParams<'a> {
         items.iter().map(number).collect::<Result<_, _>>().map(Some)
     }
 
-    /// A whole number, or its default; refused when missing or out of range.
+    /// Reads an integer, or its default; refuses a value that is missing or out of range.
     pub(crate) fn integer(&self, key: &str) -> Result<i64, Refusal> {
         let spec = self.spec(key);
         let default = spec.default.as_ref().and_then(serde_json::Value::as_i64);
@@ -64,7 +64,8 @@ impl<'a> CheckedParams<'a> {
         in_range(key, spec, value as f64).map(|_| value)
     }
 
-    /// A text or word, or its default; refused when missing or not one of the choices.
+    /// Reads a text or a choice, or its default; refuses a value that is missing or not one of the
+    /// choices.
     pub(crate) fn text(&self, key: &str) -> Result<&str, Refusal> {
         let spec = self.spec(key);
         let default = spec.default.as_ref().and_then(serde_json::Value::as_str);
@@ -82,7 +83,7 @@ impl<'a> CheckedParams<'a> {
         }
     }
 
-    /// The case itself has the key; defaults do not count.
+    /// Returns true if the case itself contains the key; defaults do not count.
     pub(crate) fn has(&self, key: &str) -> bool {
         self.params.has(key)
     }
@@ -93,10 +94,11 @@ impl<'a> CheckedParams<'a> {
     }
 }
 
-/// A dotted key fits a path in which `*` stands for any one name.
+/// Returns true if a dotted key matches a path, in which `*` stands for any one name.
 fn matches(path: &str, key: &str) -> bool {
     let (mut path, mut key) = (path.as_bytes(), key.as_bytes());
-    // Byte by byte: a history looks for its keys in every row, and most paths differ early.
+    // Compares byte by byte, which is fast: a history searches its keys for every row, and most
+    // paths differ early.
     while let [first, rest @ ..] = path {
         let taken = match first {
             b'*' => key.iter().take_while(|byte| **byte != b'.').count(),

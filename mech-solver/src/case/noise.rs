@@ -1,32 +1,38 @@
-//! Noise of a measured profile: how far its points scatter about a smooth curve, and what that does to the pressure.
+//! Noise of a measured profile: scatter of its points about a smooth curve, and the resulting
+//! change of the pressure.
 //!
-//! *Scatter.* A point differs by r from the cubic through its two neighbours on either side, with weights w of
-//! Lagrange over the chord length. Noise of standard deviation σ gives r the deviation σ √(1 + Σw²), so that σ is
-//! the median of |r|/√(1 + Σw²) over 0.6745. Corners are too few to move the median, and a smooth shape leaves
-//! its fourth difference, h⁴ z''''/6, which is far below the noise that matters.
+//! *Scatter.* A point deviates by r from the cubic through its two neighbours on either side, with
+//! the Lagrange weights w over the chord length. Noise of standard deviation σ gives r the standard
+//! deviation σ √(1 + Σw²), so that σ is estimated as the median of |r|/√(1 + Σw²), divided by
+//! 0.6745. Corners are too few to move the median. A smooth shape contributes its fourth
+//! difference, h⁴ z''''/6, which is far below the noise that matters.
 //!
-//! *Pressure.* Waves of amplitude σ and length λ that are pressed flat take the pressure π E* σ/λ (Johnson, *Contact
-//! Mechanics*, 13.2). Noise of points with spacing h has its shortest visible waves at 2 h and most of its power
-//! near 4 h, which stands for λ: an order of magnitude, not an error bar.
+//! *Pressure.* Pressing waves of amplitude σ and length λ flat takes the pressure π E* σ/λ
+//! (Johnson, *Contact Mechanics*, 13.2). Noise of points with the spacing h has its shortest
+//! visible waves at 2 h and most of its power near 4 h, which is used for λ. The result is an order
+//! of magnitude, not an error bar.
 //!
-//! Source: Rousseeuw & Croux, J. Am. Stat. Assoc. 88 (1993) 1273, for the median of absolute deviations.
+//! Source: Rousseeuw & Croux, J. Am. Stat. Assoc. 88 (1993) 1273, for the median of absolute
+//! deviations.
 
 use proto::configuration::Refusal;
 use std::f64::consts::PI;
 
-/// Fewest points of which a scatter is told.
+/// Smallest number of points for an estimate of the scatter.
 const FEWEST: usize = 9;
-/// Median of the absolute value of a normal variable, over its standard deviation.
+/// Median of the absolute value of a normal variable, relative to its standard deviation.
 const MEDIAN: f64 = 0.6745;
-/// Wavelength that stands for the noise, over the spacing of the points.
+/// Wavelength that represents the noise, relative to the spacing of the points.
 const WAVE: f64 = 4.0;
-/// Least pressure of noise that is told of, over E*: 50 MPa between bodies of steel, a twentieth of a wheel's.
+/// Smallest pressure of noise that causes a warning, relative to E*: 50 MPa between steel bodies, a
+/// twentieth of the pressure under a wheel.
 const LEAST: f64 = 4.3e-4;
-/// Tolerance of smoothing that lets nearly every point back to the curve, over the scatter.
+/// Suggested tolerance of smoothing, relative to the scatter; nearly every point lies within it.
 const TOLERANCE: f64 = 3.0;
 
-/// The warning that the points of a profile [m] scatter so much that the pressure between bodies of a contact
-/// modulus E* [Pa] shows it. `key` is that of the profile, `tolerance` that of its smoothing.
+/// Returns a warning if the scatter of the points of a profile [m] visibly changes the pressure
+/// between bodies with the contact modulus E* [Pa]. `key` is the key of the profile, `tolerance`
+/// that of its smoothing.
 pub(crate) fn warning(
     key: &str,
     tolerance: &str,
@@ -48,7 +54,8 @@ pub(crate) fn warning(
     })
 }
 
-/// Standard deviation of points from a smooth curve, and the median of their spacing [m].
+/// Returns the standard deviation of points from a smooth curve, and the median of their spacing
+/// [m].
 fn scatter(points: &[[f64; 2]]) -> Option<(f64, f64)> {
     if points.len() < FEWEST {
         return None;
@@ -84,7 +91,7 @@ mod tests {
     fn crown(noise: f64, step: f64) -> Vec<[f64; 2]> {
         let mut random = 1_u64;
         let mut normal = || {
-            // The sum of twelve uniform numbers, less its mean, has the deviation 1.
+            // The sum of twelve uniform numbers minus its mean has the standard deviation 1.
             let uniform = |state: &mut u64| {
                 *state = state
                     .wrapping_mul(6_364_136_223_846_793_005)
@@ -101,7 +108,7 @@ mod tests {
         (0..=count).map(point).collect()
     }
 
-    /// The estimate is that of the noise, within the scatter of a median of 120 values.
+    /// The estimate matches the noise within the scatter of a median of 120 values.
     #[test]
     fn scatter_is_that_of_the_noise() {
         for noise in [0.5e-6, 2e-6, 10e-6] {

@@ -1,30 +1,32 @@
-//! Values over a coordinate, such as a temperature, from a table ([`proto::table`]), straight between its rows.
+//! Values over a coordinate such as temperature, from a table ([`proto::table`]) with linear
+//! interpolation.
 
 use proto::bodies::ABSOLUTE;
 use proto::table::{Column, Reading, Table};
 use std::path::Path;
 
-/// Larger files are refused [byte].
+/// Largest size of a file [byte].
 const MOST_BYTES: u64 = 1 << 24;
 
-/// The column of absolute temperatures.
+/// Column of absolute temperatures.
 pub(crate) fn absolute_temperature() -> Column {
     Column::new(&["temperature", "T"], "K").expected(100.0..=3000.0, ABSOLUTE)
 }
 
-/// `N` values at coordinates that rise.
+/// Tables of `N` values at rising coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PiecewiseLinear<const N: usize> {
     points: Vec<(f64, [f64; N])>,
-    /// The first and the last values hold beyond them.
+    /// True if the first and the last values hold beyond the ends.
     clamps: bool,
 }
 
 impl<const N: usize> PiecewiseLinear<N> {
-    /// Reads a file with a table of `columns`: the coordinate, and `N` values. `check` refuses values.
+    /// Reads a file with a table of `columns`: the coordinate, and `N` values. `check` refuses
+    /// values of a row.
     ///
     /// # Errors
-    /// What is wrong with the file, and in which line.
+    /// A file or a table that is unusable; the text names the line.
     pub(crate) fn read(
         path: &Path,
         columns: &[Column],
@@ -35,10 +37,10 @@ impl<const N: usize> PiecewiseLinear<N> {
         Self::from_table(&table.map_err(|error| error.to_string())?, columns, clamps, check)
     }
 
-    /// Takes the columns of a table, as [`PiecewiseLinear::read`] does.
+    /// Reads the columns of a table, as [`PiecewiseLinear::read`] does.
     ///
     /// # Errors
-    /// What is wrong with it, and in which line.
+    /// A table that is unusable; the text names the line.
     pub(crate) fn from_table(
         table: &Table,
         columns: &[Column],
@@ -56,18 +58,18 @@ impl<const N: usize> PiecewiseLinear<N> {
         Ok(Self { points: (0..table.rows()).map(point).collect::<Result<_, String>>()?, clamps })
     }
 
-    /// The coordinates of the rows.
+    /// Coordinates of the rows.
     pub(crate) fn coordinates(&self) -> impl Iterator<Item = f64> {
         self.points.iter().map(|(at, _)| *at)
     }
 
-    /// No value rises with the temperature.
+    /// Returns true if no value rises with the coordinate.
     pub(crate) fn falls(&self) -> bool {
         let falls = |low: &[f64; N], high: &[f64; N]| low.iter().zip(high).all(|(a, b)| a >= b);
         self.points.windows(2).all(|pair| falls(&pair[0].1, &pair[1].1))
     }
 
-    /// The values at a temperature [K]; `None` beyond the lines, if their ends do not hold there.
+    /// Returns the values at a coordinate; `None` beyond the rows unless the ends are clamped.
     pub(crate) fn at(&self, temperature: f64) -> Option<[f64; N]> {
         let Self { points, clamps } = self;
         let right = points.partition_point(|(at, _)| *at <= temperature);
@@ -129,7 +131,7 @@ mod tests {
     }
 
     proptest! {
-        /// Any text is read or refused.
+        /// Any text is either read or refused, without a panic.
         #[test]
         fn any_text_is_read_or_refused(text in "[-0-9eEinfa.,; #\n]{0,200}") {
             if let Ok(curve) = curve::<1>(&text, false) {

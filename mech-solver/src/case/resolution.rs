@@ -1,17 +1,17 @@
-//! Elements per semi-axis a, which every model has a default of its own for.
+//! Key `resolution`: elements per semi-axis a. Each model has its own default.
 
 use crate::case::keys::CheckedParams;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;
 
-/// The key.
+/// Name of the key.
 pub(crate) const RESOLUTION: &str = "mech.resolution";
 
-/// Most elements per semi-axis.
+/// Largest number of elements per semi-axis.
 pub(crate) const MOST: usize = 2000;
 
-/// The key with a model's default.
+/// Returns the key with the default of a model.
 pub(crate) fn key(default: usize) -> KeySpec {
     KeySpec::integer(RESOLUTION, "elements per semi-axis a: dx = dy = a/resolution")
         .default_value(default)
@@ -19,10 +19,10 @@ pub(crate) fn key(default: usize) -> KeySpec {
         .at_most(MOST as f64)
 }
 
-/// The value of a case.
+/// Reads the value of a case.
 ///
 /// # Errors
-/// It is out of range.
+/// A value out of range.
 pub(crate) fn read(case: &Params, default: usize) -> Result<usize, Refusal> {
     let value = CheckedParams::new(case, vec![key(default)]).integer(RESOLUTION)?;
     Ok(usize::try_from(value).expect("the key's range is positive and small"))

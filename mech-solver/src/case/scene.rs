@@ -1,4 +1,4 @@
-//! What the case says of the bodies, motion, load and friction, as plain structs in SI units.
+//! Bodies, motion, load and friction of a case, as plain structs in SI units.
 
 use crate::case::keys::CheckedParams;
 use elastic::Material;
@@ -8,14 +8,15 @@ use proto::description::{KeySpec, Renamed};
 use proto::params::Params;
 use std::sync::LazyLock;
 
-/// What drives the upper body: a force or a creepage. Positive forces and negative creepages drive.
+/// Prescribed motion of the upper body: a force, a creepage or a shift. Positive forces and
+/// negative creepages drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive {
-    /// Longitudinal force on the upper body over the normal force [-].
+    /// Longitudinal force on the upper body divided by the normal force [-].
     TractionCoefficient(f64),
     /// Longitudinal force on the upper body [N].
     TangentialForce(f64),
-    /// Velocity of the upper body relative to the lower one, over the rolling speed.
+    /// Velocity of the upper body relative to the lower one, divided by the rolling speed.
     Creepage {
         /// Longitudinal [-].
         xi: f64,
@@ -24,11 +25,12 @@ pub enum Drive {
         /// Spin [rad/m].
         phi: f64,
     },
-    /// Rigid shift of the upper body against the lower one, without rolling: along x and y [m], about z [rad].
+    /// Rigid shift of the upper body relative to the lower one, without rolling: along x and y [m],
+    /// about z [rad].
     Shift([f64; 3]),
 }
 
-/// What presses the bodies together.
+/// Prescribed normal load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load {
     /// Normal force N [N].
@@ -40,56 +42,56 @@ pub enum Load {
 /// One body of the pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Radius along x, the rolling radius of a body that turns [m]; infinite for a straight body,
+    /// Radius along x [m], the rolling radius of a rotating body; infinite for a straight body,
     /// negative for a concave one.
     pub radius_x: f64,
     /// Lateral radius [m]; infinite for a straight body, negative for a concave one.
     pub radius_y: f64,
     /// Elastic constants.
     pub material: Material,
-    /// Yield stress, if it is known [Pa].
+    /// Yield stress [Pa], if the case gives one.
     pub yield_stress: Option<f64>,
 }
 
-/// How fast the surfaces pass through the contact.
+/// Speeds of rolling and of the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
-    /// Rolling speed V, over which creepages are [m/s]; 0 for bodies that do not roll.
+    /// Rolling speed V [m/s], the reference of the creepages; 0 for bodies that do not roll.
     pub rolling: f64,
-    /// The speeds of the upper and the lower surface, where the case prescribes them [m/s].
+    /// Speeds of the upper and the lower surface [m/s], if the case prescribes them.
     pub prescribed: Option<[f64; 2]>,
 }
 
 impl Speeds {
-    /// Speeds [m/s] at which the material of the upper and the lower body passes through the contact
-    /// with a longitudinal creepage ξ: V − ξ V and V, unless they are prescribed. A driving body
-    /// (ξ < 0) is faster.
+    /// Returns the speeds [m/s] at which the material of the upper and the lower body passes
+    /// through the contact. They are V − ξ V and V with the longitudinal creepage ξ, unless the
+    /// case prescribes them. A driving body (ξ < 0) is faster.
     #[must_use]
     pub fn of_surfaces(&self, creepage_xi: f64) -> [f64; 2] {
         self.prescribed.unwrap_or([self.rolling * (1.0 - creepage_xi), self.rolling])
     }
 }
 
-/// The case values that every model reads.
+/// Case values that every model reads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// What the case calls the upper and the lower body.
+    /// Names of the upper and the lower body in the case.
     pub names: Bodies,
-    /// The upper and the lower body.
+    /// Upper and lower body.
     pub bodies: [Body; 2],
     /// Speeds of rolling and of the surfaces.
     pub speeds: Speeds,
-    /// Prescribed force or creepage.
+    /// Prescribed force, creepage or shift.
     pub drive: Drive,
     /// Prescribed normal force or approach.
     pub load: Load,
     /// Friction coefficient f [-].
     pub friction_coefficient: f64,
-    /// Width of bodies that touch along a line, uniform across it [m]; `None` for an ellipse.
+    /// Width of a line contact, uniform across it [m]; `None` for an ellipse.
     pub width: Option<f64>,
 }
 
-/// A contact ellipse given by the case in place of the Hertz solution.
+/// Contact ellipse given by the case in place of the Hertz solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GivenPatch {
     /// Semi-axis a along x [m].
@@ -100,11 +102,13 @@ pub struct GivenPatch {
     pub max_pressure: f64,
 }
 
-/// What [`Scene::read`] reads, made once: a history has a scene in every row.
+/// Keys that [`Scene::read`] reads. They are built once, because a history has a scene in every
+/// row.
 static KEYS: LazyLock<Vec<KeySpec>> =
     LazyLock::new(|| [body_keys(), contact_keys(), vec![width_key()]].concat());
 
-/// The keys of a contact that bears a load and moves: all that [`Scene::read`] reads besides [`body_keys`].
+/// Returns the keys of motion, load and friction. [`Scene::read`] also reads [`body_keys`] and
+/// [`width_key`].
 #[must_use]
 pub fn contact_keys() -> Vec<KeySpec> {
     let mut keys = motion_keys();
@@ -133,7 +137,7 @@ pub fn contact_keys() -> Vec<KeySpec> {
     keys
 }
 
-/// The keys of the bodies and their materials, which every model reads.
+/// Returns the keys of the bodies and their materials, which every model reads.
 #[must_use]
 pub fn body_keys() -> Vec<KeySpec> {
     vec![
@@ -172,7 +176,7 @@ pub fn body_keys() -> Vec<KeySpec> {
     ]
 }
 
-/// The tables of bodies of version 0.1.
+/// Returns the tables of bodies of version 0.1, with their present names.
 #[must_use]
 pub fn renamed() -> Vec<Renamed> {
     let table = |name: &str, position: &str, radii: &str| {
@@ -188,7 +192,8 @@ pub fn renamed() -> Vec<Renamed> {
 pub(crate) const NORMAL_FORCE: &str = "load.normal_force";
 pub(crate) const APPROACH: &str = "load.approach";
 
-/// Group of the alternatives that drive the upper body; none of them where surface speeds do.
+/// Group of the alternative keys that drive the upper body; none is needed if surface speeds drive
+/// it.
 pub(crate) const DRIVE: &str = "motion.drive";
 const TRACTION_COEFFICIENT: &str = "motion.traction_coefficient";
 const TANGENTIAL_FORCE: &str = "motion.tangential_force";
@@ -236,7 +241,7 @@ fn motion_keys() -> Vec<KeySpec> {
     ]
 }
 
-/// The keys of a shift, for the models that solve one.
+/// Returns the keys of a shift, for the models that solve one.
 #[must_use]
 pub fn shift_keys() -> Vec<KeySpec> {
     let help = [
@@ -253,7 +258,7 @@ pub fn shift_keys() -> Vec<KeySpec> {
 
 pub(crate) const WIDTH: &str = "contact.width";
 
-/// The key of a line of contact, for the models that solve one.
+/// Returns the key of the width of a line contact, for the models that solve one.
 #[must_use]
 pub fn width_key() -> KeySpec {
     let help = "width of bodies that touch along a line: plane strain, the same all over the width; absent: an ellipse";
@@ -262,7 +267,7 @@ pub fn width_key() -> KeySpec {
         .above(0.0)
 }
 
-/// The keys that [`GivenPatch::read`] reads, for the models that take a given ellipse.
+/// Returns the keys that [`GivenPatch::read`] reads, for the models that accept a given ellipse.
 #[must_use]
 pub fn given_patch_keys() -> Vec<KeySpec> {
     let key = |path, unit, help| KeySpec::quantity(path, unit, help).above(0.0).together("contact");
@@ -274,11 +279,11 @@ pub fn given_patch_keys() -> Vec<KeySpec> {
 }
 
 impl Scene {
-    /// Reads the case values named by [`body_keys`] and [`contact_keys`].
+    /// Reads the case values named by [`body_keys`], [`contact_keys`] and [`width_key`].
     ///
     /// # Errors
-    /// A key that is missing or out of range, a tread radius of zero, and none or several of the
-    /// alternatives that drive the wheel.
+    /// A key that is missing or out of range; a radius of zero; none or several of the alternatives
+    /// that drive the upper body.
     pub fn read(params: &Params) -> Result<Self, Refusal> {
         let case = CheckedParams::new(params, &KEYS[..]);
         let names = Bodies::read(params)?;
@@ -305,11 +310,11 @@ impl Scene {
         })
     }
 
-    /// Radius R along x of the pair, 1/R = 1/R₁ + 1/R₂ [m].
+    /// Combined radius R of the pair along x, 1/R = 1/R₁ + 1/R₂ [m].
     #[must_use]
     pub fn relative_radius_x(&self) -> f64 {
         let [upper, lower] = self.bodies.map(|body| body.radius_x);
-        // Exactly the one radius where the other body is straight.
+        // If one body is straight, return the other radius without rounding.
         match (upper.is_finite(), lower.is_finite()) {
             (_, false) => upper,
             (false, _) => lower,
@@ -317,22 +322,23 @@ impl Scene {
         }
     }
 
-    /// The smallest radius of a body along x that is round there [m]; infinite if none is.
+    /// Smallest radius along x of the convex bodies [m]; infinite if there is none.
     #[must_use]
     pub fn smallest_radius_x(&self) -> f64 {
         let round = self.bodies.iter().map(|body| body.radius_x).filter(|radius| *radius > 0.0);
         round.fold(f64::INFINITY, f64::min)
     }
 
-    /// Coefficient of x² in the gap of the undeformed bodies, half the sum of the curvatures along x
-    /// [1/m].
+    /// Coefficient of x² in the gap of the undeformed bodies, half the sum of the curvatures along
+    /// x [1/m].
     #[must_use]
     pub fn gap_coefficient_x(&self) -> f64 {
         0.5 * (self.bodies[LOWER].radius_x.recip() + self.bodies[UPPER].radius_x.recip())
     }
 
     /// Coefficient of y² in the gap of the undeformed bodies, half the sum of the lateral
-    /// curvatures [1/m]; not positive when one body is as hollow as the other is round.
+    /// curvatures [1/m]. It is not positive if one body is at least as concave as the other is
+    /// convex.
     #[must_use]
     pub fn gap_coefficient_y(&self) -> f64 {
         0.5 * (self.bodies[LOWER].radius_y.recip() + self.bodies[UPPER].radius_y.recip())
@@ -344,21 +350,21 @@ impl Scene {
         self.bodies.map(|body| body.material)
     }
 
-    /// Sum of both bodies' compliances, (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa]
-    /// (Naeimi et al., eq. 19, where it is written E*).
+    /// Sum of the compliances of both bodies, (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa] (called E* in
+    /// Naeimi et al., eq. 19).
     #[must_use]
     pub fn contact_compliance(&self) -> f64 {
         self.bodies[UPPER].material.compliance() + self.bodies[LOWER].material.compliance()
     }
 
-    /// Shear modulus G of both bodies together, 1/G = ½(1/G₁ + 1/G₂) [Pa] (Kalker 1990).
+    /// Combined shear modulus G of both bodies, 1/G = ½(1/G₁ + 1/G₂) [Pa] (Kalker 1990).
     #[must_use]
     pub fn combined_shear_modulus(&self) -> f64 {
         let [upper, lower] = self.materials().map(|material| material.shear_modulus());
         2.0 / (upper.recip() + lower.recip())
     }
 
-    /// Poisson's ratio ν of both bodies together, ν/G = ½(ν₁/G₁ + ν₂/G₂) [-] (Kalker 1990).
+    /// Combined Poisson's ratio ν of both bodies, ν/G = ½(ν₁/G₁ + ν₂/G₂) [-] (Kalker 1990).
     #[must_use]
     pub fn combined_poisson_ratio(&self) -> f64 {
         let share = |body: &Material| body.poisson_ratio / body.shear_modulus();
@@ -371,7 +377,7 @@ impl GivenPatch {
     /// Reads the ellipse if the case gives one.
     ///
     /// # Errors
-    /// A value that is out of range, and an ellipse given in part.
+    /// A value that is out of range; an ellipse that is only partly given.
     pub fn read(params: &Params) -> Result<Option<Self>, Refusal> {
         let case = CheckedParams::new(params, given_patch_keys());
         let names = ["contact.semi_axis_a", "contact.semi_axis_b", "contact.max_pressure"];
@@ -386,10 +392,10 @@ impl GivenPatch {
     }
 }
 
-/// Elastic constants of a body.
+/// Reads the elastic constants of a body.
 ///
 /// # Errors
-/// One is missing or out of range.
+/// A constant that is missing or out of range.
 pub(crate) fn read_material(
     params: &Params,
     names: &Bodies,
@@ -429,7 +435,8 @@ fn read_body(
     })
 }
 
-/// The speeds of both surfaces, where the case gives that of one: the other has the rolling speed.
+/// Reads the speeds of both surfaces if the case gives at least one; the other has the rolling
+/// speed.
 fn read_surface_speeds(
     case: &CheckedParams<'_>,
     names: &Bodies,
@@ -470,7 +477,7 @@ fn read_load(case: &CheckedParams<'_>) -> Result<Load, Refusal> {
     }
 }
 
-/// The case prescribes a longitudinal force.
+/// Returns true if the case prescribes a longitudinal force.
 pub(crate) fn prescribes_force(case: &Params) -> bool {
     [TRACTION_COEFFICIENT, TANGENTIAL_FORCE].iter().any(|key| case.has(key))
 }
@@ -509,7 +516,7 @@ fn read_drive(
             Some([upper, lower]) => {
                 Ok(Drive::Creepage { xi: (lower - upper) / speeds.rolling, eta: 0.0, phi: 0.0 })
             }
-            // Bodies that are pressed together and rest.
+            // Bodies at rest that are only pressed together.
             None if speeds.rolling == 0.0 => Ok(Drive::Shift([0.0; 3])),
             None => Err(Refusal::new(
                 "motion",
@@ -564,7 +571,7 @@ mod tests {
         assert_eq!(scene.drive, Drive::TractionCoefficient(0.58));
         assert_eq!(scene.gap_coefficient_x(), 0.5 / 0.46);
         assert_eq!(scene.contact_compliance(), 0.91 / 210e9 + 0.75 / 1e6);
-        // Rubber is so much softer that it alone deforms: G = 2 G₂, ν = ν₂.
+        // Rubber is so much softer that practically only rubber deforms: G = 2 G₂, ν = ν₂.
         let (steel, rubber) = (210e9 / 2.6, 1e6 / 3.0);
         let expected = 2.0 / (1.0 / steel + 1.0 / rubber);
         assert!((scene.combined_shear_modulus() / expected - 1.0).abs() < 1e-15);
@@ -596,8 +603,8 @@ mod tests {
         assert_eq!(both.key, "motion.traction_coefficient");
     }
 
-    /// A locked wheel slides with the whole speed of the rail; two discs differ by their speeds over
-    /// the mean.
+    /// A locked wheel slides at the full speed of the rail. Two discs have a creepage of their
+    /// speed difference divided by the mean speed.
     #[test]
     fn surface_speeds_drive() {
         let mut case = case();

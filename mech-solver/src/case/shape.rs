@@ -1,8 +1,8 @@
-//! Shapes of the bodies across: heights z(y) over the plane of the contact.
+//! Lateral shapes of the bodies: heights z(y) above the plane of the contact.
 //!
-//! A body is a parabola by its `radius_y`, or has a shape of another kind, by keys of its own. Models
-//! that solve on any shape (`half-space`, `explicit-fe`) read it here. A kind is a file of this folder
-//! with its [`LateralShape`](lateral::LateralShape), and one line in [`KINDS`].
+//! The shape of a body is the parabola of its `radius_y`, or a shape of another kind with keys of
+//! its own. Models that solve for any shape (`half-space`, `explicit-fe`) read it here. A kind is a
+//! file of this folder with its [`LateralShape`](lateral::LateralShape), and one line in [`KINDS`].
 
 pub(crate) mod lateral;
 mod measured;
@@ -17,10 +17,10 @@ use std::sync::Arc;
 
 const LATERAL_SHIFT: &str = "lateral_shift";
 
-/// The kinds of shapes beside the parabola.
+/// Kinds of shapes other than the parabola.
 const KINDS: &[Kind] = &[measured::KIND];
 
-/// The keys that shapes are read from, besides the scene's.
+/// Returns the keys of shapes, in addition to those of the scene.
 pub(crate) fn keys() -> Vec<KeySpec> {
     let mut keys: Vec<KeySpec> = KINDS.iter().flat_map(|kind| (kind.keys)()).collect();
     keys.push(
@@ -34,12 +34,12 @@ pub(crate) fn keys() -> Vec<KeySpec> {
     keys
 }
 
-/// The surface of one body.
+/// Surface of one body.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyShape {
-    /// The key that gives, or would give, its shape.
+    /// Key that gives the shape, or would give it.
     pub(crate) key: String,
-    /// Its shape, unless that is the parabola.
+    /// Shape of the body; `None` for the parabola.
     shape: Option<Arc<dyn LateralShape>>,
     /// Curvature of the parabola, d²z/dy² [1/m].
     curvature: f64,
@@ -55,7 +55,7 @@ impl BodyShape {
     /// Reads the shape of a body.
     ///
     /// # Errors
-    /// A file that is no profile, two shapes at once, a shift of a parabola.
+    /// A file that is not a profile; two shapes at once; a shift of a parabola.
     pub(crate) fn read(
         case: &CheckedParams<'_>,
         scene: &Scene,
@@ -94,12 +94,12 @@ impl BodyShape {
         Ok(shape)
     }
 
-    /// Takes the radii of a body whose values vary; other shapes stay.
+    /// Updates the radii from a body whose values vary; other shapes stay the same.
     pub(crate) fn follow(&mut self, body: &Body) {
         (self.radius, self.curvature) = (body.radius_x, self.up / body.radius_y);
     }
 
-    /// Whether it is the parabola of its radius.
+    /// Returns true if the shape is the parabola of the body's radius.
     pub(crate) fn is_parabola(&self) -> bool {
         self.shape.is_none()
     }
@@ -130,25 +130,25 @@ impl BodyShape {
         }
     }
 
-    /// The first and the last lateral coordinate at which it is known [m].
+    /// First and last lateral coordinate at which the shape is known [m].
     pub(crate) fn range(&self) -> [f64; 2] {
         let known = self.shape.as_ref().map(|shape| shape.range());
         known.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]).map(|end| end + self.shift)
     }
 
-    /// Places where the slope jumps [m].
+    /// Lateral coordinates at which the slope jumps [m].
     pub(crate) fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
         let own = self.shape.as_ref().map(|shape| shape.kinks()).unwrap_or_default();
         own.into_iter().map(|y| y + self.shift)
     }
 
-    /// How it was made from what the case gives, if that needs saying.
+    /// Returns a remark on the processing of the data, if there is anything to report.
     pub(crate) fn remark(&self) -> Option<String> {
         let remark = self.shape.as_ref()?.remark()?;
         Some(format!("`{}`: {remark}", self.key))
     }
 
-    /// What may be wrong with it.
+    /// Returns a warning if the shape is implausible.
     pub(crate) fn warning(&self, scene: &Scene, body: usize) -> Option<Refusal> {
         self.shape.as_ref()?.warning(scene, body, scene.contact_compliance().recip())
     }

@@ -1,17 +1,22 @@
 //! Effect `friction_bands`: friction varies across the contact, or along the track.
 //!
-//! f = f₀ m(q): a table of a coordinate q and of factors m on the friction coefficient, with straight lines
-//! between and the ends' beyond: a rail whose gauge face is greased, or a head with a friction modifier. Two lines that are close make a step. The
-//! coordinate is
+//! f = f₀ m(q), with factors m on the friction coefficient from a table over a coordinate q. The
+//! table is linear between its rows and constant beyond its ends. Examples are a greased gauge face
+//! and a rail head with a friction modifier. Two rows at close coordinates make a step. The
+//! coordinate is one of:
 //!
-//! - the lateral one, that of the profiles, from the origin of the case; in model `wheel-on-track` the distance along the tape over the rail's profile;
-//! - the inclination of the rail's surface, in the axes of its profile, positive on the gauge side (`wheel-on-track`);
-//! - the place along the track, `wheelset.way` plus x (`wheel-on-track`).
+//! - the lateral coordinate of the profiles, from the origin of the case; in the model
+//!   `wheel-on-track` the arc length along the rail's profile;
+//! - the inclination of the rail's surface, in the axes of its profile, positive on the gauge side
+//!   (`wheel-on-track`);
+//! - the position along the track, `wheelset.way` plus x (`wheel-on-track`).
 //!
-//! Every element has its own coordinate, or all of a patch that of its reference.
+//! Every element has its own coordinate, or all elements of a patch have that of the patch's
+//! reference.
 //!
-//! Source: Coulomb's law element by element. CONTACT's user guide, *Friction variation*, has tables over inclination and track for the reference of
-//! a patch; its inclinations have the other sign.
+//! Source: Coulomb's law element by element. CONTACT's user guide, *Friction variation*, describes
+//! tables over inclination and track for the reference of a patch; its inclinations have the
+//! opposite sign.
 
 use crate::advice::situation::Situation;
 use crate::case::keys::CheckedParams;
@@ -28,7 +33,7 @@ use proto::table::{Column, headings};
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "friction_bands",
     law: "f = f0 m, a table of factors over the lateral coordinate, the inclination of the rail or the track",
@@ -111,7 +116,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     })
 }
 
-/// The columns of a table over a coordinate.
+/// Columns of a table over a coordinate.
 fn columns(over: Over) -> [Column; 2] {
     let coordinate = match over {
         Over::Lateral => Column::new(&["y", "lateral"], "m"),
@@ -121,7 +126,8 @@ fn columns(over: Over) -> [Column; 2] {
     [coordinate, Column::new(&["factor"], "1")]
 }
 
-/// The largest magnitude of a coordinate: no contact is half a metre wide, no surface of a rail turned over.
+/// Largest plausible magnitude of a coordinate: no contact reaches half a metre from the origin,
+/// and no rail surface is inclined by more than π.
 fn largest(over: Over) -> f64 {
     match over {
         Over::Lateral => 0.5,
@@ -130,7 +136,7 @@ fn largest(over: Over) -> f64 {
     }
 }
 
-/// Coordinates that only a rail on a track has.
+/// Need for coordinates that only a rail on a track has.
 fn rail_place(key: &'static str, lacks: &'static str, instead: &'static str) -> Need {
     Need { kind: Kind::RailPlace, key, lacks, instead }
 }

@@ -1,13 +1,12 @@
-//! Effect `friction_heat`, the mechanics' part: the friction power that becomes heat.
+//! Effect `friction_heat`, mechanical side: the friction power that becomes heat.
 //!
 //! Friction power density q_f = −p_t · v = |p_t| |v| [W/m²], with the traction p_t [Pa] on the
-//! upper body and its velocity v [m/s] relative to the lower one. It is given as element means
-//! of the product, so that its sum over the elements is V s F, the power of the creep force F over
-//! the creep s, at every resolution. The product of element means would fall short of it.
+//! upper body and its velocity v [m/s] relative to the lower one. The output is the element mean of
+//! this product. The sum over the elements is therefore V s F at every resolution, the power of the
+//! creep force F at the creepage s. The product of element means would be too small.
 //!
-//! Of it the share w becomes heat, q = w q_f, all of it unless the case says otherwise; the rest goes
-//! into new surfaces, worn particles and the work stored in the metal. The summary's friction power
-//! is the whole.
+//! The share w becomes heat, q = w q_f; the default is w = 1. The rest goes into new surfaces, wear
+//! particles and the work stored in the metal. The friction power in the summary is the full power.
 //!
 //! Source: Naeimi et al., eq. 1; Kennedy, Wear 100 (1984) 453–476, for the share.
 
@@ -18,7 +17,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field::{FRICTION_POWER, SURFACE_SPEED};
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "friction_heat",
     law: "friction power density q_f = |p_t| |v|, traction times slip velocity, of which the share w \

@@ -1,8 +1,8 @@
 //! Effect `partial_slip`: a part of the contact sticks.
 //!
-//! Coulomb's law with a stick zone: |p_t| ≤ f p_n, equal to it where the surfaces slip, against the
-//! slip. Without the effect the whole contact slides. How a model finds the stick zone is its own
-//! matter: Carter's strips, a march over springs, or the elastic half-space.
+//! Coulomb's law with a stick zone: |p_t| ≤ f p_n; where the surfaces slip, equality holds and the
+//! traction opposes the slip. Without the effect the whole contact slides. Each model finds the
+//! stick zone in its own way: Carter's strips, a march over springs, or the elastic half-space.
 
 use crate::advice::situation::{POWER, PRESSURE, Situation};
 use crate::case::scene::Drive;
@@ -12,7 +12,7 @@ use elastic::carter;
 use proto::advice::Advice;
 use proto::figure::contact::SLIP_AREA_RATIO;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "partial_slip",
     law: "Coulomb friction with a stick zone: |p_t| <= f p_n, equal to it and against the slip where \
@@ -38,7 +38,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
         let why = "the contact is no ellipse that rolls, or friction does not carry the force: not estimated";
         return Advice::new(EFFECT.name, why).with(set);
     };
-    // All that slides has the creepage that is prescribed, or that of Carter's law.
+    // A contact in full sliding has the prescribed creepage, or that of Carter's law.
     let prefactor = carter::prefactor_by_pressure(friction, pressure, scene.contact_compliance());
     let creep = match scene.drive {
         Drive::TractionCoefficient(value) => {

@@ -1,13 +1,17 @@
-//! Effect `plastic_layer`: the layer between the surfaces flows plastically, and hardens or softens by it.
+//! Effect `plastic_layer`: the layer between the surfaces flows plastically, and hardens or softens
+//! with the plastic shift.
 //!
-//! |p_t| ≤ min(f p, τ(κ)) with τ(κ) = max(τ₀ + k κ, r τ₀): the yield stress τ₀ of fresh material changes by k with the plastic shift κ = ∫|du_p|
-//! that a particle of the layer gathers on its way through the contact; it does not fall below r τ₀. The plastic shift goes against the
-//! traction, in series with the slip of the surfaces ([`half_space::yielding`]), and what it dissipates is part of the friction power.
-//! Fresh material enters a contact that rolls; the layer of one that is shifted stays where it is. With k = 0 it is `shear_limit`; with
-//! `third_body_layer` it is elastic and plastic.
+//! The traction bound is |p_t| ≤ min(f p, τ(κ)) with τ(κ) = max(τ₀ + k κ, r τ₀). The yield stress
+//! τ₀ of fresh material changes by k κ with the plastic shift κ = ∫|du_p|, which a particle of the
+//! layer accumulates on its way through the contact. It does not fall below r τ₀. The plastic shift
+//! opposes the traction, in series with the slip of the surfaces ([`half_space::yielding`]), and
+//! its dissipation is part of the friction power. Fresh material enters a rolling contact; in a
+//! shift without rolling the layer stays in place. With k = 0 the law is `shear_limit`; with
+//! `third_body_layer` the layer is elastic and plastic.
 //!
-//! Source: Hou, Kalousek and Magel, Wear 211 (1997) 134–140; Vollebregt, CONTACT, whose r is 0.1. Left out: a yield stress that falls with
-//! the temperature or grows with the pressure, kinematic hardening, and what is left in the layer for the next wheel.
+//! Source: Hou, Kalousek and Magel, Wear 211 (1997) 134–140; Vollebregt, CONTACT, with r = 0.1.
+//! Neglected: a yield stress that falls with temperature or grows with pressure, kinematic
+//! hardening, and the residual state of the layer for the next wheel.
 
 use crate::advice::situation::Situation;
 use crate::case::keys::CheckedParams;
@@ -18,7 +22,7 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "plastic_layer",
     law: "|p_t| <= min(f p, tau), tau = max(tau_0 + k kappa, r tau_0), kappa the accumulated plastic shift",
@@ -62,10 +66,10 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { yields: Some(law), ..Terms::default() })
 }
 
-/// Yield stress of clay between wheel and rail, where the case has none [Pa].
+/// Yield stress of clay between wheel and rail [Pa], used if the case has none.
 const TYPICAL: f64 = 200e6;
 
-/// Before the layer hardens or softens.
+/// Estimates the influence of the fresh layer, before it hardens or softens.
 fn advise(situation: &Situation<'_>) -> Advice {
     let given = situation.case.maybe_number(YIELD_STRESS).ok().flatten();
     situation.cut_off(EFFECT.name, YIELD_STRESS, given.unwrap_or(TYPICAL))

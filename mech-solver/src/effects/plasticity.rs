@@ -1,9 +1,11 @@
-//! Effect `plasticity`: bodies whose material has a yield stress flow where it is reached.
+//! Effect `plasticity`: bodies flow plastically where the yield stress of their material is
+//! reached.
 //!
 //! Yield surface of von Mises, linear isotropic and kinematic hardening, small plastic strains:
-//! |dev S − a| = √(2/3) (σ_y + H_i κ), a = (2/3) H_k e with the plastic strain e. Each piece of material comes to the
-//! contact without any, so that it stands for the first passage. The work of plastic flow is a figure of the summary
-//! (`contact.plastic_power_w`); heat that it makes below the surface is left out.
+//! |dev S − a| = √(2/3) (σ_y + H_i κ), a = (2/3) H_k e with the plastic strain e. Material enters
+//! the contact without plastic strain, so that the result applies to the first passage. The power
+//! of plastic flow is reported in the summary (`contact.plastic_power_w`); the heat that it
+//! generates below the surface is neglected.
 //!
 //! Source: Simo & Hughes, *Computational Inelasticity* (1998), chapter 3.
 
@@ -18,7 +20,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::{FigureSpec, Style};
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "plasticity",
     law: "|dev S - 2/3 H_k e| <= sqrt(2/3) (yield stress + H_i kappa), linear hardening",
@@ -83,9 +85,10 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { flow, ..Terms::default() })
 }
 
-/// Yield stress of rail steel, where the case has none [Pa].
+/// Yield stress of rail steel [Pa], used if the case has none.
 const TYPICAL: f64 = 600e6;
-/// Largest pressure over the yield stress in shear at which rolling contact first yields (Johnson, Contact Mechanics, 6.2).
+/// Ratio of the largest pressure to the shear yield stress at which rolling contact first yields
+/// (Johnson, Contact Mechanics, 6.2).
 const FIRST_YIELD: f64 = 2.8;
 
 fn advise(situation: &Situation<'_>) -> Advice {

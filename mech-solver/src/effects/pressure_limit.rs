@@ -1,11 +1,12 @@
 //! Effect `pressure_limit`: the pressure does not exceed the hardness of the softer body.
 //!
-//! 0 ≤ p ≤ H. Where the elastic half-space would carry more, the surface yields until neighbours have
-//! taken the rest over. Nothing of it is remembered, neither the imprint nor residual stress, so that
-//! it stands for the first passage, and is not called plasticity.
+//! The pressure has the bounds 0 ≤ p ≤ H. Where the elastic half-space would carry more, the
+//! surface yields until the neighbouring elements carry the rest. No history is kept, neither the
+//! imprint nor residual stress. The effect therefore applies to the first passage, and is not
+//! called plasticity.
 //!
-//! Source: Almqvist, Sahlin, Larsson & Glavatskih, Tribology International 40 (2007) 574–579, with H
-//! three times the yield stress or so: Tabor, *The Hardness of Metals* (1951).
+//! Source: Almqvist, Sahlin, Larsson & Glavatskih, Tribology International 40 (2007) 574–579, with
+//! H about three times the yield stress: Tabor, *The Hardness of Metals* (1951).
 
 use crate::advice::situation::{PRESSURE, Situation};
 use crate::case::keys::CheckedParams;
@@ -16,7 +17,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::{FigureSpec, Style};
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "pressure_limit",
     law: "0 <= p <= H: pressure beyond the hardness H goes to the elements around",
@@ -48,7 +49,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { pressure_bounds: vec![case.number(HARDNESS)?], ..Terms::default() })
 }
 
-/// Yield stress of rail steel, where the case has none [Pa].
+/// Yield stress of rail steel [Pa], used if the case has none.
 const YIELD: f64 = 600e6;
 
 fn advise(situation: &Situation<'_>) -> Advice {

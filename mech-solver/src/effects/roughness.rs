@@ -1,15 +1,19 @@
-//! Effect `roughness`: heights of the surfaces are added to the undeformed distance.
+//! Effect `roughness`: heights of the surfaces, added to the undeformed distance.
 //!
-//! A height map from a file; one wave; or a self-affine surface made from a seed. The wave is h cos(2πx/λ_x) cos(2πy/λ_y). The
-//! self-affine surface is a sum of cosine waves with random directions and phases,
+//! The heights come from a map in a file, from one wave, or from a self-affine surface that is
+//! generated from a seed. The wave is h cos(2πx/λ_x) cos(2πy/λ_y). The self-affine surface is a sum
+//! of cosine waves with random directions and phases,
 //!
 //! z(x, y) = √(2/M) h Σ_m w_m cos(q_m·(x, y) + φ_m),
 //!
 //! whose wave numbers lie between 2π over the longest and 2π over the shortest wavelength, equally
-//! spaced in ln q, with amplitudes w_m ~ q^(−H) of the Hurst exponent H, normalised to Σ w² = M, so
-//! that h is the root mean square height. It does not depend on the grid, so that a finer grid sees
-//! the same surface. In a contact that repeats every L along x and y the wave numbers are rounded to
-//! multiples of 2π/L, and must not be longer; a map or a wave must fit in a whole number of times.
+//! spaced in ln q. The amplitudes w_m ~ q^(−H) with the Hurst exponent H are normalised to
+//! Σ w² = M, so that h is the root mean square height. The surface does not depend on the grid: a
+//! finer grid samples the same surface.
+//!
+//! In a contact with the periods L along x and y, the wave numbers are rounded to multiples of
+//! 2π/L. A wave that would become constant by the rounding is refused. A map or a wave must fit
+//! into the period a whole number of times.
 //!
 //! Source: Persson et al., J. Phys.: Condens. Matter 17 (2005) R1–R62, for self-affine surfaces;
 //! Longuet-Higgins, Phil. Trans. R. Soc. A 250 (1957) 157–174, for the sum of waves.
@@ -25,7 +29,7 @@ use proto::table::{Reading, Table};
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "roughness",
     law: "heights from a map, of a wave or of a self-affine surface, added to the undeformed distance",
@@ -40,11 +44,11 @@ pub const EFFECT: Effect = Effect {
     terms,
 };
 
-/// Waves of a self-affine surface.
+/// Number of waves of a self-affine surface.
 const WAVES: usize = 400;
-/// A length fits into a period if it does so but for this part of itself.
+/// Relative tolerance for a period that is a whole multiple of a length.
 const WHOLE: f64 = 1e-9;
-/// Larger files are refused [byte].
+/// Largest size of a file [byte].
 const MOST_BYTES: u64 = 1 << 28;
 
 const FILE: &str = "effects.roughness.file";
@@ -113,7 +117,7 @@ struct HeightMap {
     heights: Vec<f64>,
 }
 
-/// One wave of a self-affine surface.
+/// Wave of a self-affine surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Wave {
     /// Wave numbers along x and y [rad/m].
@@ -128,8 +132,8 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { gap: vec![Box::new(read(configuration)?)], ..Terms::default() })
 }
 
-/// The roughness of a configuration; refused if values are missing or out of range, or the file is no
-/// height map.
+/// Reads the roughness of a configuration. Refuses values that are missing or out of range, and a
+/// file that is not a height map.
 fn read(configuration: &Configuration) -> Result<Roughness, Refusal> {
     let case = CheckedParams::new(&configuration.case, keys());
     if case.has(FILE) {
@@ -209,7 +213,7 @@ impl GapTerm for Roughness {
                         let base = TAU / period;
                         *number = base * (*number / base).round();
                     }
-                    // What is longer than the period would become an even height.
+                    // A wave that is longer than the period would become a constant height.
                     if wave.wave_number == [0.0; 2] {
                         let reason = format!(
                             "waves as long as this do not repeat in a contact that does every {} and {} m",
@@ -229,10 +233,11 @@ impl GapTerm for Roughness {
 }
 
 impl HeightMap {
-    /// Takes the numbers of a table without a header.
+    /// Creates a map from a table of numbers without a header.
     ///
     /// # Errors
-    /// Fault of the file, to follow its name.
+    /// A table that is not a matrix; a scaled height that is not finite. The text follows the
+    /// file's name.
     fn from_table(table: &Table, spacing: f64, scale: f64) -> Result<Self, String> {
         let (columns, mut heights) = table.matrix().map_err(|error| error.to_string())?;
         heights.iter_mut().for_each(|height| *height *= scale);
@@ -244,7 +249,7 @@ impl HeightMap {
         }
     }
 
-    /// Bilinear between the points; the map's first point lies at the origin.
+    /// Height by bilinear interpolation between the points [m]; the first point lies at the origin.
     fn height(&self, x: f64, y: f64) -> f64 {
         let rows = self.heights.len() / self.columns;
         let cell = |at: f64, count: usize| {
@@ -261,7 +266,8 @@ impl HeightMap {
     }
 }
 
-/// The waves of a surface with this root mean square height [m] and wavelengths [m].
+/// Generates the waves of a surface with this root mean square height [m] and these wavelengths
+/// [m].
 fn self_affine(rms: f64, hurst: f64, [longest, shortest]: [f64; 2], seed: u64) -> Vec<Wave> {
     let mut random = SplitMix { state: seed };
     let mut waves: Vec<Wave> = (0..WAVES)
@@ -279,13 +285,13 @@ fn self_affine(rms: f64, hurst: f64, [longest, shortest]: [f64; 2], seed: u64) -
     waves
 }
 
-/// The generator splitmix64 (Steele, Lea & Flood 2014): the same surface on every machine.
+/// Random generator splitmix64 (Steele, Lea & Flood 2014), with the same numbers on every machine.
 struct SplitMix {
     state: u64,
 }
 
 impl SplitMix {
-    /// A number in [0, 1).
+    /// Returns the next number in [0, 1).
     fn unit(&mut self) -> f64 {
         self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.state;
@@ -295,12 +301,13 @@ impl SplitMix {
     }
 }
 
-/// Root mean square height of a run-in rail, where the case has none [m].
+/// Root mean square height of a run-in rail [m], used if the case has none.
 const TYPICAL: f64 = 1e-6;
-/// Highest pressure of a random field over its root mean square, about.
+/// Highest pressure of a random field, approximately, relative to its root mean square.
 const HIGHEST: f64 = 3.0;
 
-/// A wave of the height h and the wave number q that is pressed flat has the pressure ½ E* q h (Johnson, Contact Mechanics, 13.2).
+/// Estimates the change of the pressure. Pressing a wave of height h and wave number q flat takes
+/// the pressure ½ E* q h (Johnson, Contact Mechanics, 13.2).
 fn advise(situation: &Situation<'_>) -> Advice {
     let number = |key: &str| {
         let default = keys().into_iter().find(|spec| spec.path == key)?.default?.as_f64();
@@ -334,8 +341,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Mean and mean square over an area many wavelengths wide. Tolerance: the scatter of a finite
-    /// area; that the longest waves weigh most leaves a few dozen independent patches.
+    /// Mean and mean square over an area many wavelengths wide. The tolerance covers the scatter of
+    /// a finite area: the longest waves dominate, which leaves a few dozen independent patches.
     #[test]
     fn self_affine_heights_have_the_root_mean_square_asked_for() {
         let surface = Roughness::Waves(self_affine(2e-6, 0.8, [1e-3, 1e-4], 7));

@@ -1,11 +1,15 @@
-//! Effect `shear_limit`: the layer between the surfaces yields at a shear stress, whatever presses on it.
+//! Effect `shear_limit`: the layer between the surfaces yields at a shear stress that does not
+//! depend on the pressure.
 //!
-//! |p_t| ≤ min(f p, τ_y): where friction would carry more than the yield stress τ_y of the third body, this flows, ideally plastic, and
-//! what it dissipates is its stress on the velocity over it, as friction's is. The yield stress is a bound of its own: factors on the friction
-//! coefficient do not change it. Together with `third_body_layer` it is an elastic–plastic layer.
+//! The traction bound is |p_t| ≤ min(f p, τ_y). Where friction would exceed the yield stress τ_y of
+//! the third body, the layer flows and is ideally plastic. The dissipated power is the stress times
+//! the velocity across the layer, as for friction. The yield stress is a separate bound: factors on
+//! the friction coefficient do not change it. Together with `third_body_layer` it is an
+//! elastic–plastic layer.
 //!
-//! Source: Vollebregt, Wear 314 (2014) 87–95; Vollebregt, Voltr et al., Veh. Syst. Dyn. (2022), for elastic–plastic third bodies.
-//! Left out: what is left of the layer's strain behind the contact; hardening is in `plastic_layer`.
+//! Source: Vollebregt, Wear 314 (2014) 87–95; Vollebregt, Voltr et al., Veh. Syst. Dyn. (2022), for
+//! elastic–plastic third bodies. Neglected: the residual strain of the layer behind the contact.
+//! Hardening is in `plastic_layer`.
 
 use crate::advice::situation::Situation;
 use crate::case::keys::CheckedParams;
@@ -16,7 +20,7 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "shear_limit",
     law: "|p_t| <= min(f p, tau_y), with the yield stress tau_y of what is between the surfaces",
@@ -65,7 +69,8 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { friction: FrictionLaw::of_bound(limit), ..Terms::default() })
 }
 
-/// Yield stress of wear debris and iron oxides between wheel and rail, where the case has none [Pa].
+/// Yield stress of wear debris and iron oxides between wheel and rail [Pa], used if the case has
+/// none.
 const TYPICAL: f64 = 300e6;
 
 fn advise(situation: &Situation<'_>) -> Advice {

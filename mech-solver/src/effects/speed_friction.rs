@@ -1,27 +1,36 @@
 //! Effect `speed_friction`: friction falls with the slip velocity.
 //!
-//! From f₀ at rest to A f₀ at high speed; f₀ is the friction coefficient of the case, times the factors of other effects:
+//! The coefficient falls from f₀ at rest to A f₀ at high speed. f₀ is the friction coefficient of
+//! the case, times the factors of other effects:
 //!
 //! - exponential (Polach) f(v) = f₀ ((1 − A) e^{−Bv} + A),
 //! - linear f(v) = f₀ ((1 − A) max(0, 1 − Bv) + A),
 //! - rational f(v) = f₀ ((1 − A)/(1 + Bv) + A),
 //!
-//! all of the same slope −(1 − A)B f₀ at rest, with v = V |(ξ − φy, η + φx)|. v is the slip of rigid bodies, as Polach has it: in the slip
-//! zone it is the slip but for the elastic part, and where surfaces stick the bound that it changes is not reached.
+//! All three have the slope −(1 − A)B f₀ at rest, with v = V |(ξ − φy, η + φx)|. As in Polach, v is
+//! the slip velocity of rigid bodies. In the slip zone it differs from the true slip velocity by
+//! the elastic part. In the stick zone the modified bound is not reached.
 //!
-//! *Local slip* (`slip = "local"`, half-spaces). v is the slip velocity of every element, elastic part and all, and 0 where it adheres. Friction and
-//! slip are found in turn. Such a law that falls has several solutions in a step of transient rolling (Vollebregt & Schuttelaars, J. Sound Vib. 331 (2012)
-//! 2141–2155); `start` says from where they are looked for, and so which one is found: from rest that of least slip, from above that of
-//! most, or from the slip of the step or row before. What does not settle is refused. The memory below is that of steady rolling.
+//! *Local slip* (`slip = "local"`, half-spaces). v is the slip velocity of every element including
+//! its elastic part, and 0 where it adheres. Friction and slip are solved alternately. In a step of
+//! transient rolling such a falling law has several solutions (Vollebregt & Schuttelaars, J. Sound
+//! Vib. 331 (2012) 2141–2155). The key `start` sets the initial slip of the iteration, and so
+//! selects the solution: the one with the least slip if it starts from rest, the one with the most
+//! slip if it starts from above, or one near the slip of the previous step or row. An iteration
+//! that does not converge is refused. The memory below applies only to steady rolling.
 //!
-//! *Memory.* Surfaces do not forget at once: over a distance d that they have slid on each other friction comes to 1/e of its change,
-//! d df/ds = f(v) − f along the way of a particle, which enters the contact with f₀. Of the step by Δx of an element, in which it slides
-//! vΔx/V, exactly for v constant in it; the element's friction is that of its middle. d = 0, as without it, is f(v) itself.
+//! *Memory.* Friction follows the slip velocity with a delay: d df/ds = f(v) − f along the path of
+//! a particle, which enters the contact with f₀. After the sliding distance s = d, the deviation
+//! has decayed to 1/e. Within an element of length Δx a particle slides vΔx/V, and the equation is
+//! solved exactly for constant v; the element has the friction of its middle. For d = 0 friction is
+//! f(v).
 //!
-//! Where a force is prescribed, its creepage and the friction that it leaves are found together. Creep curves then have a
-//! maximum; the creepage on its rising side is the one that is found, and a force beyond the maximum is refused.
+//! For a prescribed force, the creepage and the friction at that creepage are solved together. The
+//! creep curve then has a maximum. The creepage on its rising side is returned, and a force beyond
+//! the maximum is refused.
 //!
-//! Sources: Polach, Wear 258 (2005) 992–1000; Vollebregt & Schuttelaars (2012) for the memory, there in the slip of the surfaces.
+//! Sources: Polach, Wear 258 (2005) 992–1000; Vollebregt & Schuttelaars (2012) for the memory,
+//! there in the slip of the surfaces.
 
 use crate::advice::situation::{CREEPAGE, Situation};
 use crate::case::keys::CheckedParams;
@@ -34,7 +43,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::model::StepError;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "speed_friction",
     law: "f(v) = f0 ((1 - A) g(B v) + A) with the rigid slip velocity v and g(u) = exp(-u), 1 - u or 1/(1 + u), \
@@ -109,7 +118,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { friction: FrictionLaw::of_factor(law), needs, ..Terms::default() })
 }
 
-/// Start of the search for the slip of the elements, if the law follows that.
+/// Initial slip of the iteration; `None` if the law follows the rigid slip.
 fn start_of(case: &CheckedParams<'_>) -> Result<Option<SlipStart>, Refusal> {
     if case.text(SLIP)? == "rigid" {
         return Ok(None);
@@ -121,7 +130,7 @@ fn start_of(case: &CheckedParams<'_>) -> Result<Option<SlipStart>, Refusal> {
     }))
 }
 
-/// What a law leaves of the fall at Bv.
+/// Returns the curve g(Bv) of a law, the remaining share of the fall.
 fn curve_of(law: &str) -> fn(f64) -> f64 {
     match law {
         "linear" => |u| (1.0 - u).max(0.0),
@@ -130,21 +139,21 @@ fn curve_of(law: &str) -> fn(f64) -> f64 {
     }
 }
 
-/// How friction falls.
+/// Friction coefficient that falls with the slip velocity.
 #[derive(Debug)]
 struct Falling {
     ratio: f64,
     decrease: f64,
-    /// What is left of the fall at Bv.
+    /// Remaining share of the fall at Bv.
     curve: fn(f64) -> f64,
-    /// Distance of sliding [m].
+    /// Memory distance d [m].
     memory: f64,
-    /// It follows the slip of every element, looked for from here.
+    /// Initial slip of the iteration if friction follows the slip of every element.
     local: Option<SlipStart>,
 }
 
 impl Falling {
-    /// Friction at a slip velocity [m/s] over that at rest.
+    /// Friction at a slip velocity [m/s], relative to friction at rest.
     fn share(&self, velocity: f64) -> f64 {
         (1.0 - self.ratio) * (self.curve)(self.decrease * velocity) + self.ratio
     }
@@ -160,7 +169,7 @@ impl FrictionFactor for Falling {
         let FrictionState { speed, rigid_slip, grid, pressure, velocity, .. } = state;
         let rolls = *speed > 0.0 && self.memory > 0.0;
         for (j, row) in factors.chunks_exact_mut(grid.ni).enumerate() {
-            // A particle enters at the front, where x is largest.
+            // Particles enter at the leading edge, where x is largest.
             let (mut before, mut touches) = (1.0, false);
             for (i, factor) in row.iter_mut().enumerate().rev() {
                 let index = j * grid.ni + i;
@@ -199,7 +208,7 @@ impl FrictionFactor for Falling {
     }
 }
 
-/// Polach's constant for a dry rail, where the case has none [s/m].
+/// Polach's constant B for a dry rail [s/m], used if the case has none.
 const TYPICAL: f64 = 0.6;
 
 fn advise(situation: &Situation<'_>) -> Advice {

@@ -1,14 +1,20 @@
-//! Effect `stress_at_points`: the whole stress of a body wherever the case asks for it.
+//! Effect `stress_at_points`: the stress tensor at points given by the case.
 //!
-//! The case names blocks of points, each in one body: a lattice of coordinates along x, y and z (a point, a line, a plane or a box), or a
-//! list from a file. At each point there are the six stresses, von Mises' stress, the largest shear stress ½(σ₁ − σ₃), the mean normal stress
-//! and the principal stresses σ₁ ≥ σ₂ ≥ σ₃ with their directions, of the elastic half-spaces under pressure and tractions
-//! ([`half_space::subsurface`]), and where the bodies expand as they are warm with their thermal stress ([`crate::terms::thermal_stress`]).
+//! The case names blocks of points, each in one body. A block is a lattice of coordinates along x,
+//! y and z (a point, a line, a plane or a box), or a list from a file. The outputs at each point
+//! are the six stress components, the von Mises stress, the largest shear stress ½(σ₁ − σ₃), the
+//! mean normal stress, and the principal stresses σ₁ ≥ σ₂ ≥ σ₃ with their directions. They are the
+//! stresses of the elastic half-spaces under pressure and tractions ([`half_space::subsurface`]).
+//! If the bodies expand thermally, their thermal stress is added
+//! ([`crate::terms::thermal_stress`]).
 //!
-//! Axes and signs are those of all fields: x along rolling, y to the left, z up, so that the lower body has z ≤ 0, and the upper one z ≥ 0; the
-//! origin is that of the contact's grid. Tension is positive. A principal direction, which is determined but for its sign, has its largest component positive.
+//! Axes and signs are the same as for all fields: x along rolling, y to the left, z up. The lower
+//! body therefore has z ≤ 0, and the upper one z ≥ 0. The origin is that of the contact's grid.
+//! Tension is positive. A principal direction is unique except for its sign; its largest component
+//! is positive.
 //!
-//! Source: Johnson, *Contact Mechanics* (1985) §3.2 and §3.6; for thermal stress Goodier, Phil. Mag. 23 (1937). CONTACT has blocks of points of the same kind.
+//! Source: Johnson, *Contact Mechanics* (1985) §3.2 and §3.6; for thermal stress Goodier, Phil.
+//! Mag. 23 (1937). CONTACT offers similar blocks of points.
 
 mod blocks;
 
@@ -30,7 +36,7 @@ use proto::grid::{Block, Places, Points, Shape, Structured};
 use proto::model::Outputs;
 use serde_json::{Value, json};
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "stress_at_points",
     law: "stress tensor, sqrt(3 J2), (s1 - s3)/2, (s1 + s2 + s3)/3 and principal stresses of the elastic half-spaces at \
@@ -78,21 +84,21 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { observations: vec![Box::new(points)], ..Terms::default() })
 }
 
-/// The points that a case asks for, and their stresses.
+/// Requested points and their stresses.
 #[derive(Debug)]
 struct AtPoints {
     asked: Vec<PointBlock>,
     thermal: ThermalStress,
-    /// The contact's grid and the blocks, once it is known where they are.
+    /// Grid of the contact and blocks of points, once the contact is placed.
     on: Option<(Structured, Points)>,
-    /// In the axes of the project [Pa].
+    /// Stresses in the axes of all fields [Pa].
     stresses: Option<Vec<Stress>>,
 }
 
 impl State for AtPoints {}
 
 impl AtPoints {
-    /// Stresses in a body [Pa], in its own frame: z is the depth.
+    /// Stresses in a body [Pa], in the frame of the body: z is the depth.
     fn in_body(
         &self,
         places: &Places,
@@ -119,7 +125,7 @@ impl AtPoints {
                 let depths: Vec<f64> = zs.iter().map(|z| (down * z).max(0.0)).collect();
                 let mut stresses = on.on_lattice(poisson_ratio, [xs, ys, &depths]);
                 if let Some((warm, rise)) = &warm {
-                    // From the surface down, whichever way z runs.
+                    // Sorted from the surface down, whatever the direction of z.
                     let mut layers: Vec<usize> = (0..depths.len()).collect();
                     layers.sort_by(|a, b| depths[*a].total_cmp(&depths[*b]));
                     let sorted: Vec<f64> = layers.iter().map(|layer| depths[*layer]).collect();
@@ -213,7 +219,7 @@ impl Observation for AtPoints {
         }
     }
 
-    /// The largest von Mises stress of every block and where it is.
+    /// Largest von Mises stress of every block and its position.
     fn summary(&self) -> Option<(&'static str, Value)> {
         let ((_, points), stresses) = (self.on.as_ref()?, self.stresses.as_ref()?);
         let largest = |(first, block): (usize, &Block)| {
@@ -230,7 +236,7 @@ impl Observation for AtPoints {
     }
 }
 
-/// The same direction with its largest component positive.
+/// Returns the direction with the sign that makes its largest component positive.
 fn positive(direction: [f64; 3]) -> [f64; 3] {
     let largest = direction.into_iter().fold(0.0_f64, |a, b| if b.abs() > a.abs() { b } else { a });
     if largest < 0.0 { direction.map(|component| -component) } else { direction }

@@ -4,13 +4,17 @@
 //! ½(σ₁ − σ₃) of the elastic half-spaces under pressure and tractions
 //! ([`half_space::subsurface`]).
 //!
-//! Where the bodies expand as they are warm, their thermal stress is added ([`half_space::subsurface::WarmBody`]): the rise at a depth
-//! follows from its integrals at the surface, which raise that too, as the material moves steadily.
+//! If the bodies expand thermally, their thermal stress is added
+//! ([`half_space::subsurface::WarmBody`]). In steady motion, the temperature rise at a depth
+//! follows from the depth integrals at the surface that also determine the expansion.
 //!
-//! The point of each body with the largest von Mises stress is looked for in its whole volume ([`SurfaceLoad::peak`]), with the principal
-//! stresses there and their directions, and where the contact has several patches below each of them ([`SurfaceLoad::peaks`]); with thermal stress, which is known in the section alone, only in that.
+//! The largest von Mises stress of each body is searched in its whole volume
+//! ([`SurfaceLoad::peak`]), and reported with the principal stresses and their directions. If the
+//! contact has several patches, the search is repeated below each patch ([`SurfaceLoad::peaks`]).
+//! Thermal stress is known only in the section; with it, only the section is searched.
 //!
-//! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5; for thermal stress Goodier, Phil. Mag. 23 (1937).
+//! Source: Johnson, *Contact Mechanics* (1985) §3.2, §3.6 and §4.5; for thermal stress Goodier,
+//! Phil. Mag. 23 (1937).
 
 use crate::advice::situation::{PRESSURE, Situation};
 use crate::case::keys::CheckedParams;
@@ -30,7 +34,7 @@ use proto::grid::{Shape, Structured};
 use proto::model::Outputs;
 use serde_json::{Value, json};
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "subsurface_stress",
     law: "von Mises stress sqrt(3 J2) and largest shear stress (s1 - s3)/2 of the elastic half-spaces \
@@ -51,10 +55,10 @@ const GRIDS: [&str; 2] = ["upper_stress_section", "lower_stress_section"];
 const VON_MISES: [FieldSpec; 2] = [field::UPPER_SECTION_VON_MISES, field::LOWER_SECTION_VON_MISES];
 const MAX_SHEAR: [FieldSpec; 2] = [field::UPPER_SECTION_MAX_SHEAR, field::LOWER_SECTION_MAX_SHEAR];
 
-/// Patches of which each has its largest stress, those that carry most.
+/// Largest number of patches with a peak of their own; the most heavily loaded ones are chosen.
 const MOST_PATCHES: usize = 32;
 
-/// Depth of the section over the larger semi-axis, unless the case says otherwise.
+/// Default depth of the section, relative to the larger semi-axis.
 const DEPTH: f64 = 2.0;
 
 const DEPTH_KEY: &str = "effects.subsurface_stress.depth";
@@ -87,24 +91,24 @@ fn own_keys() -> Vec<KeySpec> {
     ]
 }
 
-/// The sections that a case asks for.
+/// Requested sections and their results.
 #[derive(Debug)]
 struct Sections {
-    /// Depth [m]; `None` for what suits the contact.
+    /// Depth [m]; `None` for the default.
     depth: Option<f64>,
     layers: usize,
-    /// Lateral coordinate [m]; `None` for that of the highest pressure.
+    /// Lateral coordinate [m]; `None` for the position of the highest pressure.
     y: Option<f64>,
-    /// Both bodies, and what they have of thermal stress.
+    /// Materials and thermal stress of both bodies.
     thermal: ThermalStress,
     on: Option<Plane>,
     results: Option<[Fields; 2]>,
     peaks: [Option<Peak>; 2],
-    /// Of both bodies, below each patch of several, with its place among them from 1.
+    /// Peaks of both bodies below each of several patches, with the number of the patch from 1.
     below_patches: [Vec<(usize, Peak)>; 2],
 }
 
-/// Where the sections lie.
+/// Position of the sections.
 #[derive(Debug)]
 struct Plane {
     contact: Structured,
@@ -112,7 +116,7 @@ struct Plane {
     depths: Vec<f64>,
 }
 
-/// The stresses of one body, depth after depth [Pa].
+/// Stresses of one body, depth after depth [Pa].
 #[derive(Clone, Debug, Default)]
 struct Fields {
     von_mises: Vec<f64>,
@@ -137,7 +141,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
 impl State for Sections {}
 
 impl Sections {
-    /// Thermal stresses of a body in its section, where it expands.
+    /// Thermal stresses of a body in its section; `None` if it does not expand.
     fn warm(&self, plane: &Plane, accepted: &Accepted<'_>, body: usize) -> Option<Vec<Stress>> {
         let (warm, rise) = self.thermal.of(accepted, body)?;
         let xs: Vec<f64> = (0..plane.contact.ni).map(|column| plane.contact.x(column)).collect();
@@ -160,7 +164,8 @@ impl Observation for Sections {
         self.thermal.expand(coefficients, speeds)
     }
 
-    /// The section of the upper body lies above the contact, that of the lower one below.
+    /// Returns the grids of the sections: above the contact for the upper body, below it for the
+    /// lower one.
     fn grids(&self) -> Vec<(&'static str, Shape)> {
         let Some(Plane { contact, y, depths }) = &self.on else { return Vec::new() };
         let step = 2.0 * depths[0];
@@ -223,7 +228,7 @@ impl Observation for Sections {
         }
     }
 
-    /// The largest values and where they are.
+    /// Largest values and their positions.
     fn summary(&self) -> Option<(&'static str, Value)> {
         let (Plane { contact, y, depths }, results) = (self.on.as_ref()?, self.results.as_ref()?);
         let largest = |values: &[f64]| {
@@ -262,7 +267,9 @@ impl Observation for Sections {
     }
 }
 
-/// The largest von Mises stress below each patch of several, by the order of their lateral places; of many, below those that carry most.
+/// Returns the largest von Mises stress below each patch, in the lateral order of the patches;
+/// empty for a single patch. If there are too many patches, only the most heavily loaded ones are
+/// included.
 fn below_patches(
     grid: &Structured,
     pressure: &[f64],
@@ -282,7 +289,8 @@ fn below_patches(
     places.iter().zip(peaks).filter_map(|(place, peak)| Some((place + 1, peak?))).collect()
 }
 
-/// The largest von Mises stress of a body; `up` is 1 for the upper one and −1 for the lower one, whose depth points down.
+/// Describes the largest von Mises stress of a body. `up` is 1 for the upper body and −1 for the
+/// lower one, whose depth points down.
 fn in_the_volume(peak: &Peak, up: f64) -> Value {
     let [x, y, depth] = peak.place;
     let principal = peak.stress.principal_directions();

@@ -1,15 +1,19 @@
-//! Effect `suspension`: the upper body is an unsprung mass on a primary suspension, and may run over an irregularity.
+//! Effect `suspension`: the upper body is an unsprung mass on a primary suspension, and may run
+//! over an irregularity.
 //!
-//! M z̈ = N(t) − N_0 − K z − C ż, with z the height of the axle over that of steady rolling, N(t) the normal force of the contact and
-//! N_0 that of the case. The car body above keeps its height: it swings at about 1 Hz, and a run takes some milliseconds. An
-//! irregularity is a hollow of a surface, which the contact meets as it is: contact is lost and regained where that follows. With a rotary
-//! inertia I the upper body is driven by the torque of steady rolling, I ω̇ = (F_0 − F(t)) R; without one it keeps turning as
-//! it does.
+//! M z̈ = N(t) − N_0 − K z − C ż, with the height z of the axle above that of steady rolling, the
+//! normal force N(t) of the contact, and the normal force N_0 of the case. The car body keeps its
+//! height: it oscillates at about 1 Hz, and a run takes some milliseconds. An irregularity is a
+//! hollow of a surface; the contact follows its shape, and may be lost and regained. With a rotary
+//! inertia I, the torque of steady rolling drives the upper body, I ω̇ = (F_0 − F(t)) R; without
+//! one its speed is constant.
 //!
-//! Source: the paper's fig. 2 and table 1 (M_w, K_p, C_p); Jenkins et al., *The effect of track and vehicle parameters on
-//! wheel/rail vertical dynamic forces*, Railway Engng J. 3 (1974) 2–16, for joints.
+//! Source: the paper's fig. 2 and table 1 (M_w, K_p, C_p); Jenkins et al., *The effect of track and
+//! vehicle parameters on wheel/rail vertical dynamic forces*, Railway Engng J. 3 (1974) 2–16, for
+//! joints.
 //!
-//! Limits: the lower body rests on a rigid foundation, so that dynamic forces are above those on a track that yields.
+//! Limits: the lower body rests on a rigid foundation. Dynamic forces are therefore higher than on
+//! a flexible track.
 
 use crate::advice::situation::Situation;
 use crate::case::keys::CheckedParams;
@@ -21,7 +25,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::FigureSpec;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "suspension",
     law: "M z'' = N(t) - N - K z - C z' over the irregularity of a surface",
@@ -43,7 +47,7 @@ const FORM: &str = "effects.suspension.irregularity";
 const DEPTH: &str = "effects.suspension.depth";
 const LENGTH: &str = "effects.suspension.length";
 const AT: &str = "effects.suspension.at";
-/// No irregularity.
+/// Choice for no irregularity.
 const NONE: &str = "none";
 
 fn keys() -> Vec<KeySpec> {
@@ -76,7 +80,7 @@ fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// What the windows come to.
+/// Quantities accumulated over the windows.
 fn figures() -> Vec<FigureSpec> {
     let figure = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("contact.{name}"), unit, words).on("so far", short)

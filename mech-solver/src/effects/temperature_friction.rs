@@ -1,22 +1,25 @@
 //! Effect `temperature_friction`: the friction coefficient depends on the contact temperature.
 //!
-//! Either f(T) = f_∞ + (f_0 − f_∞) e^{−T/T_c}, with f_0 the case's friction coefficient, or a table of
-//! temperatures and coefficients with straight lines between, which take the place of f_0. The law enters as the factor f(T)/f_0, so that
-//! the factors of other effects multiply f(T), and bounds of the traction hold whatever it says. T is the mean of the temperature rises
-//! of both surfaces over their initial temperature, at the centre of an element. A rise below zero
-//! counts as none: friction heats, so only rounding or an iterate on its way has one, and the
-//! exponential of a far one is not finite.
+//! The coefficient is f(T) = f_∞ + (f_0 − f_∞) e^{−T/T_c} with the friction coefficient f_0 of the
+//! case, or comes from a table of temperature rises and coefficients, linear between its rows. The
+//! law enters as the factor f(T)/f_0. Factors of other effects therefore multiply f(T), and
+//! traction bounds apply unchanged.
 //!
-//! The effect closes a loop: friction heats, heat changes friction.
+//! T is the mean of the temperature rises of both surfaces over their initial temperature, at the
+//! centre of an element. A negative rise counts as zero: friction only heats, so that a negative
+//! value comes from rounding or from an iterate, and the exponential of a large one overflows.
 //!
-//! On its way the loop may be hotter than where it settles, and friction carry less than the force that
-//! is prescribed. Such an iterate is answered with the force that it carries while all slips, which
-//! joins the answers below the limit, so that the loop may cool and find the force again. It is no
-//! solution: as an accepted state it is refused, with both forces.
+//! The effect closes a coupling loop: friction heats, and heat changes friction.
+//!
+//! An iterate of the coupling may be hotter than the converged solution, and friction may then
+//! carry less than the prescribed force. Such an iterate returns the force carried in full sliding,
+//! which continues the solutions below the limit; the contact can cool and reach the prescribed
+//! force again. This state is not a solution: it is refused as an accepted state, with both forces
+//! in the message.
 //!
 //! Source: Ertz & Bucher, Vehicle System Dynamics 37 supplement (2002) 675–684, for friction that
-//! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over the
-//! slip velocity.
+//! falls with temperature; Polach, Wear 258 (2005) 992–1000, for the exponential form, there over
+//! the slip velocity.
 
 use crate::advice::situation::{POWER, Situation};
 use crate::case::keys::CheckedParams;
@@ -34,7 +37,7 @@ use proto::params::Params;
 use proto::table::{Column, headings};
 use std::path::Path;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "temperature_friction",
     law: "f(T) = f_inf + (f_0 - f_inf) exp(-T/T_c), or a table; T the mean rise of both surfaces",
@@ -54,9 +57,9 @@ const DECAY: &str = "effects.temperature_friction.decay_temperature";
 const TABLE: &str = "effects.temperature_friction.table";
 const BEYOND: &str = "effects.temperature_friction.beyond";
 
-/// The surfaces whose temperatures count.
+/// Surface temperatures on which friction depends.
 const SURFACES: [FieldSpec; 2] = [field::UPPER_TEMPERATURE, field::LOWER_TEMPERATURE];
-/// The columns of a table.
+/// Columns of the table.
 fn columns() -> [Column; 2] {
     [
         Column::new(&["temperature_rise", "rise"], "K")
@@ -86,7 +89,7 @@ fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// How friction depends on temperature.
+/// Friction coefficient as a function of the temperature rise.
 #[derive(Debug, PartialEq)]
 enum TemperatureLaw {
     /// f_∞ + (f_0 − f_∞) e^{−T/T_c}.
@@ -129,7 +132,7 @@ fn read(params: &Params) -> Result<TemperatureLaw, Refusal> {
 }
 
 impl TemperatureLaw {
-    /// f(T) of a friction coefficient f_0; `None` beyond the table.
+    /// Returns f(T) for a friction coefficient f_0; `None` beyond the table.
     fn coefficient(&self, cold: f64, temperature: f64) -> Option<f64> {
         match self {
             Self::Decay { hot, scale } => Some(hot + (cold - hot) * (-temperature / scale).exp()),
@@ -139,7 +142,8 @@ impl TemperatureLaw {
 }
 
 impl FrictionFactor for TemperatureLaw {
-    /// The grid of the temperatures may be another one in every solve; it is structured along x and y.
+    /// Writes the factors. The grid of the temperatures may differ in every solve; it is structured
+    /// along x and y.
     fn write(
         &self,
         state: &FrictionState<'_>,
@@ -172,9 +176,9 @@ impl FrictionFactor for TemperatureLaw {
     }
 }
 
-/// Friction of hot steel over that of cold, where the case has no law.
+/// Friction of hot steel relative to cold steel, used if the case has no law.
 const TYPICAL: f64 = 0.4;
-/// Temperature of the slip zone over the highest, about.
+/// Temperature of the slip zone, approximately, relative to the highest temperature.
 const MEAN: f64 = 0.6;
 
 fn advise(situation: &Situation<'_>) -> Advice {
@@ -193,7 +197,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let friction = |share: f64| law.coefficient(cold, share * MEAN * rise);
     let Some(warm) = friction(1.0) else { return advice };
     let power = |friction: f64| situation.otherwise(POWER, friction, situation.sticks);
-    // By how much the power answers to a rise that is a tenth higher.
+    // Sensitivity of the power to a rise that is 10 % higher.
     let powers = (power(warm), friction(1.1).and_then(power));
     let gain = match powers {
         (Some(now), Some(hotter)) if now > 0.0 => (hotter / now).ln().abs() / 1.1f64.ln(),
@@ -244,8 +248,7 @@ mod tests {
         }
     }
 
-    /// Friction is read where the temperatures are in this solve; a grid that has turned is refused
-    /// rather than misread.
+    /// Friction uses the grid of the temperatures of this solve. A rotated grid is refused.
     #[test]
     fn friction_follows_a_grid_that_moves() {
         let law = table(b"0 1\n10 2");
@@ -267,7 +270,7 @@ mod tests {
         }
     }
 
-    /// What an accelerated iterate may send: far below any temperature, where e^{−T/T_c} overflows.
+    /// An accelerated iterate may be far below any temperature, where e^{−T/T_c} overflows.
     #[test]
     fn a_rise_below_zero_is_none() {
         let own = Structured::contact_plane(0.0, 0.0, 0.5, 0.5, 3, 2);

@@ -1,18 +1,23 @@
-//! Effect `thermal_expansion`: what is warm expands, and the surface rises.
+//! Effect `thermal_expansion`: warm material expands, and the surface rises.
 //!
-//! The surface of a half-space that is free of tractions rises by u = 2(1 + ν)α W, with the coefficient of thermal expansion
-//! α and the integral W of the temperature rise over the depth that the thermal side provides, in which a wave number k
-//! weighs e^{−kz}. For half-spaces the undeformed distance is reduced by the rise of both surfaces. Finite elements have a strain αϑ in all directions
-//! in their first layer, whose integral over the layer is αW: heat is far thinner than their elements, so that the surface
-//! rises and stretches as if it were half an element deep: by less, the coarser they are.
+//! The traction-free surface of a half-space rises by u = 2(1 + ν)α W, with the coefficient of
+//! thermal expansion α. The thermal side provides the depth integral W of the temperature rise, in
+//! which a wave number k is weighted by e^{−kz}. For half-spaces the undeformed distance is reduced
+//! by the rise of both surfaces.
 //!
-//! A rod whose sides are free becomes longer by αW.
+//! Finite elements have an isotropic strain αϑ in their first layer, whose integral over the layer
+//! is αW. The heat is far thinner than the elements. The surface therefore rises and stretches as
+//! if the heat were half an element deep, which is less the coarser the elements are.
 //!
-//! The effect closes a loop: heat changes the contact, and that the heat.
+//! A rod with free sides becomes longer by αW.
 //!
-//! Source: Barber, *Elasticity* (2010), thermoelastic displacement potentials. Left out for half-spaces: the stretching along the
-//! surface, which makes a slip of the order of the difference of αϑ between both surfaces. Thermal stress is in the sections of half-spaces
-//! ([`super::subsurface_stress`]), and in the stress of finite elements as far as their first layer resolves it.
+//! The effect closes a coupling loop: heat changes the contact, and the contact changes the heat.
+//!
+//! Source: Barber, *Elasticity* (2010), thermoelastic displacement potentials. Neglected for
+//! half-spaces: the stretching along the surface, which causes a slip of the order of the
+//! difference of αϑ between the surfaces. Thermal stress is included in the sections of half-spaces
+//! ([`super::subsurface_stress`]), and in the stress of finite elements as far as their first layer
+//! resolves it.
 
 use crate::case::keys::CheckedParams;
 use crate::registry::entry::Effect;
@@ -22,7 +27,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::field;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "thermal_expansion",
     law: "u(k) = 2 (1 + nu) alpha int T(k, z) exp(-k z) dz; in finite elements a strain alpha T; \

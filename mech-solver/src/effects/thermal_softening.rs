@@ -1,17 +1,21 @@
 //! Effect `thermal_softening`: Young's modulus and the yield stress fall with the temperature.
 //!
-//! A material with a `softening_table` has E(T) = s_E(T) E and σ_y(T) = s_y(T) σ_y, with shares from lines of temperature [K],
-//! s_E and s_y, straight between, that fall; temperatures are absolute: the body's `initial_temperature`, which all of it has, and
-//! the rise in the first layer of elements. Poisson's ratio is
-//! constant; moduli of hardening fall with E. An element of the first layer has the temperature of the mean rise over its
-//! depth h, W/h, with the integral W of the rise over the depth that the thermal side provides: all heat is taken to be in
-//! that layer, as in [`super::thermal_expansion`]. So elements that are deeper than the heat soften less than the surface
-//! does, and a layer that is thinner than the heat, more than it should: the case is then beyond this effect.
+//! A material with a `softening_table` has E(T) = s_E(T) E and σ_y(T) = s_y(T) σ_y. The table has
+//! rows of temperature [K], s_E and s_y, is linear between them, and falls with temperature.
+//! Temperatures are absolute: the uniform `initial_temperature` of the body plus the rise in the
+//! first layer of elements. Poisson's ratio is constant; the hardening moduli fall with E.
 //!
-//! The stress is that of the strain at the shares of the moment (hypoelastic changes with the temperature are left out), and the
-//! power of plastic flow, which would depend on the temperature at which it flowed, is no figure.
+//! An element of the first layer has the mean rise over its depth h, W/h, with the integral W of
+//! the rise over the depth that the thermal side provides. All heat is assumed to be in that layer,
+//! as in [`super::thermal_expansion`]. Elements that are deeper than the heat therefore soften less
+//! than the surface. Elements that are shallower than the heat soften too much; such a case is
+//! outside the range of this effect.
 //!
-//! The effect closes a loop: heat changes the contact, and that the heat.
+//! The stress follows from the strain at the current shares (hypoelastic changes with temperature
+//! are neglected). The power of plastic flow depends on the temperature during flow, and is not
+//! reported.
+//!
+//! The effect closes a coupling loop: heat changes the contact, and the contact changes the heat.
 //!
 //! Source: EN 1993-1-2:2005, table 3.1 (reduction factors of carbon steel).
 
@@ -28,7 +32,7 @@ use proto::figure::{FigureSpec, Style};
 use proto::table::{Column, headings};
 use std::path::Path;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "thermal_softening",
     law: "E(T) = s_E(T) E and yield stress s_y(T) sigma_y in the first layer of finite elements, T the mean over its depth",
@@ -49,7 +53,7 @@ fn path(material: &str) -> String {
     format!("materials.{material}.{TABLE}")
 }
 
-/// The columns of a table.
+/// Columns of the table.
 fn columns() -> [Column; 3] {
     [
         absolute_temperature(),

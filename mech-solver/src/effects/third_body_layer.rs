@@ -1,7 +1,8 @@
-//! Effect `third_body_layer`: a thin layer between the surfaces that yields to traction.
+//! Effect `third_body_layer`: a thin layer between the surfaces with a tangential flexibility.
 //!
 //! The layer adds the displacement difference L p_t, with its tangential flexibility L [m/Pa], to
-//! that of the bodies. It lowers the initial slope of the creep curve and leaves its limit f N.
+//! that of the bodies. It reduces the initial slope of the creep curve and leaves its limit f N
+//! unchanged.
 //!
 //! Source: Vollebregt, *Numerical modeling of measured railway creep versus creep-force curves*,
 //! Wear 314 (2014) 87–95; Kalker (1990) §4.

@@ -1,18 +1,25 @@
-//! Effect `viscoelasticity`: the compliance of a material grows with time, so that rolling is resisted.
+//! Effect `viscoelasticity`: the compliance of a material grows with time, which causes rolling
+//! resistance.
 //!
-//! A material with a `delayed_compliance_ratio` f and a `retardation_time` τ is a standard linear solid with a constant
-//! Poisson's ratio: under a constant stress its compliance is J(t) = J [1 + f (1 − e^{−t/τ})], J that of `youngs_modulus`.
-//! In terms of a spring in series with a Kelvin–Voigt element f is the stiffness of the one over that of the other, and τ the
-//! viscosity over the stiffness of the latter. Kelvin's solid is the limit of a stiff first spring, f → ∞ with E/f kept; Maxwell's fluid that of
-//! f → ∞ with τ/f kept, the relaxation time, in which the approach grows without bound and all else has a limit.
+//! A material with a `delayed_compliance_ratio` f and a `retardation_time` τ is a standard linear
+//! solid with a constant Poisson's ratio. Under a constant stress its compliance is
+//! J(t) = J [1 + f (1 − e^{−t/τ})], with the compliance J of `youngs_modulus`. For a spring in
+//! series with a Kelvin–Voigt element, f is the stiffness of the spring divided by that of the
+//! element, and τ the viscosity of the element divided by its stiffness. Kelvin's solid is the
+//! limit of a stiff first spring, f → ∞ with constant E/f. Maxwell's fluid is the limit f → ∞ with
+//! constant τ/f, the relaxation time. In this limit the approach grows without bound, and all other
+//! quantities have a limit.
 //!
-//! Half-spaces that are pressed and shifted in place creep from window to window ([`half_space::retarded`]); in steady rolling they have the
-//! influence numbers of [`half_space::viscoelastic`]. The pressure leans forward, by x̄, and N x̄/R resists
-//! rolling; what that takes, and a part of the power of the creepages, is dissipated in the bodies.
+//! Half-spaces that are pressed and shifted in place creep from window to window
+//! ([`half_space::retarded`]). In steady rolling they have the influence coefficients of
+//! [`half_space::viscoelastic`]. The centre of pressure lies x̄ ahead of the middle, and N x̄/R
+//! resists rolling. The power of this resistance, and a part of the power of the creepages, is
+//! dissipated in the bodies.
 //!
-//! Source: Hunter, J. Appl. Mech. 28 (1961) 611; Wang and Knothe, J. Appl. Mech. 60 (1993) 310. Left out: more than one retardation
-//! time, a Poisson's ratio that changes with time, the difference of the speeds of both surfaces in the distance that a particle rolls, the heat of
-//! what is dissipated in the bodies, and rolling that is not steady.
+//! Source: Hunter, J. Appl. Mech. 28 (1961) 611; Wang and Knothe, J. Appl. Mech. 60 (1993) 310.
+//! Neglected: several retardation times; a Poisson's ratio that changes with time; the difference
+//! of the surface speeds in the distance that a particle rolls; the heat dissipated in the bodies;
+//! and unsteady rolling.
 
 use crate::advice::situation::Situation;
 use crate::case::keys::CheckedParams;
@@ -25,7 +32,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::FigureSpec;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "viscoelasticity",
     law: "J(t) = J [1 + f (1 - exp(-t/tau))] of each body, in place or in steady rolling; resistance N x/R, x the centre of pressure",

@@ -1,12 +1,14 @@
-//! Effect `viscous_layer`: a film between the surfaces that shears like a viscous fluid, up to friction.
+//! Effect `viscous_layer`: a film between the surfaces that shears like a viscous fluid, up to
+//! friction.
 //!
-//! τ = η v/h with the film's viscosity η and thickness h, and v = V |(ξ − φy, η_y + φx)|, the slip of rigid bodies; where friction
-//! carries less, f p is the bound: |p_t| ≤ min(f p, η v/h). The force then rises with the creepage like that of a fluid, and bends
-//! to f N.
+//! The film has the traction τ = η v/h, with its viscosity η, its thickness h and the slip velocity
+//! of rigid bodies v = V |(ξ − φy, η_y + φx)|. Friction is an upper bound: |p_t| ≤ min(f p, η v/h).
+//! The force first rises with the creepage as for a fluid, and then approaches f N.
 //!
-//! Source: Stachowiak & Batchelor, Engineering Tribology (2013), ch. 4, for the film; Hou, Kalousek & Magel, Wear 211 (1997)
-//! 134–140, for third bodies between wheel and rail. Left out: the elastic part of the slip, viscosity that depends on pressure
-//! and temperature, and forces that are prescribed: at rest the film carries none.
+//! Source: Stachowiak & Batchelor, Engineering Tribology (2013), ch. 4, for the film; Hou, Kalousek
+//! & Magel, Wear 211 (1997) 134–140, for third bodies between wheel and rail. Neglected: the
+//! elastic part of the slip, and viscosity that depends on pressure and temperature. A prescribed
+//! force is refused, because the film carries none at rest.
 
 use crate::advice::situation::Situation;
 use crate::case::keys::CheckedParams;
@@ -18,7 +20,7 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "viscous_layer",
     law: "traction bound min(f p, eta v/h) with the rigid slip velocity v",
@@ -56,7 +58,6 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { friction: FrictionLaw::of_bound(film), ..Terms::default() })
 }
 
-/// The film.
 #[derive(Debug)]
 struct Film {
     /// η/h [Pa·s/m].

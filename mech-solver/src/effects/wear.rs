@@ -1,13 +1,16 @@
-//! Effect `wear`: the contact takes material off both bodies, and the profiles that it leaves carry on.
+//! Effect `wear`: the contact removes material from both bodies, and the next contact has the worn
+//! profiles.
 //!
-//! By friction energy, a volume k for every joule of friction work, or by Archard's law, K/H times load and distance. The
-//! work of passages, and how a profile follows, are in [`crate::terms::removal`]. A steady case gives what a passage takes; in a
-//! sequence every row stands for a number of passages, and the profiles of both bodies come to the next row as they are worn.
-//! The heat of friction stays what it is: the share that goes into worn particles is `effects.friction_heat.heat_share`.
+//! The worn volume is k per joule of friction work (energy), or K/H times load and sliding distance
+//! (Archard). The accumulation of passages and the evolution of a profile are described in
+//! [`crate::terms::removal`]. A steady case returns the wear of one passage. In a sequence every
+//! row stands for a number of passages, and the worn profiles of both bodies are used in the next
+//! row. Friction heat is unchanged; the share that goes into wear particles is set by
+//! `effects.friction_heat.heat_share`.
 //!
-//! Source: Archard, J. Appl. Phys. 24 (1953) 981–988; Pearce & Sherratt, Wear 144 (1991) 343–351; Lewis & Olofsson, Wear
-//! 257 (2004) 721–729, for the regimes of rail and wheel steel.
-//! Left out: worn particles that stay, and wear that is not the same all round a body.
+//! Source: Archard, J. Appl. Phys. 24 (1953) 981–988; Pearce & Sherratt, Wear 144 (1991) 343–351;
+//! Lewis & Olofsson, Wear 257 (2004) 721–729, for the regimes of rail and wheel steel. Neglected:
+//! wear particles that stay in the contact, and wear that varies around the circumference.
 
 use crate::advice::situation::{POWER, PRESSURE, Situation};
 use crate::case::keys::CheckedParams;
@@ -24,7 +27,7 @@ use proto::field::{self, FieldSpec};
 use proto::figure::FigureSpec;
 use std::f64::consts::PI;
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: NAME,
     law: "depth of a passage h(y) = int k q_f dx/v, or int (K/H) p |s| dx/v (Archard), added to the \
@@ -88,7 +91,7 @@ fn figures() -> Vec<FigureSpec> {
     ]
 }
 
-/// The passages of a configuration in which nothing varies.
+/// Reads the number of passages from a configuration in which nothing varies.
 ///
 /// # Errors
 /// A value that is out of range.
@@ -131,10 +134,10 @@ fn refuse(configuration: &Configuration, scene: &Scene, factors: [f64; 2]) -> Re
     }
 }
 
-/// Mild wear of rail steel, where the case has none [m³/J].
+/// Mild wear of rail steel [m³/J], used if the case has none.
 const TYPICAL: f64 = 6.75e-13;
 
-/// The mean depth over the contact's width.
+/// Estimates the mean depth over the width of the contact.
 fn advise(situation: &Situation<'_>) -> Advice {
     let own = |material: &str| situation.case.maybe_number(&path(material, ENERGY)).ok().flatten();
     let materials = situation.materials();

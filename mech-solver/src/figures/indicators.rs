@@ -1,4 +1,4 @@
-//! Figures of a contact by which one judges whether its material and its model suffice.
+//! Quantities by which the material and the model of a contact are judged.
 
 use crate::case::scene::Scene;
 use elastic::shakedown;
@@ -8,12 +8,13 @@ use proto::figure::contact::CREEPAGE_XI;
 use proto::grid::Structured;
 use serde_json::Value;
 
-/// Part of a radius beyond which a body is no half-space to a contact.
+/// Largest contact size, relative to the radius, for which a body counts as a half-space.
 const HALF_SPACE: f64 = 0.2;
-/// Elements across a patch below which friction power is off by a tenth (docs/theory/half-space.md, at a/5).
+/// Number of elements across a patch below which the friction power is off by a tenth
+/// (docs/theory/half-space.md, at a/5).
 const ELEMENTS: f64 = 8.0;
 
-/// Key of the tangential over the normal force.
+/// Key of the ratio of tangential to normal force.
 pub(crate) const TRACTION_RATIO: &str = "contact.traction_ratio";
 
 const SHEAR_RATIO: &str = "pressure_over_shear_strength";
@@ -23,17 +24,17 @@ const T_GAMMA: &str = "t_gamma_n";
 const WORK: &str = "work_per_metre_n";
 const ACROSS: &str = "elements_across";
 
-/// What a contact is held against.
+/// Reference values used by the assessment indicators.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Indicators {
-    /// Yield stress in shear of the softer body, k [Pa].
+    /// Shear yield stress k of the softer body [Pa].
     shear_strength: Option<f64>,
-    /// Radii of both bodies along and across the motion, of either the smaller [m].
+    /// Smaller radius of the two bodies, along and across the motion [m].
     radii: [f64; 2],
 }
 
 impl Indicators {
-    /// Of a scene.
+    /// Reads the reference values from a scene.
     pub(crate) fn of(scene: &Scene) -> Self {
         let yields = scene.bodies.iter().filter_map(|body| body.yield_stress);
         let least = |one: f64, other: f64| one.abs().min(other.abs());
@@ -44,12 +45,14 @@ impl Indicators {
         }
     }
 
-    /// Of bodies of finite elements, which may be of any size.
+    /// Reads the reference values for bodies of finite elements, for which the contact may have any
+    /// size.
     pub(crate) fn of_elements(scene: &Scene) -> Self {
         Self { radii: [f64::INFINITY; 2], ..Self::of(scene) }
     }
 
-    /// Adds what it says of figures of a contact: of its pressure under its forces, and of its size.
+    /// Adds the indicators that follow from the pressure, the forces, the creepages and the size of
+    /// a contact.
     pub(crate) fn add_to(&self, contact: &mut Value) {
         let figure = |name: &str| contact.get(name).and_then(Value::as_f64);
         let [pressure, load] = ["max_pressure_pa", "normal_force_n"].map(figure);
@@ -85,7 +88,8 @@ impl Indicators {
     }
 }
 
-/// Adds how many elements lie across a contact, or across the smallest of its patches if all are listed.
+/// Adds the number of elements across a contact, or across the smallest of its patches if all are
+/// listed.
 pub(crate) fn add_elements(contact: &mut Value, grid: &Structured) {
     let across = |patch: &Value| {
         let axis = |name: &str| patch.get(name).and_then(Value::as_f64);
@@ -106,7 +110,7 @@ pub(crate) fn add_elements(contact: &mut Value, grid: &Structured) {
     }
 }
 
-/// Their descriptions.
+/// Descriptions of the indicators.
 pub(crate) fn figures() -> Vec<FigureSpec> {
     let figure = |name: &str, words| FigureSpec::new(&format!("contact.{name}"), "1", words);
     vec![
@@ -143,8 +147,8 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
     ]
 }
 
-/// The traction coefficient over the creepage along x: what a sweep or a sequence makes of it is a creep
-/// curve.
+/// Diagram of the traction coefficient over the longitudinal creepage, the creep curve of a sweep
+/// or a sequence.
 pub(crate) fn creep_curve() -> Diagram {
     Diagram::new(
         "Creep curve",
@@ -154,7 +158,7 @@ pub(crate) fn creep_curve() -> Diagram {
     )
 }
 
-/// p₀/k over the traction coefficient, with the limits of a line contact.
+/// Diagram of p₀/k over the traction coefficient, with the limits of a line contact.
 pub(crate) fn shakedown_diagram() -> Diagram {
     const TRACTIONS: [f64; 12] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.42, 0.5, 0.6, 0.8];
     let line = |name: &str, limit: fn(f64) -> f64| Line {
@@ -180,7 +184,8 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    /// Tγ is forces times creepages, against the forces; the work has moment times spin too, where both are known.
+    /// Tγ is the product of forces and creepages with the sign reversed. The work also contains
+    /// moment times spin if both are known.
     #[test]
     fn the_work_for_each_metre() {
         let indicators = Indicators { shear_strength: None, radii: [f64::INFINITY; 2] };
@@ -197,7 +202,8 @@ mod tests {
         assert_eq!((&strips[T_GAMMA], strips.get(WORK)), (&json!(20.0), None));
     }
 
-    /// p₀/k and its part of the limit with the softer body's strength; sizes over the smaller radius of either direction.
+    /// p₀/k and its ratio to the limit use the strength of the softer body; the size uses the
+    /// smaller radius in either direction.
     #[test]
     fn a_contact_is_held_against_its_limits() {
         let indicators = Indicators { shear_strength: Some(300e6), radii: [0.5, f64::INFINITY] };

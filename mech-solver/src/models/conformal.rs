@@ -1,18 +1,21 @@
-//! Model `conformal`: bodies that are prismatic along x and touch on a curved surface, in steady rolling.
+//! Model `conformal`: prismatic bodies that touch on a curved surface, in steady rolling.
 //!
-//! Both are arcs across, one in the other: a flange root in a gauge corner, a roller in its groove. The surface turns under the
-//! contact, and a corner or a throat yields otherwise than a half-space ([`half_space::conformal`]). Every window is a steady state of its own.
+//! The cross-sections of both bodies are arcs, one inside the other: a flange root in a gauge
+//! corner, a roller in its groove. The contact surface is curved, and a corner or a throat deforms
+//! differently from a half-space ([`half_space::conformal`]). Every window is an independent steady
+//! state.
 //!
-//! **Fields** are on the surface, developed: x along the rolling direction, y the distance s along the surface. As in
-//! model `half-space` slip and friction power belong to the way of a particle from an element's centre to the
-//! next one's, and their grid is shifted upstream by half an element.
+//! **Fields** are on the developed surface: x along the rolling direction, y the arc length s along
+//! the surface. As in model `half-space`, slip and friction power refer to the path of a particle
+//! from an element's centre to the next one's, and their grid is shifted upstream by half an
+//! element.
 //!
-//! | module | what |
+//! | module | contents |
 //! |---|---|
-//! | `case` | the keys, what a window prescribes, the grid that holds the contact |
-//! | `running` | what solves a window |
+//! | `case` | keys, values prescribed in a window, grid of the contact |
+//! | `running` | solver of the windows |
 //! | `window` | a window and its solution |
-//! | `summary` | its figures |
+//! | `summary` | figures of a window |
 
 mod case;
 mod running;
@@ -35,14 +38,15 @@ use running::Running;
 
 pub(super) use summary::figures;
 
-/// Time of a solve over the elements, measured [s].
+/// Solution time per element, measured [s].
 const SECONDS: f64 = 2e-5;
-/// Time of the influence numbers over the cube of the rows, and the rest of it, measured [s].
+/// Time to compute the influence coefficients, measured [s]: factor of the cube of the rows, and
+/// constant part.
 const BUILD: [f64; 2] = [1.5e-5, 0.5];
-/// Working memory for an element of each pair of rows, and for an element [byte].
+/// Working memory [byte]: per element and row, and per element.
 const BYTES: [f64; 2] = [150.0, 1000.0];
 
-/// Its entry in the list.
+/// Registry entry of this model.
 pub(super) const MODEL: ModelEntry =
     ModelEntry { name: "conformal", spec, takes: &[Kind::Adhesion, Kind::HeatShare], configure };
 
@@ -69,7 +73,7 @@ fn spec() -> ModelSpec {
 /// Checks a configuration, and finds the extent of its contacts.
 ///
 /// # Errors
-/// A case that is incomplete or out of range, arcs that do not touch, a grid that is too large.
+/// A case that is incomplete or out of range; arcs that do not touch; a grid that is too large.
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let case = Case::read(configuration)?;
     let footprint = Footprint::of(configuration, &case)?;

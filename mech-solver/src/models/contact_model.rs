@@ -1,8 +1,8 @@
-//! The model that every contact runs as: solved window after window, from the accepted state on.
+//! Common model of all contacts: solves window after window, starting from the accepted state.
 //!
-//! A contact says how a window is solved and what it looks like ([`Contact`]). [`ContactModel`] does
-//! the rest of a model's work: it keeps the window that was solved last and the one that was
-//! accepted, hands out fields and figures, and saves and restores the state.
+//! A contact defines how a window is solved and which fields and figures it has ([`Contact`]).
+//! [`ContactModel`] does the rest of a model's work: it keeps the last solved and the accepted
+//! window, writes fields and figures, and saves and restores the state.
 
 use crate::terms::Terms;
 use proto::field::{self, FieldSpec};
@@ -10,16 +10,16 @@ use proto::model::{InputField, Inputs, Model, Outputs, StateError, Step, StepErr
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
-/// A contact that is solved in windows of time.
+/// A contact that is solved in time windows.
 pub(super) trait Contact {
-    /// A window that is solved: everything that fields, figures and the next window need.
+    /// A solved window: everything that fields, figures and the next window need.
     type Window;
 
-    /// Solves a window from the accepted one with these inputs. `spent` is a window that nobody needs
-    /// any more; its memory may be used, its values may not.
+    /// Solves a window with these inputs, starting from the accepted one. `spent` is a discarded
+    /// window: its allocated memory may be reused, its values may not.
     ///
     /// # Errors
-    /// There is no solution, or an input is missing.
+    /// A contact without solution; an input that is missing.
     fn solve(
         &mut self,
         step: &Step,
@@ -28,75 +28,75 @@ pub(super) trait Contact {
         spent: Option<Self::Window>,
     ) -> Result<Self::Window, StepError>;
 
-    /// Whether a window that is solved is the solution of this step as well.
+    /// Returns whether a solved window is also the solution of this step.
     fn solves(&self, _window: &Self::Window, _step: &Step) -> bool {
         false
     }
 
-    /// The window whose fields hold before the first solve, if one is known without inputs.
+    /// Window whose fields hold before the first solve, if it is known without inputs.
     fn first(&mut self) -> Option<Self::Window> {
         None
     }
 
-    /// Speeds of the upper and the lower surface where no first window is known [m/s]; all other
+    /// Speeds of the upper and the lower surface if no first window is known [m/s]; all other
     /// fields are zero then.
     fn first_speeds(&self) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// What solving the window took.
+    /// Cost of solving the window.
     fn report(&self, window: &Self::Window) -> StepReport;
 
-    /// Writes a field of the contact, component-major; leaves those of observations alone.
+    /// Writes a field of the contact, component-major; leaves fields of observations unchanged.
     fn write(&self, window: &Self::Window, spec: &FieldSpec, values: &mut [f64]);
 
-    /// Whether the window may be accepted.
+    /// Checks whether the window may be accepted.
     ///
     /// # Errors
-    /// Why it may not.
+    /// The reason why it may not.
     fn acceptable(&self, _window: &Self::Window) -> Result<(), StepError> {
         Ok(())
     }
 
-    /// Makes the window the accepted state of the contact itself; the terms follow.
+    /// Makes the window the accepted state of the contact itself; the terms are updated afterwards.
     fn accept(&mut self, _window: &Self::Window) {}
 
-    /// Writes what observations make of the accepted window.
+    /// Writes the observations of the accepted window.
     fn observe(&mut self, _window: &Self::Window, _outputs: &mut dyn Outputs) {}
 
-    /// The sections of `summary.json`.
+    /// Sections of `summary.json`.
     fn summary(&self, window: &Self::Window) -> Value;
 
-    /// The terms of the active effects, which have states of their own.
+    /// Terms of the active effects, which have their own states.
     fn terms(&self) -> &Terms;
 
-    /// The same, to be changed.
+    /// Mutable access to the terms of the active effects.
     fn terms_mut(&mut self) -> &mut Terms;
 
     /// Writes the accepted window, if the next one depends on it.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// Errors of the writer `into`.
     fn save(&self, _accepted: Option<&Self::Window>, _into: &mut dyn Write) -> io::Result<()> {
         Ok(())
     }
 
-    /// Reads back what [`Contact::save`] wrote.
+    /// Reads the state written by [`Contact::save`].
     ///
     /// # Errors
-    /// It does not fit, or ends too early.
+    /// A state that does not fit or ends too early.
     fn restore(&mut self, _from: &mut dyn Read) -> Result<Option<Self::Window>, StateError> {
         Ok(None)
     }
 }
 
-/// The model that runs.
+/// Model that runs a contact.
 pub(super) struct ContactModel<C: Contact> {
     contact: C,
-    /// The window that was solved last, unless the accepted one answers it too.
+    /// Last solved window, unless the accepted window already is its solution.
     trial: Option<C::Window>,
     accepted: Option<C::Window>,
-    /// A window that nobody needs any more.
+    /// Discarded window whose allocated memory can be reused.
     spent: Option<C::Window>,
 }
 
@@ -105,12 +105,12 @@ impl<C: Contact> ContactModel<C> {
         Self { contact, trial: None, accepted: None, spent: None }
     }
 
-    /// The window that was solved last, before any the first one.
+    /// Last solved window; before any solve, the first window.
     fn last(&self) -> Option<&C::Window> {
         self.trial.as_ref().or(self.accepted.as_ref())
     }
 
-    /// Writes the fields of the contact that are asked for.
+    /// Writes the requested fields of the contact.
     fn write(contact: &C, window: &C::Window, outputs: &mut dyn Outputs) {
         for spec in field::TABLE {
             if let Some(values) = outputs.get(spec) {
@@ -193,7 +193,7 @@ impl<C: Contact> Model for ContactModel<C> {
     }
 }
 
-/// Inputs of a window that has none.
+/// Empty inputs.
 pub(super) struct Nothing;
 
 impl Inputs for Nothing {
@@ -202,7 +202,7 @@ impl Inputs for Nothing {
     }
 }
 
-/// Writes the components of a vector, one after the other.
+/// Writes the two components of a vector field one after the other.
 pub(super) fn write_pair(values: &mut [f64], [x, y]: &[Vec<f64>; 2]) {
     let (first, second) = values.split_at_mut(x.len());
     first.copy_from_slice(x);

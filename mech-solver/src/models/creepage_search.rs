@@ -1,21 +1,22 @@
-//! Creepages that lead back to themselves, where friction depends on them.
+//! Fixed-point search for the creepages if friction depends on them.
 //!
-//! The friction at some creepages lets a force have others. They are found by Aitken's relaxation as Irons and Tuck have it for
-//! vectors (Int. J. Numer. Meth. Engng 1 (1969) 275–277), which for one component is the secant method.
+//! The friction at assumed creepages gives other creepages for a prescribed force. The fixed point
+//! is found by Aitken's relaxation in the vector form of Irons and Tuck (Int. J. Numer. Meth. Engng
+//! 1 (1969) 275–277), which is the secant method for one component.
 
 use proto::model::StepError;
 
-/// Change over the creepages at which they have settled.
+/// Relative change of the creepages at convergence.
 const SETTLED: f64 = 1e-8;
-/// Creepages that are tried.
+/// Maximum number of iterations.
 const MOST: usize = 60;
-/// Largest factor of a step.
+/// Largest relaxation factor.
 const LARGEST: f64 = 1e3;
 
-/// A search for them.
+/// Search for creepages that reproduce themselves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CreepageSearch {
-    /// Spin is taken times this length [m].
+    /// Length by which the spin is multiplied [m].
     length: f64,
     at: [f64; 3],
     residual: Option<[f64; 3]>,
@@ -24,20 +25,21 @@ pub(super) struct CreepageSearch {
 }
 
 impl CreepageSearch {
-    /// Begins at some creepages, in a contact of this size [m].
+    /// Starts at these creepages, in a contact of this size [m].
     pub(super) fn new(at: [f64; 3], length: f64) -> Self {
         Self { length, at, residual: None, factor: 1.0, tried: 0 }
     }
 
-    /// The creepages to try.
+    /// Current iterate of the creepages.
     pub(super) fn at(&self) -> [f64; 3] {
         self.at
     }
 
-    /// Takes those that they led to; whether they are the same.
+    /// Takes the creepages that follow from the current iterate. Returns whether they have
+    /// converged.
     ///
     /// # Errors
-    /// They do not settle.
+    /// Creepages that do not converge.
     pub(super) fn take(&mut self, found: [f64; 3]) -> Result<bool, StepError> {
         let weights = [1.0, 1.0, self.length];
         let weighted = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|k| weights[k] * of(k));
@@ -77,8 +79,8 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    /// x = a + g x with a gain near one, which takes a plain iteration thousands of steps; and x = −1 − x², which has no
-    /// solution.
+    /// x = a + g x with a gain near one, for which a plain iteration needs thousands of steps; and
+    /// x = −1 − x², which has no solution.
     #[test]
     fn a_gain_near_one_and_no_solution() {
         let mut search = CreepageSearch::new([0.0; 3], 1e-3);

@@ -1,12 +1,12 @@
-//! What models expect of their errors.
+//! Expected discretisation errors of the models.
 
 use crate::case::resolution::RESOLUTION;
 use proto::accuracy::Refinement;
 
-/// Where the expected errors of the models were measured.
+/// Source of the expected errors of the models.
 pub(super) const STUDY: &str = "`coordinator cost` of the cases wheel-rail and full-slip";
 
-/// How the error of a model falls with the elements per semi-axis, from this error at ten on.
+/// Convergence of a model with the elements per semi-axis: order, and error at ten elements.
 pub(super) fn refinement(order: f64, error: f64) -> Refinement {
     Refinement {
         key: RESOLUTION.to_owned(),

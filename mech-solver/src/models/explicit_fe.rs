@@ -1,19 +1,22 @@
-//! Model `explicit-fe`: explicit finite elements of both bodies, rolled until that is steady ([`explicit_fe`]).
+//! Model `explicit-fe`: explicit finite elements of both bodies, rolled until steady
+//! ([`explicit_fe`]).
 //!
-//! The lower body is straight or convex, the upper one rolls on it with a longitudinal creepage or force; both may be curved
-//! across, or have measured profiles. Hertz's contact, or one of half-spaces, only sizes the meshes. Steady rolling is computed once, when the model is built, with its
-//! progress reported. Where an axle may move, the bodies roll on from there, window by window.
+//! The lower body is straight or convex; the upper body rolls on it with a longitudinal creepage or
+//! force. Both may be curved laterally, or have measured profiles. The contact of Hertz or of
+//! half-spaces only determines the size of the meshes. Steady rolling is computed once, when the
+//! model is built, and reports its progress. With an axle that may move, the bodies roll on from
+//! that state, window by window.
 //!
-//! | file | what |
+//! | module | contents |
 //! |---|---|
-//! | [`entry`] | what the list of models and the description say |
-//! | [`keys`] | the keys of the case, and the sizes that they leave open |
-//! | [`surfaces`] | what touches, and about where |
-//! | [`creep_curve`] | along which the creepage of a force is looked for |
-//! | [`setup`] | a case, checked, and bodies made of it |
-//! | [`passage`] | rolling on in time |
-//! | [`heated`] | steady rolling that heat changes |
-//! | [`outcome`] | what a measurement gives: faults, fields, figures |
+//! | [`entry`] | registry entry and description |
+//! | [`keys`] | keys of the case, and default sizes |
+//! | [`surfaces`] | undeformed surfaces, and an estimate of the contact |
+//! | [`creep_curve`] | creep curve that starts the search for the creepage of a force |
+//! | [`setup`] | a checked case, and the bodies built from it |
+//! | [`passage`] | rolling in time |
+//! | [`heated`] | steady rolling of heated bodies |
+//! | [`outcome`] | evaluation of a measurement: checks, fields, figures |
 
 mod creep_curve;
 mod entry;

@@ -1,34 +1,37 @@
 //! Model `fastsim`: Kalker's simplified theory on Hertz's ellipse.
 //!
-//! Normal: [`elastic::hertz`], or the ellipse that the case gives under `[contact]`.
-//! Tangential, for longitudinal, lateral and spin creepage: the surfaces are beds of springs whose
-//! flexibility follows from Kalker's linear theory ([`elastic::kalker`]), and Coulomb's law
-//! holds with the bound f · 2N/(π a b) · (1 − x²/a² − y²/b²), or with f times the pressure of Hertz. The parabola is for the
-//! traction only: its stick zone is what the springs can follow up to the leading edge, and it is up to 4/3 of f
-//! times the pressure of Hertz, which the field `pressure` gives. Where surfaces stick strip theory may stand for the
-//! springs (FASTRIP). Without terms of adhesion the whole contact slides, with f times Hertz's pressure.
+//! Normal contact: [`elastic::hertz`], or the ellipse that the case gives under `[contact]`.
 //!
-//! A prescribed longitudinal force is met by ξ alone, η = φ = 0; it is monotone in ξ, from 0 to f N
-//! at a finite creepage.
+//! Tangential contact, for longitudinal, lateral and spin creepage: the surfaces are beds of
+//! springs whose flexibility follows from Kalker's linear theory ([`elastic::kalker`]). Coulomb's
+//! law holds with the bound f · 2N/(π a b) · (1 − x²/a² − y²/b²), or with f times Hertz's pressure.
+//! The parabolic bound is used for the traction only: under it the springs can stick up to the
+//! leading edge. It reaches 4/3 of f times Hertz's pressure in the middle, while the field
+//! `pressure` is always Hertz's. In the stick zone strip theory may replace the springs (FASTRIP).
+//! Without terms of adhesion the whole contact slides, with f times Hertz's pressure.
 //!
-//! | module | what |
+//! A prescribed longitudinal force is met by ξ alone, with η = φ = 0. The force increases
+//! monotonically with |ξ|, from 0 to f N at a finite creepage.
+//!
+//! | module | contents |
 //! |---|---|
 //! | [`elastic::fastsim`] | the springs, the bound, the march along a strip, strip theory |
 //! | `sliding` | the contact without a stick zone |
 //! | `contact` | prescribed force, sums over the contact |
 //! | `fields` | element means on the contact's grid |
-//! | `case` | what a case asks for |
-//! | `limits` | bounds of friction that is not one coefficient |
-//! | `windows` | values that vary; friction that depends on slip, on inputs or on a bound of the traction |
+//! | `case` | options of a case |
+//! | `limits` | friction bounds of the elements |
+//! | `windows` | values that vary; friction that depends on slip, inputs or a traction bound |
 //!
-//! The model is quasi-static and has no memory but that of its friction. It is computed once, when the model is built, or in
-//! every iteration where friction depends on something.
+//! The model is quasi-static; only its friction may have a history. It is computed once, when the
+//! model is built, or in every iteration if friction is not constant.
 //!
 //! Source: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
-//! System Dynamics 11 (1982) 1–13. Deviations: the strips are closer together towards the sides; a
-//! cell's traction is the mean of its two ends, which keeps the energy balance; one flexibility for
-//! all creepages is the default, by another mean than in that paper, see `flexibility`; friction of places, see `limits`; bodies of different materials are taken as two
-//! of the combined G and ν, without coupling to the normal problem.
+//! System Dynamics 11 (1982) 1–13. Deviations: the strips are narrower towards the sides. A cell's
+//! traction is the mean of its two ends, which keeps the energy balance. The default is one
+//! flexibility for all creepages, averaged differently than in that paper, see `flexibility`.
+//! Friction may vary from element to element, see `limits`. Bodies of different materials are
+//! treated as two bodies with the combined G and ν, without coupling to the normal problem.
 
 mod case;
 mod contact;
@@ -64,12 +67,12 @@ use proto::progress::Progress;
 use serde_json::Value;
 use windows::Windows;
 
-/// Time to pass over a cell, measured [s].
+/// Time per cell and pass, measured [s].
 const SECONDS_PER_CELL: f64 = 4e-8;
-/// Passes that the creepage for a prescribed force takes, about.
+/// Approximate number of passes to find the creepage of a prescribed force.
 const PASSES: usize = 25;
 
-/// Its entry in the list.
+/// Registry entry of this model.
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "fastsim",
     spec,
@@ -82,10 +85,10 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     ],
     configure,
 };
-/// The same for an estimate.
+/// Elements per semi-axis for an estimate.
 const COARSE: usize = 15;
 
-/// What the description says of this model.
+/// Description of this model: keys, fields and accuracy.
 fn spec() -> ModelSpec {
     let mut keys = [contact_keys(), given_patch_keys()].concat();
     keys.extend(own_keys());
@@ -96,7 +99,7 @@ fn spec() -> ModelSpec {
             .to_owned(),
         source:
             "Kalker, Vehicle System Dynamics 11 (1982) 1-13; Kalker, Three-Dimensional Elastic \
-                 Bodies in Rolling FastsimContact (1990), table E.3; Sichani, Enblom, Berg, Vehicle System Dynamics 54 \
+                 Bodies in Rolling Contact (1990), table E.3; Sichani, Enblom, Berg, Vehicle System Dynamics 54 \
                  (2016) 748-764"
                 .to_owned(),
         steady: true,
@@ -123,11 +126,11 @@ fn springs_for_half_space(effect: &str) -> Simplification {
     Simplification::with(effect, what, 0.4, STUDY)
 }
 
-/// Checks a configuration whose effects and fields this model provides; cheap, allocates no field.
+/// Checks a configuration whose effects and fields this model provides, without allocating fields.
 ///
 /// # Errors
-/// Refuses a case that is incomplete or out of range, bodies whose contact is no ellipse, a
-/// negative Poisson's ratio, a force beyond f N, and a grid that is too large.
+/// A case that is incomplete or out of range; bodies whose contact is not an ellipse; a negative
+/// Poisson's ratio; a force beyond f N; a grid that is too large.
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
@@ -155,7 +158,8 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     Ok(Box::new(Prepared { scene, problem, case, varying, wanted, layout }))
 }
 
-/// The figures of the contact on a coarse grid, by their keys; `None` for a contact that is no ellipse or has no answer.
+/// Figures of the contact on a coarse grid, by their keys; `None` for a contact that is not
+/// elliptic or has no solution.
 pub(super) fn estimate(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
     let given = GivenPatch::read(case).ok()?;
     let grid = Ellipse::solve(scene, given).ok()?.extent().grid(COARSE).ok()?;
@@ -218,7 +222,7 @@ struct Prepared {
     scene: Scene,
     problem: Problem,
     case: Case,
-    /// The values that vary, if any do.
+    /// Values that vary, if any.
     varying: Option<Varying>,
     wanted: Vec<&'static FieldSpec>,
     layout: Layout,

@@ -1,4 +1,4 @@
-//! The grids that models have in common, and which of them a run needs.
+//! Grids shared by the models, and the selection of those that a run needs.
 
 use crate::terms::Observation;
 use proto::configuration::{Configuration, FieldOnGrid};
@@ -11,16 +11,16 @@ pub const CONTACT_GRID: &str = "contact";
 /// contact's grid.
 pub const RIGID_GRID: &str = "rigid";
 
-/// Name of the grid of slip and friction power: the contact's grid, or half an element upstream of
-/// it.
+/// Name of the grid of slip and friction power: the contact's grid, or this grid shifted upstream
+/// by half an element.
 const PASSAGE_GRID: &str = "passage";
 
-/// The field belongs to a whole body or contact: it has one value for each component.
+/// Returns whether the field belongs to a whole body or contact: one value per component.
 pub(super) fn is_rigid(spec: &FieldSpec) -> bool {
     *spec == field::SURFACE_SPEED || *spec == field::CONTACT_FORCE
 }
 
-/// The fields that a run asks for, each on the grid that `on` names, and those of the grids that have any.
+/// Fields requested by a run, each on the grid named by `on`, and the grids in use.
 pub(super) fn laid_out(
     configuration: &Configuration,
     on: impl Fn(&FieldSpec) -> &'static str,
@@ -40,8 +40,8 @@ pub(super) fn laid_out(
     (grids.map(|(name, shape)| grid((name, shape.into()))).collect(), fields)
 }
 
-/// The fields of a contact on this grid: slip and friction power as far along x as they belong
-/// upstream, speeds for all of it; those of observations where they say.
+/// Fields of a contact on this grid. Slip and friction power are shifted along x by `upstream`,
+/// rigid fields have one element, and observations name their own grids.
 pub(super) fn fields_over(
     configuration: &Configuration,
     grid: Structured,

@@ -1,15 +1,16 @@
 //! Model `half-space`: exact contact of elastic half-spaces by boundary elements.
 //!
-//! Normal problem on the undeformed distance of the bodies ([`gap`]), or the elliptic pressure
-//! that the case gives under `[contact]`; then the tangential problem: steady rolling ([`steady`]), or
-//! rolling and shifting with memory ([`transient`]). Of longitudinal, lateral and spin creepage each
-//! may be prescribed itself or by its force ([`drive`]). Without terms of adhesion the whole
-//! contact slides: traction f p_n against the rigid slip, which is all the slip there is.
+//! Normal problem on the undeformed distance of the bodies ([`gap`]), or the elliptic pressure that
+//! the case gives under `[contact]`. Then the tangential problem: steady rolling ([`steady`]), or
+//! transient rolling and shifting ([`transient`]). Each of longitudinal, lateral and spin creepage
+//! is prescribed directly or through its force ([`drive`]). Without terms of adhesion the whole
+//! contact slides: the traction is f p_n against the rigid slip, and the slip is the rigid slip.
 //!
 //! Pressure and traction are constant in an element and belong to the grid `contact`. Slip and
-//! friction power belong to the grid `passage`. With the upwind difference they are those of the step of a particle from an
-//! element's centre to the next one's, half an element upstream; with Fromm's they are at the centres. The sum of the power is
-//! that of the forces over the creepages, exactly and at every resolution ([`half_space::tangential`]).
+//! friction power belong to the grid `passage`. With the upwind difference they refer to the step
+//! of a particle from an element's centre to the next one's, half an element upstream; with Fromm's
+//! difference to the element centres. The total friction power equals the power of the forces over
+//! the creepages, exactly and at every resolution ([`half_space::tangential`]).
 
 mod answer;
 mod balance;
@@ -51,14 +52,14 @@ use proto::progress::Progress;
 use steady::{Following, Steady};
 use transient::Transient;
 
-/// Time of a solve over the elements^1.25, measured [s]: 0.04, 0.2 and 0.9 s with 40, 80 and 160
+/// Solution time divided by elements^1.25, measured [s]: 0.04, 0.2 and 0.9 s with 40, 80 and 160
 /// elements per semi-axis.
 const SECONDS: f64 = 8e-7;
 const GROWTH: f64 = 1.25;
-/// Working memory for an element, measured [byte].
+/// Working memory per element, measured [byte].
 const BYTES: f64 = 700.0;
 
-/// Contacts larger than this part of a body's radius are remarked on.
+/// Ratio of the semi-axis a to a body's radius above which a remark is printed.
 const LARGEST_SHARE: f64 = 0.2;
 
 const ROLLING: &str = "mech.rolling";
@@ -77,7 +78,7 @@ fn begin_key() -> KeySpec {
     KeySpec::choice(BEGIN, &["pressed", "steady"], help).default_value("pressed")
 }
 
-/// Whether a contact with memory begins from its steady rolling.
+/// Returns whether a transient contact starts from steady rolling.
 fn begins_steady(
     configuration: &Configuration,
     scene: &Scene,
@@ -94,7 +95,7 @@ fn begins_steady(
     Ok(steady)
 }
 
-/// Refuses friction that follows the slip of every element where it is not solved for.
+/// Refuses friction that depends on the slip of every element if the slip is not solved for.
 fn refuse_local(case: &Case) -> Result<(), Refusal> {
     if case.terms.friction.follows_elements().is_none() {
         return Ok(());
@@ -115,7 +116,7 @@ fn rolling_key() -> KeySpec {
     .default_value("steady")
 }
 
-/// Its entry in the list.
+/// Registry entry of this model.
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "half-space",
     spec,
@@ -137,10 +138,10 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     ],
     configure,
 };
-/// Elements per semi-axis, unless the case says otherwise.
+/// Default number of elements per semi-axis.
 const RESOLUTION: usize = 40;
 
-/// What the description says of this model.
+/// Description of this model: keys, fields and accuracy.
 fn spec() -> ModelSpec {
     let mut keys = [contact_keys(), given_patch_keys()].concat();
     keys.push(width_key());
@@ -174,11 +175,11 @@ fn spec() -> ModelSpec {
     }
 }
 
-/// Checks a configuration; allocates no field that lasts.
+/// Checks a configuration without allocating any lasting field.
 ///
 /// # Errors
-/// A case that is incomplete or out of range, shapes that do not touch or too steeply, a force
-/// beyond f N, a grid that is too large.
+/// A case that is incomplete or out of range; shapes that do not touch or touch too steeply; a
+/// force beyond f N; a grid that is too large.
 fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let patch = GivenPatch::read(&configuration.case)?;
@@ -284,7 +285,8 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     Ok(Box::new(Prepared { case, following, layout }))
 }
 
-/// Refuses a bound of the pressure where the power balance would need what yields.
+/// Refuses a pressure bound for bodies of different elastic constants: the power of the yielding
+/// material is missing in the power balance.
 fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
     if !case.bodies.are_coupled() {
         return Ok(());
@@ -297,7 +299,7 @@ fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
     ))
 }
 
-/// Refuses a layer that yields where nothing sticks, and one that unloads as fast as it softens.
+/// Refuses a yielding layer where nothing sticks, and a layer that softens faster than it unloads.
 fn refuse_layer(terms: &Terms, effect: &str) -> Result<(), Refusal> {
     if !terms.adhesion {
         let reason = "what a layer takes by plastic flow is a part of a slip that is solved for";
@@ -317,7 +319,7 @@ fn refuse_layer(terms: &Terms, effect: &str) -> Result<(), Refusal> {
     }
 }
 
-/// Refuses what does not follow histories.
+/// Refuses features that do not support values varying in time.
 fn refuse_varying(case: &Case, configuration: &Configuration) -> Result<(), Refusal> {
     if case.memory && configuration.histories.as_ref().is_some_and(|histories| histories.rows) {
         return Err(Refusal::new(
@@ -351,7 +353,7 @@ fn refuse_varying(case: &Case, configuration: &Configuration) -> Result<(), Refu
     }
 }
 
-/// Whether the tractions of one step matter to the next.
+/// Returns whether the tractions of one step affect the next step.
 fn memory(configuration: &Configuration, scene: &Scene, partial: bool) -> Result<bool, Refusal> {
     let case = CheckedParams::new(&configuration.case, vec![rolling_key()]);
     let transient = case.text(ROLLING)? == "transient";
@@ -425,7 +427,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     }
 }
 
-/// A checked case and its grids.
+/// A checked case with its grids.
 struct Prepared {
     case: Case,
     following: Option<Following>,

@@ -1,16 +1,17 @@
 //! Model `hertz-carter`: Hertz's ellipse and Carter's strips, in closed form.
 //!
-//! Normal: [`elastic::hertz`], or the ellipse that the case gives under `[contact]`.
-//! Tangential, longitudinal creepage or force only: with terms of adhesion Carter's strips
-//! ([`elastic::carter`]) with one of the creep laws `carter-radius` and `carter-pressure`;
-//! without it the whole contact slides, with the traction f p_n and the same slip V s everywhere,
-//! where s is the prescribed creepage or what the creep law gives at the prescribed force (that is
-//! what Naeimi et al. and Ertz & Knothe compute with).
+//! Normal contact: [`elastic::hertz`], or the ellipse that the case gives under `[contact]`.
 //!
-//! Fields are element means, see `strips`. The model is quasi-static and has no memory: its answer
-//! is the same in every window of a transient case. It is computed once, when the model is built; a
-//! solve copies it to the outputs that are asked for. Where friction depends on what comes in, on slip, or on a bound of the
-//! traction, one coefficient stands for it, computed in every iteration (`windows`).
+//! Tangential contact, longitudinal creepage or force only. With terms of adhesion, Carter's strips
+//! ([`elastic::carter`]) with one of the creep laws `carter-radius` and `carter-pressure`. Without
+//! adhesion the whole contact slides, with the traction f p_n and the same slip V s everywhere.
+//! Here s is the prescribed creepage, or the creepage that the creep law gives at the prescribed
+//! force, as used by Naeimi et al. and Ertz & Knothe.
+//!
+//! Fields are element means, see `strips`. The model is quasi-static and has no history: its answer
+//! is the same in every window of a transient case. It is computed once, when the model is built,
+//! and a solve copies it to the requested outputs. If friction depends on inputs, on slip, or on a
+//! traction bound, one equivalent coefficient is computed in every iteration (`windows`).
 //!
 //! Deviations from the sources: the strips of an elliptic patch share one prefactor A and take ξ
 //! from their own half length, so that the friction power is V s F in every strip.
@@ -42,10 +43,10 @@ use proto::progress::Progress;
 use windows::Windows;
 
 const CREEP_LAW: &str = "motion.creep_law";
-/// Time to compute one value, measured [s].
+/// Time per value, measured [s].
 const SECONDS_PER_VALUE: f64 = 7e-8;
 
-/// Its entry in the list.
+/// Registry entry of this model.
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "hertz-carter",
     spec,
@@ -58,10 +59,10 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
     ],
     configure,
 };
-/// Elements per semi-axis, unless the case says otherwise.
+/// Default number of elements per semi-axis.
 const RESOLUTION: usize = 40;
 
-/// What the description says of this model.
+/// Description of this model: keys, fields and accuracy.
 fn spec() -> ModelSpec {
     let mut keys = [contact_keys(), given_patch_keys()].concat();
     keys.push(width_key());
@@ -72,7 +73,7 @@ fn spec() -> ModelSpec {
         summary: "Hertz ellipse and Carter strips in closed form, longitudinal creepage only"
             .to_owned(),
         source:
-            "Johnson, CarterContact Mechanics (1985) ch. 4; Carter, Proc. R. Soc. Lond. A 112 (1926) \
+            "Johnson, Contact Mechanics (1985) ch. 4; Carter, Proc. R. Soc. Lond. A 112 (1926) \
                  151-157; Naeimi et al., eqs. 18-19"
                 .to_owned(),
         steady: true,
@@ -108,11 +109,11 @@ fn creep_law_key() -> KeySpec {
     .default_value("carter-pressure")
 }
 
-/// Checks a configuration whose effects and fields this model provides; cheap, allocates no field.
+/// Checks a configuration whose effects and fields this model provides, without allocating fields.
 ///
 /// # Errors
-/// Refuses a case that is incomplete or out of range, lateral creepage and spin, bodies whose
-/// contact is no ellipse, a force beyond f N, and a grid that is too large.
+/// A case that is incomplete or out of range; lateral creepage or spin; bodies whose contact is not
+/// an ellipse; a force beyond f N; a grid that is too large.
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
@@ -174,7 +175,7 @@ struct Prepared {
     scene: Scene,
     contact: CarterContact,
     case: Case,
-    /// The values that vary, if any do.
+    /// Values that vary, if any.
     varying: Option<Varying>,
     wanted: Vec<&'static FieldSpec>,
     layout: Layout,

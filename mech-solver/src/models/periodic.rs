@@ -1,17 +1,20 @@
-//! Model `periodic`: elastic half-spaces whose contact repeats along x and y, all of which slides.
+//! Model `periodic`: elastic half-spaces in sliding contact, periodic along x and y.
 //!
-//! The bodies are flat on the whole and touch on a cell L_x × L_y that repeats without end: rough or wavy surfaces, and pads and
-//! blocks that are large against what happens between them. The normal contact is that of [`half_space::normal`] with the
-//! exact flexibility of every wave of the grid, 2c/k, c the normal compliance of the pair and k the wave number; the distance is the sum
-//! of the heights of all effects. The load is that on one cell. The traction is f p against the rigid slip, which is all the slip there
-//! is. With one row of elements nothing depends on y: plane strain.
+//! The bodies are nominally flat and touch on a periodic cell L_x × L_y: rough or wavy surfaces,
+//! and pads and blocks that are large compared with their roughness. The normal contact is solved
+//! by [`half_space::normal`] with the exact flexibility of every wave of the grid, 2c/k, with c the
+//! normal compliance of the pair and k the wave number. The undeformed distance is the sum of the
+//! heights of all effects. The load is the load per cell. The traction is f p against the rigid
+//! slip, and the slip is the rigid slip. With one row of elements nothing depends on y: plane
+//! strain.
 //!
-//! Steady, and in time without memory: every instant is solved from the same first pressure, so that it depends on what comes in and on
-//! nothing else.
+//! Steady, or transient without history: every instant is solved from the same initial pressure, so
+//! that it depends on the inputs only.
 //!
-//! Source: Westergaard, J. Appl. Mech. 6 (1939) A49-A53; Johnson, Contact Mechanics (1985), ch. 13; Stanley and Kato, J. Tribol.
-//! 119 (1997) 481-485, for waves on a grid. Left out: what tractions do to the pressure of bodies of different elastic constants, a
-//! phase of the order of f (1 − 2ν)/(2 − 2ν).
+//! Source: Westergaard, J. Appl. Mech. 6 (1939) A49-A53; Johnson, Contact Mechanics (1985), ch. 13;
+//! Stanley and Kato, J. Tribol. 119 (1997) 481-485, for waves on a grid. Neglected: the influence
+//! of tractions on the pressure of bodies of different elastic constants, a phase of the order of f
+//! (1 − 2ν)/(2 − 2ν).
 
 mod case;
 mod cell;
@@ -31,12 +34,12 @@ use proto::field::{self, FieldSpec};
 use proto::model::{Model, Setup};
 use proto::progress::Progress;
 
-/// Time of a solve over the elements, in contact all over and rough [s].
+/// Solution time per element, for rough surfaces in full contact [s].
 const SECONDS: f64 = 1e-6;
-/// Working memory for an element [byte].
+/// Working memory per element [byte].
 const BYTES: f64 = 250.0;
 
-/// Its entry in the list.
+/// Registry entry of this model.
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "periodic",
     spec,
@@ -69,10 +72,11 @@ fn spec() -> ModelSpec {
     }
 }
 
-/// Checks a configuration; allocates no field that lasts.
+/// Checks a configuration without allocating any lasting field.
 ///
 /// # Errors
-/// A case that is incomplete or out of range, bodies with radii, an approach, a force or spin, heights that do not repeat.
+/// A case that is incomplete or out of range; bodies with radii; an approach; a force or spin;
+/// heights that are not periodic.
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let case = Case::read(configuration, terms)?;
     let layout = layout(configuration, &case);

@@ -1,11 +1,11 @@
-//! Friction power, and when the power of a contact adds up.
+//! Friction power, and the tolerance of the power balance of a contact.
 
-/// Largest imbalance of power that is accepted: above what the turns of pressure and tractions of
-/// different bodies leave, 2e-7 in the worst of a thousand contacts.
+/// Largest accepted imbalance of power. It is above the error left by the alternations of pressure
+/// and tractions of different bodies: 2e-7 in the worst of a thousand contacts.
 pub(crate) const LARGEST_POWER_IMBALANCE: f64 = 1e-6;
 
-/// |taken − given| over the magnitudes of all that is exchanged \[-\]; 0 where nothing is, or so little
-/// that its products have no digits left.
+/// |taken − given| divided by the magnitudes of all exchanged power \[-\]. Returns 0 if no power is
+/// exchanged, or so little that the products underflow.
 pub(crate) fn power_imbalance(taken: f64, given: f64, exchanged: f64) -> f64 {
     const FAINT: f64 = f64::MIN_POSITIVE / f64::EPSILON;
     let off = (taken - given).abs();
@@ -13,7 +13,7 @@ pub(crate) fn power_imbalance(taken: f64, given: f64, exchanged: f64) -> f64 {
 }
 
 /// Friction power density −p_t · v of a traction and a slip velocity, both means over one element
-/// of a solution that makes their product exact.
+/// of a solution for which their product is exact.
 pub(super) fn power_density(traction: [f64; 2], slip_velocity: [f64; 2]) -> f64 {
     // Subtracting from zero turns −0 into 0.
     0.0 - (traction[0] * slip_velocity[0] + traction[1] * slip_velocity[1])

@@ -1,5 +1,5 @@
-//! Models without memory: their fields are computed once, when the model is built, and a solve
-//! copies them to the outputs that are asked for.
+//! Models without history: their fields are computed once, when the model is built, and a solve
+//! copies them to the requested outputs.
 
 use super::contact_model::{Contact, ContactModel};
 use super::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, whole};
@@ -23,7 +23,7 @@ pub(super) fn count(spec: &FieldSpec, grid: &Structured) -> usize {
     points(spec, grid) * spec.components as usize
 }
 
-/// The fields that this run asks for, in the order of the table of fields.
+/// Fields requested by this run, in the order of the table of fields.
 pub(super) fn wanted_fields(configuration: &Configuration) -> Vec<&'static FieldSpec> {
     let named = |name: &str| {
         configuration.outputs.iter().chain(&configuration.observed).any(|wanted| wanted == name)
@@ -58,19 +58,19 @@ fn on_grid(spec: &FieldSpec) -> FieldOnGrid {
     FieldOnGrid { field: spec.name.to_owned(), grid: grid.to_owned() }
 }
 
-/// A contact that is the same in every window: its fields, computed once.
+/// A contact that is the same in every window, with its precomputed fields.
 pub(super) struct Precomputed {
-    /// Its part of `summary.json`.
+    /// Sections of `summary.json`.
     pub(super) summary: Value,
-    /// Its measure of work.
+    /// Work counter of a solve.
     pub(super) work: u64,
-    /// Its fields.
+    /// Precomputed fields.
     pub(super) fields: Vec<(&'static FieldSpec, Vec<f64>)>,
-    /// The terms of the active effects.
+    /// Terms of the active effects.
     pub(super) terms: Terms,
 }
 
-/// Values of the wanted fields, as `write` has them.
+/// Values of the wanted fields, computed by `write`.
 pub(super) fn fields(
     wanted: &[&'static FieldSpec],
     grid: &Structured,
@@ -85,7 +85,7 @@ pub(super) fn fields(
 }
 
 impl Precomputed {
-    /// The model that runs.
+    /// Returns the model that runs this contact.
     pub(super) fn model(self) -> Box<dyn Model> {
         Box::new(ContactModel::new(self))
     }

@@ -1,12 +1,13 @@
-//! Model `rod`: two rods end to end, that touch or do not.
+//! Model `rod`: two rods end to end, in contact or apart.
 //!
-//! Each body is a rod along the normal of the contact, held at its far end; one without a length is rigid and stands. At the temperatures
-//! at the start their ends are a gap g₀ apart. Heat makes a rod longer by αW, W the integral of its rise over the length, so that
+//! Each body is a rod along the normal of the contact, fixed at its far end; a body without a
+//! length is rigid and fixed. At the initial temperatures their ends are a gap g₀ apart. Heat makes
+//! a rod longer by αW, with W the integral of its temperature rise over the length, so that
 //!
-//! g = g₀ − Σ αW,  p = 0        where that is positive,
-//! g = 0,  p = (Σ αW − g₀)/Σ(L/E)   where it is not:
+//! g = g₀ − Σ αW,  p = 0        if this g is positive,
+//! g = 0,  p = (Σ αW − g₀)/Σ(L/E)   otherwise.
 //!
-//! sides are free, nothing moves but along the rods, and inertia is none. No friction.
+//! The sides are free, motion is only along the rods, and inertia and friction are neglected.
 //!
 //! Source: J. R. Barber, J. Dundurs, M. Comninou, J. Appl. Mech. 47 (1980) 871-874.
 
@@ -28,7 +29,7 @@ use proto::model::{Inputs, Model, Setup, Step, StepError, StepReport};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 
-/// Its entry in the list.
+/// Registry entry of this model.
 pub(super) const MODEL: ModelEntry =
     ModelEntry { name: "rod", spec, takes: &[Kind::Expansion, Kind::HeatShare], configure };
 
@@ -67,11 +68,11 @@ fn spec() -> ModelSpec {
 #[derive(Clone, Debug, PartialEq)]
 struct Rods {
     area: f64,
-    /// g₀ [m].
+    /// Initial gap g₀ [m].
     gap: f64,
-    /// α of the upper and the lower body [1/K].
+    /// Thermal expansion α of the upper and the lower body [1/K].
     expansion: [f64; 2],
-    /// Σ L/E [m/Pa].
+    /// Flexibility Σ L/E [m/Pa].
     flexibility: f64,
 }
 
@@ -94,7 +95,7 @@ impl Rods {
         Ok(Self { area: case.number(AREA)?, gap: case.number(GAP)?, expansion, flexibility })
     }
 
-    /// Gap and pressure where the ends have come nearer by some length [m].
+    /// Gap and pressure after the ends have approached by this length [m].
     fn pressed(&self, nearer: f64) -> Window {
         let gap = self.gap - nearer;
         match gap > 0.0 {

@@ -1,23 +1,25 @@
-//! A prescribed force that friction does not carry, where friction follows what comes in.
+//! Shortfall of a prescribed force that friction cannot carry, for friction that depends on inputs
+//! or slip.
 //!
-//! An iterate of a coupling loop may be beyond what it settles at. It is answered with the force that
-//! friction carries, so that the loop may come back; as an accepted state it is refused.
+//! An iterate of a coupling loop may exceed the converged state. Such an iterate is solved with the
+//! force that friction carries, so that the loop can recover. As an accepted state it is refused.
 
 use crate::case::scene::Drive;
 use crate::terms::Terms;
 use proto::model::StepError;
 
-/// A force that friction does not carry in an iterate.
+/// A prescribed force that friction cannot carry in an iterate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shortfall {
-    /// What is prescribed [N].
+    /// Prescribed force [N].
     pub(super) asked: f64,
-    /// What the answer has [N].
+    /// Force carried by friction [N].
     pub(super) carried: f64,
 }
 
 impl Shortfall {
-    /// What is prescribed, or of a longitudinal force beyond friction what that carries.
+    /// Returns the drive, with a longitudinal force beyond friction reduced to the force that
+    /// friction carries.
     pub(super) fn of(drive: Drive, friction: f64, normal_force: f64) -> (Drive, Option<Self>) {
         let most = friction * normal_force;
         let short = |asked: f64| {
@@ -36,7 +38,7 @@ impl Shortfall {
         }
     }
 
-    /// The error of a state that would be accepted so.
+    /// Refuses a state with a shortfall.
     pub(super) fn refused(shortfall: Option<Self>, terms: &Terms) -> Result<(), StepError> {
         let Some(Self { asked, carried }) = shortfall else { return Ok(()) };
         Err(StepError::NoSolution(format!(

@@ -1,4 +1,5 @@
-//! Case keys of the springs of the simplified theory ([`elastic::fastsim`]), which several models have.
+//! Case keys of the springs of the simplified theory ([`elastic::fastsim`]), shared by several
+//! models.
 
 use crate::case::keys::CheckedParams;
 use elastic::fastsim::flexibility::Kind;
@@ -25,7 +26,7 @@ pub(super) fn flexibility_key() -> KeySpec {
 /// Reads the number of flexibilities.
 ///
 /// # Errors
-/// The value is none of the choices.
+/// A value that is not one of the choices.
 pub(super) fn flexibility(case: &CheckedParams<'_>) -> Result<Kind, Refusal> {
     Ok(match case.text(FLEXIBILITY)? {
         "three" => Kind::Three,
@@ -35,7 +36,7 @@ pub(super) fn flexibility(case: &CheckedParams<'_>) -> Result<Kind, Refusal> {
     })
 }
 
-/// Declares the keys of a creep curve of less slope.
+/// Declares the keys that reduce the slope of the creep curve.
 pub(super) fn reduction_keys() -> Vec<KeySpec> {
     vec![
         KeySpec::number(
@@ -58,7 +59,7 @@ pub(super) fn reduction_keys() -> Vec<KeySpec> {
 /// Reads the reduction of the slope of the creep curve.
 ///
 /// # Errors
-/// A value is out of range.
+/// A value that is out of range.
 pub(super) fn reduction(case: &CheckedParams<'_>) -> Result<Reduction, Refusal> {
     Ok(Reduction::new(case.number(FACTOR)?, case.number(RATIO)?, case.number(DECREASE)?))
 }

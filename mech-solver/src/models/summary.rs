@@ -5,7 +5,7 @@ use half_space::patches::{Patch, patches};
 use proto::grid::Structured;
 use serde_json::{Value, json};
 
-/// Patches listed at most: those that carry most.
+/// Maximum number of listed patches; those with the largest load are kept.
 const MOST_LISTED: usize = 32;
 
 /// Adds the keys of one object to another.
@@ -15,7 +15,7 @@ pub(super) fn extend(section: &mut Value, more: Value) {
     }
 }
 
-/// Adds the number of patches of a pressure, and each where there are several.
+/// Adds the number of patches of a pressure and, if there are several, the figures of each.
 pub(super) fn add_patches(figures: &mut Value, grid: &Structured, pressure: &[f64]) {
     let patches = patches(grid, pressure);
     figures["patches"] = patches.len().into();
@@ -25,7 +25,7 @@ pub(super) fn add_patches(figures: &mut Value, grid: &Structured, pressure: &[f6
     }
 }
 
-/// The patches that carry most, in their order.
+/// Patches with the largest load, sorted by y.
 fn heaviest(mut patches: Vec<Patch>, most: usize) -> Vec<Patch> {
     patches.sort_by(|a, b| b.sum.total_cmp(&a.sum));
     patches.truncate(most);
@@ -33,7 +33,7 @@ fn heaviest(mut patches: Vec<Patch>, most: usize) -> Vec<Patch> {
     patches
 }
 
-/// One patch in `summary.json`.
+/// Figures of one patch in `summary.json`.
 fn patch_figures(patch: &Patch, grid: &Structured) -> Value {
     let Moments { centre: [x, y], semi_axes: [a, b] } = patch.moments;
     let [low, high] = patch.sides(grid);

@@ -1,8 +1,9 @@
-//! Cases whose values vary, or whose load does under an axle: the scene of every window, and one grid for all of them.
+//! Cases whose values vary, or whose load varies under an axle: the scene of every window, and one
+//! grid for all of them.
 //!
-//! All windows of a history are on one grid, so that a solution starts from the one before and all
-//! fields of a run are comparable. Its elements have the size that the case asks for in the smallest
-//! contact, but not less than a third of that in the largest.
+//! All windows of a history share one grid, so that a solution can start from the previous one and
+//! all fields of a run are comparable. The elements have the size that the case prescribes for the
+//! smallest contact, but not less than a third of that for the largest.
 
 use crate::case::ellipse::{Ellipse, Extent};
 use crate::case::scene::{GivenPatch, Load, Scene};
@@ -15,39 +16,41 @@ use proto::params::Params;
 use serde_json::Value;
 use std::rc::Rc;
 
-/// Contacts smaller than this share of the largest do not make the grid finer.
+/// Contacts smaller than this share of the largest do not refine the grid.
 const SMALLEST: f64 = 1.0 / 3.0;
 
-/// Share of the load that a window has in which contact is lost: nothing, for a solver that needs a load.
+/// Share of the steady load applied in a window without contact; the solver needs a positive load.
 const LOST: f64 = 1e-6;
 
-/// What means over windows may exceed the load that they are of, relative to it.
+/// Relative tolerance by which the mean load of a window may exceed the largest load; covers
+/// rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// More steps of an axle are not taken before a run.
+/// Maximum number of axle steps computed before a run.
 const MOST_STEPS: f64 = 1e7;
 
 /// A configuration whose values vary.
 #[derive(Clone, Debug)]
 pub(super) struct Varying {
     configuration: Configuration,
-    /// Its case with the values of the last window that was asked for.
+    /// The case with the values of the latest window.
     row: Params,
-    /// The load under an axle, and that of steady rolling [N].
+    /// Load under an axle, and the load of steady rolling [N].
     axle_load: Option<(Rc<AxleLoad>, f64)>,
-    /// The effect that makes an axle.
+    /// Name of the effect that defines the axle.
     effect: &'static str,
 }
 
-/// Keys that prescribe a force: nothing carries one where contact is lost.
+/// Keys that prescribe a force; a window without contact cannot carry one.
 const FORCES: [&str; 4] =
     ["traction_coefficient", "tangential_force", "lateral_force", "spin_moment"];
 
 impl Varying {
-    /// Of a configuration, if any of its values varies, or its load does under an axle.
+    /// Returns the varying values of a configuration; `None` if no value varies and there is no
+    /// axle.
     ///
     /// # Errors
-    /// An axle that this has no answer to.
+    /// An axle that this model cannot represent.
     pub(super) fn of(
         configuration: &Configuration,
         terms: &Terms,
@@ -65,7 +68,7 @@ impl Varying {
         Ok(Some(Self { configuration, row, axle_load, effect }))
     }
 
-    /// The case values of a window.
+    /// Case values of a window.
     fn case(&self, step: &Step) -> Params {
         let mut case = self.configuration.case_at(step).into_owned();
         if let Some((axle_load, still)) = &self.axle_load {
@@ -83,10 +86,10 @@ impl Varying {
         case
     }
 
-    /// Refuses a window whose load is beyond what the grid was made for.
+    /// Refuses a window whose load exceeds the largest load, for which the grid was made.
     ///
     /// # Errors
-    /// It is.
+    /// A load beyond the largest load.
     pub(super) fn refuse_more(&self, step: &Step) -> Result<(), StepError> {
         let Some((axle_load, _)) = &self.axle_load else { return Ok(()) };
         let (load, most) = (axle_load.window(step.start, step.end).mean, axle_load.largest());
@@ -100,12 +103,13 @@ impl Varying {
         )))
     }
 
-    /// The load is that under an axle.
+    /// Returns whether the load follows from an axle.
     pub(super) fn has_axle_load(&self) -> bool {
         self.axle_load.is_some()
     }
 
-    /// Adds to the section `contact` of the summary of a window what its axle has been through.
+    /// Adds the axle's largest load and time without contact to the section `contact` of a window's
+    /// summary.
     pub(super) fn add_to(&self, figures: &mut Value, step: &Step) {
         if let Some((axle_load, _)) = &self.axle_load {
             let load = axle_load.window(step.start, step.end);
@@ -114,7 +118,7 @@ impl Varying {
         }
     }
 
-    /// The configuration of a window, of which no value varies.
+    /// Configuration of a window, with constant values.
     pub(super) fn configuration(&self, step: &Step) -> Configuration {
         let Configuration { role, model, mode, .. } = &self.configuration;
         Configuration {
@@ -130,21 +134,21 @@ impl Varying {
         }
     }
 
-    /// The scene of a window.
+    /// Returns the scene of a window.
     ///
     /// # Errors
-    /// Its values make no scene.
+    /// Values that make no valid scene; a load beyond the largest load.
     pub(super) fn scene(&mut self, step: &Step) -> Result<Scene, StepError> {
         self.refuse_more(step)?;
         match &self.configuration.histories {
-            // The same keys in every row.
+            // Every row sets the same keys.
             Some(histories) if self.axle_load.is_none() => histories.put(&mut self.row, step),
             _ => self.row = self.case(step),
         }
         Scene::read(&self.row).map_err(no_answer)
     }
 
-    /// The ellipses of the rows that have one, without those that a row before it has as well.
+    /// Ellipses of all rows that have one; rows equal to the previous row are omitted.
     fn ellipses(&self, given: Option<GivenPatch>) -> Vec<Ellipse> {
         let Configuration { case, histories, .. } = &self.configuration;
         if let Some((axle_load, still)) = &self.axle_load {
@@ -164,7 +168,8 @@ impl Varying {
         let rows = 0..histories.times.len();
         let shaping = histories.values.iter().filter(|(key, _)| shapes(key));
         let shaping: Vec<(&String, &Vec<f64>)> = shaping.collect();
-        // An ellipse grows with its load: of a long history the least and the largest do.
+        // An ellipse grows with its load, so the least and the largest load of a long history
+        // suffice.
         if let [(key, loads)] = shaping.as_slice()
             && key.starts_with("load.")
         {
@@ -184,10 +189,10 @@ impl Varying {
         if shaping.is_empty() { found.take(1).collect() } else { found.collect() }
     }
 
-    /// What a grid has to cover, and how finely, for all rows.
+    /// Extent and finest resolution that a grid needs for all rows.
     ///
     /// # Errors
-    /// No row has a contact.
+    /// Histories without any contact.
     pub(super) fn extent(&self, given: Option<GivenPatch>) -> Result<Extent, Refusal> {
         let found = self.ellipses(given).iter().fold(None, |extent: Option<Extent>, ellipse| {
             Some(extent.map_or(ellipse.extent(), |extent| extent.and(&ellipse.extent())))
@@ -199,7 +204,7 @@ impl Varying {
         Ok(Extent { finest: extent.finest.max(SMALLEST * extent.a), ..extent })
     }
 
-    /// What the plan should say.
+    /// Remark of the plan on the varying values.
     pub(super) fn remark(&self, extent: &Extent) -> String {
         if let Some((axle_load, still)) = &self.axle_load {
             let largest = axle_load.largest();
@@ -214,25 +219,25 @@ impl Varying {
     }
 }
 
-/// The scenes of the windows of a run.
+/// Scenes of all windows of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Scenes {
-    /// The scene of the case.
+    /// Scene of the case.
     scene: Scene,
-    /// The values that vary, if any do.
+    /// Values that vary, if any.
     varying: Option<Varying>,
 }
 
 impl Scenes {
-    /// The scene of the case for every window, unless its values vary.
+    /// Creates the scenes of a run: the scene of the case for every window, unless its values vary.
     pub(super) fn new(scene: Scene, varying: Option<Varying>) -> Self {
         Self { scene, varying }
     }
 
-    /// The scene of a window.
+    /// Returns the scene of a window.
     ///
     /// # Errors
-    /// Its values make no scene.
+    /// Values that make no valid scene.
     pub(super) fn of(&mut self, step: &Step) -> Result<Scene, StepError> {
         match &mut self.varying {
             Some(varying) => varying.scene(step),
@@ -240,7 +245,7 @@ impl Scenes {
         }
     }
 
-    /// The summary of a window with what its axle has been through.
+    /// Returns the summary of a window, completed by the figures of the axle.
     pub(super) fn complete(&self, mut summary: Value, step: &Step) -> Value {
         if let Some(varying) = &self.varying {
             varying.add_to(&mut summary["contact"], step);
@@ -249,12 +254,12 @@ impl Scenes {
     }
 }
 
-/// A key may change the ellipse: motion, friction and effects do not.
+/// Returns whether a key may change the ellipse; motion, friction and effects do not.
 fn shapes(key: &str) -> bool {
     !["motion.", "friction.", "effects."].iter().any(|section| key.starts_with(section))
 }
 
-/// The load under an axle, and that of steady rolling [N].
+/// Load under an axle, and the load of steady rolling [N].
 fn axle_load(
     configuration: &Configuration,
     axle: Axle,
@@ -304,7 +309,7 @@ fn axle_load(
     }
 }
 
-/// A row that is refused has no answer.
+/// Converts the refusal of a row into the error of a window without solution.
 pub(super) fn no_answer(Refusal { key, reason, fix }: Refusal) -> StepError {
     StepError::NoSolution(format!("{key}: {reason}; {fix}"))
 }

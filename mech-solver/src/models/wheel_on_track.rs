@@ -1,26 +1,29 @@
 //! Model `wheel-on-track`: a wheel of a wheelset on a rail of a track, all patches at any angle.
 //!
-//! The profiles are placed by the dimensions of track and wheelset and by the wheelset's position, and touch
-//! where they do ([`wheel_rail`]): every patch is a half-space in a plane of its own, with the creepages that
-//! the wheelset's motion gives it there. The height of the wheelset or the vertical force is prescribed.
+//! The profiles are positioned by the dimensions of track and wheelset and by the wheelset's
+//! position; their points of contact follow from that ([`wheel_rail`]). Every patch is a half-space
+//! contact in its own tangent plane, with the creepages that follow from the wheelset's motion. The
+//! height of the wheelset or the vertical force is prescribed.
 //!
-//! **Fields** are on the rail's surface, developed: x along the track, and y the distance along the tape over the
-//! rail's profile, from its origin and rising to the left, so that patches of all angles are on one grid. As in
-//! model `half-space` slip and friction power belong to the way of a particle from an element's centre to the
-//! next one's, and their grid is shifted upstream by half an element.
+//! **Fields** are on the developed rail surface: x along the track, and y the tape distance along
+//! the rail's profile, measured from its origin and increasing to the left. Patches of all contact
+//! angles therefore share one grid. As in model `half-space`, slip and friction power refer to the
+//! path of a particle from an element's centre to the next one's, and their grid is shifted
+//! upstream by half an element.
 //!
-//! **Stresses** inside the bodies are those of half-spaces under these fields: below each patch x is along the track, y along the tape and z along the
-//! normal of the patch, and other patches act on it as from a plane that goes on.
+//! **Stresses** inside the bodies are those of half-spaces under these fields. Below each patch, x
+//! is along the track, y along the tape and z along the normal of the patch. Other patches act on
+//! it as if they lay in the same plane.
 //!
-//! | module | what |
+//! | module | contents |
 //! |---|---|
-//! | `shape` | the surfaces of wheel and rail, from the files of their profiles |
-//! | `keys` | the keys of track, wheelset and elements |
+//! | `shape` | surfaces of wheel and rail, read from profile files |
+//! | `keys` | keys of track, wheelset and elements |
 //! | `case` | a checked case, and the position of a window |
-//! | `interface` | friction coefficients and heights of the elements |
-//! | `plane` | the grid that holds the patches of all rows |
-//! | `running` | what solves a window |
-//! | `summary`, `wheels` | its figures; those of each wheel |
+//! | `interface` | friction coefficients and roughness heights of the elements |
+//! | `plane` | grid that holds the patches of all rows |
+//! | `running` | solver of the windows |
+//! | `summary`, `wheels` | figures of a window, and of each wheel |
 
 mod case;
 mod interface;
@@ -48,18 +51,19 @@ use wheel_rail::settings::PatchSurface;
 
 pub(super) use summary::{diagrams, figures};
 
-/// Time of a position over the elements of its patches, measured [s].
+/// Solution time of a position per element of its patches, measured [s].
 const SECONDS: f64 = 6e-6;
-/// Time of influence numbers on curved surfaces over the third power of the rows and of those beside them, measured [s].
+/// Time to compute influence coefficients on curved surfaces, per cube of the sum of the rows and
+/// [`BESIDE`], measured [s].
 const SECONDS_OF_NUMBERS: f64 = 6e-7;
-/// Boundary elements beside the rows.
+/// Number of boundary elements beside the rows.
 const BESIDE: f64 = 60.0;
-/// Memory for an element and every row of a curved surface [byte].
+/// Memory per element and row of a curved surface [byte].
 const BYTES_OF_NUMBERS: f64 = 150.0;
-/// Working memory for an element of the patches [byte].
+/// Working memory per element of the patches [byte].
 const BYTES: f64 = 4000.0;
 
-/// Its entry in the list.
+/// Registry entry of this model.
 pub(super) const MODEL: ModelEntry = ModelEntry {
     name: "wheel-on-track",
     spec,
@@ -103,11 +107,11 @@ fn spec() -> ModelSpec {
     }
 }
 
-/// Checks a configuration, and solves it once for the place of its patches.
+/// Checks a configuration, and solves it once to find the positions of its patches.
 ///
 /// # Errors
-/// A case that is incomplete or out of range, profiles that cannot be read or do not meet, bodies of different
-/// materials.
+/// A case that is incomplete or out of range; profiles that cannot be read or do not meet; bodies
+/// of different materials.
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
     let mut case = Case::read(configuration, terms)?;
     let plane = Plane::of(configuration, &case)?;

@@ -1,4 +1,4 @@
-//! What the lists of models and effects are made of.
+//! Entries of the lists of models and effects.
 
 use crate::advice::situation::Situation;
 use crate::terms::{Kind, Terms};
@@ -9,48 +9,49 @@ use proto::field::FieldSpec;
 use proto::figure::FigureSpec;
 use proto::model::Setup;
 
-/// Checks a configuration and takes the terms of its effects.
+/// Checks a configuration and stores the terms of its effects.
 pub(crate) type Configure = fn(&Configuration, Terms) -> Result<Box<dyn Setup>, Refusal>;
 
-/// One model of the crate.
+/// Model of the crate.
 pub struct ModelEntry {
     /// Name in the case file.
     pub name: &'static str,
-    /// What the description says of it.
+    /// Returns the entry of the model in the description.
     pub spec: fn() -> ModelSpec,
-    /// The kinds of terms that it takes.
+    /// Kinds of terms that the model uses.
     pub takes: &'static [Kind],
-    /// Checks a configuration that names it, and whose effects and fields it provides, with the terms
-    /// of the effects.
+    /// Checks a configuration that names the model, with the terms of its effects. Support of the
+    /// effects and fields has been checked before.
     pub(crate) configure: Configure,
 }
 
-/// An effect of the list.
+/// Effect of the crate.
 pub struct Effect {
     /// Name in the case file.
     pub name: &'static str,
-    /// Its law in a line.
+    /// Law of the effect in one line.
     pub law: &'static str,
-    /// Where the law comes from.
+    /// Source of the law.
     pub source: &'static str,
-    /// The kinds of terms that it makes.
+    /// Kinds of terms that the effect creates.
     pub kinds: &'static [Kind],
-    /// The fields that it consumes.
+    /// Fields that the effect consumes.
     pub consumes: &'static [&'static FieldSpec],
-    /// The fields that it provides.
+    /// Fields that the effect provides.
     pub provides: &'static [&'static FieldSpec],
-    /// The keys of its table.
+    /// Returns the keys of the effect.
     pub keys: fn() -> Vec<KeySpec>,
-    /// The figures that there are with it alone.
+    /// Returns the summary quantities that exist only with the effect.
     pub figures: fn() -> Vec<FigureSpec>,
-    /// What it says of itself in a scene; `None` where the other side of the contact says it.
+    /// Estimates the influence of the effect in a scene; `None` if the other side of the contact
+    /// does so.
     pub(crate) advise: Option<fn(&Situation<'_>) -> Advice>,
-    /// Makes its terms; refuses values that are missing or out of range.
+    /// Creates the terms of the effect; refuses values that are missing or out of range.
     pub(crate) terms: fn(&Configuration) -> Result<Terms, Refusal>,
 }
 
 impl Effect {
-    /// What the description says of it, with the models that support it.
+    /// Returns the entry of the effect in the description, with the models that support it.
     #[must_use]
     pub fn spec(&self, models: Vec<String>) -> EffectSpec {
         EffectSpec {

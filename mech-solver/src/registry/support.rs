@@ -1,4 +1,5 @@
-//! Which model supports which effect: the one that takes all kinds of terms that the effect makes.
+//! Support of effects by models. A model supports an effect if it uses all kinds of terms that the
+//! effect creates.
 
 use crate::effects::EFFECTS;
 use crate::models::MODELS;
@@ -6,7 +7,7 @@ use crate::registry::entry::{Effect, ModelEntry};
 use crate::terms::Terms;
 use proto::configuration::{Configuration, Refusal};
 
-/// A model supports an effect.
+/// Returns true if a model supports an effect.
 fn supports(model: &ModelEntry, effect: &Effect) -> bool {
     effect.kinds.iter().all(|kind| model.takes.contains(kind))
 }
@@ -17,10 +18,11 @@ pub(crate) fn models_of(effect: &Effect) -> Vec<String> {
     supporting.map(|model| model.name.to_owned()).collect()
 }
 
-/// The effects of a configuration, in the order of [`EFFECTS`]: that of the tables in the case has no influence.
+/// Returns the effects of a configuration in the order of [`EFFECTS`]. The order of the tables in
+/// the case has no influence.
 ///
 /// # Errors
-/// Refuses an effect that is not in [`EFFECTS`] or that the chosen model does not support.
+/// An effect that is not in [`EFFECTS`], or that the chosen model does not support.
 pub(crate) fn active(configuration: &Configuration) -> Result<Vec<&'static Effect>, Refusal> {
     let table = configuration.case.get("effects").and_then(serde_json::Value::as_object);
     let named = table.into_iter().flatten();
@@ -30,10 +32,10 @@ pub(crate) fn active(configuration: &Configuration) -> Result<Vec<&'static Effec
     Ok(active)
 }
 
-/// Refuses values of keys that need what a model does not take.
+/// Refuses values of keys that need a kind the model does not use.
 ///
 /// # Errors
-/// There is one.
+/// A value that the model does not support.
 pub(crate) fn refuse_needs(model: &ModelEntry, terms: &Terms) -> Result<(), Refusal> {
     let Some(need) = terms.needs.iter().find(|need| !model.takes.contains(&need.kind)) else {
         return Ok(());
@@ -71,8 +73,8 @@ mod tests {
     use proto::params::Params;
     use serde_json::json;
 
-    /// Every effect makes terms of the kinds that it declares, and of no other. Its quantities are the
-    /// least that it needs, but for a share of the heat.
+    /// Every effect creates terms of the declared kinds and of no others. The case contains the
+    /// smallest set of quantities that the effect needs, and a share of the heat.
     #[test]
     fn effects_make_the_kinds_that_they_declare() {
         for effect in EFFECTS {
@@ -121,7 +123,7 @@ mod tests {
         }
     }
 
-    /// The page on adding an effect lists every kind that a model takes.
+    /// The page on adding an effect lists every kind that a model uses.
     #[test]
     fn the_page_lists_the_kinds() {
         let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/add-an-effect.md");
@@ -131,7 +133,7 @@ mod tests {
         }
     }
 
-    /// Effects come in the order of the list, whatever the order of their tables.
+    /// Effects are in the order of the list, whatever the order of their tables.
     #[test]
     fn the_order_of_tables_is_that_of_the_list() {
         let mut effects = serde_json::Map::new();

@@ -1,14 +1,19 @@
-//! The load of a contact under an axle that runs over an irregularity, for models whose contact has no inertia.
+//! Load of a contact under an axle that runs over an irregularity, for models whose contact has no
+//! inertia.
 //!
-//! M z̈ = N − N_0 − K z − C ż on Hertz's spring, N = N_0 (δ/δ_0)^{3/2} of the approach δ = δ_0 − z − h(Vt), with the approach δ_0 of the
-//! load N_0; without contact N is zero. h is how far the lower body is below the smooth one for a round body of the radius R that rolls over
-//! it: the least of the hollow and ξ²/2R in the neighbourhood, so that a wheel bridges what is shorter than itself.
+//! M z̈ = N − N_0 − K z − C ż on the Hertz spring, N = N_0 (δ/δ_0)^{3/2}. The approach is
+//! δ = δ_0 − z − h(Vt), and δ_0 is the approach at the load N_0. Without contact N is zero. For a
+//! round body of radius R, h is the depth of the rolling body below its height on a smooth surface:
+//! the minimum of hollow + ξ²/2R over the distance ξ from the contact. A wheel thus bridges short
+//! irregularities.
 //!
-//! The load depends on time alone, and not on windows: steps of a thousandth of the contact's period (Runge–Kutta of fourth order)
-//! lie on a grid of their own, from the beginning on, and a window has the mean over it, impulse over duration.
+//! The load depends only on time, not on the windows. The steps are at most a thousandth of the
+//! contact period (Runge–Kutta of fourth order), on a grid of their own from the beginning of the
+//! run. The load of a window is its mean, the impulse divided by the duration.
 //!
-//! Source: Jenkins et al., Railway Engng J. 3 (1974) 2–16; Johnson, *Contact Mechanics* (1985), 4.2, for the spring.
-//! Left out: the inertia of what is near the contact, and the mass of the track.
+//! Source: Jenkins et al., Railway Engng J. 3 (1974) 2–16; Johnson, *Contact Mechanics* (1985),
+//! 4.2, for the spring. Neglected: the inertia of the parts near the contact, and the mass of the
+//! track.
 
 use crate::case::ellipse::Ellipse;
 use crate::case::scene::{Scene, Speeds};
@@ -17,24 +22,26 @@ use proto::bodies::UPPER;
 use std::cell::RefCell;
 use std::f64::consts::TAU;
 
-/// Steps of a period of the wheel on its contact.
+/// Smallest number of steps per period of the wheel on its contact spring.
 const STEPS: f64 = 1000.0;
-/// Steps in the time in which an irregularity is passed, at least.
+/// Smallest number of steps while an irregularity is passed.
 const STEPS_OVER: f64 = 500.0;
-/// Steps from one state that is kept to the next.
+/// Number of steps between stored states.
 const EVERY: usize = 16;
-/// Places in the neighbourhood that are tried, and halvings of the interval round the best of them.
+/// Positions tried around the contact, and interval reductions around the best of them.
 const PLACES: usize = 24;
 const HALVINGS: usize = 30;
-/// Periods of the wheel on its contact after an irregularity in which the load may still rise.
+/// Time after an irregularity in which the load may still rise, in periods of the wheel on its
+/// contact.
 const PERIODS_AFTER: f64 = 3.0;
-/// Waves of a corrugation, and turns of a flat, over which is looked for the largest load.
+/// Number of corrugation wavelengths, and of wheel revolutions for a flat, searched for the largest
+/// load.
 const WAVES: f64 = 100.0;
 const TURNS: f64 = 10.0;
-/// A step over the time constants of the mass on its spring and damper, √(M/K) and M/C, at most.
+/// Largest step relative to the time constants √(M/K) and M/C of the mass on its spring and damper.
 const OF_CONSTANTS: f64 = 0.5;
 
-/// A load over time.
+/// Load of a contact over time.
 #[derive(Debug)]
 pub(crate) struct AxleLoad {
     axle: Axle,
@@ -47,14 +54,14 @@ pub(crate) struct AxleLoad {
     circumference: f64,
     /// Length of a step [s].
     step: f64,
-    /// States at every so many steps from 0 on, as far as they were asked for.
+    /// States at every [`EVERY`]-th step from 0 on, computed on demand.
     kept: RefCell<Vec<State>>,
 }
 
-/// The axle at an instant, and what has been since the beginning.
+/// State of the axle at an instant, with the totals since the beginning.
 #[derive(Clone, Copy, Debug, Default)]
 struct State {
-    /// Height over that of steady rolling [m], and its rate [m/s].
+    /// Height above that of steady rolling [m], and its rate [m/s].
     raised: f64,
     rising: f64,
     /// ∫N dt [N s].
@@ -65,7 +72,7 @@ struct State {
     largest: f64,
 }
 
-/// The load of a window.
+/// Load of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WindowLoad {
     /// Mean over the window [N].
@@ -77,7 +84,8 @@ pub(crate) struct WindowLoad {
 }
 
 impl AxleLoad {
-    /// Under an axle, from a contact in equilibrium; `None` where the approach is not known.
+    /// Creates the load under an axle, starting from a contact in equilibrium; `None` if the
+    /// approach is unknown.
     pub(crate) fn new(axle: Axle, scene: &Scene, ellipse: &Ellipse) -> Option<Self> {
         let Speeds { rolling: speed, .. } = scene.speeds;
         let (load, approach) = (ellipse.normal_force, ellipse.approach?);
@@ -98,12 +106,12 @@ impl AxleLoad {
         Some(own)
     }
 
-    /// Period of the wheel on its contact [s].
+    /// Period of the wheel on its contact spring [s].
     fn period(&self) -> f64 {
         TAU * (self.axle.mass * self.approach / (1.5 * self.load)).sqrt()
     }
 
-    /// The load of a window [s].
+    /// Load of the window from `start` to `end` [s].
     pub(crate) fn window(&self, start: f64, end: f64) -> WindowLoad {
         let [first, last] = [start, end].map(|time| self.at(time));
         let mean = match end > start {
@@ -113,13 +121,14 @@ impl AxleLoad {
         WindowLoad { mean: mean.max(0.0), largest: last.largest, apart: last.apart }
     }
 
-    /// The largest load until all of the irregularity has been passed and the wheel has come down again; of waves, and of a flat that
-    /// comes round, that of the first of them, after which it may still rise [N].
+    /// Largest load [N] until the irregularity has been passed and the wheel has settled again. For
+    /// corrugation, and for a flat that returns every turn, only the first of them are searched;
+    /// the load may rise further after them.
     pub(crate) fn largest(&self) -> f64 {
         self.at(self.looked_at()).largest
     }
 
-    /// The time until then [s].
+    /// Duration that is searched for the largest load [s].
     fn looked_at(&self) -> f64 {
         let way = match self.axle.irregularity {
             None => return 0.0,
@@ -132,12 +141,12 @@ impl AxleLoad {
         way / self.speed + PERIODS_AFTER * self.period()
     }
 
-    /// Steps until the largest load is known.
+    /// Number of steps until the largest load is known.
     pub(crate) fn steps(&self) -> f64 {
         self.looked_at() / self.step
     }
 
-    /// The state at a time, on a straight line between steps [s].
+    /// State at a time [s], linear between the steps.
     fn at(&self, time: f64) -> State {
         let place = (time / self.step).max(0.0);
         let before = place as usize;
@@ -168,7 +177,7 @@ impl AxleLoad {
         }
     }
 
-    /// A step of the Runge–Kutta scheme of fourth order, of height, rate and impulse.
+    /// Advances height, rate and impulse by one Runge–Kutta step of fourth order.
     fn next(&self, state: &State, time: f64) -> State {
         let Axle { mass, stiffness, damping, .. } = self.axle;
         let rate = |[raised, rising]: [f64; 2], time: f64| {
@@ -194,7 +203,7 @@ impl AxleLoad {
         }
     }
 
-    /// N at a time [N].
+    /// Normal force at a time [N].
     fn force(&self, state: &State, time: f64) -> f64 {
         let bridged =
             self.axle.irregularity.map_or(0.0, |form| self.bridged(&form, self.speed * time));
@@ -202,7 +211,8 @@ impl AxleLoad {
         self.load * (approach / self.approach).powf(1.5)
     }
 
-    /// How far a wheel is below its smooth way that bridges what is shorter than itself [m].
+    /// Depth of the wheel centre below its height on a smooth surface [m], including the geometric
+    /// filtering by the wheel radius.
     fn bridged(&self, form: &Irregularity, way: f64) -> f64 {
         let hollow = |at: f64| form.hollow(at, self.circumference);
         if !self.radius.is_finite() || self.radius <= 0.0 {
@@ -213,7 +223,7 @@ impl AxleLoad {
         if own == 0.0 {
             return 0.0;
         }
-        // Beyond this the round body itself is higher.
+        // Farther away, the profile of the round body exceeds the depth.
         let reach = (2.0 * self.radius * own).sqrt();
         let width = 2.0 * reach / PLACES as f64;
         let places = (0..=PLACES).map(|k| -reach + k as f64 * width);

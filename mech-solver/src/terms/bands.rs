@@ -2,28 +2,28 @@
 
 use crate::case::piecewise_linear::PiecewiseLinear;
 
-/// What the factors are a table of.
+/// Coordinate of the table of factors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Over {
     /// The lateral coordinate [m].
     Lateral,
-    /// The inclination of the rail's surface in the axes of its profile, y to the field side and z up: positive on the
-    /// gauge side [rad].
+    /// Inclination of the rail's surface in the axes of its profile, y to the field side and z up;
+    /// positive on the gauge side [rad].
     Inclination,
-    /// The place along the track [m].
+    /// Position along the track [m].
     Track,
 }
 
-/// Where the coordinate is taken.
+/// Points at which the coordinate is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum At {
-    /// Every element has its own.
+    /// Each element at its own coordinate.
     Elements,
-    /// All elements of a patch have that of its reference.
+    /// All elements of a patch at the coordinate of its reference.
     Patches,
 }
 
-/// Factors over a coordinate, straight between the lines of a table and constant beyond them.
+/// Factors over a coordinate, linear between the rows of a table and constant beyond them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Bands {
     pub(crate) table: PiecewiseLinear<1>,
@@ -32,7 +32,7 @@ pub(crate) struct Bands {
 }
 
 impl Bands {
-    /// The factor at a coordinate.
+    /// Factor at a coordinate.
     pub(crate) fn factor(&self, coordinate: f64) -> f64 {
         self.table.at(coordinate).map_or(1.0, |[factor]| factor)
     }

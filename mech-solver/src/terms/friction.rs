@@ -1,13 +1,17 @@
-//! The law of friction of a contact, to which all active effects contribute.
+//! Friction law of a contact, to which all active effects contribute.
 //!
 //! |p_t| ≤ g = min(f₀ m₁ m₂ … p, τ₁, τ₂, …)
 //!
-//! with the friction coefficient f₀ of the case, the pressure p, factors m on the coefficient ([`FrictionFactor`]: bands, speed, temperature) and
-//! bounds τ of the traction ([`TractionBound`]: a layer that yields, a film that shears). Factors multiply. Bounds come last: no factor changes
-//! them, and the smallest holds. A contribution is computed from the state of the contact alone, not from other contributions. The plastic
-//! layer, whose yield stress depends on what it has flowed, is a further bound of g in the tangential contact ([`half_space::yielding`]).
+//! with the friction coefficient f₀ of the case, the pressure p, the factors m on the coefficient
+//! ([`FrictionFactor`]: bands, speed, temperature) and the bounds τ of the traction
+//! ([`TractionBound`]: a layer that yields, a film that shears). Factors multiply. Bounds are
+//! applied last: no factor changes them, and the smallest one holds. Each contribution is computed
+//! from the state of the contact alone, not from other contributions. The plastic layer, whose
+//! yield stress depends on its plastic shift, is a further bound of g in the tangential contact
+//! ([`half_space::yielding`]).
 //!
-//! Source: Coulomb's law with local coefficients; Vollebregt, Wear 314 (2014) 87–95, for min(f p, τ) where the third body yields.
+//! Source: Coulomb's law with local coefficients; Vollebregt, Wear 314 (2014) 87–95, for
+//! min(f p, τ) where the third body yields.
 
 use crate::terms::bands::{At, Over};
 use half_space::friction::ElementFriction;
@@ -16,26 +20,28 @@ use proto::grid::Structured;
 use proto::model::{Inputs, StepError};
 use std::fmt::Debug;
 
-/// The state of a contact that laws of friction may depend on.
+/// State of a contact on which friction laws may depend.
 #[derive(Clone, Copy)]
 pub(crate) struct FrictionState<'a> {
-    /// Fields that come in; `None` before a run, when bodies have their initial temperature.
+    /// Input fields; `None` before a run, when the bodies have their initial temperature.
     pub(crate) inputs: Option<&'a dyn Inputs>,
     /// Rolling speed V [m/s].
     pub(crate) speed: f64,
-    /// Slip velocity that an element would have if the bodies were rigid [m/s].
+    /// Slip velocity of an element for rigid bodies [m/s].
     pub(crate) rigid_slip: &'a dyn Fn(usize) -> f64,
-    /// The elements.
+    /// Grid of the elements.
     pub(crate) grid: &'a Structured,
-    /// Coordinate of an element, or of the patch that it belongs to; `None` where there is no contact.
+    /// Coordinate of an element, or of the patch that it belongs to; `None` where there is no
+    /// contact.
     pub(crate) coordinate: &'a dyn Fn(Over, At, usize) -> Option<f64>,
     /// Pressure of the elements [Pa].
     pub(crate) pressure: &'a [f64],
-    /// Slip velocity of every element with its elastic part, where a law follows that [m/s].
+    /// Slip velocity of every element including its elastic part [m/s], if a law follows it.
     pub(crate) velocity: Option<&'a [f64]>,
 }
 
-/// Lateral coordinate of the elements of a grid whose origin lies at this one in the case [m].
+/// Returns the lateral coordinates of the elements in the case [m], for a grid with its origin at
+/// `origin_y`.
 pub(crate) fn lateral(
     grid: &Structured,
     origin_y: f64,
@@ -43,12 +49,13 @@ pub(crate) fn lateral(
     move |_, _, index| Some(origin_y + grid.y(index / grid.ni))
 }
 
-/// A factor on the friction coefficient of the case.
+/// Factor on the friction coefficient of the case.
 pub(crate) trait FrictionFactor: Debug + Send + Sync {
-    /// Writes the factors of the elements, which enter as ones. A law that has coefficients divides them by that of the case.
+    /// Writes the factors of the elements, which are initialised to one. A law that yields
+    /// coefficients divides them by the coefficient of the case.
     ///
     /// # Errors
-    /// An input is missing or unusable, or the law has no value for it.
+    /// An input that is missing or unusable; a state for which the law has no value.
     fn write(
         &self,
         state: &FrictionState<'_>,
@@ -56,45 +63,49 @@ pub(crate) trait FrictionFactor: Debug + Send + Sync {
         factors: &mut [f64],
     ) -> Result<(), StepError>;
 
-    /// It depends on the slip, so that a prescribed force and its creepage are found together.
+    /// Returns true if friction depends on the slip of rigid bodies. A prescribed force and its
+    /// creepage are then solved together.
     fn follows_slip(&self) -> bool {
         false
     }
 
-    /// It depends on the slip of every element itself, looked for from here.
+    /// Returns the initial slip if the factor depends on the slip velocity of each element.
+    /// Friction and slip are then solved alternately.
     fn follows_elements(&self) -> Option<SlipStart> {
         None
     }
 
-    /// It depends on fields that come in.
+    /// Returns true if the factor depends on input fields.
     fn follows_inputs(&self) -> bool {
         false
     }
 
-    /// Key by which the slip of elements is remembered along the rows of a steady contact, and not from step to step.
+    /// Key of a memory of the elements' slip that acts along the rows of a steady contact, not from
+    /// step to step.
     fn memory_of_rows(&self) -> Option<&'static str> {
         None
     }
 
-    /// Why friction may carry less than a prescribed force.
+    /// Explanation of a friction force below the prescribed force.
     fn shortfall(&self) -> &'static str;
 }
 
-/// A bound of the traction, whatever the pressure and the friction coefficient.
+/// Bound of the traction, independent of the pressure and of the friction coefficient.
 pub(crate) trait TractionBound: Debug + Send + Sync {
     /// Bound at an element [Pa].
     fn at(&self, state: &FrictionState<'_>, index: usize) -> f64;
 
-    /// It depends on the slip, so that a prescribed force and its creepage are found together.
+    /// Returns true if friction depends on the slip of rigid bodies. A prescribed force and its
+    /// creepage are then solved together.
     fn follows_slip(&self) -> bool {
         false
     }
 
-    /// Why friction may carry less than a prescribed force.
+    /// Explanation of a friction force below the prescribed force.
     fn shortfall(&self) -> &'static str;
 }
 
-/// The contributions of all active effects.
+/// Contributions of all active effects.
 #[derive(Debug, Default)]
 pub(crate) struct FrictionLaw {
     pub(crate) factors: Vec<Box<dyn FrictionFactor>>,
@@ -102,12 +113,12 @@ pub(crate) struct FrictionLaw {
 }
 
 impl FrictionLaw {
-    /// A law of one factor.
+    /// Creates a law with one factor.
     pub(crate) fn of_factor(factor: impl FrictionFactor + 'static) -> Self {
         Self { factors: vec![Box::new(factor)], ..Self::default() }
     }
 
-    /// A law of one bound.
+    /// Creates a law with one bound.
     pub(crate) fn of_bound(bound: impl TractionBound + 'static) -> Self {
         Self { bounds: vec![Box::new(bound)], ..Self::default() }
     }
@@ -118,7 +129,7 @@ impl FrictionLaw {
         self.bounds.extend(more.bounds);
     }
 
-    /// Only the friction coefficient of the case holds.
+    /// Returns true if only the friction coefficient of the case applies.
     pub(crate) fn is_constant(&self) -> bool {
         self.factors.is_empty() && self.bounds.is_empty()
     }
@@ -148,18 +159,18 @@ impl FrictionLaw {
         Ok(ElementFriction::new(coefficients, largest))
     }
 
-    /// Friction depends on the slip that it allows.
+    /// Returns true if friction depends on the slip of rigid bodies.
     pub(crate) fn follows_slip(&self) -> bool {
         self.factors.iter().any(|factor| factor.follows_slip())
             || self.bounds.iter().any(|bound| bound.follows_slip())
     }
 
-    /// Friction depends on the slip of every element itself, looked for from here.
+    /// Returns the initial slip if friction depends on the slip velocity of each element.
     pub(crate) fn follows_elements(&self) -> Option<SlipStart> {
         self.factors.iter().find_map(|factor| factor.follows_elements())
     }
 
-    /// Friction depends on fields that come in.
+    /// Returns true if friction depends on input fields.
     pub(crate) fn follows_inputs(&self) -> bool {
         self.factors.iter().any(|factor| factor.follows_inputs())
     }
@@ -169,7 +180,7 @@ impl FrictionLaw {
         self.factors.iter().find_map(|factor| factor.memory_of_rows())
     }
 
-    /// Why friction may carry less than a prescribed force.
+    /// Explanation of a friction force below the prescribed force.
     pub(crate) fn shortfalls(&self) -> Vec<&'static str> {
         let factors = self.factors.iter().map(|factor| factor.shortfall());
         factors.chain(self.bounds.iter().map(|bound| bound.shortfall())).collect()

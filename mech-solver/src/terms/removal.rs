@@ -1,19 +1,22 @@
-//! What the contact removes from both bodies, and the profiles that it leaves.
+//! Material removed from both bodies by the contact, and the resulting profiles.
 //!
-//! Every point of a body that comes round passes the whole contact along its row, so that a passage takes the same depth
-//! off all of the row's circumference,
+//! Every point of a rotating body passes the whole contact along its row. A passage therefore
+//! removes the same depth from the whole circumference of the row,
 //!
 //! h(y) = ∫ w dx / v,  w = k q_f (energy) or (K/H) p |s| (Archard) [m/s],
 //!
-//! with the speed v of the surface, friction power density q_f, pressure p and slip velocity s. The depths of all passages are
-//! added to the undeformed distance; a window stands for a number of them under the same contact.
+//! with the speed v of the surface, the friction power density q_f, the pressure p and the slip
+//! velocity s. The depths of all passages are added to the undeformed distance. A window stands for
+//! a number of passages under the same contact.
 //!
-//! A row that carries more wears more, and carries less in the next window. What a window wears must stay small against what the
-//! elastic bodies make up for: a change δh that alternates from row to row changes the pressure by δp = δh E*π/(2Δy), with
-//! 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂, and a window whose passages answer with more than 2δh makes it grow.
+//! A row with a higher load wears more, and carries less in the next window. The wear of a window
+//! must stay small compared with the change that the elastic bodies compensate. A change δh that
+//! alternates from row to row changes the pressure by δp = δh E*π/(2Δy), with
+//! 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. If the passages of a window respond to such a change with
+//! more than 2δh, the change grows.
 //!
-//! Source: Archard, J. Appl. Phys. 24 (1953) 981–988; Pearce & Sherratt, Wear 144 (1991) 343–351, for wear by friction
-//! energy in railways.
+//! Source: Archard, J. Appl. Phys. 24 (1953) 981–988; Pearce & Sherratt, Wear 144 (1991) 343–351,
+//! for wear by friction energy in railways.
 
 use crate::case::scene::Scene;
 use crate::terms::state::{Accepted, State};
@@ -27,17 +30,18 @@ use serde_json::{Map, Value, json};
 use std::f64::consts::PI;
 use std::io::{self, Read, Write};
 
-/// What the depth follows.
+/// Wear law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Law {
-    /// Volumes worn by a joule of friction work, of the upper and the lower body [m³/J].
+    /// Volume worn per joule of friction work, of the upper and the lower body [m³/J].
     Energy([f64; 2]),
-    /// Coefficients over hardness, K/H, of the upper and the lower body [1/Pa].
+    /// Wear coefficient divided by hardness, K/H, of the upper and the lower body [1/Pa].
     Archard([f64; 2]),
 }
 
 impl Law {
-    /// Speeds at which the surface of a body recedes, but for its factor [W/m²].
+    /// Unscaled recession rate of the surface at an element [W/m²]; the wear factor converts it to
+    /// m/s.
     fn driving(&self, contact: &Accepted<'_>, element: usize) -> f64 {
         match self {
             Self::Energy(_) => contact.friction_power[element],
@@ -54,33 +58,33 @@ impl Law {
     }
 }
 
-/// The number of passages that a configuration in which nothing varies asks for.
+/// Reads the number of passages from a configuration in which nothing varies.
 pub(crate) type ReadPasses = fn(&Configuration) -> Result<f64, Refusal>;
 
-/// What has been worn off, row by row.
+/// Depths worn off both bodies, row by row.
 #[derive(Clone, Debug)]
 pub(crate) struct Removal {
     law: Law,
-    /// Passages that a window stands for, and how a configuration says so.
+    /// Number of passages per window, and the function that reads it from a configuration.
     passes: f64,
     read_passes: ReadPasses,
-    /// The fields of the depths, of the upper and the lower body.
+    /// Fields of the depths of the upper and the lower body.
     fields: [&'static FieldSpec; 2],
-    /// The name of its section of the summary.
+    /// Name of the section of the summary.
     section: &'static str,
-    /// What the case calls the bodies.
+    /// Names of the bodies in the case.
     names: Bodies,
     /// (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa].
     compliance: f64,
-    /// Where the rows are.
+    /// Positions of the rows.
     rows: Rows,
-    /// Depths that a passage takes off both bodies through the accepted contact [m].
+    /// Depths that one passage through the accepted contact removes from both bodies [m].
     passage: [Vec<f64>; 2],
-    /// Depths of all passages that were accepted [m].
+    /// Depths of all accepted passages [m].
     worn: [Vec<f64>; 2],
 }
 
-/// The rows of a grid.
+/// Rows of a grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Rows {
     first: f64,
@@ -89,10 +93,10 @@ struct Rows {
 }
 
 impl Removal {
-    /// Of a configuration.
+    /// Creates the removal of a configuration, without any wear so far.
     ///
     /// # Errors
-    /// Those of `read_passes`.
+    /// A number of passages that is refused.
     pub(crate) fn new(
         law: Law,
         (configuration, read_passes): (&Configuration, ReadPasses),
@@ -113,7 +117,7 @@ impl Removal {
         })
     }
 
-    /// Learns where the contact is solved; comes before all else.
+    /// Sets the grid of the contact; called before all other methods.
     pub(crate) fn place(&mut self, grid: &Structured) {
         self.rows = Rows { first: grid.y(0), width: grid.dy(), count: grid.nj };
         let zeros = vec![0.0; grid.nj];
@@ -121,16 +125,16 @@ impl Removal {
         self.worn = [zeros.clone(), zeros];
     }
 
-    /// Takes the passages of the window that comes.
+    /// Reads the number of passages of the next window.
     ///
     /// # Errors
-    /// Those of reading them.
+    /// A number of passages that is refused.
     pub(crate) fn follow(&mut self, row: &Configuration) -> Result<(), Refusal> {
         self.passes = (self.read_passes)(row)?;
         Ok(())
     }
 
-    /// What has been worn off both bodies at a lateral place, between the rows on straight lines [m].
+    /// Total depth worn off both bodies at a lateral position [m], linear between the rows.
     pub(crate) fn depth(&self, y: f64) -> f64 {
         let Rows { first, width, count } = self.rows;
         if count == 0 {
@@ -146,7 +150,7 @@ impl Removal {
         self.worn.iter().map(of).sum()
     }
 
-    /// Depth that a passage through a contact takes off both bodies in a row of elements [m].
+    /// Depths that one passage removes from both bodies in a row of elements [m].
     fn depths(&self, grid: &Structured, contact: &Accepted<'_>, row: usize) -> [f64; 2] {
         let elements = row * grid.ni..(row + 1) * grid.ni;
         let driving: f64 = elements.map(|at| self.law.driving(contact, at)).sum();
@@ -158,7 +162,7 @@ impl Removal {
         depths
     }
 
-    /// Takes the contact that is accepted.
+    /// Adds the passages of the accepted contact to the worn depths.
     pub(crate) fn take(&mut self, grid: &Structured, contact: &Accepted<'_>) {
         for row in 0..self.rows.count {
             for (body, depth) in self.depths(grid, contact, row).into_iter().enumerate() {
@@ -172,10 +176,10 @@ impl Removal {
         }
     }
 
-    /// Refuses a contact that wears more in a window than a profile can follow.
+    /// Refuses a contact that wears more in a window than the profile can follow.
     ///
     /// # Errors
-    /// It does.
+    /// More passages in a window than the profile can follow.
     pub(crate) fn refuse_too_much(
         &self,
         grid: &Structured,
@@ -202,7 +206,7 @@ impl Removal {
         )))
     }
 
-    /// Writes the accepted depths, those that are asked for, on every element of the grid.
+    /// Writes the requested fields of the accepted depths, on every element of the grid.
     pub(crate) fn write(&self, outputs: &mut dyn Outputs) {
         for (field, worn) in self.fields.iter().zip(&self.worn) {
             let Some(values) = outputs.get(field) else { continue };
@@ -213,7 +217,7 @@ impl Removal {
         }
     }
 
-    /// Its section of `summary.json`, by name.
+    /// Name and content of the section of `summary.json`.
     pub(crate) fn summary(&self) -> (&'static str, Value) {
         let section = |body: usize| {
             let [passage, worn] = [&self.passage[body], &self.worn[body]];

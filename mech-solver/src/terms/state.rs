@@ -1,32 +1,32 @@
-//! What an accepted contact is to a term, and what a term remembers of it.
+//! Accepted contact as seen by a term, and the state that a term keeps.
 
 use crate::terms::surface::Surface;
 use proto::model::StateError;
 use std::io::{self, Read, Write};
 
-/// State of a term. A term without any leaves all of it out.
+/// State of a term. The default methods are those of a term without state.
 pub(crate) trait State: Send + Sync {
-    /// The last solve becomes the accepted state.
+    /// Accepts the last solve.
     fn accept(&mut self) {}
 
     /// Writes the accepted state.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// A failure to write.
     fn save(&self, _into: &mut dyn Write) -> io::Result<()> {
         Ok(())
     }
 
-    /// Reads back what [`State::save`] wrote.
+    /// Restores the state that [`State::save`] wrote.
     ///
     /// # Errors
-    /// It does not fit.
+    /// Data that does not match the term.
     fn restore(&mut self, _from: &mut dyn Read) -> Result<(), StateError> {
         Ok(())
     }
 }
 
-/// The contact as it was accepted.
+/// Accepted solution of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Accepted<'a> {
     /// Pressure [Pa].
@@ -37,8 +37,9 @@ pub(crate) struct Accepted<'a> {
     pub(crate) slip_velocity: &'a [f64],
     /// Friction power density [W/m²].
     pub(crate) friction_power: &'a [f64],
-    /// Speeds at which the material of both bodies passes through [m/s].
+    /// Speeds at which the material of both bodies passes through the contact [m/s].
     pub(crate) surface_speed: [f64; 2],
-    /// The rises of both bodies integrated over their depth, where they expand and that is observed [K·m].
+    /// Temperature rises of both bodies, integrated over depth [K·m], if the bodies expand and a
+    /// term observes them.
     pub(crate) heated: Option<[Surface<'a>; 2]>,
 }

@@ -1,4 +1,4 @@
-//! A field of a surface that comes in, wherever its elements are.
+//! Input field of a surface, on a grid that may differ from that of the contact.
 
 use crate::case::scene::Body;
 use proto::field::{self, FieldSpec};
@@ -6,14 +6,14 @@ use proto::grid::Structured;
 use proto::model::{Inputs, StepError, first_non_finite};
 use serde::{Deserialize, Serialize};
 
-/// Values at the elements of a grid along x and y, which may be another one in every solve.
+/// Values at the elements of a grid along x and y. The grid may differ in every solve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<'a> {
     grid: &'a Structured,
     values: &'a [f64],
 }
 
-/// The values of a surface, kept.
+/// Stored copy of the values of a surface.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct KeptSurface {
     grid: Structured,
@@ -21,36 +21,36 @@ pub(crate) struct KeptSurface {
 }
 
 impl KeptSurface {
-    /// Of an input.
+    /// Reads an input field.
     ///
     /// # Errors
-    /// Those of [`Surface::of`].
+    /// Same errors as [`Surface::of`].
     pub(crate) fn of(inputs: &dyn Inputs, field: &FieldSpec) -> Result<Self, StepError> {
         let Surface { grid, values } = Surface::of(inputs, field)?;
         Ok(Self { grid: *grid, values: values.to_vec() })
     }
 
-    /// A value for every element.
+    /// Returns true if there is a value for every element.
     pub(crate) fn is_whole(&self) -> bool {
         self.values.len() == self.grid.points()
     }
 
-    /// To look at.
+    /// Returns a view of the values.
     pub(crate) fn seen(&self) -> Surface<'_> {
         Surface { grid: &self.grid, values: &self.values }
     }
 }
 
 impl<'a> Surface<'a> {
-    /// Grid and values.
+    /// Returns grid and values.
     pub(crate) fn parts(&self) -> (&'a Structured, &'a [f64]) {
         (self.grid, self.values)
     }
 
-    /// Of an input.
+    /// Reads an input field.
     ///
     /// # Errors
-    /// It is missing, not finite, or not on a structured grid along x and y.
+    /// A field that is missing, not finite, or not on a structured grid along x and y.
     pub(crate) fn of(inputs: &'a dyn Inputs, field: &FieldSpec) -> Result<Self, StepError> {
         let missing = || StepError::MissingInput { field: field.name.to_owned() };
         let input = inputs.get(field).ok_or_else(missing)?;
@@ -68,7 +68,8 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// Between the centres of the elements; beyond them the nearest.
+    /// Value by bilinear interpolation between the centres of the elements; beyond them that of the
+    /// nearest one.
     pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
         let Self { grid, values } = self;
         let cell = |at: f64, first: f64, step: f64, count: usize| {
@@ -84,11 +85,12 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// Adds by how much heat raises both surfaces together at the elements of a grid [m]: 2(1 + ν)α W of each body
-/// ([`crate::effects::thermal_expansion`]), with these coefficients α [1/K].
+/// Adds the thermal expansion of both surfaces together at the elements of a grid [m]: 2(1 + ν)α W
+/// of each body ([`crate::effects::thermal_expansion`]), with the expansion coefficients α [1/K]
+/// and the depth integral W of the temperature rise.
 ///
 /// # Errors
-/// An input is missing or unusable.
+/// An input that is missing or unusable.
 pub(crate) fn raise(
     inputs: &dyn Inputs,
     bodies: &[Body; 2],
@@ -107,7 +109,7 @@ pub(crate) fn raise(
     Ok(())
 }
 
-/// Elements go forward along x in i and along y in j.
+/// Returns true if i runs along +x and j along +y.
 fn is_along_axes(grid: &Structured) -> bool {
     let flat = grid.step_i[1] == 0.0 && grid.step_j[0] == 0.0;
     flat && grid.dx() > 0.0 && grid.dy() > 0.0
@@ -117,7 +119,7 @@ fn is_along_axes(grid: &Structured) -> bool {
 mod tests {
     use super::*;
 
-    /// A linear field is met exactly inside, also between shifted grids.
+    /// A linear field is reproduced exactly inside, also between shifted grids.
     #[test]
     fn bilinear_between_grids() {
         let grid = Structured::contact_plane(-1.0, -2.0, 0.5, 1.0, 5, 4);

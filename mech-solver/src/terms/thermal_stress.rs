@@ -1,7 +1,8 @@
-//! The thermal stress inside bodies that expand as they move steadily: what of a case it takes, and when it has an answer
-//! ([`half_space::subsurface::WarmBody`]).
+//! Thermal stress inside bodies that expand and move steadily: the case values that it needs, and
+//! the conditions under which it is defined ([`half_space::subsurface::WarmBody`]).
 //!
-//! A body at rest, in which heat stays where it was and whose depth follows from all that was before, is refused.
+//! A body at rest is refused: its heat stays in place, and the depth of the heat follows from the
+//! whole history.
 
 use crate::case::keys::CheckedParams;
 use crate::case::scene::read_material;
@@ -12,41 +13,42 @@ use proto::bodies::{Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 
-/// What the diffusivity is made of.
+/// Material properties that determine the diffusivity.
 const THERMAL: [(&str, &str, &str); 3] = [
     ("conductivity", "W/(m K)", "heat flux per temperature gradient; of bodies that expand"),
     ("density", "kg/m3", "mass per volume; of bodies that expand"),
     ("specific_heat", "J/(kg K)", "heat per mass and temperature; of bodies that expand"),
 ];
 
-/// The keys that it reads.
+/// Returns the keys of the thermal stress.
 pub(crate) fn keys() -> impl Iterator<Item = KeySpec> {
     THERMAL.into_iter().map(|(name, unit, help)| {
         KeySpec::quantity(&format!("materials.*.{name}"), unit, help).above(0.0)
     })
 }
 
-/// What it takes of both bodies.
+/// Properties of both bodies for the thermal stress.
 #[derive(Debug)]
 pub(crate) struct ThermalStress {
-    /// The effect that asks for it.
+    /// Effect that requests the thermal stress.
     effect: &'static str,
-    /// What the case calls the bodies.
+    /// Names of the bodies in the case.
     pub(crate) names: Bodies,
-    /// Materials of both bodies, and by name.
+    /// Materials of both bodies, and their names.
     pub(crate) materials: [Material; 2],
     called: [String; 2],
-    /// Conductivity [W/(m·K)], density [kg/m³] and specific heat [J/(kg·K)] of both, where the case says so.
+    /// Conductivity [W/(m·K)], density [kg/m³] and specific heat [J/(kg·K)] of both bodies, if the
+    /// case gives them.
     thermal: [[Option<f64>; 3]; 2],
-    /// Coefficients of thermal expansion of bodies that expand [1/K].
+    /// Coefficients of thermal expansion [1/K]; `None` if the bodies do not expand.
     expansion: Option<[f64; 2]>,
 }
 
 impl ThermalStress {
-    /// Of a case whose keys `case` checks.
+    /// Reads the properties from a case whose keys `case` checks.
     ///
     /// # Errors
-    /// A value is missing or out of range.
+    /// A value that is missing or out of range.
     pub(crate) fn read(
         configuration: &Configuration,
         case: &CheckedParams<'_>,
@@ -67,15 +69,16 @@ impl ThermalStress {
         Ok(Self { effect, names, materials, called, thermal, expansion: None })
     }
 
-    /// The bodies expand.
+    /// Returns true if the bodies expand.
     pub(crate) fn is_there(&self) -> bool {
         self.expansion.is_some()
     }
 
-    /// Learns that both bodies expand where they are warm, with these coefficients [1/K], and how fast they pass [m/s].
+    /// Announces thermal expansion of both bodies, with their coefficients [1/K] and their surface
+    /// speeds [m/s].
     ///
     /// # Errors
-    /// A body has no diffusivity, or is at rest.
+    /// A body without diffusivity; a body at rest.
     pub(crate) fn expand(
         &mut self,
         coefficients: [f64; 2],
@@ -107,7 +110,8 @@ impl ThermalStress {
         Ok(())
     }
 
-    /// A body as it is warm, with the integrals of its rise; `None` where it does not expand.
+    /// Returns the warm body with the integrals of its temperature rise; `None` if it does not
+    /// expand.
     pub(crate) fn of<'a>(
         &self,
         accepted: &Accepted<'a>,

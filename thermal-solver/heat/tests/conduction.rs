@@ -4,7 +4,7 @@
 
 use heat::Material;
 use heat::fe::body_properties::BodyProperties;
-use heat::fe::conductor::{Conductor, Workspace, NewtonStats, Request, Surroundings};
+use heat::fe::conductor::{Conductor, NewtonStats, Request, Surroundings, Workspace};
 use heat::fe::direct::Direct;
 use heat::fe::error::SolveError;
 use heat::fe::law::{Law, Point};

@@ -1,21 +1,23 @@
-//! Effect `bulk_heating`: what earlier passages have left in a body when a place of it comes into the contact again.
+//! Effect `bulk_heating`: temperature rise that earlier passages have left in a body.
 //!
-//! Two parts, which are added to the flash temperature, row by row:
+//! Two parts are added to the flash temperature, row by row:
 //!
-//! - the body as a whole: the heat that goes into it leaves it through a loss G = hA of all of its surface, P = G ϑ, from turn
-//!   to turn the same (`bodies.*.heat_loss`);
-//! - the earlier passages over the same place, that of the wheels before over a rail or of the turns before of a wheel: each left
-//!   the heat e(y) = ∫q dx/v on the surface [J/m²], of which conduction into a half-space and across the track leaves
-//!   ϑ(y, t) = ∫ e(y') G(y − y', t) dy'/(β √(πt)), G a Gaussian of the variance 2κt, after the times t = jτ
+//! - the rise ϑ of the whole body: its heat input P equals the loss G ϑ with G = hA over its whole
+//!   surface, in equilibrium over many turns (`bodies.*.heat_loss`);
+//! - earlier passages over the same point, those of preceding wheels over a rail or of preceding
+//!   turns of a wheel. Each passage left the heat e(y) = ∫q dx/v on the surface [J/m²]. After
+//!   conduction into a half-space and across the track the rise is ϑ(y, t) = ∫ e(y') G(y − y', t)
+//!   dy'/(β √(πt)), with G a Gaussian of the variance 2κt, at the times t = jτ
 //!   (`bodies.*.passages`, `bodies.*.passage_interval`).
 //!
-//! The sum over passages grows like the logarithm of their number, so that it is finite for those of a train; what has gone on for
-//! ever is the body as a whole.
+//! The sum over passages grows with the logarithm of their number, so that it remains finite for
+//! those of a train. The rise of the whole body covers heating over an unlimited time.
 //!
-//! Source: Ertz & Knothe, Wear 253 (2002) 498–508, for bulk and flash temperature; Carslaw & Jaeger, Conduction of Heat in
-//! Solids, 10.3, for the instantaneous source. Steady cases and rows of a sequence. Left out: heat that flows between bodies
-//! because one is warmer as a whole, which `continuity` and `contact_conductance` would need and are refused with; what the
-//! surface loses between two passages.
+//! Source: Ertz & Knothe, Wear 253 (2002) 498–508, for bulk and flash temperature; Carslaw &
+//! Jaeger, Conduction of Heat in Solids, 10.3, for the instantaneous source. The effect applies to
+//! steady cases and to the rows of a sequence. Neglected: heat exchange between bodies of different
+//! bulk temperature, for which reason `continuity` and `contact_conductance` are refused; heat loss
+//! of the surface between two passages.
 
 use crate::effects::contact_conductance;
 use crate::effects::friction_heat::{self, Partition};
@@ -29,24 +31,24 @@ use proto::description::{EffectSpec, KeySpec};
 use proto::figure::{FigureSpec, Style};
 use std::f64::consts::PI;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "bulk_heating";
 
 const LOSS: &str = "heat_loss";
 const PASSAGES: &str = "passages";
 const INTERVAL: &str = "passage_interval";
 
-/// Earlier passages over the same place at most.
+/// Largest number of earlier passages over the same point.
 const MOST_PASSAGES: i64 = 10_000;
 
-/// Its part of what a body remembers.
+/// Thermal history of a body: bulk heating and earlier passages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PassageHistory {
-    /// Loss of the body as a whole [W/K]; `None` for one that stays as cold as it was.
+    /// Heat loss of the whole body [W/K]; `None` for a body that keeps its initial temperature.
     pub loss: Option<f64>,
-    /// Earlier passages over the same place.
+    /// Number of earlier passages over the same point.
     pub passages: usize,
-    /// Time from one to the next [s].
+    /// Time between two passages [s].
     pub interval: f64,
 }
 
@@ -67,7 +69,7 @@ fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// Its description.
+/// Returns the description of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     let figure = |name: &str, words, short| {
@@ -94,10 +96,10 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// What the upper and the lower body remember.
+/// Reads the thermal history of the upper and the lower body.
 ///
 /// # Errors
-/// A value that is missing or out of range, and what has no answer with the effect.
+/// A value that is missing or out of range; a setting that the effect does not support.
 pub fn read(given: &Configuration, scene: &Scene) -> Result<[PassageHistory; 2], Refusal> {
     if given.mode == Mode::Transient {
         return Err(Refusal::new(
@@ -181,11 +183,11 @@ fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<PassageH
     }
 }
 
-/// Loss of a railway wheel in motion, where the case has none [W/K].
+/// Heat loss of a railway wheel in motion, used if the case has none [W/K].
 const TYPICAL: f64 = 60.0;
 
-/// Rise of a body as a whole, and what earlier passages have left in the middle of its track [K],
-/// by its keys; `None` for a body without them.
+/// Estimates the rise of the whole body and the rise left by earlier passages in the middle of its
+/// track [K]; `None` for a body without their keys.
 fn remembered(situation: &Situation<'_>, body: usize) -> Option<[f64; 2]> {
     let (case, names) = (situation.case, &situation.scene.names);
     let number = |name: &str| case.maybe_number(&names.key(body, name)).ok().flatten();
@@ -199,9 +201,9 @@ fn remembered(situation: &Situation<'_>, body: usize) -> Option<[f64; 2]> {
     Some([bulk, interval.map_or(0.0, |interval| left(situation, body, passages, interval))])
 }
 
-/// What so many passages, some time apart [s], have left in the middle of a body's track [K]: the
-/// heat of each has gone straight down, and across as a Gaussian of the variance 2κt, which falls
-/// with the track's own width.
+/// Estimates the rise that earlier passages at some interval [s] have left in the middle of a
+/// body's track [K]. The heat of each has spread into the depth, and laterally as a Gaussian of the
+/// variance 2κt. The lateral decay depends on the width of the track.
 fn left(situation: &Situation<'_>, body: usize, passages: i64, interval: f64) -> f64 {
     let material = &situation.scene.materials[body];
     let width = 4.0 / 3.0 * situation.semi_axes[1];
@@ -213,8 +215,8 @@ fn left(situation: &Situation<'_>, body: usize, passages: i64, interval: f64) ->
     situation.left_behind(body) * (1..=passages.min(MOST_PASSAGES)).map(after).sum::<f64>()
 }
 
-/// What it says of itself in a scene: of the body whose rise it changes most, or of the upper one
-/// with a typical loss where the case gives neither body a loss or passages.
+/// Estimates how much the effect matters in a scene, for the body whose rise it changes most. If
+/// neither body has a loss or passages, it assumes a typical loss of the upper one.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let scene = situation.scene;

@@ -1,15 +1,19 @@
-//! Effect `contact_conductance`: surfaces that touch have different temperatures, and heat flows between them.
+//! Effect `contact_conductance`: surfaces in contact have different temperatures, and heat flows
+//! between them.
 //!
-//! From the upper into the lower body flows g = h (T_u − T_l), besides their shares of the friction heat. The conductance h of
-//! the contact is constant, or that of rough surfaces whose asperities flow, h = h₀ (p/H)^0.95, with the contact pressure p and
-//! the hardness H of the softer body. Where the surfaces touch without friction heat flows too.
+//! The flux g = h (T_u − T_l) from the upper into the lower body is added to their shares of the
+//! friction heat. The conductance h of the contact is constant, or that of rough surfaces with
+//! plastic asperities, h = h₀ (p/H)^0.95, with the contact pressure p and the hardness H of the
+//! softer body. Heat is exchanged wherever the surfaces are in contact, with or without friction.
 //!
-//! Surfaces that are apart, where a model knows of gaps, exchange heat through the gas between them, h = k/(g + j) with its conductivity k, the gap
-//! g and the temperature jump distance j; where they touch the gas goes on conducting, g = 0, besides the contact.
+//! Separated surfaces exchange heat through the gas between them, if the model supports gaps. Then
+//! h = k/(g + j) with the conductivity k of the gas, the gap g and the temperature jump distance j.
+//! In the contact the gas conducts with g = 0, in addition to the contact itself.
 //!
-//! h → ∞ is the partition `continuity`, h → 0 its absence.
+//! The limit h → ∞ is the partition `continuity`; for h → 0 no heat is exchanged.
 //!
-//! Source: Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279–300; exponent and gas: Yovanovich, AIAA 81-1164 (1981).
+//! Source: Cooper, Mikic & Yovanovich, Int. J. Heat Mass Transfer 12 (1969) 279–300; exponent and
+//! gas: Yovanovich, AIAA 81-1164 (1981).
 
 use super::friction_heat::Partition;
 use crate::capability::{Capability, Need};
@@ -21,35 +25,36 @@ use proto::field;
 use proto::figure::{FigureSpec, Style};
 use proto::params::Params;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "contact_conductance";
 
 const CONDUCTANCE: &str = "effects.contact_conductance.conductance";
 pub(crate) const HARDNESS: &str = "effects.contact_conductance.hardness";
 const GAS: &str = "effects.contact_conductance.gas_conductivity";
 const JUMP: &str = "effects.contact_conductance.gas_jump";
-/// Of the pressure over the hardness.
+/// Exponent of the pressure over the hardness.
 const EXPONENT: f64 = 0.95;
-/// Pressures below this part of the largest conduct as that: the last of an ellipse's edge, or places in a row between two patches, where what
-/// flows is sought with the rest.
+/// Share of the largest pressure below which the conductance is held constant. Lower pressures
+/// occur at the edge of an ellipse, and between two patches of a row, which is solved as a whole.
 const LEAST: f64 = 1e-2;
 
-/// The law of a contact's conductance.
+/// Law of the contact conductance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductance {
-    /// h, or h₀ [W/(m²·K)].
+    /// Conductance h, or h₀ [W/(m²·K)].
     pub conductance: f64,
-    /// H, if the pressure matters [Pa].
+    /// Hardness H [Pa]; `None` if the conductance does not depend on the pressure.
     pub hardness: Option<f64>,
     /// Conductivity k [W/(m·K)] and jump distance j [m] of a gas in the gap.
     pub gas: Option<[f64; 2]>,
 }
 
 impl Conductance {
-    /// Reads the law, if the case has it.
+    /// Reads the law, if the case has one.
     ///
     /// # Errors
-    /// A value that is missing or not above 0, and a partition that leaves no difference of temperatures.
+    /// A value that is missing or not positive; the partition `continuity`, which leaves no
+    /// temperature difference.
     pub fn read(case: &Params, partition: Partition) -> Result<Option<Self>, Refusal> {
         if !case.has("effects.contact_conductance") {
             return Ok(None);
@@ -79,7 +84,7 @@ impl Conductance {
         Ok(Some(Self { conductance, hardness, gas }))
     }
 
-    /// Resistance 1/h [m²·K/W] at a pressure, of which the largest is given [Pa].
+    /// Resistance 1/h [m²·K/W] at a pressure, for the given largest pressure of the contact [Pa].
     #[must_use]
     pub fn resistance(&self, pressure: f64, largest: f64) -> f64 {
         let Some(hardness) = self.hardness else { return 1.0 / self.conductance };
@@ -87,7 +92,8 @@ impl Conductance {
         1.0 / (self.conductance * (pressure / hardness).powf(EXPONENT))
     }
 
-    /// Conductance of surfaces that touch under a pressure [Pa], or are a gap apart [m] [W/(m²·K)].
+    /// Conductance [W/(m²·K)] of surfaces in contact under a pressure [Pa], or separated by a gap
+    /// [m].
     #[must_use]
     pub fn across(&self, pressure: f64, gap: f64) -> f64 {
         let gas = self.gas.map_or(0.0, |[conductivity, jump]| conductivity / (gap + jump));
@@ -96,13 +102,14 @@ impl Conductance {
     }
 }
 
-/// Reads the capabilities that values of the keys need of a model: gaps, if a gas conducts through them.
+/// Returns the capabilities required by the values of the keys: gaps, if a gas conducts through
+/// them.
 pub fn needs_of_values(case: &Params) -> Result<Vec<Need>, Refusal> {
     let gas = Need { key: GAS, capability: Capability::Gaps, instead: "remove the key" };
     Ok(if case.has(GAS) { vec![gas] } else { Vec::new() })
 }
 
-/// The thermal participant's part of the effect.
+/// Returns the thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
@@ -135,10 +142,10 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// Conductance of steel on steel under a wheel, where the case has none [W/(m²·K)].
+/// Conductance of steel on steel under a wheel, used if the case has none [W/(m²·K)].
 const TYPICAL: f64 = 1e5;
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let [upper, lower] = situation.rises;
@@ -151,7 +158,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
         .map(|body| situation.rises[body] * area / situation.heat[body].max(f64::MIN_POSITIVE))
         .sum();
     let biot = conductance * resistance;
-    // What flows makes up for the difference as far as the contact conducts.
+    // The exchanged heat reduces the difference as far as the contact conducts.
     let why = format!(
         "difference of the flash temperatures, {:.1} %, that {conductance:.0e} W/(m2 K) evens out",
         100.0 * difference

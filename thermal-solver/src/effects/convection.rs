@@ -1,7 +1,7 @@
-//! Effect `convection`: the free surface gives h (T − T∞) to the air.
+//! Effect `convection`: the free surface loses the flux h (T − T∞) to the air.
 //!
-//! The surface is free where no heat enters it in the row of elements: before the contact, beside and behind it.
-//! Source: Carslaw & Jaeger, Conduction of Heat in Solids, 1.9.
+//! The surface is free wherever no heat enters it in the row of elements: ahead of the contact,
+//! beside it and behind it. Source: Carslaw & Jaeger, Conduction of Heat in Solids, 1.9.
 
 use crate::situation::Situation;
 use proto::advice::Advice;
@@ -11,13 +11,13 @@ use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
 use proto::params::Params;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "convection";
 
 const COEFFICIENT: &str = "effects.convection.coefficient";
 const TEMPERATURE: &str = "effects.convection.temperature";
 
-/// The thermal participant's part of the effect.
+/// Returns the thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
@@ -40,16 +40,19 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// Coefficient [W/(m²·K)] and temperature of the air [K].
+/// Reads the heat transfer coefficient [W/(m²·K)] and the temperature of the air [K].
+///
+/// # Errors
+/// A missing coefficient; a value that cannot be read.
 pub fn read(case: &Params) -> Result<[f64; 2], Refusal> {
     let temperature = case.maybe_number(TEMPERATURE)?.unwrap_or(INITIAL_TEMPERATURE);
     Ok([case.number(COEFFICIENT)?, temperature])
 }
 
-/// Coefficient to air that passes quickly, where the case has none [W/(m²·K)].
+/// Coefficient for fast air flow, used if the case has none [W/(m²·K)].
 const TYPICAL: f64 = 50.0;
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let coefficient = situation.case.maybe_number(COEFFICIENT).ok().flatten().unwrap_or(TYPICAL);

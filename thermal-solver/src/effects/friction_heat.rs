@@ -1,11 +1,12 @@
-//! Frictional heat: what the contact dissipates flows into the upper and the lower body.
+//! Effect `friction_heat`: the frictional heat of the contact flows into the upper and the lower
+//! body.
 //!
-//! The power density q_f ≥ 0 of the interface is split into q_upper = ε q_f and
-//! q_lower = (1 − ε) q_f, with the heat partition ε of one of these laws:
+//! The power density q_f ≥ 0 of the interface is split into q_upper = ε q_f and q_lower = (1 − ε)
+//! q_f, with the heat partition ε of one of these laws:
 //!
 //! - `equal`: ε = ½, the paper's choice;
-//! - `continuity`: what flows between the surfaces where they touch makes their temperatures equal, wherever there is
-//!   contact pressure, with friction or without;
+//! - `continuity`: the heat exchanged between the surfaces makes their temperatures equal wherever
+//!   there is contact pressure, with or without friction;
 //! - `effusivity`: ε = β_w√V_w / (β_w√V_w + β_r√V_r), with the effusivity β = √(λρc) and the
 //!   surface speed V of each body. In steady motion with one-dimensional conduction both surfaces
 //!   then have the same temperature everywhere, since T ∝ q/(β√V) (Ertz & Knothe, Wear 253 (2002)
@@ -21,27 +22,30 @@ use proto::description::{EffectSpec, KeySpec, names};
 use proto::field;
 use proto::params::Params;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "friction_heat";
 
 pub(crate) const PARTITION_KEY: &str = "effects.friction_heat.partition";
 
-/// The laws in the case file.
+/// Names of the laws in the case file.
 const WORDS: [&str; 3] = ["equal", "effusivity", "continuity"];
 
-/// The law that splits the frictional heat between the bodies.
+/// Law of the heat partition between the bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Partition {
-    /// One half each.
+    /// Equal shares of one half.
     Equal,
-    /// In proportion to β√V.
+    /// Shares in proportion to β√V.
     Effusivity,
-    /// Both surfaces have one temperature where they touch.
+    /// Equal temperatures of the surfaces in contact.
     Continuity,
 }
 
 impl Partition {
-    /// Reads the law from the case; `equal` where the case does not say.
+    /// Reads the law from the case; the default is `equal`.
+    ///
+    /// # Errors
+    /// An unknown law.
     pub fn read(case: &Params) -> Result<Self, Refusal> {
         if !case.has(PARTITION_KEY) {
             return Ok(Self::Equal);
@@ -58,7 +62,8 @@ impl Partition {
         }
     }
 
-    /// Shares (upper, lower) of the heat [-], before anything flows between the surfaces, for surface speeds (upper, lower) [m/s].
+    /// Returns the shares (upper, lower) of the heat [-] before heat is exchanged between the
+    /// surfaces, for the surface speeds (upper, lower) [m/s].
     #[must_use]
     pub fn shares(self, materials: &[Material; 2], speeds: [f64; 2]) -> [f64; 2] {
         match self {
@@ -73,11 +78,11 @@ impl Partition {
     }
 }
 
-/// Reads the capabilities that the partition needs of a model: heat that flows where the surfaces
-/// touch.
+/// Returns the capabilities that the partition needs: `continuity` needs heat exchange between the
+/// surfaces.
 ///
 /// # Errors
-/// The partition is none of the laws.
+/// An unknown law.
 pub fn needs_of_values(case: &Params) -> Result<Vec<Need>, Refusal> {
     Ok(match Partition::read(case)? {
         Partition::Continuity => vec![Need {
@@ -89,7 +94,7 @@ pub fn needs_of_values(case: &Params) -> Result<Vec<Need>, Refusal> {
     })
 }
 
-/// The thermal participant's part of the effect.
+/// Returns the thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
@@ -115,7 +120,7 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let body = situation.hotter();
@@ -127,7 +132,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     )
     .number("Peclet number V a/(2 kappa)", situation.peclet(body))
     .with(format!("effects.{NAME}={{}}"));
-    // There is no temperature without it.
+    // Without this effect there is no temperature rise.
     situation.moved(advice, body, f64::INFINITY)
 }
 
@@ -141,7 +146,7 @@ mod tests {
     fn effusivity_sends_more_heat_into_the_body_that_takes_it_better() {
         let better = Material { conductivity: 4.0 * STEEL.conductivity, ..STEEL };
         let shares = Partition::Effusivity.shares(&[better, STEEL], [1.0, 1.0]);
-        // Rounding of two roots and a quotient.
+        // Tolerance: rounding of two roots and a quotient.
         assert!((shares[UPPER] - 2.0 / 3.0).abs() < 1e-15);
         let shares = Partition::Effusivity.shares(&[STEEL, STEEL], [1.0, 9.0]);
         assert!((shares[LOWER] - 0.75).abs() < 1e-15);

@@ -1,4 +1,4 @@
-//! What effects of the mechanics need of heat below the surface: the rise of each body integrated over its depth
+//! Rise of each body integrated over its depth, which effects of the mechanics need
 //! ([`heat::moving_source::rise_integral`]).
 
 use crate::models::fields::RISE_INTEGRALS;
@@ -6,12 +6,12 @@ use crate::scene::Scene;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, names as field_names};
 
-/// Surfaces that heat raises.
+/// Name of the effect of thermal expansion.
 pub const EXPANSION: &str = "thermal_expansion";
-/// Materials that heat softens.
+/// Name of the effect of thermal softening.
 pub const SOFTENING: &str = "thermal_softening";
 
-/// The thermal participant's part of an effect that needs it.
+/// Returns the thermal participant's part of an effect that needs the integrated rise.
 #[must_use]
 pub fn spec(name: &str) -> EffectSpec {
     EffectSpec {
@@ -26,16 +26,16 @@ pub fn spec(name: &str) -> EffectSpec {
     }
 }
 
-/// The first such effect of a configuration.
+/// Returns the first such effect of a configuration.
 #[must_use]
 pub fn active(given: &Configuration) -> Option<&'static str> {
     [EXPANSION, SOFTENING].into_iter().find(|effect| given.has_effect(effect))
 }
 
-/// Refuses a steady case with a body at rest, whose heat goes deeper without end.
+/// Refuses a steady case with a stationary body, whose heated depth grows without limit.
 ///
 /// # Errors
-/// There is one.
+/// A stationary body in a steady case.
 pub fn refuse_rest(scene: &Scene, mode: Mode, effect: &str) -> Result<(), Refusal> {
     let Some(body) = (0..2).find(|body| scene.at_rest[*body] && mode == Mode::Steady) else {
         return Ok(());

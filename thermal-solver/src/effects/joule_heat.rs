@@ -1,17 +1,23 @@
-//! Effect `joule_heat`: a current through a resting contact heats its constriction.
+//! Effect `joule_heat`: an electric current through a stationary contact heats its constriction.
 //!
-//! Where the surfaces touch they have one potential, elsewhere no current crosses them. The current density is found like the heat that
-//! flows between bodies at rest, by the same kernel 1/(4πλr) with the conductivity 1/ρ in the place of λ; a circle of the radius a
-//! between equal bodies has Holm's resistance ρ/2a. Heat of ρj² in the volume of both bodies, whose surfaces are insulated but for the
-//! contact, makes a temperature that follows the potential: with r, the difference of potential from the far end of a body,
+//! Surfaces in contact have the same potential; outside the contact no current crosses them. The
+//! current density is computed like the heat exchanged between stationary bodies, with the same
+//! kernel 1/(4πλr) and the conductivity 1/ρ instead of λ. A circle of radius a between equal bodies
+//! has Holm's resistance ρ/2a.
 //!
-//! T = c r − r²/(2λρ),
+//! The heat ρj² is generated in the volume of both bodies, whose surfaces are insulated outside the
+//! contact. The temperature is then a function of r, the potential difference from the far end of a
+//! body,
 //!
-//! and the constants c of both bodies follow from one temperature where they touch, and from heat that is conserved there. Equal
-//! bodies under the voltage U are V²/(8λρ) warmer in the contact with V = U.
+//! T = c r − r²/(2λρ).
 //!
-//! Source: Holm, *Electric Contacts* (1967) §1 and §14; Kohlrausch, Ann. Phys. 306 (1900) 132–158. Steady cases of bodies at rest.
-//! Left out: films on the surfaces, conductivities that depend on the temperature, and Thomson's and Peltier's heat.
+//! The constants c of both bodies follow from equal temperatures in the contact and from
+//! conservation of heat there. Between equal bodies the rise of the contact under the voltage U is
+//! V²/(8λρ) with V = U.
+//!
+//! Source: Holm, *Electric Contacts* (1967) §1 and §14; Kohlrausch, Ann. Phys. 306 (1900) 132–158.
+//! Only steady cases of stationary bodies are supported. Neglected: films on the surfaces,
+//! conductivities that depend on the temperature, and the Thomson and Peltier effects.
 
 use super::contact_conductance;
 use crate::scene::Scene;
@@ -22,24 +28,24 @@ use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
 use proto::figure::{FigureSpec, Style};
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "joule_heat";
 
 const CURRENT: &str = "effects.joule_heat.current";
 const RESISTIVITY: &str = "resistivity";
 
-/// A current through the contact.
+/// Electric current through the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Current {
-    /// The current I [A].
+    /// Current I [A].
     pub current: f64,
     /// Resistivities ρ of the upper and the lower body [Ω·m].
     pub resistivities: [f64; 2],
 }
 
 impl Current {
-    /// c of both bodies [K/V], whose potentials fall by `falls` [V] from their far ends to the contact, and whose λρ are `products`
-    /// [W·Ω/K = V²/K].
+    /// Returns the constants c of both bodies [K/V]. Their potentials fall by `falls` [V] from the
+    /// far ends to the contact, and `products` are their λρ [W·Ω/K = V²/K].
     #[must_use]
     pub fn constants(falls: [f64; 2], products: [f64; 2]) -> [f64; 2] {
         let ([u, l], [of_u, of_l]) = (falls, products);
@@ -50,7 +56,7 @@ impl Current {
     }
 }
 
-/// Its description.
+/// Returns the description of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     let figure = |name: &str, unit, words, short| {
@@ -79,10 +85,11 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// The current of a case, if it has one.
+/// Reads the current of a case, if it has one.
 ///
 /// # Errors
-/// A value that is missing or not above 0, and a scene in time or in motion.
+/// A value that is missing or not positive; a transient case or a moving body; the effect
+/// `contact_conductance`.
 pub fn read(given: &Configuration, scene: &Scene) -> Result<Option<Current>, Refusal> {
     if !given.has_effect(NAME) {
         return Ok(None);
@@ -112,7 +119,7 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<Option<Current>, Ref
     Ok(Some(Current { current: positive(CURRENT)?, resistivities: [of(0)?, of(1)?] }))
 }
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(_: &Situation<'_>) -> Advice {
     Advice::new(NAME, "for a current through a resting contact, which the case has to give")
@@ -122,7 +129,8 @@ pub fn advise(_: &Situation<'_>) -> Advice {
 mod tests {
     use super::*;
 
-    /// Equal bodies: V²/(8λρ) in the contact. Different ones: one temperature, and as much heat into one as out of the other.
+    /// Equal bodies: V²/(8λρ) in the contact. Different bodies: equal temperatures in the contact,
+    /// and the heat that leaves one body enters the other.
     #[test]
     fn constants_of_equal_and_of_different_bodies() {
         let rise = |c: f64, fall: f64, product: f64| c * fall - 0.5 * fall * fall / product;

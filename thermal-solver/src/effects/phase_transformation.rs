@@ -1,20 +1,30 @@
-//! Effect `phase_transformation`: where steel becomes austenite under the contact, and quenches behind it to a white etching layer.
+//! Effect `phase_transformation`: steel that becomes austenite under the contact and is quenched
+//! behind it to a white etching layer.
 //!
-//! A place transforms if its temperature exceeds A_c1 + s max(log₁₀(Ṫ/Ṫ₀), 0), with the rate Ṫ = V ∂T/∂x at which it is heated through A_c1 and
-//! the shift s for a tenfold rate, which begins at the reference rate: nothing transforms below A_c1, however slowly it is heated; and if it then cools through A_c1 faster than the critical rate of martensite. In steady motion
-//! what a place goes through is what stands along its row, so that the transformed layer has a cross-section, its width and its greatest
-//! depth, and goes on along the rolling direction as long as the scene does: it has no length. The layer is the intersection of those of both
-//! conditions at a depth; whether the whole depth is quenched is decided at the surface.
+//! Steel transforms to austenite if its temperature exceeds A_c1 + s max(log₁₀(Ṫ/Ṫ₀), 0). The
+//! heating rate through A_c1 is Ṫ = V ∂T/∂x, and s is the shift for a tenfold rate above the
+//! reference rate Ṫ₀. Below A_c1 nothing transforms, however slow the heating. The austenite
+//! becomes martensite if it then cools through A_c1 faster than the critical rate.
 //!
-//! In time every place of the material is followed on its way through the contact. The layer is as long as the longest row of places
-//! that have become austenite, without those that then cooled too slowly: of a body that passes, the way of its material while the
-//! contact is hot enough, and of one that stays, as a locked wheel, the length of the patch above the temperature. What is still hot
-//! at the end of the run is counted, and given apart (`hot_length_m`): that it quenches once the slide is over is not
-//! computed. A body at rest in a steady case is hot without end; all of its layer is of that kind.
+//! In steady motion the thermal cycle of a material point is the temperature profile along its row.
+//! The transformed layer therefore has a cross-section, with a width and a largest depth, but no
+//! length: it continues along the rolling direction. The layer is the region that meets both
+//! conditions; the cooling rate is evaluated at the surface for the whole depth.
 //!
-//! Source: Naeimi et al., par. 5.6 (600 °C); Ahlström & Karlsson, Wear 232 (1999) 1–14 and 15–24, for the transformation
-//! under a sliding wheel and its critical rates. Left out: the time that carbon needs, which the shift stands for; pressure, which lowers
-//! A_c1; plastic deformation.
+//! In transient cases every material point is followed on its way through the contact. The length
+//! of the layer is that of the longest row of points that have become austenite, without those that
+//! then cooled too slowly. For a moving body this is the distance its material covers while the
+//! contact is hot enough. For a stationary one, such as a locked wheel, it is the length of the
+//! patch above the transformation temperature.
+//!
+//! Points that are still hot at the end of the run are counted, and also given separately
+//! (`hot_length_m`); their quenching after the end of the slide is not computed. A stationary body
+//! in a steady case is hot permanently, and its whole layer is of that kind.
+//!
+//! Source: Naeimi et al., par. 5.6 (600 °C); Ahlström & Karlsson, Wear 232 (1999) 1–14 and 15–24,
+//! for the transformation under a sliding wheel and its critical rates. Neglected: the time for
+//! carbon to diffuse, which the shift represents; the pressure, which lowers A_c1; plastic
+//! deformation.
 
 use crate::scene::Scene;
 use crate::situation::Situation;
@@ -26,7 +36,7 @@ use proto::description::{EffectSpec, KeySpec};
 use proto::figure::FigureSpec;
 use proto::figure::contact::FRICTION_POWER;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "phase_transformation";
 
 const START: &str = "effects.phase_transformation.start_temperature";
@@ -39,27 +49,28 @@ const EUTECTOID: f64 = 1000.15;
 /// Critical cooling rate of pearlitic rail steel [K/s].
 const PEARLITIC: f64 = 100.0;
 
-/// When steel transforms.
+/// Criterion of the transformation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criterion {
-    /// A_c1 at the reference rate [K].
+    /// Start temperature: A_c1 up to the reference rate [K].
     pub start: f64,
-    /// Shift for a tenfold heating rate [K].
+    /// Shift s of A_c1 for a tenfold heating rate [K].
     pub shift: f64,
-    /// Heating rate at which the start temperature holds [K/s].
+    /// Heating rate Ṫ₀ up to which the start temperature holds [K/s].
     pub reference_rate: f64,
-    /// Least rate of cooling through the start temperature [K/s].
+    /// Smallest cooling rate through the start temperature that forms martensite [K/s].
     pub critical_rate: f64,
 }
 
 impl Criterion {
-    /// The same for rises over an initial temperature [K].
+    /// Converts the criterion to rises above an initial temperature [K].
     #[must_use]
     pub fn over(&self, initial: f64) -> Self {
         Self { start: self.start - initial, ..*self }
     }
 
-    /// Temperature at which a place becomes austenite that is heated at this rate [K]; A_c1 up to the reference rate.
+    /// Temperature [K] at which steel becomes austenite at this heating rate [K/s]; A_c1 up to the
+    /// reference rate.
     #[must_use]
     pub fn temperature(&self, rate: f64) -> f64 {
         let decades = (rate / self.reference_rate).log10().max(0.0);
@@ -67,7 +78,7 @@ impl Criterion {
     }
 }
 
-/// Its description.
+/// Returns the description of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     let figure = |name: &str, unit, words, short| {
@@ -111,10 +122,11 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// The criterion of a case, if it asks for one.
+/// Reads the criterion of a case, if the effect is active.
 ///
 /// # Errors
-/// A value that is out of range, bodies at rest, and places that come again and again in a case in time.
+/// A value that is out of range; two stationary bodies; a transient case in which surfaces return
+/// to the contact periodically.
 pub fn read(
     given: &Configuration,
     scene: &Scene,
@@ -159,10 +171,10 @@ pub fn read(
     }))
 }
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
-    // A body at rest stays hot in the contact, and does not quench.
+    // A stationary body stays hot in the contact and is not quenched.
     let moving = [UPPER, LOWER].into_iter().filter(|body| situation.speeds[*body] > 0.0);
     let hottest = moving.max_by(|a, b| situation.rises[*a].total_cmp(&situation.rises[*b]));
     let body = hottest.unwrap_or(LOWER);
@@ -176,7 +188,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
         reference_rate: number(REFERENCE).unwrap_or(1.0),
         critical_rate: number(CRITICAL).unwrap_or(PEARLITIC),
     };
-    // Only what reaches A_c1 is heated through it at a rate.
+    // The heating rate is defined only if A_c1 is reached.
     let needed = if highest >= start { criterion.temperature(rates[0]) } else { start };
     let name = &situation.scene.names.0[body];
     let mut why = format!("{name} reaches {highest:.0} K and transforms at {needed:.0} K");
@@ -193,8 +205,8 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
         .with(format!("effects.{NAME}={{}}"))
 }
 
-/// Rates at which a body is heated to its largest rise along the contact, and cools behind it
-/// through a temperature as 1/√t [K/s]; zero of a body at rest.
+/// Estimates the rate of heating to the largest rise along the contact, and the rate of cooling
+/// through a temperature behind it, where T ~ 1/√t [K/s]; zero for a stationary body.
 fn rates(situation: &Situation<'_>, body: usize, start: f64) -> [f64; 2] {
     let (rise, speed) = (situation.rises[body], situation.speeds[body]);
     let passing = 2.0 * situation.semi_axes[0] / speed;

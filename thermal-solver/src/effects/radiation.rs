@@ -1,7 +1,8 @@
-//! Effect `radiation`: the free surface radiates εσ (T⁴ − T∞⁴) to what is round it.
+//! Effect `radiation`: the free surface radiates the flux εσ (T⁴ − T∞⁴) to its surroundings.
 //!
-//! The surface is free where no heat enters it in the row of elements: before the contact, beside and behind it.
-//! Temperatures are absolute. Source: Carslaw & Jaeger, Conduction of Heat in Solids, 1.9.
+//! The surface is free wherever no heat enters it in the row of elements: ahead of the contact,
+//! beside it and behind it. Temperatures are absolute. Source: Carslaw & Jaeger, Conduction of Heat
+//! in Solids, 1.9.
 
 use crate::situation::Situation;
 use proto::advice::Advice;
@@ -11,13 +12,13 @@ use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
 use proto::params::Params;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "radiation";
 
 const EMISSIVITY: &str = "effects.radiation.emissivity";
 const TEMPERATURE: &str = "effects.radiation.temperature";
 
-/// The thermal participant's part of the effect.
+/// Returns the thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
@@ -41,24 +42,27 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// Emissivity [-] and temperature of what is round [K].
+/// Reads the emissivity [-] and the temperature of the surroundings [K].
+///
+/// # Errors
+/// A missing emissivity; a value that cannot be read.
 pub fn read(case: &Params) -> Result<[f64; 2], Refusal> {
     let temperature = case.maybe_number(TEMPERATURE)?.unwrap_or(INITIAL_TEMPERATURE);
     Ok([case.number(EMISSIVITY)?, temperature])
 }
 
-/// Emissivity of oxidised steel, where the case has none.
+/// Emissivity of oxidised steel, used if the case has none.
 const TYPICAL: f64 = 0.8;
-/// σ [W/(m²·K⁴)].
+/// Stefan–Boltzmann constant σ [W/(m²·K⁴)].
 const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let emissivity = situation.case.maybe_number(EMISSIVITY).ok().flatten().unwrap_or(TYPICAL);
     let body = situation.hotter();
     let (rise, initial) = (situation.rises[body], situation.scene.initial_temperatures[body]);
-    // The mean coefficient between the hot surface and what is round.
+    // Effective coefficient between the hot surface and surroundings at the initial temperature.
     let hot = initial + rise;
     let coefficient =
         emissivity * STEFAN_BOLTZMANN * (hot * hot + initial * initial) * (hot + initial);

@@ -1,8 +1,9 @@
 //! Effect `temperature_material`: conductivity and specific heat depend on temperature.
 //!
-//! A material with a `thermal_table` has them from lines of temperature [K], conductivity [W/(m·K)] and
-//! specific heat [J/(kg·K)], straight between; temperatures are absolute: the body's `initial_temperature` and
-//! the rise. One without has constant ones. Its density is constant.
+//! A `thermal_table` of the material gives temperature [K], conductivity [W/(m·K)] and specific
+//! heat [J/(kg·K)], interpolated linearly. Temperatures are absolute: the body's
+//! `initial_temperature` plus the rise. Without a table the properties are constant. The density is
+//! constant in either case.
 
 use crate::scene::Scene;
 use crate::situation::Situation;
@@ -17,15 +18,15 @@ use proto::params::Params;
 use proto::table::{Column, Reading, Table, headings};
 use std::path::Path;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "temperature_material";
 
 const BEYOND: &str = "effects.temperature_material.beyond";
 const TABLE: &str = "thermal_table";
-/// Larger files are refused [byte].
+/// Largest size of a table file [byte].
 const MOST_BYTES: u64 = 1 << 24;
 
-/// The columns of a table.
+/// Returns the columns of a table.
 fn columns() -> [Column; 3] {
     [
         Column::new(&["temperature", "T"], "K").expected(100.0..=3000.0, ABSOLUTE),
@@ -36,7 +37,7 @@ fn columns() -> [Column; 3] {
     ]
 }
 
-/// The thermal participant's part of the effect.
+/// Returns the thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     let help = "properties over a temperature that rises from row to row";
@@ -57,7 +58,12 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// The points of both bodies' materials, and whether what is beyond them counts as their ends.
+/// Reads the property points of both bodies' materials, and whether the ends of a table hold beyond
+/// it.
+///
+/// # Errors
+/// A value or a table that cannot be read; an initial temperature beyond a table whose ends do not
+/// hold there.
 pub fn read(case: &Params, scene: &Scene) -> Result<([Vec<Point>; 2], bool), Refusal> {
     let clamps = case.has(BEYOND) && case.text(BEYOND)? == "hold";
     let mut points = [Vec::new(), Vec::new()];
@@ -89,10 +95,10 @@ pub fn read(case: &Params, scene: &Scene) -> Result<([Vec<Point>; 2], bool), Ref
     Ok((points, clamps))
 }
 
-/// The points of a table.
+/// Converts a table to property points.
 ///
 /// # Errors
-/// What is wrong with it, and where.
+/// A description of the fault and its line.
 fn points_of(table: &Table, density: f64) -> Result<Vec<Point>, String> {
     let found = table.columns(&columns()).map_err(|error| error.to_string())?;
     table.check_rising("temperature", &found[0], false).map_err(|error| error.to_string())?;
@@ -106,16 +112,16 @@ fn points_of(table: &Table, density: f64) -> Result<Vec<Point>, String> {
     (0..table.rows()).map(point).collect()
 }
 
-/// Conductivity [W/(m·K)] and specific heat [J/(kg·K)] of carbon steel up to 600 °C (EN 1993-1-2,
-/// 3.4.1), at a temperature [K].
+/// Conductivity [W/(m·K)] and specific heat [J/(kg·K)] of carbon steel at a temperature [K], up to
+/// 600 °C (EN 1993-1-2, 3.4.1).
 fn steel(temperature: f64) -> [f64; 2] {
     let celsius = (temperature - 273.15).clamp(0.0, 600.0);
     let specific_heat = 425.0 + celsius * (0.773 + celsius * (-1.69e-3 + celsius * 2.22e-6));
     [54.0 - 3.33e-2 * celsius, specific_heat]
 }
 
-/// The points of a body without a table: its own properties at the initial temperature, changed as
-/// those of carbon steel.
+/// Property points of a body without a table: its own properties at the initial temperature, with
+/// the relative variation of carbon steel.
 fn typical(scene: &Scene, body: usize) -> Vec<Point> {
     let Material { density, specific_heat, conductivity } = scene.materials[body];
     let initial = scene.initial_temperatures[body];
@@ -131,7 +137,7 @@ fn typical(scene: &Scene, body: usize) -> Vec<Point> {
     (0..=20).map(point).collect()
 }
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let (body, scene) = (situation.hotter(), situation.scene);

@@ -1,6 +1,6 @@
-//! Effect `thermal_expansion`: what is warm expands, and the surface rises.
+//! Effect `thermal_expansion`: heated material expands and raises the surface.
 //!
-//! Here what the mechanics needs for it is provided ([`super::integrated`]).
+//! This module provides the input that the mechanics needs ([`super::integrated`]).
 
 use super::integrated;
 use crate::situation::Situation;
@@ -8,24 +8,24 @@ use proto::advice::Advice;
 use proto::description::EffectSpec;
 use proto::figure::contact::MAX_PRESSURE;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = integrated::EXPANSION;
 
-/// The thermal participant's part of the effect.
+/// Returns the thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     integrated::spec(NAME)
 }
 
-/// Coefficient of thermal expansion of steel, where the case has none [1/K].
+/// Coefficient of thermal expansion of steel, used if the case has none [1/K].
 const STEEL: f64 = 1.2e-5;
 
-/// Relative change of the largest pressure over that height relative to the approach: 0.34 to 0.36
+/// Relative change of the largest pressure per ratio of that height to the approach: 0.34 to 0.36
 /// in runs of `half-space` with `columns` of `cases/wheel-spin.toml` at 10 and 40 m/s, 20 and 60
 /// kN, creepages of 0.2 and 0.5.
 const PRESSED: f64 = 0.35;
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let materials: Vec<&str> = (0..2)

@@ -1,6 +1,7 @@
-//! Effect `thermal_softening`: stiffness and yield stress of the mechanics fall with the temperature.
+//! Effect `thermal_softening`: stiffness and yield stress of the mechanics fall with the
+//! temperature.
 //!
-//! Here what the mechanics needs for it is provided ([`super::integrated`]).
+//! This module provides the input that the mechanics needs ([`super::integrated`]).
 
 use super::integrated;
 use crate::situation::Situation;
@@ -9,16 +10,17 @@ use proto::advice::Advice;
 use proto::description::EffectSpec;
 use proto::figure::contact::MAX_PRESSURE;
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = integrated::SOFTENING;
 
-/// The thermal participant's part of the effect.
+/// Returns the thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     integrated::spec(NAME)
 }
 
-/// Share of Young's modulus that carbon steel keeps at a temperature [K] (EN 1993-1-2, table 3.1).
+/// Share of Young's modulus that carbon steel retains at a temperature [K] (EN 1993-1-2, table
+/// 3.1).
 const STEEL: [(f64, f64); 9] = [
     (373.15, 1.0),
     (473.15, 0.9),
@@ -30,11 +32,11 @@ const STEEL: [(f64, f64); 9] = [
     (1073.15, 0.09),
     (1273.15, 0.045),
 ];
-/// p₀ over a modulus that falls everywhere, to this power (Hertz).
+/// Exponent of a uniform modulus in the Hertz pressure p₀.
 const HERTZ: f64 = 2.0 / 3.0;
 
-/// Share of its modulus that carbon steel keeps at a temperature [K], straight between the lines of
-/// the table.
+/// Share of Young's modulus that carbon steel retains at a temperature [K], interpolated linearly
+/// in the table.
 fn kept(temperature: f64) -> f64 {
     let next = STEEL.partition_point(|(at, _)| *at <= temperature);
     let (low, high) = (STEEL[next.saturating_sub(1)], STEEL[next.min(STEEL.len() - 1)]);
@@ -43,11 +45,11 @@ fn kept(temperature: f64) -> f64 {
     low.1 + part * (high.1 - low.1)
 }
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
-    // What carries a contact is about as deep as it is wide. All of that has the initial
-    // temperature, a part of it the heat.
+    // Mean modulus over the depth that carries the contact, which is about its width: hot within
+    // the heated depth, at the initial temperature below it.
     let [_, b] = situation.semi_axes;
     let shares = [UPPER, LOWER].map(|body| {
         let (rise, initial) = (situation.rises[body], situation.scene.initial_temperatures[body]);
@@ -55,7 +57,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
         let [cold, hot] = [kept(initial), kept(initial + rise)];
         [cold - (cold - hot) * (depth / b).min(1.0), hot]
     });
-    // Both bodies are as compliant.
+    // Both bodies contribute equally to the compliance.
     let compliance = 0.5 * shares.iter().map(|[share, _]| share.recip()).sum::<f64>();
     let least = shares.iter().map(|[_, hot]| *hot).fold(1.0, f64::min);
     let why = "Young's modulus at the initial temperature, and in a skin as deep as the heat at the surface's (EN 1993-1-2); needs a softening_table and explicit-fe";
@@ -68,8 +70,8 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
 mod tests {
     use super::*;
 
-    /// Lines of the table, between them, and beyond its ends, where the ends hold. Tolerance:
-    /// rounding.
+    /// Values at lines of the table, between them, and beyond its ends, where the ends hold.
+    /// Tolerance: rounding.
     #[test]
     fn the_modulus_of_steel() {
         for (temperature, share) in [

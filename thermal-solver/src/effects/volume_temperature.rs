@@ -1,14 +1,15 @@
-//! Effect `volume_temperature`: the temperature rise of every element of both bodies is written out, for ParaView.
+//! Effect `volume_temperature`: output of the temperature rise of every element of both bodies, for
+//! ParaView.
 //!
-//! Elements are those of the heat flux's rows, from behind the contact to its front, down to the last layer.
-//! It changes no answer, and costs what is written.
+//! The elements cover the rows of the heat flux, from behind the contact to its front, down to the
+//! last layer. The effect does not change the solution; its only cost is the output.
 
 use crate::situation::Situation;
 use proto::advice::Advice;
 use proto::description::{EffectSpec, names as field_names};
 use proto::field::{self, Body, FieldSpec, Mapping};
 
-/// Name in the case file.
+/// Name of the effect in the case file.
 pub const NAME: &str = "volume_temperature";
 
 /// Temperature rises of the upper and the lower body.
@@ -29,7 +30,7 @@ const fn volume(name: &'static str, body: Body, meaning: &'static str) -> FieldS
     FieldSpec { name, unit: "K", components: 1, mapping: Mapping::Consistent, body, meaning }
 }
 
-/// The thermal participant's part of the effect.
+/// Returns the thermal participant's part of the effect.
 #[must_use]
 pub fn spec() -> EffectSpec {
     EffectSpec {
@@ -44,7 +45,7 @@ pub fn spec() -> EffectSpec {
     }
 }
 
-/// What it says of itself in a scene.
+/// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let body = situation.hotter();

@@ -27,10 +27,10 @@ use proto::model::StepError;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
-/// Capabilities that not every model has.
+/// Optional capabilities of the model.
 pub const CAPABILITIES: &[Capability] = &[Capability::EarlierPassages, Capability::RiseIntegrals];
 
-/// Its description.
+/// Returns the description of the model.
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
@@ -52,47 +52,49 @@ pub fn spec() -> ModelSpec {
     }
 }
 
-// Rates of a plain x86-64 build, for the expected cost only.
+// Measured on a plain x86-64 build; used for the expected cost only.
 const SECONDS_PER_MULTIPLY_ADD: f64 = 0.1e-9;
 const SECONDS_PER_POINT_OVER_FOURIER: f64 = 15e-9;
 const SECONDS_PER_POINT: f64 = 6e-9;
 
-/// What a point costs in the reconstruction of the flux, in its sum, and in the convolution over
-/// Fourier space, in multiply-adds.
+/// Multiply-adds per point to reconstruct the flux.
 const RECONSTRUCTION: u64 = 30;
+/// Multiply-adds per point to sum the flux.
 const MEANS: u64 = 10;
+/// Multiply-adds per point of a convolution in Fourier space.
 const OVER_FOURIER: u64 = 80;
 
-/// Windows and speeds for which the share of the past in the rises holds.
+/// Window duration and speeds for which the stored contribution of earlier windows is valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PastKey {
     duration: f64,
     speeds: [f64; 2],
 }
 
-/// What a thread computes in.
+/// Scratch buffers of a thread.
 #[derive(Clone)]
 struct Scratch {
-    /// Steady convolution, and the row it writes.
+    /// Steady convolution of a row.
     steady: Steady,
-    /// Mean fluxes of a row, or its steady convolution.
+    /// Mean fluxes of a row, or the result of its steady convolution.
     line: Vec<f64>,
 }
 
-/// The model.
+/// Model of one-dimensional conduction normal to the surface.
 pub struct Columns {
     frame: Frame,
     history: History,
     team: Team<Scratch>,
     row_sums: Vec<f64>,
-    /// Transient weights of each body, window by window.
+    /// Transient weights of each body, for every window.
     stencils: [Stencil; 2],
-    /// Rises of each body that earlier windows leave at the end of this one.
+    /// Rises of each body that earlier windows leave at the end of the newest one [K].
     past: [Vec<f64>; 2],
+    /// Window and speeds for which `past` is valid.
     past_key: Option<PastKey>,
     /// Weights of one level of a section.
     level: Stencil,
-    /// For the heights of the surfaces, once those are asked for.
+    /// Operators for the rise integrals of both bodies, built on first use.
     integrals: [Option<RiseIntegral>; 2],
 }
 
@@ -211,7 +213,8 @@ impl Conduction for Columns {
 }
 
 impl Columns {
-    /// One convolution for both bodies: share/(β√π) · √(h/V) times that of unit speed and length.
+    /// Computes the steady rises with one convolution for both bodies: share/(β√π) · √(h/V) times
+    /// the convolution for unit speed and length.
     fn solve_steady(&mut self, drive: &Drive, heating: bool, rise: &mut [Vec<f64>; 2]) -> u64 {
         let (columns, flux) = (self.frame.grid.ni, &self.history.trial_mut().flux);
         let factors: [f64; 2] = std::array::from_fn(|body| {
@@ -240,7 +243,8 @@ impl Columns {
         })
     }
 
-    /// The past's part, kept while only the flux of this window changes, plus this window's.
+    /// Computes the transient rises: the contribution of earlier windows, cached while only the
+    /// flux of the newest window changes, plus that of the newest window.
     fn solve_transient(&mut self, drive: &Drive, heating: bool, rise: &mut [Vec<f64>; 2]) -> u64 {
         let key = PastKey { duration: drive.duration, speeds: drive.speeds };
         let mut work = 0;
@@ -267,14 +271,14 @@ impl Columns {
             let past = self.history.past(Stage::Trial, body, self.frame.amplitude(body));
             self.stencils[body].build(past.map(|(segment, _)| segment), columns, 0.0);
             rise.fill(0.0);
-            // The first part is the window on trial: it lasts some time.
+            // Part 0 belongs to the trial window, which always has a positive duration.
             let parts = Parts { stencil: &self.stencils[body], which: 1..usize::MAX };
             work += parts.add(&mut self.team, &self.history, columns, rise);
         }
         work
     }
 
-    /// Rises along a row at a depth.
+    /// Computes the rises along a row at a depth.
     fn level_at(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
         let past = self.history.past(stage, body, self.frame.amplitude(body));
         self.level.build(past.map(|(segment, _)| segment), rise.len(), depth);
@@ -290,7 +294,7 @@ impl Columns {
     }
 }
 
-/// Some parts of a stencil: what windows of the trial state contribute.
+/// Selected parts of a stencil, each the contribution of one window of the trial state.
 struct Parts<'a> {
     stencil: &'a Stencil,
     which: Range<usize>,
@@ -301,7 +305,7 @@ impl Parts<'_> {
         self.stencil.parts().skip(self.which.start).take(self.which.len())
     }
 
-    /// Adds them to the rises on the whole grid.
+    /// Adds the contributions to the rises on the whole grid. Returns the operation count.
     fn add(
         &self,
         team: &mut Team<Scratch>,
@@ -325,8 +329,8 @@ impl Parts<'_> {
     }
 }
 
-/// Sum of the element means [W/m²] of the flux as it is convolved, not as it came: row by row, in the
-/// same order on any number of threads.
+/// Sums the element means of the reconstructed flux [W/m²], which is the flux that is convolved.
+/// The order of the sum does not depend on the number of threads.
 fn heat(flux: &Flux, team: &mut Team<Scratch>, row_sums: &mut [f64]) -> f64 {
     let points = (flux.rows() * flux.columns()) as u64;
     let pieces = row_sums.chunks_mut(ROWS).enumerate();

@@ -1,7 +1,7 @@
-//! A way to conduct heat whose surface temperatures are on the grid of the heat flux: what differs from
-//! one such model to the next. [`super::conduction_model`] makes a model of it. A model with other unknowns
-//! implements [`proto::model::Model`] itself, with the same helpers beside it: [`super::setup`],
-//! [`super::inputs`] and [`super::summary`].
+//! Trait of the models whose surface temperatures are on the grid of the heat flux; it covers only
+//! what differs between them. [`super::conduction_model`] turns an implementation into a complete
+//! model. A model with other unknowns implements [`proto::model::Model`] itself, with the same
+//! helpers: [`super::setup`], [`super::inputs`] and [`super::summary`].
 
 use super::frame::Frame;
 use super::summary::Peak;
@@ -15,76 +15,83 @@ use std::io::{self, Read, Write};
 /// Expected cost of a model.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cost {
-    /// Processor seconds of one solve.
+    /// Processor time of one solve [s].
     pub solve_seconds: f64,
     /// Memory of the model's arrays [byte].
     pub memory_bytes: u64,
 }
 
-/// What happens where the bodies touch, mean of a window.
+/// Loads of the interface between the bodies, averaged over a window.
 #[derive(Clone, Copy, Debug)]
 pub struct InterfaceLoad<'a> {
     /// Friction power density of the elements [W/m²].
     pub flux: &'a [f64],
-    /// Contact pressure of the elements, where it matters [Pa].
+    /// Contact pressure of the elements [Pa], if the model needs it.
     pub pressure: Option<&'a [f64]>,
-    /// Distance of the surfaces of the elements, where it matters [m].
+    /// Gap between the surfaces at the elements [m], if the model needs it.
     pub gap: Option<&'a [f64]>,
 }
 
-/// What a solve cost and what heat it put into the bodies.
+/// Operation count of a solve, and the heat into the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolveStats {
-    /// Elementary operations, in the model's own measure.
+    /// Elementary operations, in a unit of the model's choice.
     pub operations: u64,
-    /// Sums over the elements of the shares of the friction heat that went into the upper and the lower body, without what
-    /// flows between them [W/m²].
+    /// Shares of the friction heat that entered the upper and the lower body, without the exchanged
+    /// flux, summed over the elements [W/m²].
     pub heat: [f64; 2],
 }
 
-/// A way to conduct heat on the grid of the heat flux.
+/// Heat conduction on the grid of the heat flux.
 pub trait Conduction: Sized + 'static {
-    /// It can answer a transient case.
+    /// True if the model supports transient cases.
     const TRANSIENT: bool;
-    /// It can answer for a body at rest in a steady case.
+    /// True if the model supports a stationary body in a steady case.
     const SOLVES_STATIONARY_BODY: bool;
-    /// For what the heat does to the height of the surfaces it keeps what every window of the past does.
+    /// True if rise integrals keep an influence in memory for every earlier window.
     const KEEPS_WINDOWS: bool = false;
-    /// It has elements of its own ([`heat::fe::block`]).
+    /// True if the model has elements of its own ([`heat::fe::block`]).
     const ELEMENTS: bool = false;
-    /// Every place of both surfaces is always rubbed, or always again.
+    /// True if both surfaces are in contact permanently, or return to it periodically.
     const REPEATS: bool = false;
-    /// Its bodies end where they are held, so that those at rest have a steady state and height; they may be apart.
+    /// True if the bodies are finite with a fixed far-end temperature, so that a stationary body
+    /// has a steady state and thermal expansion. The surfaces may separate.
     const ENDS: bool = false;
-    /// Marks its states among those of other models.
+    /// Tag that marks saved states of this model.
     const STATE_TAG: u8;
 
-    /// Refuses what it has no answer to, beyond what its constants say.
+    /// Refuses a case that the model does not support for reasons beyond its constants.
     ///
     /// # Errors
-    /// There is some.
+    /// An unsupported setting of the case.
     fn check(_: &Frame) -> Result<(), Refusal> {
         Ok(())
     }
 
-    /// Allocates everything.
+    /// Creates the model in its initial state and allocates all memory.
     fn new(frame: &Frame) -> Self;
 
-    /// Expected cost.
+    /// Returns the expected cost.
     fn cost(frame: &Frame) -> Cost;
 
-    /// Remarks for the plan.
+    /// Returns remarks for the plan of the run.
     fn remarks(frame: &Frame) -> Vec<String>;
 
-    /// What it leaves out in this case beyond what its description says.
+    /// Returns a simplification that applies to this case in addition to those of the model's
+    /// description.
     fn left_out(frame: &Frame) -> Option<Simplification>;
 
-    /// Rise of a body's surface [K] before the first window, and its integral over the depth [K·m].
+    /// Returns the surface rise [K] of a body before the first window, and its integral over the
+    /// depth [K·m].
     fn first(&self, _body: usize) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// Surface rises of the upper and the lower body [K] at the end of a window, from the accepted state.
+    /// Computes the surface rises of the upper and the lower body [K] at the end of a window that
+    /// starts from the accepted state.
+    ///
+    /// # Errors
+    /// A solve that does not converge; inputs for which there is no solution.
     fn solve(
         &mut self,
         drive: &Drive,
@@ -92,49 +99,51 @@ pub trait Conduction: Sized + 'static {
         rise: &mut [Vec<f64>; 2],
     ) -> Result<SolveStats, StepError>;
 
-    /// Rise of a body after the last solve, integrated over its depth, at the elements of its surface [K·m]; the
-    /// multiply-adds that it took.
+    /// Computes the rise of a body after the last solve, integrated over its depth, at the elements
+    /// of its surface [K·m]. Returns the number of multiply-adds.
     fn rise_integral(&mut self, _body: usize, _integral: &mut [f64]) -> u64 {
         0
     }
 
-    /// What flowed from the upper into the lower body in the last solve besides their shares of the friction heat, summed over the
-    /// elements [W/m²]; `None` where nothing flows between them.
+    /// Returns the flux from the upper into the lower body in the last solve, without their shares
+    /// of the friction heat, summed over the elements [W/m²]. `None` if no heat flows between them.
     fn exchanged(&self) -> Option<f64> {
         None
     }
 
-    /// The last solve becomes the accepted state.
+    /// Accepts the last solve.
     fn accept(&mut self);
 
-    /// Rises [K] of a body along a row at some depths c = z/(2√κ) [√s], at the element centres and those of
-    /// the [`Frame::behind`] columns behind them, depth after depth.
+    /// Computes the rises [K] of a body along a row at the depths c = z/(2√κ) [√s], depth after
+    /// depth. The points are the centres of the elements and of the [`Frame::behind`] columns
+    /// behind them.
     fn section(&mut self, stage: Stage, body: usize, row: usize, depths: &[f64], rise: &mut [f64]);
 
-    /// Rise [K] of a body in the accepted state at any x [m] of a row, at the depth c [√s].
+    /// Returns the rise [K] of a body in the accepted state at any x [m] of a row and at the depth
+    /// c [√s].
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;
 
-    /// The elements of a body, for a model that has some.
+    /// Returns the grid of a body's elements; `None` if the model has no elements.
     fn volume(_: &Frame, _body: usize) -> Option<Grid> {
         None
     }
 
-    /// Rises [K] of a body's elements in the accepted state.
+    /// Computes the rises [K] of a body's elements in the accepted state.
     fn rises_in(&self, _body: usize, _rises: &mut [f64]) {}
 
-    /// The hottest place of a body in the accepted state, whose surface rises are given, among the
-    /// rows in which they are not zero; `None` if nothing is warm.
+    /// Returns the hottest point of a body in the accepted state, among the rows in which the given
+    /// surface rises are not zero; `None` if no rise is positive.
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak>;
 
     /// Writes the accepted state.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// A failure to write to `into`.
     fn save(&self, into: &mut dyn Write) -> io::Result<()>;
 
-    /// Reads back what [`Conduction::save`] wrote.
+    /// Reads a state that [`Conduction::save`] wrote.
     ///
     /// # Errors
-    /// It does not fit; then nothing has changed.
+    /// Data of another size, or a failure to read them; the state is then unchanged.
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()>;
 }

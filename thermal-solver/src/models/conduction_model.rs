@@ -1,4 +1,4 @@
-//! The model round a [`Conduction`]: inputs, outputs, state.
+//! The part of a model that all implementations of [`Conduction`] share: inputs, outputs, state.
 
 use super::conduction::{Conduction, InterfaceLoad};
 use super::constriction::Constriction;
@@ -21,38 +21,38 @@ use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
 const STATE_VERSION: u8 = 1;
-/// Depth over the length of the grid that a body at rest is looked at.
+/// Largest depth searched for transformed steel in a stationary body, in lengths of the grid.
 const DEEPEST: f64 = 2.0;
-/// As hot as the hottest, over its rise.
+/// Share of the peak rise from which on an element counts as hottest.
 const AS_HOT: f64 = 0.999;
 
-/// A model of the contract round a [`Conduction`].
+/// A [`proto::model::Model`] built on a [`Conduction`].
 pub struct ConductionModel<C> {
     frame: Frame,
     conduction: C,
     trial: [Vec<f64>; 2],
     accepted: [Vec<f64>; 2],
     solved: bool,
-    /// Rises over the depth after the last solve, where they are asked for [K·m].
+    /// Rises integrated over the depth after the last solve [K·m], if an effect needs them.
     integrals: Option<[Vec<f64>; 2]>,
-    /// A current through the contact, if there is one.
+    /// Effect of an electric current through the contact, if the case has one.
     constriction: Option<Constriction<C>>,
-    /// What earlier passages have left, where that is asked for.
+    /// Rises that earlier passages have left, if `bulk_heating` is active.
     background: Option<Background>,
     /// Speeds of both surfaces in the last solve [m/s].
     speeds: [f64; 2],
-    /// What has transformed in the accepted state, where that is asked for; unknown after a restored one.
+    /// Transformed layers of a steady case in the accepted state; unknown after a restore.
     layers: [Option<WhiteLayer>; 2],
-    /// What transforms in the course of time, where that is asked for.
+    /// Transformation followed in time, if `phase_transformation` is active in a transient case.
     transforming: Option<[Transforming; 2]>,
     /// Duration of the last window [s].
     duration: f64,
-    /// The elements of the bodies that are written out.
+    /// Grids of the bodies' elements whose rises are written out.
     volumes: Vec<Grid>,
 }
 
 impl<C: Conduction> ConductionModel<C> {
-    /// A model in its cold state.
+    /// Creates the model with both bodies at their initial temperature.
     #[must_use]
     pub fn new(frame: Frame, volumes: Vec<Grid>, expands: bool) -> Self {
         let zero = vec![0.0; frame.grid.points()];
@@ -93,7 +93,8 @@ impl<C: Conduction> ConductionModel<C> {
             if let Some(constriction) = &mut self.constriction {
                 constriction.add_section(stage, body, row, &depths, values);
             }
-            // As thin as a section is, what was there before is the same at every depth.
+            // A section is thin compared with the depth of the earlier heat, which is uniform
+            // across it.
             if let Some(background) = &self.background {
                 let before = background.at(body, row);
                 values.iter_mut().for_each(|rise| *rise += before);
@@ -101,7 +102,7 @@ impl<C: Conduction> ConductionModel<C> {
         }
     }
 
-    /// Adds what earlier passages have left to the rises of the surfaces.
+    /// Adds the rises that earlier passages have left to those of the surfaces.
     fn add_background(
         &mut self,
         drive: &Drive,
@@ -120,7 +121,8 @@ impl<C: Conduction> ConductionModel<C> {
         Ok(())
     }
 
-    /// The middle of what is as hot as the hottest element: a current makes the contact of one temperature.
+    /// Returns the centre of the elements that are as hot as the hottest one. With a current the
+    /// whole contact has nearly the same temperature.
     fn middle_of_hottest(&self, body: usize, rise: &[f64]) -> Option<Peak> {
         let grid = &self.frame.grid;
         let highest = rise.iter().copied().fold(0.0, f64::max);
@@ -136,7 +138,7 @@ impl<C: Conduction> ConductionModel<C> {
         Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, row })
     }
 
-    /// What has transformed in the window that was accepted, before which the rises were those of the trial.
+    /// Follows the transformation over the accepted window; `trial` holds the rises at its start.
     fn transform_in_time(&mut self) {
         let Self { frame, conduction, transforming, trial, accepted, speeds, duration, .. } = self;
         let (Some(criterion), Some(bodies)) = (frame.criterion, transforming) else { return };
@@ -158,7 +160,7 @@ impl<C: Conduction> ConductionModel<C> {
         }
     }
 
-    /// What has transformed in the accepted state.
+    /// Evaluates the transformation in the accepted state.
     fn transform(&mut self) {
         if self.transforming.is_some() {
             return self.transform_in_time();
@@ -171,7 +173,7 @@ impl<C: Conduction> ConductionModel<C> {
             let mut criterion = criterion.over(frame.scene.initial_temperatures[body]);
             let rests = speeds[body] == 0.0;
             if rests {
-                // What stays in the contact is hot as long as the scene lasts.
+                // Points of a stationary body stay hot: the cooling rate is not a criterion.
                 criterion.critical_rate = 0.0;
             }
             let passing = frame.grid.dx() / speeds[body];
@@ -189,7 +191,8 @@ impl<C: Conduction> ConductionModel<C> {
                     false => Cycle::of(&rises, passing, criterion.start),
                 }
             };
-            // What stays below the start temperature is of no interest but for the hottest row.
+            // Rows below the start temperature do not transform; of these only the hottest is
+            // evaluated, for its margin.
             let highest = |row: &usize| {
                 let values = &accepted[body][row * columns..(row + 1) * columns];
                 values.iter().copied().fold(0.0, f64::max)
@@ -207,7 +210,7 @@ impl<C: Conduction> ConductionModel<C> {
         }
     }
 
-    /// Refuses rises that are no numbers, as those of speeds whose powers are beyond the range of numbers.
+    /// Refuses rises that are not finite, such as those of speeds whose powers overflow.
     fn refuse_no_numbers(&self, drive: &Drive) -> Result<(), StepError> {
         for (body, rise) in self.trial.iter().enumerate() {
             if let Some(index) = first_non_finite(rise) {

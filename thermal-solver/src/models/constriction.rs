@@ -1,7 +1,9 @@
-//! A current through a resting contact, and what it makes of the temperatures ([`crate::effects::joule_heat`]).
+//! Electric current through a stationary contact, and the temperatures it causes
+//! ([`crate::effects::joule_heat`]).
 //!
-//! The potentials are those of a model of the same kind whose bodies have the conductivity 1/ρ, and of which the upper one is 1 V
-//! above the lower one to begin with: what flows then is the conductance of the contact.
+//! The potentials are computed by a second instance of the thermal model. Its bodies have the
+//! conductivity 1/ρ, and the upper one is initially 1 V above the lower one, so that the exchanged
+//! flow is the conductance of the contact.
 
 use super::conduction::{Conduction, InterfaceLoad};
 use super::frame::Frame;
@@ -13,24 +15,26 @@ use heat::window::{Drive, Stage};
 use proto::model::StepError;
 use serde_json::{Value, json};
 
-/// Conductance of a film that is none, over that of a metal over the contact: potentials differ by as little.
+/// Film conductance that represents the absence of a film, relative to that of the better conductor
+/// over the length of the grid. The relative error of the potentials is the inverse.
 const NO_FILM: f64 = 1e9;
 
-/// A model of the potentials.
+/// Current through the contact, and the model of its potentials.
 pub(super) struct Constriction<C> {
     current: Current,
-    /// λρ of both bodies [V²/K].
+    /// Product λρ of both bodies [V²/K].
     products: [f64; 2],
     potentials: C,
-    /// Potentials over those of the far ends, for 1 V [V].
+    /// Potentials relative to the far ends, for 1 V over the contact [V].
     rises: [Vec<f64>; 2],
-    /// U [V], and c of both bodies [K/V].
+    /// Voltage U over the contact [V].
     voltage: f64,
+    /// Constants c of both bodies [K/V].
     constants: [f64; 2],
 }
 
 impl<C: Conduction> Constriction<C> {
-    /// Of a case with a current, if it has one.
+    /// Creates the model of a case with a current; `None` without one.
     pub(super) fn of(frame: &Frame) -> Option<Self> {
         let current = frame.current?;
         let mut electric = frame.clone();
@@ -58,7 +62,8 @@ impl<C: Conduction> Constriction<C> {
         })
     }
 
-    /// Finds the potentials under a pressure, and adds what the current makes of the surfaces' rises [K]; the operations.
+    /// Computes the potentials under a pressure, and adds the rises due to the current to those of
+    /// the surfaces [K]. Returns the operation count.
     pub(super) fn solve(
         &mut self,
         frame: &Frame,
@@ -76,7 +81,8 @@ impl<C: Conduction> Constriction<C> {
             ));
         }
         self.voltage = self.current.current / conductance;
-        // In proportion to the resistivities, as both have the same contact.
+        // The voltage divides in proportion to the resistivities, because the contact is the same
+        // for both bodies.
         let sum: f64 = self.current.resistivities.iter().sum();
         let falls = self.current.resistivities.map(|one| self.voltage * one / sum);
         self.constants = Current::constants(falls, self.products);
@@ -88,18 +94,19 @@ impl<C: Conduction> Constriction<C> {
         Ok(work.operations)
     }
 
-    /// The rise where the potential differs by this from the far end, for 1 V over the contact [K].
+    /// Rise at a point whose potential differs by `potential` from that of the far end, for 1 V
+    /// over the contact [K].
     fn warmth(&self, body: usize, potential: f64) -> f64 {
         let fall = self.voltage * potential.abs();
         self.constants[body] * fall - 0.5 * fall * fall / self.products[body]
     }
 
-    /// The potentials of the last solve become accepted.
+    /// Accepts the potentials of the last solve.
     pub(super) fn accept(&mut self) {
         self.potentials.accept();
     }
 
-    /// Adds what the current makes of a section, see [`Conduction::section`].
+    /// Adds the rises due to the current to a section; arguments as in [`Conduction::section`].
     pub(super) fn add_section(
         &mut self,
         stage: Stage,
@@ -116,18 +123,19 @@ impl<C: Conduction> Constriction<C> {
         }
     }
 
-    /// What the current makes of a place, see [`Conduction::rise_at`].
+    /// Rise due to the current at a point; arguments as in [`Conduction::rise_at`].
     pub(super) fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64 {
         let depth = self.own_depth(body, depth);
         self.warmth(body, self.potentials.rise_at(body, row, x, depth))
     }
 
-    /// A depth z/(2√κ) of heat as one of potentials, whose κ has 1/ρ in the place of λ [√s].
+    /// Converts a depth z/(2√κ) of the heat to that of the potentials [√s], whose κ contains 1/ρ
+    /// instead of λ.
     fn own_depth(&self, body: usize, depth: f64) -> f64 {
         depth * self.products[body].sqrt()
     }
 
-    /// Its section of the summary.
+    /// Returns the section `current` of the summary.
     pub(super) fn figures(&self) -> Value {
         let (voltage, current) = (self.voltage, self.current.current);
         let sum: f64 = self.current.resistivities.iter().sum();

@@ -1,4 +1,4 @@
-//! Elements of the models that have their own: case keys, and where there is no answer.
+//! Keys of the finite elements, and checks for unsupported combinations.
 
 use super::frame::Frame;
 use crate::scene::Scene;
@@ -19,7 +19,7 @@ use proto::params::Params;
 const FIRST_LAYER: &str = "thermal.first_layer";
 const LAYER_RATIO: &str = "thermal.layer_ratio";
 const DEPTH: &str = "thermal.depth";
-/// How far behind the middle of the contact temperatures are found [m].
+/// Distance behind the middle of the contact down to which temperatures are computed [m].
 pub(super) const WAKE: &str = "thermal.wake";
 const SCHEME: &str = "thermal.scheme";
 const STEP: &str = "thermal.step";
@@ -31,14 +31,14 @@ const BACK: &str = "back";
 const BACKS: [&str; 2] = ["insulated", "fixed"];
 const SOLVERS: [&str; 3] = ["auto", "iterative", "direct"];
 
-/// Schemes in time by their words.
+/// Time integration schemes by their names in the case file.
 const SCHEMES: [(&str, Scheme); 3] = [
     ("backward-euler", Scheme::BackwardEuler),
     ("bdf2", Scheme::Bdf2),
     ("crank-nicolson", Scheme::CrankNicolson),
 ];
 
-/// Declares the keys of the elements.
+/// Returns the keys of the elements.
 pub(super) fn keys() -> Vec<KeySpec> {
     let first = "thickness of the first layer of elements; absent: a twentieth of the depth to which heat \
                  goes while the contact passes, an eighth of that while an element does, the smaller";
@@ -97,17 +97,17 @@ pub(super) fn keys() -> Vec<KeySpec> {
 /// Reads the elements of the upper and the lower body.
 ///
 /// # Errors
-/// A value that is out of range, or a word that is none of the choices.
+/// A value that is out of range; a word that is not one of the choices.
 pub(super) fn read(case: &Params, scene: &Scene) -> Result<[Elements; 2], Refusal> {
     let common = read_common(case)?;
     let of = |body| of_body(common, case, &scene.names, body);
     Ok([of(UPPER)?, of(LOWER)?])
 }
 
-/// Reads what holds for both bodies.
+/// Reads the settings that both bodies share.
 ///
 /// # Errors
-/// A scheme or a solver that is none.
+/// An unknown scheme or solver.
 fn read_common(case: &Params) -> Result<Elements, Refusal> {
     let scheme = if case.has(SCHEME) { case.text(SCHEME)? } else { "crank-nicolson" };
     let known = SCHEMES.iter().find(|(word, _)| *word == scheme);
@@ -138,10 +138,10 @@ fn read_common(case: &Params) -> Result<Elements, Refusal> {
     })
 }
 
-/// Adds what the case says of one body.
+/// Adds the settings of one body.
 ///
 /// # Errors
-/// A back of a body without a thickness, or one that is none.
+/// A `back` without a `thickness`; an unknown `back`.
 fn of_body(
     common: Elements,
     case: &Params,
@@ -178,7 +178,7 @@ fn sheet(case: &Params, names: &Bodies, body: usize) -> Result<Option<Sheet>, Re
 /// Refuses more elements than fit into memory, before anything is allocated.
 ///
 /// # Errors
-/// Columns behind the contact or layers in depth are too many.
+/// Too many columns behind the contact; too many layers in depth.
 pub(super) fn check_size(
     elements: &Elements,
     grid: &Structured,
@@ -204,7 +204,7 @@ pub(super) fn check_size(
     })
 }
 
-/// Says what to change where elements have no answer.
+/// Turns a failed solve into an error that names the setting to change.
 pub(super) fn no_solution(error: SolveError, mode: Mode) -> StepError {
     let fix = match error {
         SolveError::NotSolved { gradients_stopped: true, .. } => {
@@ -227,16 +227,16 @@ pub(super) fn no_solution(error: SolveError, mode: Mode) -> StepError {
     StepError::NoSolution(format!("{error}; {fix}"))
 }
 
-/// Refuses what a model's elements have no answer to.
+/// Refuses settings of the elements that the solver does not support.
 ///
 /// # Errors
-/// Earlier passages, or a sheet, where they have no answer.
+/// Earlier passages in a transient or nodal case; a stationary insulated sheet in a steady case.
 pub(super) fn check(frame: &Frame) -> Result<(), Refusal> {
     check_passages(frame)?;
     check_sheets(frame)
 }
 
-/// Refuses earlier passages where they have no answer.
+/// Refuses earlier passages where the solver does not support them.
 fn check_passages(frame: &Frame) -> Result<(), Refusal> {
     let length = frame.grid.ni as f64 * frame.grid.dx();
     for (body, elements) in frame.elements.iter().flatten().enumerate() {
@@ -264,7 +264,7 @@ fn check_passages(frame: &Frame) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Refuses a steady case with a sheet at rest that no heat leaves.
+/// Refuses a steady case with a stationary insulated sheet.
 fn check_sheets(frame: &Frame) -> Result<(), Refusal> {
     for (body, elements) in frame.elements.iter().flatten().enumerate() {
         let insulated = elements.sheet.is_some_and(|sheet| sheet.back == Back::Insulated);
@@ -283,7 +283,7 @@ fn check_sheets(frame: &Frame) -> Result<(), Refusal> {
 mod tests {
     use super::*;
 
-    /// Sizes are judged before anything of them is allocated, and the message names the key.
+    /// Sizes are checked before anything is allocated, and the message names the key.
     #[test]
     fn too_many_elements_are_refused() {
         let steel = Material { density: 7850.0, specific_heat: 450.0, conductivity: 50.0 };

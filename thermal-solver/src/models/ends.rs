@@ -1,4 +1,4 @@
-//! Bodies that end: rods, which are held at their far ends.
+//! Keys of bodies that are rods with a fixed far-end temperature.
 
 use crate::{LOWER, UPPER};
 use proto::bodies::Bodies;
@@ -9,7 +9,7 @@ use proto::params::Params;
 const LENGTH: &str = "length";
 const START: &str = "start_rise";
 
-/// The keys of the bodies that are rods.
+/// Returns the keys of the rods.
 pub(super) fn keys() -> Vec<KeySpec> {
     let length = "length of the rod, held at its far end; absent: it stays as warm as it is";
     let start = "rise of the rod's end at the start, from which it falls evenly to the far end";
@@ -21,20 +21,20 @@ pub(super) fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// What a rod of the case is.
+/// Length and initial rise of a body as a rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ends {
-    /// Length [m]; `None` for a body that stays as warm as it is.
+    /// Length [m]; `None` for a body that keeps its initial temperature.
     pub length: Option<f64>,
-    /// Rise of its end at the start [K].
+    /// Initial rise of the contact end [K].
     pub start: f64,
 }
 
 impl Ends {
-    /// Both bodies of a case.
+    /// Reads the rods of both bodies.
     ///
     /// # Errors
-    /// A length that is not above 0, and a start of a body without one.
+    /// A length that is not positive; an initial rise of a body without a length.
     pub fn read(case: &Params, bodies: &Bodies) -> Result<[Self; 2], Refusal> {
         let of = |body: usize| {
             let key = |name: &str| bodies.key(body, name);

@@ -1,19 +1,19 @@
 //! Model `ertz-knothe`: the closed form of the paper's equations 9 to 12, row by row.
 //!
-//! Each row of the heat flux is replaced by the polynomial flux of equation 9, which stands for an
-//! ellipse with semi-axis a_y, amplitude q₀ and centre x_c. The polynomial has the zeroth and
-//! second moments of the ellipse, π/2 and π/8, and so the row's own moments fix it:
+//! Each row of the heat flux is replaced by the polynomial flux of equation 9. It approximates an
+//! ellipse with semi-axis a_y, amplitude q₀ and centre x_c, and has its zeroth and second moments,
+//! π/2 and π/8. The moments of the row therefore determine it:
 //!
 //! Q = ∫ q dx,  x_c = ∫ x q dx/Q,  a_y = 2 √(∫ (x − x_c)² q dx/Q),  q₀ = 2Q/(π a_y).
 //!
-//! Then T(x, z) = ε q₀/β · √(a_y/(πV)) · F(−(x − x_c)/a_y, z/δ_y) with δ_y = √(2κ a_y/V); F is in
-//! [`heat::closed_form::polynomial`]. For full slip, where every row's flux is an ellipse, this is
-//! the paper's method; any other flux becomes the equivalent ellipse. The moments are those of the
-//! piecewise parabolic flux of [`heat::columns::reconstruction`], which for an elliptic flux are
-//! exact to order 2.5 in the element length.
+//! Then T(x, z) = ε q₀/β · √(a_y/(πV)) · F(−(x − x_c)/a_y, z/δ_y) with δ_y = √(2κ a_y/V). The
+//! function F is in [`heat::closed_form::polynomial`]. For full slip, where the flux of every row
+//! is an ellipse, this is the paper's method; any other flux is replaced by the equivalent ellipse.
+//! The moments are those of the piecewise parabolic flux of [`heat::columns::reconstruction`]. For
+//! an elliptic flux their error is of order 2.5 in the element length.
 //!
-//! The paper takes equations 13 and 14, for a uniform flux, below the surface. They do not meet
-//! equation 10 on the surface, so that here the polynomial flux itself is integrated in depth.
+//! Below the surface the paper uses equations 13 and 14, for a uniform flux. They do not agree with
+//! equation 10 on the surface. Here the polynomial flux itself is integrated in depth instead.
 
 use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::fields::fields;
@@ -37,10 +37,10 @@ use std::io::{self, Read, Write};
 
 const SECONDS_PER_POINT: f64 = 30e-9;
 
-/// Capabilities that not every model has.
+/// Optional capabilities of the model.
 pub const CAPABILITIES: &[Capability] = &[Capability::EarlierPassages];
 
-/// Its description.
+/// Returns the description of the model.
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
@@ -76,7 +76,7 @@ pub fn spec() -> ModelSpec {
     }
 }
 
-/// The ellipse that stands for a row.
+/// Equivalent ellipse of a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Ellipse {
     /// Heat of the row Q [W/m].
@@ -87,14 +87,14 @@ struct Ellipse {
     semi_axis: f64,
 }
 
-/// The ellipses of all rows and how they move.
+/// Equivalent ellipses of all rows, and the window they belong to.
 #[derive(Clone, Debug, PartialEq)]
 struct Field {
     drive: Drive,
     rows: Vec<Ellipse>,
 }
 
-/// The model.
+/// Model of the closed form by Ertz and Knothe.
 pub struct ErtzKnothe {
     frame: Frame,
     flux: Flux,
@@ -205,7 +205,7 @@ impl Conduction for ErtzKnothe {
 }
 
 impl Field {
-    /// Surface rises of both bodies: one evaluation of F for the two.
+    /// Computes the surface rises of both bodies, with one evaluation of F for the two.
     fn surfaces(&self, frame: &Frame, [upper, lower]: &mut [Vec<f64>; 2]) {
         let columns = frame.grid.ni;
         let rows = upper.chunks_exact_mut(columns).zip(lower.chunks_exact_mut(columns));
@@ -249,12 +249,12 @@ impl Field {
     }
 }
 
-/// The ellipse with the heat, the centroid and the variance of a row.
+/// Returns the ellipse with the heat, the centroid and the variance of a row.
 fn fitted(frame: &Frame, row: FluxRow<'_>, number: usize) -> Result<Ellipse, StepError> {
     let (first, end) = row.support;
     let moments = (first..end).fold([0.0; 3], |sums, i| {
         let element = element_moments(row.edge[i], row.middle[i], row.edge[i + 1]);
-        // From the element's own left edge to that of the first element.
+        // Shift from the left edge of the element to that of the first element.
         let way = (i - first) as f64;
         let [m0, m1, m2] = element;
         let shifted = [m0, m1 + way * m0, m2 + way * (2.0 * m1 + way * m0)];
@@ -279,7 +279,7 @@ fn fitted(frame: &Frame, row: FluxRow<'_>, number: usize) -> Result<Ellipse, Ste
     )))
 }
 
-/// Moments 0, 1, 2 of an element's parabola about its left edge, in element lengths.
+/// Moments 0, 1 and 2 of an element's parabola about its left edge, in element lengths.
 fn element_moments(before: f64, middle: f64, after: f64) -> [f64; 3] {
     [
         (before + middle + after) / 3.0,

@@ -1,5 +1,6 @@
-//! Model `fe`: finite elements of both bodies, extruded from the heat flux's grid and graded in depth, steady
-//! in the moving frame and in time. Equations and discretisation: [`heat::fe`].
+//! Model `fe`: finite elements of both bodies, extruded from the grid of the heat flux and graded
+//! in depth. Steady cases are solved in the moving frame, transient cases in time. Equations and
+//! discretisation: [`heat::fe`].
 
 use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::elements;
@@ -33,7 +34,7 @@ use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 
-/// Capabilities that not every model has.
+/// Optional capabilities of the model.
 pub const CAPABILITIES: &[Capability] = &[
     Capability::Exchange,
     Capability::RiseIntegrals,
@@ -42,7 +43,7 @@ pub const CAPABILITIES: &[Capability] = &[
     Capability::Volumes,
 ];
 
-/// Its description.
+/// Returns the description of the model.
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
@@ -66,43 +67,47 @@ pub fn spec() -> ModelSpec {
     }
 }
 
-/// What the layers leave, whose number is not a resolution.
+/// Returns the error of the discretisation in depth; `thermal.resolution` does not set the number
+/// of layers.
 fn by_layers() -> Simplification {
     let source =
         "wheel-rail and falling-friction against model `moving-source` (docs/theory/fe.md)";
     Simplification::always("layers of elements in depth", 5e-5, source)
 }
 
-/// Time of a step over its unknowns, measured [s]: in modes, and node by node.
+/// Time of a step per unknown, in modes and node by node, measured [s].
 const SECONDS_PER_UNKNOWN: [f64; 2] = [2.5e-9, 20e-9];
-/// The same of a steady body in modes, with its peak and its depth.
+/// Time per unknown of a steady solution in modes, with its peak and its penetration depth [s].
 const SECONDS_PER_STEADY_UNKNOWN: f64 = 50e-9;
-/// Marches of a steady body node by node, about.
+/// Approximate number of marches that a steady solution node by node takes.
 const MARCHES: f64 = 3.0;
-/// Memory over the unknowns [byte]: two states in time, and what a step node by node computes in.
+/// Memory per unknown, in modes and node by node [byte]: two states in time, and the scratch arrays
+/// of a step node by node.
 const BYTES_PER_UNKNOWN: [u64; 2] = [16, 120];
-/// Memory over the elements of the grid [byte].
+/// Memory per element of the grid [byte].
 const BYTES_PER_POINT: u64 = 200;
-/// Unknowns that are worth a thread.
+/// Number of unknowns from which on a second thread pays.
 const WORTH: usize = 100_000;
 /// Names of the grids of the bodies' elements, upper and lower.
 const VOLUME_GRIDS: [&str; 2] = ["upper_elements", "lower_elements"];
-/// Steps of a window, about.
+/// Approximate number of time steps per window.
 const STEPS: f64 = 5.0;
 
-/// The model.
+/// Finite-element model of both bodies.
 pub struct FiniteElements {
     frame: Frame,
     bodies: [Body; 2],
+    /// Half-space windows that stand for the bodies when the exchanged flux is corrected.
     windows: [PastInterval; 2],
-    /// If heat flows between the surfaces.
+    /// Interface between the surfaces; `None` if no heat flows between them.
     interface: Option<Interface>,
+    /// Scratch buffers of the sums over the elements.
     row_sums: Vec<f64>,
     line: Vec<f64>,
     threads: usize,
-    /// For the heights of the surfaces, once they are asked for.
+    /// Operators for the rise integrals of both bodies, built on first use.
     heights: [Option<Height>; 2],
-    /// What is below a row of a body's state, kept from one question to the next.
+    /// Rises below the last requested row of a body, cached between queries.
     below: RefCell<Option<(Stage, usize, usize, Below)>>,
 }
 
@@ -110,18 +115,18 @@ fn elements(frame: &Frame, body: usize) -> Elements {
     frame.elements.map_or_else(Elements::default, |elements| elements[body])
 }
 
-/// The speed for which a body's elements are laid out.
+/// Speed for which the elements of a body are laid out [m/s].
 fn expected_speed(frame: &Frame, body: usize) -> f64 {
     if frame.scene.at_rest[body] { 0.0 } else { frame.scene.speeds[body] }
 }
 
-/// Both bodies are solved for in the modes of their meshes.
+/// Returns true if both bodies are solved in the modes of their meshes.
 fn is_modal(frame: &Frame) -> bool {
     elements(frame, LOWER).solver == Solver::Auto
         && frame.natures.iter().all(BodyProperties::is_constant)
 }
 
-/// Unknowns of both bodies.
+/// Returns the number of unknowns of both bodies.
 fn unknowns(frame: &Frame) -> usize {
     let of = |body: usize| {
         let material = &frame.scene.materials[body];
@@ -313,8 +318,8 @@ impl Conduction for FiniteElements {
         self.on_row(Stage::Accepted, body, row, |below| below.at(x, depth * scale))
     }
 
-    /// What each node stands for, of the rows of the heat flux: boxes between the faces of columns, rows and
-    /// layers, from the deepest to the uppermost.
+    /// Returns the grid of the boxes that the nodes represent in the rows of the heat flux. They
+    /// lie between the faces of columns, rows and layers, in ascending z.
     fn volume(frame: &Frame, body: usize) -> Option<Grid> {
         let (grid, material) = (&frame.grid, &frame.scene.materials[body]);
         let block = Block::new(grid, material, expected_speed(frame, body), &elements(frame, body));
@@ -388,14 +393,14 @@ impl HeatedBodies for FiniteElements {
 }
 
 impl FiniteElements {
-    /// Sums over the elements of the fluxes that go into the bodies [W/m²].
+    /// Sums over the elements of the fluxes into the bodies [W/m²].
     fn heat(&mut self) -> [f64; 2] {
         let Self { bodies, row_sums, line, .. } = self;
         bodies.each_mut().map(|body| sum_of_means(body.motion.flux(), row_sums, line))
     }
 
-    /// Solves for both bodies under their shares of the heat and what flows between them, and shows their
-    /// surfaces; the work.
+    /// Solves both bodies under their shares of the friction heat and the exchanged flux, and
+    /// writes their surface rises. Returns the operation count.
     fn solve_for(
         &mut self,
         flow: Flow,
@@ -414,7 +419,7 @@ impl FiniteElements {
         })
     }
 
-    /// Asks about a row of a body, of which what is below is kept.
+    /// Evaluates `ask` on the rises below a row, which are cached.
     fn on_row<A>(&self, stage: Stage, body: usize, row: usize, ask: impl FnOnce(&Below) -> A) -> A {
         let mut kept = self.below.borrow_mut();
         let key = (stage, body, row);

@@ -1,4 +1,4 @@
-//! The fields of every model.
+//! Fields that every model consumes and provides.
 
 use proto::description::names;
 use proto::field::{self, FieldSpec};
@@ -12,7 +12,7 @@ pub const SECTIONS: [&FieldSpec; 2] =
 pub const RISE_INTEGRALS: [&FieldSpec; 2] =
     [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
 
-/// The fields that every model consumes and provides, by name.
+/// Returns the names of the fields that every model consumes and provides.
 pub(super) fn fields() -> (Vec<String>, Vec<String>) {
     let consumes = names(&[&field::FRICTION_POWER, &field::SURFACE_SPEED]);
     let provides = names(&[

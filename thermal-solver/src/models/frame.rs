@@ -1,4 +1,4 @@
-//! What a model knows before it is built, and its grids.
+//! Settings of a model that are known before it is built, and its grids.
 
 use super::ends::Ends;
 use crate::effects::bulk_heating::PassageHistory;
@@ -22,39 +22,39 @@ pub const CONTACT: &str = "contact";
 /// Names of the grids of the sections, upper and lower.
 pub(super) const SECTION_GRIDS: [&str; 2] = ["upper_section", "lower_section"];
 
-/// What a model knows before it is built.
+/// Settings of a model that are known before it is built.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Materials and speed.
+    /// Materials and speeds.
     pub scene: Scene,
-    /// How the heat is split.
+    /// Partition of the friction heat between the bodies.
     pub partition: Partition,
-    /// What lets heat flow between the surfaces besides.
+    /// Law of the contact conductance, if the case has one.
     pub conductance: Option<Conductance>,
-    /// Steady or transient.
+    /// Mode of the case: steady or transient.
     pub mode: Mode,
-    /// The grid of heat flux and temperatures, along x in i and along y in j.
+    /// Grid of heat flux and temperatures, along x in i and along y in j.
     pub grid: Structured,
     /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
     pub section_y: f64,
-    /// What the upper and the lower body are made of, with all effects.
+    /// Properties of the upper and the lower body, with all effects.
     pub natures: [BodyProperties; 2],
-    /// Elements of a model that has its own, in the upper and the lower body.
+    /// Settings of the elements in the upper and the lower body, if the model has elements.
     pub elements: Option<[Elements; 2]>,
-    /// What earlier passages leave in both bodies, where that is asked for.
+    /// Earlier passages over both bodies, if `bulk_heating` is active.
     pub memories: Option<[PassageHistory; 2]>,
-    /// A current through the contact, if there is one.
+    /// Electric current through the contact, if the case has one.
     pub current: Option<Current>,
-    /// When steel transforms, where that is asked for.
+    /// Criterion of the phase transformation, if that effect is active.
     pub criterion: Option<Criterion>,
-    /// Ends of the bodies, where they have some.
+    /// Lengths and initial rises of the bodies as rods.
     pub ends: [Ends; 2],
-    /// Threads to compute on.
+    /// Number of threads.
     pub threads: usize,
 }
 
 impl Frame {
-    /// The contact's pressure matters.
+    /// Returns true if the model needs the contact pressure.
     #[must_use]
     pub fn feels_pressure(&self) -> bool {
         self.conductance.is_some()
@@ -62,13 +62,13 @@ impl Frame {
             || self.partition == Partition::Continuity
     }
 
-    /// The distance of the surfaces matters.
+    /// Returns true if the model needs the gap between the surfaces.
     #[must_use]
     pub fn feels_gap(&self) -> bool {
         self.conductance.is_some_and(|law| law.gas.is_some())
     }
 
-    /// The row of the sections.
+    /// Returns the row of elements below which the sections lie.
     #[must_use]
     pub fn section_row(&self) -> usize {
         let from_axis = |row: &usize| (self.grid.y(*row) - self.section_y).abs();
@@ -77,10 +77,10 @@ impl Frame {
             .expect("a grid has at least one row")
     }
 
-    /// Distance [m] from one level of a body's section to the next. The last is at 4√(2κL/V) with
-    /// L half the length of the grid: even where the whole grid has been heated evenly, the rise
-    /// there is below 0.2 per cent of the surface's. It is no deeper than 4 L, where heat spreads to all
-    /// sides.
+    /// Distance [m] between the levels of a body's section. The last level is at 4√(2κL/V) with L
+    /// half the length of the grid. Even if the whole grid is heated uniformly, the rise there is
+    /// below 0.2 per cent of that of the surface. The depth is limited to 4 L, because heat spreads
+    /// in all directions over such distances.
     #[must_use]
     pub fn level_spacing(&self, body: usize) -> f64 {
         let half_length = 0.5 * self.grid.ni as f64 * self.grid.dx();
@@ -89,25 +89,25 @@ impl Frame {
         depth.min(4.0 * half_length) / (LEVELS - 1) as f64
     }
 
-    /// Depth c = z/(2√κ) [√s] in a body at the distance z [m] from its surface.
+    /// Converts a distance z [m] from the surface of a body to the depth c = z/(2√κ) [√s].
     #[must_use]
     pub fn depth(&self, body: usize, distance: f64) -> f64 {
         distance / (2.0 * self.scene.materials[body].diffusivity().sqrt())
     }
 
-    /// 1/(β√π) of a body [m²·K·√s/J].
+    /// Factor 1/(β√π) of a body [m²·K·√s/J].
     #[must_use]
     pub fn amplitude(&self, body: usize) -> f64 {
         1.0 / (self.scene.materials[body].effusivity() * std::f64::consts::PI.sqrt())
     }
 
-    /// Columns of the sections behind the grid.
+    /// Number of columns of the sections behind the grid.
     #[must_use]
     pub fn behind(&self) -> usize {
         self.elements.map_or(0, |elements| elements[LOWER].behind(&self.grid))
     }
 
-    /// The grid of a body's section.
+    /// Returns the grid of a body's section.
     pub(super) fn section_grid(&self, body: usize) -> Grid {
         let spacing = self.level_spacing(body);
         let up = if body == UPPER { spacing } else { -spacing };

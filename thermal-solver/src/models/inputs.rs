@@ -1,4 +1,4 @@
-//! What comes in: checked inputs, and how the heat of a window enters the bodies.
+//! Checks of the inputs, and the speeds and heat partition of a window.
 
 use super::frame::Frame;
 use crate::effects::friction_heat::Partition;
@@ -7,10 +7,11 @@ use proto::configuration::Mode;
 use proto::field::{self, FieldSpec};
 use proto::model::{InputField, Inputs, Step, StepError, first_non_finite};
 
-/// How the heat of a window enters the bodies, whose surface speeds are an input.
+/// Returns duration, surface speeds and heat partition of a window.
 ///
 /// # Errors
-/// The input is missing or unusable, a body at rest whose model has no answer for it, and a transient window without duration.
+/// A missing or invalid surface speed; a stationary body that the model does not support; a
+/// transient window without duration.
 pub(super) fn drive(
     frame: &Frame,
     at_rest: bool,
@@ -35,8 +36,8 @@ pub(super) fn drive(
     Err(StepError::NoSolution(format!("a transient window lasts {duration} s")))
 }
 
-/// Refuses a speed at which there is no answer: normal to its surface alone, a body whose one place
-/// is heated without end warms without end.
+/// Refuses a speed for which there is no solution. With conduction normal to the surface only, a
+/// point that is heated permanently has no steady temperature.
 fn refuse_rest(
     frame: &Frame,
     at_rest: bool,
@@ -64,10 +65,11 @@ fn refuse_rest(
     Err(StepError::NoSolution(format!("`{name}` of `{body}` {why}")))
 }
 
-/// Refuses a body at rest in a steady case whose surface heat raises: it rises without end.
+/// Refuses a stationary body in a steady case with thermal expansion, because its surface rises
+/// without limit.
 ///
 /// # Errors
-/// There is one.
+/// A stationary body in a steady case.
 pub(super) fn refuse_without_height(frame: &Frame, drive: &Drive) -> Result<(), StepError> {
     let resting = (0..2).find(|body| drive.speeds[*body] == 0.0 && frame.mode == Mode::Steady);
     let Some(body) = resting else { return Ok(()) };
@@ -77,10 +79,10 @@ pub(super) fn refuse_without_height(frame: &Frame, drive: &Drive) -> Result<(), 
     )))
 }
 
-/// An input that is there, of the right length and finite.
+/// Returns an input after checking its length and that its values are finite.
 ///
 /// # Errors
-/// It is not.
+/// A missing input, a wrong number of values, or a value that is not finite.
 pub(super) fn checked<'a>(
     inputs: &'a dyn Inputs,
     spec: &FieldSpec,

@@ -1,8 +1,9 @@
-//! What flows between the surfaces of two bodies where they touch, found by corrections.
+//! Heat exchange between the surfaces of two bodies in contact, found iteratively.
 //!
-//! A model says what its surfaces become under what flows; the corrections come from half-spaces in the same
-//! windows ([`heat::moving_source::exchange`]), which another model need only resemble: what each correction
-//! leaves is measured by the model itself.
+//! A model computes its surface rises for a given exchanged flux. The corrections of that flux come
+//! from half-spaces in the same windows ([`heat::moving_source::exchange`]). The half-spaces need
+//! only resemble the bodies of the model, because the model itself evaluates the error after each
+//! correction.
 
 use super::conduction::InterfaceLoad;
 use super::frame::Frame;
@@ -20,65 +21,72 @@ use proto::grid::Structured;
 use proto::model::StepError;
 use std::sync::Arc;
 
-/// Difference of the temperatures, over the highest, at which what flows between the surfaces is found.
+/// Tolerance of the exchanged flux: largest temperature error over the highest rise.
 const SETTLED: f64 = 1e-7;
-/// Part of what flows between the surfaces that is rounding of sums.
+/// Share of the exchanged flux that is attributed to rounding in sums.
 const ROUNDING: f64 = 1e-10;
-/// Corrections of it at most.
+/// Largest number of corrections.
 const MOST_CORRECTIONS: usize = 40;
 
-/// What flows from the upper into the lower body besides their shares of the friction heat.
+/// Flux from the upper into the lower body, in addition to their shares of the friction heat.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Flow<'a> {
     elements: &'a [usize],
-    /// Element means [W/m²].
+    /// Element means of the flux [W/m²].
     values: &'a [f64],
 }
 
 impl Flow<'_> {
-    /// Adds it to the flux into a body.
+    /// Adds this flux to the flux into a body.
     pub(super) fn add(&self, body: usize, flux: &mut Flux) {
         let factor = if body == UPPER { -1.0 } else { 1.0 };
         flux.add(self.elements, self.values, factor);
     }
 }
 
-/// The bodies of a model, as their interface sees them.
+/// Bodies of a model as the interface sees them.
 pub(super) trait HeatedBodies {
-    /// Surfaces under the bodies' shares of the friction heat and what flows between them; the work.
+    /// Computes the surface rises under the shares of the friction heat and the exchanged flux.
+    /// Returns the operation count.
     fn warm(&mut self, flow: Flow, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError>;
 
-    /// Half-spaces that resemble the bodies in the newest window.
+    /// Windows of half-spaces that resemble the bodies in the newest window.
     fn windows(&self) -> [PastInterval; 2];
 
-    /// Their influences.
+    /// Influences of these half-spaces.
     fn influences(&self, convolution: &mut Convolution) -> [Arc<Influence>; 2];
 }
 
-/// The interface.
+/// Interface between the surfaces of two bodies.
 pub(super) struct Interface {
-    /// Conductance between the surfaces; without a law they have one temperature.
+    /// Conductance between the surfaces; without a law the surfaces in contact have the same
+    /// temperature.
     law: Option<Conductance>,
-    /// By how much the upper body is warmer than the lower one to begin with [K].
+    /// Initial temperature of the upper body minus that of the lower one [K].
     offset: f64,
-    /// Resistances 1/h of the elements that touch, and the smallest [m²·K/W].
+    /// Resistances 1/h of the elements in contact [m²·K/W].
     resistances: Vec<f64>,
+    /// Smallest of the resistances [m²·K/W].
     least: f64,
-    /// The operator, with the windows that it is for.
+    /// Correction operator, and the windows for which it is valid.
     exchange: Option<([PastInterval; 2], Exchange)>,
     convolution: Option<Convolution>,
     touching: ContactBasis,
-    /// What flows, in the shapes where the surfaces touch [W/m²], its correction, and the errors [K].
+    /// Coefficients of the exchanged flux in the basis functions of the contact [W/m²].
     flows: Vec<f64>,
+    /// Correction of these coefficients [W/m²].
     correction: Vec<f64>,
+    /// Temperature errors in the basis functions [K].
     errors: Vec<f64>,
-    /// What flows at the elements that touch [W/m²], and the errors there [K].
+    /// Exchanged flux at the elements in contact [W/m²].
     flow: Vec<f64>,
+    /// Temperature errors at the elements in contact [K].
     differences: Vec<f64>,
 }
 
 impl Interface {
-    /// Of a case in which heat flows between the surfaces, in these shapes.
+    /// Creates the interface in the given basis functions; `None` if no heat flows between the
+    /// surfaces.
     pub(super) fn of(frame: &Frame, shapes: Shapes) -> Option<Self> {
         let law = frame.conductance;
         if law.is_none() && frame.partition != Partition::Continuity {
@@ -101,19 +109,21 @@ impl Interface {
         })
     }
 
-    /// What flows from the upper into the lower body, besides their shares of the friction heat, summed over the elements [W/m²].
+    /// Exchanged flux from the upper into the lower body, without their shares of the friction
+    /// heat, summed over the elements [W/m²].
     pub(super) fn flow(&self) -> f64 {
         self.flow.iter().sum()
     }
 
-    /// Checks that what has left the upper body has come into the lower one: of sums over the elements of the bodies'
-    /// shares of the friction heat, and of all the heat that went into them [W/m²].
+    /// Checks that the heat leaving the upper body enters the lower one. The arguments are sums
+    /// over the elements [W/m²]: the shares of the friction heat, and the total heat that entered
+    /// each body.
     ///
-    /// The energy audit of a run compares the friction heat alone, which may be any small part of what flows between
-    /// bodies that are not equally warm to begin with.
+    /// The energy audit of a run compares the friction heat alone. This can be an arbitrarily small
+    /// part of the exchanged heat between bodies with different initial temperatures.
     ///
     /// # Errors
-    /// Heat is lost or made, by more than rounding of what flows.
+    /// An imbalance larger than the rounding error of the exchanged flux.
     pub(super) fn audit(&self, shares: [f64; 2], heat: [f64; 2]) -> Result<(), StepError> {
         let lost = shares[UPPER] + shares[LOWER] - heat[UPPER] - heat[LOWER];
         let scale = shares.iter().chain(&self.flow).map(|flux| flux.abs()).sum::<f64>();
@@ -125,8 +135,8 @@ impl Interface {
         )))
     }
 
-    /// Lets heat flow between the elements that touch until the temperatures of the surfaces
-    /// differ by what the resistances ask for; the work.
+    /// Iterates the exchanged flux until the surface temperatures of the elements in contact differ
+    /// by the drop over the resistances. Returns the operation count.
     pub(super) fn settle(
         &mut self,
         grid: &Structured,
@@ -149,7 +159,7 @@ impl Interface {
             work += bodies.warm(flow, rise)?;
             let warmest = rise.iter().map(|rise| largest(rise)).fold(0.0, f64::max);
             let flows = friction.max(largest(&self.flow));
-            // Before anything flows nothing is known of how warm a surface becomes: all of the error is left.
+            // Without a flux the response of the surfaces is unknown: the error counts in full.
             let warmth = if flows > 0.0 { warmest / flows } else { f64::MAX };
             let error = self.judge(rise, warmth.min(f64::MAX));
             if error <= SETTLED * warmest {
@@ -165,7 +175,7 @@ impl Interface {
         )))
     }
 
-    /// Resistances of the elements that touch.
+    /// Computes the resistances of the elements in contact.
     fn resist(&mut self, pressure: Option<&[f64]>) {
         let Self { law, touching, resistances, .. } = self;
         let elements = touching.elements().iter();
@@ -181,8 +191,9 @@ impl Interface {
         self.least = if least.is_finite() { least } else { 0.0 };
     }
 
-    /// The errors T_u − T_l − g/h, of temperatures and not of rises [K]; the largest of what they leave in the temperatures, where a surface becomes `warmth`
-    /// [m²·K/W] warmer with what flows into it.
+    /// Evaluates the errors T_u − T_l − g/h [K] of the temperatures, not of the rises. Returns the
+    /// largest temperature error that they cause; `warmth` [m²·K/W] is the rise of a surface per
+    /// flux into it.
     fn judge(&mut self, rise: &[Vec<f64>; 2], warmth: f64) -> f64 {
         let Self { touching, flow, differences, resistances, errors, offset, .. } = self;
         let flows = touching.elements().iter().zip(flow.iter().zip(&*resistances));
@@ -200,7 +211,7 @@ impl Interface {
         self.correction.iter().fold(0.0_f64, |most, error| most.max(error.abs()))
     }
 
-    /// Makes a correction of the errors; the products that it took.
+    /// Corrects the exchanged flux for the errors. Returns the number of operator products.
     fn correct(&mut self, grid: &Structured, bodies: &dyn HeatedBodies) -> u64 {
         let windows = bodies.windows();
         let plan = self.convolution.get_or_insert_with(|| convolution(grid));
@@ -221,7 +232,8 @@ impl Interface {
     }
 }
 
-/// Does something to both bodies, upper and lower, on a thread each if there are two; the work of both.
+/// Runs `each` for the upper and the lower body, on two threads if there are two. Returns the sum
+/// of both operation counts.
 pub(super) fn both<B: Send>(
     threads: usize,
     bodies: &mut [B; 2],

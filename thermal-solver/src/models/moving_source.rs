@@ -1,9 +1,11 @@
-//! Model `moving-source`: conduction in all directions into half-spaces under a moving flux, at any speed
-//! down to rest, steady and transient. Equations and discretisation: [`heat::moving_source`].
+//! Model `moving-source`: three-dimensional conduction into half-spaces under a moving flux, at any
+//! speed including rest, steady and transient. Equations and discretisation:
+//! [`heat::moving_source`].
 //!
-//! In time the flux of every window is held constant over it. What earlier windows leave is the sum of
-//! their influences, each over its own ages; they are merged as they grow old ([`heat::columns::history`]),
-//! and what they leave is kept while only the flux of the newest window changes.
+//! In transient cases the flux is constant over each time window. The contribution of earlier
+//! windows is the sum of their influences, each over its own range of ages. Windows are merged as
+//! they age ([`heat::columns::history`]). Their contribution is cached while only the flux of the
+//! newest window changes.
 
 use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::fields::fields;
@@ -34,7 +36,7 @@ use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 
-/// Capabilities that not every model has.
+/// Optional capabilities of the model.
 pub const CAPABILITIES: &[Capability] = &[
     Capability::Exchange,
     Capability::Potentials,
@@ -42,7 +44,7 @@ pub const CAPABILITIES: &[Capability] = &[
     Capability::RiseIntegrals,
 ];
 
-/// Its description.
+/// Returns the description of the model.
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
@@ -61,40 +63,44 @@ pub fn spec() -> ModelSpec {
     }
 }
 
-/// All that is not exact besides the flux, whose grid is another's.
+/// Returns the quadrature error. The flux has an error of its own, that of the grid of another
+/// participant.
 fn by_quadrature() -> Simplification {
     let source = "closed forms in the tests of moving_source (docs/theory/moving-source.md)";
     Simplification::always("ages and elements by Gauss's rule", 1e-9, source)
 }
 
-/// Time of a solve over the elements of the grid, both bodies, measured [s].
+/// Time of a solve per element of the grid, both bodies, measured [s].
 const SECONDS_PER_POINT: f64 = 4e-6;
-/// Operations of a body, counted as multiply-adds, that are worth a thread.
+/// Multiply-adds per body from which on a second thread pays.
 const WORTH: usize = 1_500_000;
-/// Operations over the elements in making an influence, and in a convolution.
+/// Multiply-adds per element to compute an influence.
 const INFLUENCE: usize = 500;
+/// Multiply-adds per element of a convolution.
 const TRANSFORMS: usize = 60;
-/// Windows of the past in a transient case, about.
+/// Approximate number of earlier windows in a transient case.
 const WINDOWS: usize = 100;
-/// Memory over the elements of the grid: spectra and fields on padded grids [byte].
+/// Memory per element of the grid, for spectra and fields on padded grids [byte].
 const BYTES_PER_POINT: u64 = 400;
 
-/// A body: its past, and what the newest window does to its surface.
+/// A body: its history, and the influence of the newest window on its surface.
 struct Body {
-    /// Upper or lower.
+    /// Index of the body, [`UPPER`] or [`LOWER`].
     body: usize,
     grid: Structured,
     material: Material,
     convolution: Convolution,
     fields: [Vec<f64>; 3],
     history: History,
-    /// Rises that earlier windows leave at the end of this one [K], and the window for which.
+    /// Rises that earlier windows leave at the end of the newest one [K].
     past: Vec<f64>,
+    /// Newest window for which `past` is valid.
     past_of: Option<PastInterval>,
+    /// Newest window and its influence.
     newest: Option<(PastInterval, Arc<Influence>)>,
-    /// Element means of the flux into it [W/m²].
+    /// Element means of the body's share of the friction heat [W/m²].
     means: Vec<f64>,
-    /// For the height of its surface, once that is asked for.
+    /// Operator for the rise integral of the body, built on first use.
     integral: Option<RiseIntegral>,
 }
 
@@ -122,7 +128,8 @@ impl Body {
         HalfSpace::new(&self.grid, diffusivity, effusivity, stretch)
     }
 
-    /// Makes the influence of the newest window, unless it is known; the work.
+    /// Computes the influence of the newest window unless it is cached. Returns the operation
+    /// count.
     fn meet(&mut self, stretch: PastInterval) -> u64 {
         if self.newest.as_ref().is_some_and(|(of, _)| *of == stretch) {
             return 0;
@@ -133,7 +140,8 @@ impl Body {
         work
     }
 
-    /// Passes in the newest window, and sums up what earlier ones leave, unless both are known; the work.
+    /// Computes the influence of the newest window and the rises that earlier windows leave, unless
+    /// both are cached. Returns the operation count.
     fn pass(&mut self, stretch: PastInterval) -> u64 {
         let mut work = self.meet(stretch);
         if self.past_of == Some(stretch) {
@@ -155,7 +163,8 @@ impl Body {
         self.newest.as_ref().expect("the body has passed")
     }
 
-    /// Rises of the surface under its share of the heat in the newest window and what flows between the bodies.
+    /// Computes the surface rises under the body's share of the friction heat in the newest window
+    /// and the exchanged flux.
     fn warm(&mut self, flow: Flow, rise: &mut [f64]) {
         rise.copy_from_slice(&self.past);
         let window = self.history.trial_mut();
@@ -167,25 +176,26 @@ impl Body {
     }
 }
 
-/// The fluxes of a state into a body, contracted to a row, newest first; kept from one question to the
-/// next.
+/// Fluxes into a body in one state, contracted to a row, newest window first. Cached between
+/// queries.
 struct Row {
     stage: Stage,
     body: usize,
     row: usize,
     windows: Vec<(HalfSpace, Contracted)>,
-    /// The place asked for last [m], and what every age of every window adds there.
+    /// Last requested x [m], and the contribution of every age of every window there.
     place: Option<(f64, Vec<Vec<f64>>)>,
 }
 
-/// The model.
+/// Model of half-spaces under a moving heat flux.
 pub struct MovingSource {
     frame: Frame,
     bodies: [Body; 2],
     row_sums: Vec<f64>,
     line: Vec<f64>,
-    /// If heat flows between the surfaces.
+    /// Interface between the surfaces; `None` if no heat flows between them.
     interface: Option<Interface>,
+    /// Last requested row, cached between queries.
     row: RefCell<Option<Row>>,
 }
 
@@ -357,7 +367,8 @@ impl HeatedBodies for MovingSource {
 }
 
 impl MovingSource {
-    /// Sums over the elements of the fluxes that go into the bodies in the newest window, which remembers them [W/m²].
+    /// Sums the fluxes into the bodies in the newest window over the elements [W/m²], and stores
+    /// the sums with the window.
     fn heat(&mut self) -> [f64; 2] {
         let Self { bodies, row_sums, line, .. } = self;
         bodies.each_mut().map(|body| {
@@ -367,12 +378,13 @@ impl MovingSource {
         })
     }
 
-    /// Threads for what takes so many operations a body.
+    /// Number of threads for this many operations per body.
     fn threads(&self, operations: usize) -> usize {
         if operations < WORTH { 1 } else { self.frame.threads }
     }
 
-    /// Lets both bodies pass in the newest window; bodies alike have one influence.
+    /// Prepares the newest window of both bodies. Bodies of the same material and speed share one
+    /// influence.
     fn pass(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> Result<u64, StepError> {
         let stretch = |speed: f64| PastInterval { from: 0.0, to: drive.duration, way: 0.0, speed };
         let [upper, lower] = drive.speeds.map(stretch);
@@ -395,7 +407,7 @@ impl MovingSource {
         Ok(work + passed?)
     }
 
-    /// Asks about a row of a body, whose contracted fluxes are kept.
+    /// Evaluates `ask` on a row of a body, whose contracted fluxes are cached.
     fn on_row(&self, stage: Stage, body: usize, row: usize, ask: impl FnOnce(&mut Row)) {
         let mut kept = self.row.borrow_mut();
         let kept = match &mut *kept {

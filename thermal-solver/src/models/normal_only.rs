@@ -1,26 +1,27 @@
-//! What conduction normal to the surface leaves out: conduction along it.
+//! Error of models that conduct heat normal to the surface only and neglect conduction along it.
 
 use super::frame::Frame;
 use heat::Material;
 use proto::accuracy::Simplification;
 
-/// What every model leaves out that conducts heat normal to the surface only. The rise behind a
-/// uniform band is √(2πx)·(1 + 1/(8x)) − 1 with x = 2Pe against √(2πx) in one dimension (Jaeger's
-/// integral of e^x K₀(x)), so 0.28/√Pe at a sharp edge; where the flux is smooth the heat from ahead
-/// and behind nearly cancels, and some 1/Pe is left.
+/// Returns the simplification that all models with conduction normal to the surface share. The rise
+/// behind a uniform band is √(2πx)·(1 + 1/(8x)) − 1 with x = 2Pe, against √(2πx) in one dimension
+/// (Jaeger's integral of e^x K₀(x)). The error is thus 0.28/√Pe at a sharp edge. Where the flux is
+/// smooth, the heat from ahead and behind nearly cancels, and an error of about 1/Pe remains.
 pub(super) fn along_the_surface() -> Simplification {
     let source = "model `moving-source` at Pe = 10 000 (docs/theory/moving-source.md)";
     Simplification::always("no conduction along the surface", AT_HIGH_SPEED, source)
 }
 
-/// Where the error was measured over the speed.
+/// Source of the error as a function of speed.
 const BY_SPEED: &str = "model `moving-source`: 0.86/Pe, 1 % at Pe = 87 and 10 % at 8.5 \
                         (docs/theory/moving-source.md)";
 
-/// The error of it at the speeds of railways \[-\].
+/// Relative error at the speeds of railways \[-\].
 const AT_HIGH_SPEED: f64 = 2e-4;
 
-/// What more it costs in a slow case: 1/Pe in all, with half the length of the grid for a.
+/// Returns the additional error of a slow case. The total is 1/Pe, with half the length of the grid
+/// for a.
 pub(super) fn along_the_surface_at(frame: &Frame) -> Option<Simplification> {
     let half = 0.5 * frame.grid.dx() * frame.grid.ni as f64;
     let bodies = frame.scene.materials.iter().zip(frame.scene.speeds);

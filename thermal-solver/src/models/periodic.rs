@@ -1,8 +1,9 @@
-//! Model `periodic`: conduction into half-spaces under a flux that repeats along x and y, in time, at any speed down to rest. Equations:
-//! [`heat::periodic`].
+//! Model `periodic`: conduction into half-spaces under a flux that is periodic along x and y, in
+//! time, at any speed including rest. Equations: [`heat::periodic`].
 //!
-//! Every place of both surfaces is rubbed all the time, or always again: the share `effusivity` is that of the effusivities alone, by which the
-//! means of both surfaces are equally warm, whatever the speeds.
+//! Both surfaces are in contact permanently, or return to it periodically. The partition
+//! `effusivity` therefore depends on the effusivities alone, which gives both surfaces the same
+//! mean temperature at any speeds.
 
 use super::conduction::{Conduction, Cost, InterfaceLoad, SolveStats};
 use super::fields::fields;
@@ -26,10 +27,10 @@ use std::cell::RefCell;
 use std::f64::consts::TAU;
 use std::io::{self, Read, Write};
 
-/// Capabilities that not every model has.
+/// Optional capabilities of the model.
 pub const CAPABILITIES: &[Capability] = &[Capability::RiseIntegrals];
 
-/// Its description.
+/// Returns the description of the model.
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
@@ -48,25 +49,27 @@ pub fn spec() -> ModelSpec {
     }
 }
 
-/// All that is not exact besides the flux, whose grid is another's.
+/// Returns the quadrature error. The flux has an error of its own, that of the grid of another
+/// participant.
 fn by_quadrature() -> Simplification {
     let source = "closed forms in the tests of periodic (docs/theory/periodic.md)";
     Simplification::always("wave numbers in depth by Gauss's rule", 1e-8, source)
 }
 
-/// Time of a solve over the elements of the grid, both bodies, about [s].
+/// Approximate time of a solve per element of the grid, both bodies [s].
 const SECONDS_PER_POINT: f64 = 2e-6;
-/// Memory over the elements of the grid: the states of both bodies [byte].
+/// Memory per element of the grid for the states of both bodies [byte].
 const BYTES_PER_POINT: u64 = 2 * 2 * 190 * 8;
 
-/// The model.
+/// Model of half-spaces under a periodic heat flux.
 pub struct Periodic {
     grid: Structured,
     diffusivities: [f64; 2],
     bodies: [PeriodicHalfSpace; 2],
     waves: RefCell<Waves>,
-    /// Waves of the rises of the surfaces in the last solve and in the accepted state.
+    /// Fourier coefficients of the surface rises in the last solve.
     surfaces: [Vec<Complex64>; 2],
+    /// Fourier coefficients of the surface rises in the accepted state.
     accepted: [Vec<Complex64>; 2],
     flux: Vec<Complex64>,
     work: Vec<Complex64>,
@@ -230,7 +233,7 @@ impl Conduction for Periodic {
 }
 
 impl Periodic {
-    /// Waves of the rise at a depth c = z/(2√κ) [√s].
+    /// Returns the Fourier coefficients of the rise at a depth c = z/(2√κ) [√s].
     fn below(&self, stage: Stage, body: usize, depth: f64) -> Vec<Complex64> {
         let depth = 2.0 * depth * self.diffusivities[body].sqrt();
         let body = &self.bodies[body];

@@ -1,4 +1,5 @@
-//! What earlier passages have left, on which the flash temperature comes ([`crate::effects::bulk_heating`]).
+//! Temperature rises left by earlier passages, to which the flash temperature is added
+//! ([`crate::effects::bulk_heating`]).
 
 use super::frame::Frame;
 use crate::effects::bulk_heating::PassageHistory;
@@ -6,29 +7,30 @@ use heat::window::Drive;
 use proto::model::StepError;
 use std::f64::consts::PI;
 
-/// Widths √(2κt) beyond which nothing has spread across.
+/// Distance, in units of √(2κt), beyond which lateral spread is negligible.
 const SPREAD: f64 = 8.0;
 
-/// Temperatures that the passage finds.
+/// Temperature rises of the bodies before a passage.
 #[derive(Clone, Debug)]
 pub(super) struct Background {
     memories: [PassageHistory; 2],
-    /// Of the whole body [K].
+    /// Rise of the whole body [K].
     bulk: [f64; 2],
-    /// Left by earlier passages, row by row [K].
+    /// Rise left by earlier passages, row by row [K].
     residual: [Vec<f64>; 2],
 }
 
 impl Background {
-    /// Nothing has passed.
+    /// Creates the state before the first passage.
     pub(super) fn new(memories: [PassageHistory; 2], rows: usize) -> Self {
         Self { memories, bulk: [0.0; 2], residual: [vec![0.0; rows], vec![0.0; rows]] }
     }
 
-    /// Takes the heat of a passage: flux at the interface [W/m²], and the power into each body [W].
+    /// Computes the rises for passages with the given flux at the interface [W/m²] and power into
+    /// each body [W].
     ///
     /// # Errors
-    /// The next passage comes before this one is over.
+    /// A passage interval shorter than the passage itself.
     pub(super) fn take(
         &mut self,
         frame: &Frame,
@@ -59,13 +61,13 @@ impl Background {
         Ok(())
     }
 
-    /// Adds what heat per area [J/m²] leaves after some time [s].
+    /// Adds the rise that a heat per area [J/m²] leaves after some time [s].
     fn add(&mut self, frame: &Frame, body: usize, left: &[f64], time: f64) {
         let material = &frame.scene.materials[body];
         let width = frame.grid.dy();
         let spread = (2.0 * material.diffusivity() * time).sqrt();
         let depth = 1.0 / (material.effusivity() * (PI * time).sqrt());
-        // Means of the Gaussian over an element, from the error function at its edges.
+        // Mean of the Gaussian over an element, from the error function at its edges.
         let reach = ((SPREAD * spread / width) as usize + 1).min(left.len());
         let edge = |rows: f64| 0.5 * libm::erf(rows * width / (spread * std::f64::consts::SQRT_2));
         let weights: Vec<f64> =
@@ -78,22 +80,22 @@ impl Background {
         }
     }
 
-    /// At the surface of a row [K].
+    /// Rise of a row before the passage [K].
     pub(super) fn at(&self, body: usize, row: usize) -> f64 {
         self.bulk[body] + self.residual[body][row]
     }
 
-    /// Of the whole body, and the most that earlier passages left [K].
+    /// Rise of the whole body, and the largest rise left by earlier passages [K].
     pub(super) fn figures(&self, body: usize) -> [f64; 2] {
         [self.bulk[body], self.residual[body].iter().copied().fold(0.0, f64::max)]
     }
 
-    /// All numbers of its state.
+    /// Iterates over all numbers of the state.
     pub(super) fn numbers(&self) -> impl Iterator<Item = &f64> {
         self.bulk.iter().chain(self.residual.iter().flatten())
     }
 
-    /// All numbers of its state.
+    /// Iterates over all numbers of the state, to restore them.
     pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
         self.bulk.iter_mut().chain(self.residual.iter_mut().flatten())
     }

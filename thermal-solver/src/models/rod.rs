@@ -1,16 +1,19 @@
-//! Model `rod`: heat along two rods, end to end.
+//! Model `rod`: one-dimensional conduction in two rods, end to end.
 //!
-//! Each body is a rod along the normal of the contact, of the length L, its far end kept at its initial temperature; a body without a length
-//! stays as warm as it is. Sides are insulated. From the upper into the lower body flows g = h (T_u − T_l), h the conductance of
-//! the contact or of the gap ([`crate::effects::contact_conductance`]), besides their shares of the friction heat.
+//! Each body is a rod of length L along the normal of the contact. Its far end is kept at the
+//! initial temperature; a body without a length keeps its initial temperature everywhere. The sides
+//! are insulated. The flux g = h (T_u − T_l) from the upper into the lower body is added to their
+//! shares of the friction heat. The conductance h is that of the contact or of the gap
+//! ([`crate::effects::contact_conductance`]).
 //!
 //! With z from the far end, s_n = (n + ½)π/L and a flux q that is constant over a window Δt,
 //!
-//! ϑ(z, t + Δt) = q z/λ + Σ (ϑ_n − q c_n) e^{−κ s_n² Δt} sin(s_n z),  c_n = 2 (−1)ⁿ/(λ L s_n²),
+//! ϑ(z, t + Δt) = q z/λ + Σ (ϑ_n − q c_n) e^{−κ s_n² Δt} sin(s_n z),  c_n = 2 (−1)ⁿ/(λ L s_n²).
 //!
-//! the first term that of a flux that has always been: exact in space and time but for waves that decay in less than a window. The
-//! end's rise is past + R q, so that what flows between two rods is one linear equation. It takes the temperatures at the end of the
-//! window: of first order in its length.
+//! The first term is the steady state under q. The solution is exact in space and time except for
+//! omitted modes that decay in less than a window. The rise of the end is the contribution of the
+//! past plus R q, so that the exchanged flux follows from one linear equation. It uses the
+//! temperatures at the end of the window, which is first-order accurate in Δt.
 //!
 //! Source: Carslaw & Jaeger, Conduction of Heat in Solids (1959), 3.4 and 3.8.
 
@@ -34,14 +37,14 @@ use proto::state::{read_numbers, write_numbers};
 use std::f64::consts::PI;
 use std::io::{self, Read, Write};
 
-/// Waves of a rod: those that are left out decay in 1e-5 of L²/κ.
+/// Number of modes of a rod; the omitted ones decay within 1e-5 L²/κ.
 const WAVES: usize = 200;
 
-/// Capabilities that not every model has.
+/// Optional capabilities of the model.
 pub const CAPABILITIES: &[Capability] =
     &[Capability::Exchange, Capability::Gaps, Capability::RiseIntegrals];
 
-/// Its description.
+/// Returns the description of the model.
 #[must_use]
 pub fn spec() -> ModelSpec {
     let (consumes, provides) = fields();
@@ -60,22 +63,23 @@ pub fn spec() -> ModelSpec {
     }
 }
 
-/// A state: the waves when the last window began, and that window.
+/// State of a rod: mode amplitudes at the start of the last window, and that window.
 #[derive(Clone, Debug, PartialEq)]
 struct Instant {
-    /// ϑ_n [K].
+    /// Mode amplitudes ϑ_n at the start [K].
     start: Vec<f64>,
     duration: f64,
     /// Flux into the rod [W/m²].
     flux: f64,
 }
 
-/// A body.
+/// One of the two rods.
 #[derive(Clone, Debug)]
 struct Rod {
-    /// `None` for one that stays as warm as it is.
+    /// Length L [m]; `None` for a body that keeps its initial temperature.
     length: Option<f64>,
     material: Material,
+    /// Initial rise of the contact end [K].
     start: f64,
     accepted: Instant,
     trial: Instant,
@@ -91,7 +95,7 @@ impl Rod {
             trial: Instant { start: vec![0.0; WAVES], duration: 0.0, flux: 0.0 },
         };
         if let Some(length) = ends.length {
-            // A rise that falls evenly is that of a flux that has always been.
+            // A linear initial rise is the steady state of a constant flux.
             let flux = ends.start * material.conductivity / length;
             for wave in 0..WAVES {
                 rod.trial.start[wave] = flux * rod.steady(length, wave);
@@ -105,7 +109,7 @@ impl Rod {
         (wave as f64 + 0.5) * PI / length
     }
 
-    /// c_n [K m²/W].
+    /// Coefficient c_n [K·m²/W] of the steady state for unit flux.
     fn steady(&self, length: f64, wave: usize) -> f64 {
         let s = Self::wave_number(length, wave);
         let sign = if wave.is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -117,7 +121,9 @@ impl Rod {
         (-self.material.diffusivity() * s * s * duration).exp()
     }
 
-    /// A sum of ϑ with weights: that of q z/λ for a flux of 1, and of the waves; the part of the start, and that of a flux of 1.
+    /// Weighted sum of ϑ, with the weight `always` of the steady state for unit flux and `weight`
+    /// of the modes. Returns the contribution of the initial amplitudes, and the response to a unit
+    /// flux.
     fn sum(&self, state: &Instant, always: f64, weight: impl Fn(f64) -> f64) -> [f64; 2] {
         let Some(length) = self.length else { return [0.0; 2] };
         let mut sums = [0.0, always];
@@ -133,7 +139,8 @@ impl Rod {
         sums
     }
 
-    /// Rise of the end at the end of a window: what the past leaves, and the response to a flux.
+    /// Rise of the contact end at the end of a window: contribution of the past, and response to a
+    /// unit flux.
     fn end(&self, state: &Instant) -> [f64; 2] {
         let length = self.length.unwrap_or(0.0);
         self.sum(state, length / self.material.conductivity, |s| (s * length).sin())
@@ -147,7 +154,7 @@ impl Rod {
         past + response * state.flux
     }
 
-    /// ∫ ϑ dz.
+    /// Integral ∫ ϑ dz over the length [K·m].
     fn integral(&self, state: &Instant) -> f64 {
         let length = self.length.unwrap_or(0.0);
         let always = 0.5 * length * length / self.material.conductivity;
@@ -155,7 +162,7 @@ impl Rod {
         past + response * state.flux
     }
 
-    /// The trial starts where the accepted state ends.
+    /// Sets the trial state to start at the end of the accepted window.
     fn go_on(&mut self) {
         let Some(length) = self.length else { return };
         for wave in 0..WAVES {
@@ -167,13 +174,13 @@ impl Rod {
     }
 }
 
-/// The model.
+/// Model of two rods in contact or apart.
 pub struct Rods {
     rods: [Rod; 2],
     law: Option<Conductance>,
-    /// Initial temperature of the upper body over that of the lower one [K].
+    /// Initial temperature of the upper body minus that of the lower one [K].
     warmer: f64,
-    /// What flows from the upper into the lower body [W/m²].
+    /// Exchanged flux from the upper into the lower body [W/m²].
     flow: f64,
 }
 
@@ -307,7 +314,7 @@ impl Conduction for Rods {
 }
 
 impl Rods {
-    /// Rise at a depth c = z/(2√κ) [√s] under a rod's end.
+    /// Rise at a depth c = z/(2√κ) [√s] below the contact end of a rod.
     fn below(&self, stage: Stage, body: usize, depth: f64) -> f64 {
         let rod = &self.rods[body];
         let state = if stage == Stage::Trial { &rod.trial } else { &rod.accepted };

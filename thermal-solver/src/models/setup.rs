@@ -1,4 +1,4 @@
-//! From a configuration to a model: checks, grids, cost.
+//! Setup of a model from a configuration: checks, grids, cost.
 
 use super::conduction::Conduction;
 use super::conduction_model::ConductionModel;
@@ -25,15 +25,15 @@ use proto::model::{Model, Setup};
 use proto::progress::Progress;
 use std::marker::PhantomData;
 
-/// Elements along the larger extent of the grid.
+/// Key of the number of elements along the larger extent of the grid.
 const RESOLUTION: &str = "thermal.resolution";
 
-/// Elements across the grid.
+/// Key of the number of elements across the grid.
 const RESOLUTION_ACROSS: &str = "thermal.resolution_across";
 
 const SECTION_Y: &str = "thermal.section_y";
 
-/// The key for the place of the sections.
+/// Returns the key for the lateral position of the sections.
 #[must_use]
 pub fn section_key() -> KeySpec {
     let help = "lateral coordinate of the sections; absent: through the most heat expected (of several \
@@ -41,7 +41,7 @@ pub fn section_key() -> KeySpec {
     KeySpec::quantity(SECTION_Y, "m", help)
 }
 
-/// Where the sections are wanted below a grid of heat [m].
+/// Returns the lateral coordinate of the sections below a grid of the heat flux [m].
 fn section_y(given: &Configuration, grid: &Structured) -> Result<f64, Refusal> {
     if given.case.has(SECTION_Y) {
         return given.case.number(SECTION_Y);
@@ -54,14 +54,14 @@ fn section_y(given: &Configuration, grid: &Structured) -> Result<f64, Refusal> {
     Ok(if first <= 0.0 && 0.0 <= last { 0.0 } else { 0.5 * (first + last) })
 }
 
-/// The key for a grid that is not the heat flux's.
+/// Returns the key for a resolution that differs from that of the heat flux's grid.
 #[must_use]
 pub fn resolution() -> KeySpec {
     let help = "elements along the larger extent of the heat flux's grid; absent: its grid";
     KeySpec::integer(RESOLUTION, help).at_least(2.0).at_most(1e5)
 }
 
-/// The key for elements of another width than length.
+/// Returns the key for elements that are not square.
 #[must_use]
 pub fn resolution_across() -> KeySpec {
     let help =
@@ -69,7 +69,7 @@ pub fn resolution_across() -> KeySpec {
     KeySpec::integer(RESOLUTION_ACROSS, help).at_least(1.0).at_most(1e5)
 }
 
-/// The key for temperatures behind the heat flux's grid.
+/// Returns the key for the extent of the grid behind the contact.
 #[must_use]
 pub fn wake() -> KeySpec {
     let help = "how far behind the middle of the contact temperatures are given; absent: as far as the heat \
@@ -77,7 +77,10 @@ pub fn wake() -> KeySpec {
     KeySpec::quantity(WAKE, "m", help).above(0.0)
 }
 
-/// Checks a configuration for a model.
+/// Checks a configuration and prepares the model for it.
+///
+/// # Errors
+/// A configuration that the model does not support; a value that is missing or out of range.
 pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
     if given.mode == Mode::Transient && !C::TRANSIENT {
         return Err(Refusal::new(
@@ -94,7 +97,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
         ));
     }
     let Some(arriving) = heat_grid(given)? else {
-        // What can be refused before the grid is known.
+        // Checks that do not need the grid.
         check_scene::<C>(given, &Scene::read(&given.case)?)?;
         Conductance::read(&given.case, Partition::read(&given.case)?)?;
         let mut layout = Layout::default();
@@ -116,7 +119,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     Ok(Box::new(Prepared::<C> { frame: Some(frame), layout, model: PhantomData }))
 }
 
-/// Reads what a case says of the bodies and of its effects, on the grid of the heat flux.
+/// Reads the bodies and the effects of a case, on the grid of the heat flux.
 fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<Frame, Refusal> {
     let scene = Scene::read(&given.case)?;
     check_scene::<C>(given, &scene)?;
@@ -151,7 +154,7 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
     Ok(known)
 }
 
-/// Refuses bodies at rest of which a model has no answer.
+/// Refuses stationary bodies that the model does not support.
 fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<(), Refusal> {
     if !C::SOLVES_STATIONARY_BODY {
         refuse_rest(scene, given.mode)?;
@@ -162,8 +165,8 @@ fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<()
     }
 }
 
-/// Refuses a steady case with a body at rest: normal to its surface alone, a body whose one place is
-/// heated without end warms without end.
+/// Refuses a steady case with a stationary body. With conduction normal to the surface only, a
+/// point that is heated permanently has no steady temperature.
 fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
     if scene.at_rest == [true; 2] {
         return Err(Refusal::new(
@@ -190,7 +193,7 @@ fn is_heat(input: &Input) -> bool {
     input.field.name == field::FRICTION_POWER.name
 }
 
-/// The pressure on the grid of the heat flux, where it arrives on another one.
+/// Maps the pressure to the grid of the heat flux, if it arrives on another grid.
 fn pressure(given: &Configuration, grid: &Structured) -> Result<Option<FieldOnGrid>, Refusal> {
     let name = field::PRESSURE.name;
     let Some(input) = given.inputs.iter().find(|input| input.field.name == name) else {
@@ -207,7 +210,8 @@ fn pressure(given: &Configuration, grid: &Structured) -> Result<Option<FieldOnGr
     Ok((arriving != Some(grid) || input.moves).then(|| on(&field::PRESSURE, CONTACT)))
 }
 
-/// The grid on which the heat arrives, once it is known; refused if it is not a contact plane.
+/// Returns the grid on which the heat flux arrives, once it is known. A grid that is not a contact
+/// plane is refused.
 fn heat_grid(given: &Configuration) -> Result<Option<Structured>, Refusal> {
     let name = field::FRICTION_POWER.name;
     let Some(input) = given.inputs.iter().find(|input| is_heat(input)) else {
@@ -228,15 +232,15 @@ fn heat_grid(given: &Configuration) -> Result<Option<Structured>, Refusal> {
     }
 }
 
-/// The grid that the case asks for: on the patch of the arriving grid, elements as square as whole
-/// numbers of them allow.
+/// Returns the grid with the resolution of the case: it covers the arriving grid with whole
+/// elements that are as square as possible.
 fn own_grid(given: &Configuration, arriving: &Structured) -> Result<Structured, Refusal> {
     let counts = [arriving.ni, arriving.nj];
     let extents = [counts[0] as f64 * arriving.dx(), counts[1] as f64 * arriving.dy()];
     let mut elements = counts.map(|count| count as f64);
     if given.case.has(RESOLUTION) {
         let (along, largest) = (given.case.integer(RESOLUTION)? as f64, extents[0].max(extents[1]));
-        // Rounding must not make one more of what is whole.
+        // Keep rounding from adding an element to a whole number.
         elements = extents.map(|extent| (along * extent / largest * (1.0 - 1e-12)).ceil());
     }
     if given.case.has(RESOLUTION_ACROSS) {
@@ -253,10 +257,10 @@ fn own_grid(given: &Configuration, arriving: &Structured) -> Result<Structured, 
     Ok(Structured { origin, step_i: [dx, 0.0, 0.0], step_j: [0.0, dy, 0.0], ni, nj })
 }
 
-/// Most columns of a grid with what is behind it.
+/// Largest number of columns of a grid with its part behind the contact.
 const MOST_COLUMNS: f64 = 1e5;
 
-/// The grid with as many more columns as reach so far behind its middle [m].
+/// Extends the grid by as many columns as it needs to reach this far behind its middle [m].
 fn with_wake(grid: Structured, wake: f64) -> Result<Structured, Refusal> {
     let (dx, columns) = (grid.dx(), grid.ni as f64);
     let more = ((wake / dx - 0.5 * columns) * (1.0 - 1e-12)).ceil().max(0.0);

@@ -6,51 +6,52 @@ use proto::bodies::Bodies;
 use proto::grid::Structured;
 use serde_json::{Map, Value, json};
 
-/// Strips listed at most: the first of them all.
+/// Largest number of strips that are listed.
 const MOST_STRIPS: usize = 32;
-/// A surface is colder than it was where it is so by more than this part of its highest rise.
+/// Undershoot below the initial temperature, relative to the highest rise, above which a negative
+/// rise is reported.
 const UNDERSHOOT: f64 = 1e-3;
-/// Elements whose rises are this part of the highest are as hot as the hottest: between surfaces that touch, what flows is
-/// found to some 1e-7 of it.
+/// Share of the highest rise from which on an element counts as hottest. Between surfaces in
+/// contact the exchanged flux, and with it the rise, has a relative error of some 1e-7.
 const AS_HOT: f64 = 1.0 - 1e-6;
 
-/// The hottest place of a surface.
+/// Hottest point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
     /// Temperature rise [K].
     pub rise: f64,
-    /// Its x [m], between the element centres.
+    /// Coordinate x [m]; not restricted to element centres.
     pub x: f64,
-    /// Its row.
+    /// Index of the row.
     pub row: usize,
 }
 
-/// An accepted state as the summary asks for it. A body is upper or lower.
+/// Accepted state of a model as the summary reads it. The index `body` is upper or lower.
 pub(super) trait Solution {
-    /// The grid of the surface temperatures.
+    /// Grid of the surface temperatures.
     fn grid(&self) -> &Structured;
 
     /// Rises of a surface [K].
     fn surface(&self, body: usize) -> &[f64];
 
-    /// The hottest place of a body among the rows in which these rises are not zero; `None` if nothing
-    /// is warm.
+    /// Returns the hottest point of a body among the rows in which these rises are not zero; `None`
+    /// if no rise is positive.
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak>;
 
     /// Rise [K] at any x [m] of a row, at a depth below the surface [m].
     fn rise_at(&self, body: usize, row: usize, x: f64, depth: f64) -> f64;
 
-    /// A depth over which rises change [m].
+    /// Typical depth over which the rises change [m].
     fn depth_scale(&self, body: usize) -> f64;
 
-    /// What the passage found in a row, which is in the rises of the surface and in no other [K].
+    /// Rise of a row before the passage [K]; it is included in the surface rises only.
     fn background(&self, _body: usize, _row: usize) -> f64 {
         0.0
     }
 }
 
-/// The hottest place of a surface with these rises [K]: along the row of its hottest element, by the rises
-/// `rise_at(row, x)` between the neighbours' centres.
+/// Returns the hottest point of a surface with these rises [K]. The maximum of `rise_at(row, x)` is
+/// sought in the row of the hottest element, between the centres of its neighbours.
 pub(super) fn hottest(
     grid: &Structured,
     rise: &[f64],
@@ -60,9 +61,12 @@ pub(super) fn hottest(
     near(grid, rise, hottest, rise_at)
 }
 
-/// The same of surfaces between which heat flows where they touch. They may have one rise all over the contact, and which
-/// element is hottest is then rounding; in a short row at its edge the flux, which jumps there, leaves more between the
-/// elements than in them. Of the elements that are as hot as the hottest the one nearest to their middle is taken.
+/// Returns the hottest point of a surface that exchanges heat with the other one in the contact.
+///
+/// The rise may be uniform over the contact, and the hottest element is then a matter of rounding.
+/// In a short row at the edge of the contact the flux jumps, so that the rise between the elements
+/// exceeds that at their centres. Of the elements that are as hot as the hottest, the one nearest
+/// to their centroid is used.
 pub(super) fn hottest_in_contact(
     grid: &Structured,
     rise: &[f64],
@@ -74,7 +78,7 @@ pub(super) fn hottest_in_contact(
     let mut sums = [0; 2];
     hot().for_each(|at| sums.iter_mut().zip(place(at)).for_each(|(sum, index)| *sum += index));
     let count = hot().count();
-    // Whole numbers: elements that are equally far are so exactly.
+    // Integers, so that elements at equal distances compare as equal.
     let apart = |at: &usize| {
         let sides = place(*at).into_iter().zip(sums);
         sides.map(|(index, sum)| (count * index).abs_diff(sum).pow(2)).sum::<usize>()
@@ -82,7 +86,8 @@ pub(super) fn hottest_in_contact(
     near(grid, rise, hot().min_by_key(apart)?, rise_at)
 }
 
-/// The hottest place between the neighbours of an element along its row; `None` if that is not warm.
+/// Returns the hottest point between the neighbours of an element along its row; `None` if the rise
+/// of the element is not positive.
 fn near(
     grid: &Structured,
     rise: &[f64],
@@ -98,9 +103,11 @@ fn near(
     Some(Peak { rise, x, row })
 }
 
-/// `{"temperature": {NAME: {...}, NAME: {...}}}`, with the names of the case. Where nothing is warm there
-/// is no hottest place: the rise is 0, and places and depth are absent. A surface that heat leaves has its lowest rise. Several heated strips, between which the
-/// surface is cold, have their own hottest places besides.
+/// Returns `{"temperature": {NAME: {...}, NAME: {...}}}`, with the names of the case.
+///
+/// If no rise is positive there is no hottest point: the rise is 0, and coordinates and depth are
+/// omitted. A surface that loses heat also has a lowest rise. Several heated strips, separated by
+/// cold rows, are listed with a hottest point each.
 pub(super) fn temperature(names: &Bodies, solution: &dyn Solution) -> Value {
     let grid = solution.grid();
     let section = |body: usize| {
@@ -114,7 +121,7 @@ pub(super) fn temperature(names: &Bodies, solution: &dyn Solution) -> Value {
             return section;
         };
         let mut section = place(grid, peak);
-        // Less is what a flux that is made of parabolas leaves at its jumps.
+        // Smaller undershoots are artefacts of the piecewise parabolic flux at its jumps.
         if coldest < -UNDERSHOOT * peak.rise {
             section.insert("min_rise_k".to_owned(), json!(coldest));
         }
@@ -138,7 +145,7 @@ fn place(grid: &Structured, peak: Peak) -> Map<String, Value> {
     figures.into_iter().map(|(key, value)| (key.to_owned(), json!(value))).collect()
 }
 
-/// First and last rows of the heated strips: rows next to each other that are warm somewhere.
+/// First and last rows of the heated strips: adjacent rows with a positive rise.
 fn strips(columns: usize, rise: &[f64]) -> Vec<[usize; 2]> {
     let mut strips: Vec<[usize; 2]> = Vec::new();
     for (row, values) in rise.chunks_exact(columns).enumerate() {
@@ -152,7 +159,7 @@ fn strips(columns: usize, rise: &[f64]) -> Vec<[usize; 2]> {
     strips
 }
 
-/// The sides and the hottest place of a strip.
+/// Returns the lateral bounds and the hottest point of a strip.
 fn strip(solution: &dyn Solution, body: usize, [first, last]: [usize; 2]) -> Option<Value> {
     let (grid, rise) = (solution.grid(), solution.surface(body));
     let mut own = vec![0.0; rise.len()];
@@ -165,8 +172,8 @@ fn strip(solution: &dyn Solution, body: usize, [first, last]: [usize; 2]) -> Opt
     Some(Value::Object(figures))
 }
 
-/// Depth [m] below the hottest place where the flash has fallen to 1/e, by bisection with the exact
-/// depth dependence of the model.
+/// Depth [m] below the hottest point where the flash temperature has fallen to 1/e, found with the
+/// model's own variation in depth.
 fn penetration(solution: &dyn Solution, body: usize, peak: Peak) -> Option<f64> {
     let flash = peak.rise - solution.background(body, peak.row);
     let target = flash / std::f64::consts::E;

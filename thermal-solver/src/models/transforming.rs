@@ -1,14 +1,18 @@
-//! What transforms in the course of time ([`crate::effects::phase_transformation`]): the material of a body, place by place, as it passes
-//! through the grid.
+//! Phase transformation in time ([`crate::effects::phase_transformation`]): follows the material
+//! points of a body as they pass through the grid.
 //!
-//! Temperatures are rises here, those of the criterion too. In a row there is a place of the material for every element. The places move
-//! towards −x; one that leaves the grid is counted and forgotten, and a cold one enters. Within a window they go in steps of an
-//! element at most, through rises that are linear in time between the ends of the window and along x between the centres of the
-//! elements. The rates of a place are those of the step in which it passes the start temperature; a place that leaves the grid hot
-//! cools as T ~ 1/√t. Places of a body at rest are its elements.
+//! Temperatures are rises above the initial one, also in the criterion. Each row has one material
+//! point per element. The points move towards −x. Points leaving the grid are added to the totals
+//! and dropped; new points enter at the initial temperature.
 //!
-//! The layer of a row is as long as its places are that are or were austenite, without those that cooled too slowly. Its depth is the
-//! largest at which a row with austenite exceeded the temperature at which its surface transforms.
+//! Within a window the points move in steps of one element at most. The rises are linear in time
+//! between the ends of the window, and linear along x between the element centres. The rates of a
+//! point are those of the step in which it passes the start temperature. A point that leaves the
+//! grid hot cools as T ~ 1/√t. In a stationary body the points stay at the element centres.
+//!
+//! The layer of a row is as long as its points that are or were austenite, without those that
+//! cooled too slowly. Its depth is the largest at which a row with austenite exceeded the
+//! temperature at which its surface transforms.
 
 use super::white_layer::{HALVINGS, later};
 use crate::effects::phase_transformation::Criterion;
@@ -17,25 +21,27 @@ use proto::state::{read_numbers, write_numbers};
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
-/// Depth over √(κt) that no heat has reached: the rise there is below 1e-8 of the surface's.
+/// Depth, in units of √(κt), beyond which no heat has penetrated: the rise there is below 1e-8 of
+/// that of the surface.
 const REACH: f64 = 8.0;
 
-/// What has become of a place.
+/// Transformation state of a material point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Steel {
-    /// As it was, or transformed back slowly.
+    /// Initial state, or transformed back by slow cooling.
     #[default]
     Pearlite,
-    /// Beyond the start temperature, heated through it at this rate [K/s].
+    /// Above the start temperature but not transformed; heated through it at this rate [K/s].
     Heated(f64),
-    /// Transformed, after having been heated at this rate [K/s].
+    /// Transformed to austenite; heated through the start temperature at this rate [K/s].
     Austenite(f64),
-    /// Quenched.
+    /// Quenched austenite.
     Martensite,
 }
 
 impl Steel {
-    /// Goes from one rise to another one [K] in some time [s]; the rate at which austenite cooled through the start temperature, if it did.
+    /// Updates the state as the rise changes from one value to another [K] in some time [s].
+    /// Returns the rate at which austenite cooled through the start temperature, if it did.
     fn follow(&mut self, rises: [f64; 2], time: f64, criterion: &Criterion) -> Option<f64> {
         let [before, now] = rises;
         let rate = (now - before) / time;
@@ -51,7 +57,7 @@ impl Steel {
         let heating = match self {
             Self::Austenite(_) => return None,
             Self::Heated(rate) => *rate,
-            // One that enters the grid hot is heated there at no rate that is known.
+            // A point that enters the grid hot has no known heating rate.
             _ if before < criterion.start => rate,
             _ => 0.0,
         };
@@ -62,7 +68,7 @@ impl Steel {
         None
     }
 
-    /// The rate at which it was heated, if it is hot [K/s].
+    /// Returns the heating rate of a point that is hot [K/s].
     fn heating(self) -> Option<f64> {
         match self {
             Self::Heated(rate) | Self::Austenite(rate) => Some(rate),
@@ -89,14 +95,14 @@ impl Steel {
     }
 }
 
-/// A row of places.
+/// A row of material points.
 #[derive(Clone, Debug, PartialEq)]
 struct Row {
-    /// From the trailing to the leading end of the grid.
+    /// Points from the trailing to the leading end of the grid.
     places: Vec<Steel>,
-    /// Places of the layer that have left the grid.
+    /// Number of points of the layer that have left the grid.
     gone: f64,
-    /// Largest depth that exceeded the temperature of transformation [m].
+    /// Largest depth that exceeded the transformation temperature [m].
     depth: f64,
 }
 
@@ -118,20 +124,20 @@ impl Row {
     }
 }
 
-/// The rises of a body at both ends of a window, and how far its material went.
+/// Rises of a body at both ends of a window, and the motion of its material.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window<'a> {
-    /// Rises of the elements at both ends [K].
+    /// Rises of the elements at the start and the end of the window [K].
     pub(super) rises: [&'a [f64]; 2],
-    /// Its length [s].
+    /// Duration of the window [s].
     pub(super) duration: f64,
     /// Speed of the material, towards −x [m/s].
     pub(super) speed: f64,
-    /// Its diffusivity [m²/s].
+    /// Diffusivity of the material [m²/s].
     pub(super) diffusivity: f64,
 }
 
-/// The transformed layer of a body in the course of time.
+/// Transformed layer of a body, followed in time.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Transforming {
     columns: usize,
@@ -140,19 +146,21 @@ pub(super) struct Transforming {
     rows: Vec<Row>,
     /// Time since the start [s].
     elapsed: f64,
-    /// By how much the places are ahead of the centres of their elements, in elements.
+    /// Offset of the points ahead of their element centres, in elements.
     ahead: f64,
-    /// Highest rise over the start temperature while nothing has passed that [K].
+    /// Highest rise minus the start temperature [K]; reported as long as no point has exceeded that
+    /// temperature.
     below: f64,
-    /// Highest rise over that of transformation [K], and the rate of heating there [K/s].
+    /// Largest excess of a rise over the transformation temperature [K].
     margin: f64,
+    /// Heating rate at the point of that excess [K/s].
     heating: f64,
     /// Slowest rate at which austenite cooled through the start temperature [K/s].
     cooling: f64,
 }
 
 impl Transforming {
-    /// Nothing has passed.
+    /// Creates the state before the first window.
     pub(super) fn new(grid: &Structured) -> Self {
         let row = Row { places: vec![Steel::default(); grid.ni], gone: 0.0, depth: 0.0 };
         Self {
@@ -168,7 +176,8 @@ impl Transforming {
         }
     }
 
-    /// Follows the material through a window; `highest(row, depth)` is the highest rise of a row at a depth at its end [K].
+    /// Follows the material through a window. `highest(row, depth)` returns the highest rise [K] of
+    /// a row at a depth [m] at the end of the window.
     pub(super) fn follow(
         &mut self,
         window: &Window<'_>,
@@ -200,7 +209,7 @@ impl Transforming {
         *below = below.max(largest[1] - criterion.start);
         let row = &mut rows[row];
         if row.is_idle() && largest.iter().all(|largest| *largest < criterion.start) {
-            // Of what is quenched nothing is left in the grid.
+            // Nothing can transform: all points are pearlite and stay below the start temperature.
             return;
         }
         let time = window.duration / steps;
@@ -235,7 +244,7 @@ impl Transforming {
         }
     }
 
-    /// Deepens the layer of a row.
+    /// Updates the depth of the layer of a row.
     fn deepen(
         &mut self,
         row: usize,
@@ -264,7 +273,7 @@ impl Transforming {
         *depth = inside;
     }
 
-    /// Its figures. Rates that there are none of are absent.
+    /// Returns the figures of the summary. Rates that do not occur are omitted.
     pub(super) fn figures(&self) -> Value {
         let [length, width] = self.sides;
         let most = |of: fn(&Row) -> f64| self.rows.iter().map(of).fold(0.0, f64::max);
@@ -284,10 +293,10 @@ impl Transforming {
         figures
     }
 
-    /// Writes its state.
+    /// Writes the state.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// A failure to write to `into`.
     pub(super) fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         write_numbers(
             into,
@@ -303,10 +312,10 @@ impl Transforming {
         Ok(())
     }
 
-    /// Reads what [`Transforming::save`] wrote of the same grid.
+    /// Reads a state that [`Transforming::save`] wrote for the same grid.
     ///
     /// # Errors
-    /// It ends too early.
+    /// Data that end too early, or a failure to read them.
     pub(super) fn restored(&self, from: &mut dyn Read) -> io::Result<Self> {
         let mut own = self.clone();
         read_numbers(
@@ -332,14 +341,15 @@ impl Transforming {
     }
 }
 
-/// Where places are after a step of at most an element, and whether the first one has left the grid.
+/// Returns the offset of the points after a step of at most one element, and whether the first
+/// point has left the grid.
 fn stepped(ahead: f64, way: f64) -> (f64, bool) {
     let left = ahead - way;
     if left < 0.0 { (left + 1.0, true) } else { (left, false) }
 }
 
-/// Value at a place between the centres of the elements, in elements; ahead of them that of the last, and behind them on the straight
-/// line through the first two.
+/// Interpolates linearly between the element centres, at a position in elements. Beyond the last
+/// centre its value holds; before the first one the line through the first two is extended.
 fn between(values: &[f64], at: f64) -> f64 {
     let at = at.min((values.len() - 1) as f64);
     let low = (at.max(0.0) as usize).min(values.len().saturating_sub(2));
@@ -348,7 +358,7 @@ fn between(values: &[f64], at: f64) -> f64 {
     (1.0 - share) * values[low] + share * values[high]
 }
 
-/// Whether a place that leaves the grid belongs to the layer: 1 or 0.
+/// Returns 1 if a point that leaves the grid belongs to the layer, otherwise 0.
 fn gone(
     place: &Steel,
     rises: [f64; 2],

@@ -1,26 +1,30 @@
-//! The layer that transforms under the contact ([`crate::effects::phase_transformation`]).
+//! White etching layer that forms under the contact in steady motion
+//! ([`crate::effects::phase_transformation`]).
 //!
-//! Temperatures are rises here, those of the criterion too. A row is looked at level by level, first at the surface, then at depths between which the transformed one is bisected. Along a
-//! level the temperature is that of the elements' centres; the rates are those of the straight line through the two centres between
-//! which it passes A_c1, and where it has not cooled so far within the grid, those of T ~ 1/√t through its last two centres.
+//! Temperatures are rises above the initial one, also in the criterion. Each row is evaluated at
+//! the surface first; the depth of its transformed layer is then found by bisection. Along a level
+//! the temperature is known at the element centres. The rates are those of the straight line
+//! between the two centres where it passes A_c1. If it does not cool that far within the grid, the
+//! cooling rate is that of T ~ 1/√t through the last two centres.
 
 use crate::effects::phase_transformation::Criterion;
 use serde_json::{Value, json};
 
-/// Halvings of the depth.
+/// Number of bisection steps for the depth.
 pub(super) const HALVINGS: usize = 12;
 
-/// What a place at some depth of a row goes through.
+/// Thermal cycle of the material at some depth of a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Cycle {
     /// Highest rise [K].
     pub(super) highest: f64,
-    /// Rates of heating and of cooling through the start temperature [K/s]; 0 where it is not reached.
+    /// Heating and cooling rates through the start temperature [K/s]; 0 where it is not reached.
     pub(super) rates: [f64; 2],
 }
 
 impl Cycle {
-    /// Of the rises along a row [K], material entering at its end and passing an element in some time [s].
+    /// Returns the cycle for the rises along a row [K]. Material enters at the last element and
+    /// passes an element in the time `passing` [s].
     pub(super) fn of(rises: &[f64], passing: f64, start: f64) -> Self {
         let highest = rises.iter().copied().fold(0.0, f64::max);
         if highest < start {
@@ -39,12 +43,12 @@ impl Cycle {
         Self { highest, rates: [heating, cooling] }
     }
 
-    /// Of a row that rests, and has become as hot as this [K] without end.
+    /// Returns the cycle of a row of a stationary body, which stays hot.
     pub(super) fn at_rest(rises: &[f64]) -> Self {
         Self { highest: rises.iter().copied().fold(0.0, f64::max), rates: [0.0; 2] }
     }
 
-    /// By how much the highest temperature exceeds that of transformation; below 0 where it is not reached [K].
+    /// Highest rise minus the transformation temperature [K]; negative where that is not reached.
     pub(super) fn margin(&self, criterion: &Criterion) -> f64 {
         self.highest - criterion.temperature(self.rates[0])
     }
@@ -54,7 +58,8 @@ impl Cycle {
     }
 }
 
-/// The rate of cooling through the start temperature behind the row, T = C/√(t − t₀) through its last two centres [K/s].
+/// Returns the cooling rate through the start temperature behind the row [K/s], from T = C/√(t −
+/// t₀) through its last two centres.
 pub(super) fn later(rises: &[f64], passing: f64, start: f64) -> f64 {
     let [last, before] = [rises[0], rises.get(1).copied().unwrap_or(0.0)];
     if before <= last {
@@ -65,21 +70,23 @@ pub(super) fn later(rises: &[f64], passing: f64, start: f64) -> f64 {
     start.powi(3) / (2.0 * square)
 }
 
-/// The transformed cross-section of a body.
+/// Transformed cross-section of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct WhiteLayer {
     depth: f64,
     rows: usize,
-    /// Of the hottest row.
+    /// Cycle of the row with the largest margin.
     hottest: Cycle,
+    /// Largest excess of a rise over the transformation temperature [K].
     margin: f64,
-    /// Of a body at rest [m]; that of a passage goes on as long as the scene.
+    /// Length of the layer of a stationary body [m]; `None` for a moving body, whose layer has no
+    /// end.
     length: Option<f64>,
 }
 
 impl WhiteLayer {
-    /// Of the rows of a grid; `along(row, depth)` gives what a place at a depth [m] of a row goes through, and at `deepest` nothing
-    /// transforms.
+    /// Evaluates the rows of a grid. `along(row, depth)` returns the thermal cycle at a depth [m]
+    /// of a row; nothing transforms at the depth `deepest`.
     pub(super) fn of(
         rows: impl Iterator<Item = usize>,
         criterion: &Criterion,
@@ -110,12 +117,13 @@ impl WhiteLayer {
         layer
     }
 
-    /// The layer of a body at rest, as long as what is hot of it [m].
+    /// Sets the length of the layer of a stationary body, that of its hot part [m].
     pub(super) fn with_length(self, length: f64) -> Self {
         Self { length: Some(length), ..self }
     }
 
-    /// Its figures; `row_width` is that of a row [m]. Rates that there are none of are absent.
+    /// Returns the figures of the summary for rows of the width `row_width` [m]. Rates that do not
+    /// occur are omitted.
     pub(super) fn figures(&self, row_width: f64) -> Value {
         let mut figures = json!({
             "depth_m": self.depth,
@@ -143,7 +151,8 @@ mod tests {
     const CRITERION: Criterion =
         Criterion { start: 900.0, shift: 20.0, reference_rate: 10.0, critical_rate: 100.0 };
 
-    /// A triangle of temperature, heated at 2e4 and cooled at 1e4 K/s; a row that ends before it has cooled.
+    /// A triangular profile heated at 2e4 and cooled at 1e4 K/s; a row that ends before it has
+    /// cooled.
     #[test]
     fn rates_are_those_of_the_crossing() {
         let passing = 1e-2;
@@ -158,7 +167,7 @@ mod tests {
             .collect();
         let cycle = Cycle::of(&triangle, passing, 900.0);
         assert_eq!(cycle, Cycle { highest: 1700.0, rates: [2e4, 1e4] });
-        // Ten times the reference rate for each 20 K.
+        // The shift is 20 K for each tenfold increase of the heating rate.
         let shift = 20.0 * (2e4f64 / 10.0).log10();
         assert!((cycle.margin(&CRITERION) - (1700.0 - 900.0 - shift)).abs() < 1e-9);
         // T = 1e3/√t from t = 0.25 on, in steps of 0.25: through 900 at t = (1/0.9)², with −T/(2t).
@@ -168,7 +177,8 @@ mod tests {
         assert!((found / exact - 1.0).abs() < 1e-12, "{found} {exact}");
     }
 
-    /// Rows whose temperature falls straight with the depth: the layer ends where it passes the start temperature.
+    /// The temperature falls linearly with depth: the layer ends where it passes the start
+    /// temperature.
     #[test]
     fn depth_and_width_of_a_wedge() {
         let criterion = Criterion { shift: 0.0, ..CRITERION };
@@ -177,7 +187,7 @@ mod tests {
             rates: [1e5, 1e5],
         };
         let layer = WhiteLayer::of(0..8, &criterion, 1e-3, along);
-        // Bisection of a millimetre in 4096 parts.
+        // Resolution of the bisection: a millimetre in 4096 parts.
         assert!((layer.depth - 3e-4).abs() < 1e-3 / 4096.0, "{layer:?}");
         assert_eq!((layer.rows, layer.margin), (4, 300.0));
         let slow = |row: usize, depth: f64| Cycle { rates: [1e5, 10.0], ..along(row, depth) };

@@ -1,4 +1,4 @@
-//! A kind of shape, and a shape of it.
+//! Kinds of lateral shapes, and the trait of a shape.
 
 use crate::case::keys::CheckedParams;
 use crate::case::scene::Scene;
@@ -7,15 +7,15 @@ use proto::description::KeySpec;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// A kind of shape.
+/// Kind of lateral shape.
 pub(super) struct Kind {
-    /// The key of a body that gives it such a shape.
+    /// Key of a body that selects this kind of shape.
     pub(super) key: &'static str,
     pub(super) keys: fn() -> Vec<KeySpec>,
     pub(super) read: Read,
 }
 
-/// Reads a body's shape, if the case gives it one of this kind.
+/// Reads the shape of a body; `None` if the case gives no shape of this kind.
 type Read = fn(
     case: &CheckedParams<'_>,
     scene: &Scene,
@@ -30,28 +30,29 @@ pub(crate) trait LateralShape: Debug + Send + Sync {
     /// Slope dz/dy at y [-].
     fn slope(&self, y: f64) -> f64;
 
-    /// The first and the last lateral coordinate at which it is known [m].
+    /// First and last lateral coordinate at which the shape is known [m].
     fn range(&self) -> [f64; 2] {
         [f64::NEG_INFINITY, f64::INFINITY]
     }
 
-    /// Places where the slope jumps [m].
+    /// Lateral coordinates at which the slope jumps [m].
     fn kinks(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// How it was made from what the case gives, if that needs saying.
+    /// Returns a remark on the processing of the data, if there is anything to report.
     fn remark(&self) -> Option<String> {
         None
     }
 
-    /// What may be wrong with it, of a body in a contact with this modulus E* [Pa].
+    /// Returns a warning if the shape is implausible for a body in a contact with this modulus E*
+    /// [Pa].
     fn warning(&self, _scene: &Scene, _body: usize, _modulus: f64) -> Option<Refusal> {
         None
     }
 }
 
-/// Some places in millimetres, the first few of many.
+/// Formats coordinates in millimetres; of many only the first few.
 pub(crate) fn millimetres(places: impl Iterator<Item = f64>) -> String {
     const SHOWN: usize = 6;
     let places: Vec<String> = places.map(|y| format!("{:.3}", 1e3 * y)).collect();

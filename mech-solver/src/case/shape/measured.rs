@@ -1,4 +1,4 @@
-//! Measured profiles, from files.
+//! Measured profiles from files.
 
 use super::lateral::{Kind, LateralShape, millimetres};
 use crate::case::keys::CheckedParams;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use wheel_rail::profile::heights::{Profile, ProfileError};
 use wheel_rail::profile::orientation::Body;
 
-/// Its entry in the list.
+/// Entry of measured profiles in the list of kinds.
 pub(super) const KIND: Kind = Kind { key: PROFILE, keys, read };
 
 const PROFILE: &str = "profile";
@@ -74,7 +74,7 @@ impl LateralShape for Profile {
         self.curve().kinks().collect()
     }
 
-    /// Kinks, and how far smoothing moved its points.
+    /// Reports the kinks, and the largest displacement of a point by smoothing.
     fn remark(&self) -> Option<String> {
         let curve = self.curve();
         let mut done = Vec::new();
@@ -90,7 +90,7 @@ impl LateralShape for Profile {
         (!done.is_empty()).then(|| format!("{} points, {}", curve.points(), done.join(", ")))
     }
 
-    /// Noise that the pressure shows.
+    /// Warns of noise that visibly changes the pressure.
     fn warning(&self, scene: &Scene, body: usize, modulus: f64) -> Option<Refusal> {
         let [key, tolerance] = [PROFILE, TOLERANCE].map(|name| scene.names.key(body, name));
         noise::warning(&key, &tolerance, &self.curve().passed(), modulus)

@@ -1,4 +1,4 @@
-//! The blocks of points that a case asks for.
+//! Blocks of points of the effect `stress_at_points`, as read from a case.
 
 use crate::case::keys::CheckedParams;
 use proto::bodies::{Bodies, LOWER};
@@ -8,16 +8,16 @@ use proto::grid::{Places, Structured, check_name};
 use proto::table::{Column, Reading, Table, headings};
 use std::path::Path;
 
-/// Where the blocks stand in a case.
+/// Table of the blocks in a case.
 const TABLE: &str = "effects.stress_at_points";
-/// The coordinates.
+/// Names of the coordinates.
 const AXES: [&str; 3] = ["x", "y", "z"];
-/// More points than this are refused: their fields have 18 values each.
+/// Largest number of points; their fields have 18 values each.
 const MOST_POINTS: usize = 1 << 23;
-/// Larger files are refused [byte].
+/// Largest size of a file [byte].
 const MOST_BYTES: u64 = 1 << 30;
 
-/// The columns of a table of points.
+/// Columns of a table of points.
 fn columns() -> [Column; 3] {
     AXES.map(|axis| {
         Column::new(&[axis], "m").expected(0.0..=1.0, "contacts are smaller; check the unit")
@@ -49,11 +49,11 @@ pub(super) fn keys() -> Vec<KeySpec> {
     keys
 }
 
-/// A block.
+/// Block of points in one body.
 #[derive(Clone, Debug)]
 pub(super) struct PointBlock {
     pub(super) name: String,
-    /// The body that it is in.
+    /// Index of the body that contains the block.
     pub(super) body: usize,
     points: AskedPoints,
 }
@@ -61,12 +61,12 @@ pub(super) struct PointBlock {
 #[derive(Clone, Debug)]
 enum AskedPoints {
     List(Vec<[f64; 3]>),
-    /// Rising coordinates; none where those of the elements are meant.
+    /// Rising coordinates along each axis; `None` for the centres of the elements.
     Axes([Option<Vec<f64>>; 3]),
 }
 
 impl PointBlock {
-    /// Where its points are, of a contact on this grid.
+    /// Returns the points of the block for a contact on this grid.
     pub(super) fn places(&self, grid: &Structured) -> Places {
         match &self.points {
             AskedPoints::List(points) => Places::List(points.clone()),
@@ -78,7 +78,7 @@ impl PointBlock {
         }
     }
 
-    /// Number of points, as far as it is known without the grid.
+    /// Number of points; axes that follow the grid count as one point.
     fn count(&self) -> usize {
         match &self.points {
             AskedPoints::List(points) => points.len(),
@@ -90,10 +90,11 @@ impl PointBlock {
     }
 }
 
-/// The blocks of a case.
+/// Reads the blocks of a case.
 ///
 /// # Errors
-/// There is none, or one has no body, no points, points outside of its body, or too many.
+/// A case without blocks; a block without a body or points, or with points outside of its body; too
+/// many points.
 pub(super) fn read(
     configuration: &Configuration,
     case: &CheckedParams<'_>,
@@ -165,7 +166,7 @@ fn side(body: usize) -> &'static str {
     if body == LOWER { "z <= 0" } else { "z >= 0" }
 }
 
-/// The coordinates along an axis, rising; `None` where the case does not have any.
+/// Reads the coordinates along an axis in rising order; `None` if the case has none.
 fn coordinates(
     axis: &str,
     key: &impl Fn(&str) -> String,
@@ -192,10 +193,10 @@ fn coordinates(
     rising(&own, (0..count).map(at).collect()).map(Some)
 }
 
-/// The same values rising.
+/// Sorts the values, and refuses duplicates.
 fn rising(key: &str, mut values: Vec<f64>) -> Result<Vec<f64>, Refusal> {
     values.sort_by(f64::total_cmp);
-    // A zero may have a sign.
+    // Turns −0 into 0.
     values.iter_mut().for_each(|value| *value += 0.0);
     match values.windows(2).find(|pair| pair[0] == pair[1]) {
         Some(pair) => {
@@ -206,7 +207,7 @@ fn rising(key: &str, mut values: Vec<f64>) -> Result<Vec<f64>, Refusal> {
     }
 }
 
-/// Points of a table in a file.
+/// Reads the points of a table in a file.
 fn from_file(path: &Path, body: usize) -> Result<Vec<[f64; 3]>, String> {
     let table = Table::read(path, MOST_BYTES, Reading::NUMBERS);
     points_of(&table.map_err(|error| error.to_string())?, body)
@@ -239,7 +240,7 @@ mod tests {
         let expected = Ok(vec![[0.0, 1e-3, -2e-3], [1.0, 2.0, -3.0]]);
         let text = "x [m], y [m], z [m]\n0, 1e-3, -2e-3 # first\n\n 1, 2, -3\n";
         assert_eq!(parse(text, LOWER), expected);
-        // Units and the order of the columns are those of the header.
+        // The header gives the units and the order of the columns.
         assert_eq!(parse("z [mm]; y [mm]; x [m]\n-2; 1; 0\n-3000; 2000; 1\n", LOWER), expected);
         let wrong = |text: &str, body| parse(text, body).unwrap_err();
         assert!(wrong(text, UPPER).contains("z = -0.002 m, in line 2"));

@@ -1,4 +1,4 @@
-//! The keys, what a window prescribes, and the grid that holds the contacts of all rows.
+//! Keys, values prescribed in a window, and the grid that holds the contacts of all rows.
 
 use crate::case::difference;
 use crate::case::ellipse::Ellipse;
@@ -20,19 +20,20 @@ use proto::grid::Structured;
 use proto::params::Params;
 use std::f64::consts::PI;
 
-/// Elements per semi-axis, unless the case says otherwise.
+/// Default number of elements per semi-axis.
 const ELEMENTS: usize = 20;
-/// Elements along the semi-axes when the extent is looked for.
+/// Elements per semi-axis on the coarse grid that finds the extent of the contact.
 const COARSE: f64 = 10.0;
-/// Elements of that grid at most.
+/// Maximum number of elements of the coarse grid.
 const MOST_COARSE: usize = 200_000;
-/// Growth of the grid beyond what half-spaces with the same gap have.
+/// Growth of the grid beyond the contact of half-spaces with the same gap.
 const GROWTH: f64 = 1.15;
-/// Free elements round the contact.
+/// Free elements around the contact.
 const MARGIN: f64 = 2.0;
-/// Elements times rows at most: influence numbers of every pair of rows take 150 bytes each.
+/// Maximum of elements times rows: the influence coefficients of every pair of rows take 150 bytes
+/// each.
 const MOST: f64 = 3e7;
-/// How far from s = 0 the surface may turn under the contact [rad].
+/// Largest angle of the surface within the contact, relative to s = 0 [rad].
 const STEEPEST: f64 = 0.45 * PI;
 
 const TURN: &str = "contact.turn";
@@ -40,7 +41,7 @@ const NORMAL_CREEPAGE: &str = "mech.normal_creepage";
 const RIGID_SLIP: &str = "mech.rigid_slip";
 const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 
-/// The keys of the model. The contact is driven by creepages.
+/// Keys of the model. The contact is driven by creepages only.
 pub(super) fn keys() -> Vec<KeySpec> {
     let forces = ["motion.traction_coefficient", "motion.tangential_force"];
     let mut keys = contact_keys();
@@ -80,22 +81,22 @@ pub(super) fn keys() -> Vec<KeySpec> {
     keys
 }
 
-/// A checked case, but for what varies.
+/// Checked values of a case that do not vary.
 pub(super) struct Case {
     pub(super) materials: [Material; 2],
     pub(super) arcs: Arcs,
-    /// [rad].
+    /// Angle by which the surfaces turn across the contact [rad].
     pub(super) turn: f64,
     pub(super) difference: Difference,
     resolution: usize,
     lateral: Option<f64>,
 }
 
-/// What a window prescribes.
+/// Values prescribed in a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Row {
     pub(super) prescription: Prescription,
-    /// Speed of rolling, and those of both surfaces [m/s].
+    /// Rolling speed [m/s]; `surface_speeds` are those of the upper and the lower surface [m/s].
     pub(super) speed: f64,
     pub(super) surface_speeds: [f64; 2],
 }
@@ -104,7 +105,7 @@ impl Case {
     /// Reads a case.
     ///
     /// # Errors
-    /// What is missing or out of range, bodies of which none is curved across, radii that vary.
+    /// Values that are missing or out of range; bodies without lateral curvature; radii that vary.
     pub(super) fn read(configuration: &Configuration) -> Result<Self, Refusal> {
         let params = &configuration.case;
         let scene = Scene::read(params)?;
@@ -146,10 +147,11 @@ impl Case {
         })
     }
 
-    /// What these values prescribe; the contact adheres or slides everywhere.
+    /// Returns the values prescribed in a window. Partial slip is possible if `adheres`; otherwise
+    /// the whole contact slides.
     ///
     /// # Errors
-    /// A value is missing or out of range.
+    /// A value that is missing or out of range.
     pub(super) fn row(&self, params: &Params, adheres: bool) -> Result<Row, Refusal> {
         let scene = Scene::read(params)?;
         let checked = CheckedParams::new(params, keys());
@@ -191,18 +193,20 @@ fn arcs(scene: &Scene) -> Arcs {
     }
 }
 
-/// Where the contact is solved.
+/// Region in which the contact is solved, and its grid.
 pub(super) struct Footprint {
     pub(super) grid: Structured,
-    /// Semi-axes, or what comes near them [m].
+    /// Semi-axes, or equivalent values for other contacts [m].
     pub(super) semi_axes: [f64; 2],
 }
 
 impl Footprint {
-    /// That of a configuration: of its values, or of all rows.
+    /// Finds the region of the contacts of all rows, or of the single row of a case without
+    /// histories.
     ///
     /// # Errors
-    /// A row has no contact or reaches too far round the surface; a grid is too large.
+    /// A row without contact, or one that reaches too far around the surface; a grid that is too
+    /// large.
     pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
         let mut params = configuration.case.clone();
@@ -248,7 +252,7 @@ impl Footprint {
         Ok(Self { grid, semi_axes })
     }
 
-    /// Directions of the surface at the ends of the grid [rad].
+    /// Angles of the surface at both ends of the grid [rad].
     pub(super) fn directions(&self, case: &Case) -> [f64; 2] {
         let ends = [self.grid.y(0), self.grid.y(self.grid.nj - 1)];
         let [first, last] = ends.map(|s| case.arcs.direction(s));
@@ -256,7 +260,7 @@ impl Footprint {
     }
 }
 
-/// The contact of half-spaces with the undeformed distance of the arcs, on a coarse grid.
+/// Solves the contact of half-spaces with the undeformed distance of the arcs, on a coarse grid.
 fn coarse(case: &Case, params: &Params) -> Result<Fitted, Refusal> {
     let scene = Scene::read(params)?;
     let ellipse = Ellipse::solve(&scene, None)?;

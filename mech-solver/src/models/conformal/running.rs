@@ -1,4 +1,4 @@
-//! What solves the windows.
+//! Solver of the windows.
 
 use super::case::{Case, Footprint, Row};
 use super::summary::summary;
@@ -13,7 +13,7 @@ use proto::grid::Structured;
 use proto::model::{Inputs, Step, StepError, StepReport};
 use serde_json::Value;
 
-/// The bodies.
+/// A conformal contact with its solver.
 pub(super) struct Running {
     case: Case,
     grid: Structured,
@@ -37,7 +37,7 @@ impl Running {
         Self { case, grid, terms, configuration: configuration.clone(), solver }
     }
 
-    /// What a window prescribes.
+    /// Values prescribed in a window.
     fn row(&self, step: &Step) -> Result<Row, StepError> {
         let params = self.configuration.case_at(step);
         self.case.row(&params, self.terms.adhesion).map_err(no_answer)

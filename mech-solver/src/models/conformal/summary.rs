@@ -6,7 +6,7 @@ use proto::figure::FigureSpec;
 use proto::grid::Structured;
 use serde_json::{Value, json};
 
-/// Figures that this model alone gives.
+/// Figures that are specific to this model.
 pub(in crate::models) fn figures() -> Vec<FigureSpec> {
     vec![
         FigureSpec::new(
@@ -22,7 +22,7 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
     ]
 }
 
-/// The summary of a window.
+/// Summary of a window.
 pub(super) fn summary(window: &Window, grid: &Structured) -> Value {
     let Window { row, contact, slip_velocity, power } = window;
     let area = grid.element_area();

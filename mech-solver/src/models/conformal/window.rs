@@ -3,7 +3,7 @@
 use super::case::Row;
 use half_space::conformal::contact::Conformal;
 
-/// A window that is solved.
+/// A solved time window.
 pub(super) struct Window {
     pub(super) row: Row,
     pub(super) contact: Conformal,

@@ -1,6 +1,6 @@
-//! The creep curve of half-spaces: where the search for the creepage of a prescribed force begins, and along
-//! which it goes on. It is some per cent off that of the elements, by nearly one factor where the elements of both are alike, and a
-//! point of it takes some milliseconds.
+//! Creep curve of half-spaces, which starts and guides the search for the creepage of a prescribed
+//! force. It deviates from the creep curve of the finite elements by some per cent, by nearly a
+//! constant factor if both have similar elements. One point takes some milliseconds.
 
 use crate::models::half_space;
 use crate::terms::Terms;
@@ -10,10 +10,10 @@ use proto::model::{InputField, Inputs, Outputs, Step};
 use proto::progress::Progress;
 use serde_json::json;
 
-/// Forces beyond this share of f N are taken for it.
+/// Largest share of f N for which a creepage is computed; larger forces are replaced by it.
 const MOST: f64 = 0.9995;
 
-/// Half-spaces of a case.
+/// Half-space model of a case.
 pub(super) struct CreepCurve {
     configuration: Configuration,
     friction: f64,
@@ -22,8 +22,8 @@ pub(super) struct CreepCurve {
 }
 
 impl CreepCurve {
-    /// Of a case with so many elements to a semi-axis, this friction coefficient, rolling speed [m/s] and tangential
-    /// flexibility between the bodies [m/Pa].
+    /// Creates the curve of a case with `resolution` elements per semi-axis, this friction
+    /// coefficient, rolling speed [m/s] and tangential flexibility between the bodies [m/Pa].
     pub(super) fn new(
         configuration: &Configuration,
         resolution: usize,
@@ -45,10 +45,10 @@ impl CreepCurve {
         Self { configuration, friction, speed, flexibility }
     }
 
-    /// The creepage of a longitudinal force over f N.
+    /// Returns the creepage for a longitudinal force divided by f N.
     ///
     /// # Errors
-    /// The half-spaces have no answer.
+    /// Half-spaces without a solution.
     pub(super) fn creepage(&self, ratio: f64) -> Result<f64, Refusal> {
         let mut configuration = self.configuration.clone();
         let coefficient = ratio.clamp(-MOST, MOST) * self.friction;
@@ -67,7 +67,7 @@ impl CreepCurve {
     }
 }
 
-/// Neither inputs nor outputs.
+/// Empty inputs and outputs.
 struct Nothing;
 
 impl Inputs for Nothing {

@@ -1,4 +1,4 @@
-//! What the list of models and the description say.
+//! Registry entry and description of the model.
 
 use super::keys::{RESOLUTION, own_keys};
 use super::setup::configure;
@@ -11,7 +11,7 @@ use proto::accuracy::{Accuracy, Refinement, Simplification};
 use proto::description::{ModelSpec, names};
 use proto::field;
 
-/// Its entry in the list.
+/// Registry entry of this model.
 pub(in crate::models) const MODEL: ModelEntry = ModelEntry {
     name: "explicit-fe",
     spec,
@@ -26,7 +26,7 @@ pub(in crate::models) const MODEL: ModelEntry = ModelEntry {
     ],
     configure,
 };
-/// Where its errors were measured.
+/// Source of the measured errors.
 const STUDY: &str = "wheel-rail-fe against wheel-rail (docs/paper-elements.md)";
 
 fn spec() -> ModelSpec {

@@ -1,6 +1,6 @@
-//! Steady rolling that heat changes: from steady rolling without heat on, anew for what comes in.
+//! Steady rolling of heated bodies, computed anew for all inputs.
 //!
-//! A solve begins where the bodies rolled steadily and cold, so that it depends on what comes in and on nothing else.
+//! Every solve starts from cold steady rolling, so that it depends on the inputs only.
 
 use super::creep_curve::CreepCurve;
 use super::outcome::{self, Fields, met_force};
@@ -17,26 +17,26 @@ use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Step, StepError, StepReport};
 use serde_json::Value;
 
-/// A contact whose bodies are warm.
+/// A contact of heated bodies.
 pub(super) struct Heated {
     rolling: Rolling,
     curve: CreepCurve,
     fields: Fields,
     report: Report,
-    /// The state of steady rolling without heat.
+    /// State of steady rolling without heat.
     cold: Vec<f64>,
-    /// The summary of steady rolling without heat.
+    /// Summary of steady rolling without heat.
     cold_summary: Value,
 }
 
-/// A window that is solved; its fields are those of the rolling bodies.
+/// A solved time window; its fields are those of the rolling bodies.
 pub(super) struct Window {
     summary: Value,
     report: StepReport,
 }
 
 impl Heated {
-    /// Goes on from steady rolling without heat, of which these are means.
+    /// Creates the contact from steady rolling without heat, with its means.
     pub(super) fn new(
         mut rolling: Rolling,
         means: &Means,
@@ -52,8 +52,9 @@ impl Heated {
     }
 }
 
-/// The figures but for those of the elastic energy, which would count what expands freely, and with the share of the stiffness
-/// that the softest element has left that of plastic flow, which would depend on how warm what flowed was.
+/// Summary without the figures of elastic energy, which would include free thermal expansion. If a
+/// material softens, the least share of the stiffness is added, and the power of plastic flow is
+/// removed, since it would depend on the temperature at which the material flowed.
 fn warm_summary(
     scene: &Scene,
     rolling: &Rolling,
@@ -71,10 +72,11 @@ fn warm_summary(
     summary
 }
 
-/// Lets the first layers have the properties of their temperatures; the least share of the stiffness, if any material softens.
+/// Applies temperature-dependent stiffness and thermal expansion to the first layers of elements.
+/// Returns the smallest share of the stiffness if a material softens.
 ///
 /// # Errors
-/// A temperature that a table does not have.
+/// A temperature beyond the softening table.
 fn warm(
     rolling: &mut Rolling,
     Fields { scene, terms }: &Fields,

@@ -1,4 +1,4 @@
-//! The keys of the case, and the sizes that they leave open.
+//! Keys of the case, and default sizes.
 
 use super::surfaces::Surfaces;
 use crate::case::keys::CheckedParams;
@@ -7,33 +7,33 @@ use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;
 
-/// Elements per semi-axis, unless the case says otherwise: 0.6 mm in the contact of a wheel.
+/// Default number of elements per semi-axis; 0.6 mm in the contact of a wheel.
 pub(super) const RESOLUTION: usize = 13;
-/// Half the length of the blocks, in semi-axes of the contact.
+/// Default half length of the blocks, in semi-axes of the contact.
 const WHOLE: f64 = 6.0;
-/// Room beside a contact that is wide, in semi-axes.
+/// Space beside a wide contact, in semi-axes.
 const ROOM: f64 = 4.5;
 /// Depth of the fine zone, in semi-axes.
 const FINE_DEPTH: f64 = 0.75;
-/// Half the width of a curved body, and its depth, over its radii, at most.
+/// Largest half width and depth of a curved body, relative to its radii.
 const CURVED: f64 = 0.95;
 /// Density of steel [kg/m³].
 const STEEL: f64 = 7850.0;
-/// Mass scaling up to which creepage and temperature were compared with those without.
+/// Largest mass scaling for which creepage and temperature were compared with unscaled results.
 const VERIFIED_SCALING: f64 = 25.0;
 
-/// Density of a material.
+/// Key: density of a material.
 pub(super) const DENSITY: &str = "density";
 const LENGTH: &str = "mech.length";
 const WIDTH: &str = "mech.width";
-/// Depth of the elements.
+/// Key: depth of the elements.
 pub(super) const DEPTH: &str = "mech.depth";
-/// Stiffness of a penalty contact.
+/// Key: stiffness of a penalty contact.
 pub(super) const PENALTY: &str = "mech.penalty_stiffness";
-/// How much heavier than their material elements are.
+/// Key: mass scaling of the elements.
 pub(super) const MASS_SCALING: &str = "mech.mass_scaling";
 
-/// Those of this model alone.
+/// Keys that are specific to this model.
 pub(super) fn own_keys() -> Vec<KeySpec> {
     let size = |key: &str, of: &str| {
         let help =
@@ -78,19 +78,20 @@ pub(super) fn own_keys() -> Vec<KeySpec> {
 pub(super) struct Extent {
     /// Length along the motion.
     pub(super) length: f64,
-    /// Half the width, and the depth.
+    /// Half the width and the depth of the blocks.
     pub(super) whole: [f64; 2],
-    /// Half the width, and the depth, of the fine zone.
+    /// Half the width and the depth of the fine zone.
     pub(super) fine: [f64; 2],
-    /// Half the length and half the width in which nodes are looked at for contact.
+    /// Half the length and half the width of the region searched for contact.
     pub(super) watched: [f64; 2],
 }
 
 impl Extent {
-    /// Of the case, where the contact may become `growth` times as long and wide as under the load.
+    /// Reads the sizes of a case. The contact may become `growth` times as long and wide as under
+    /// the load.
     ///
     /// # Errors
-    /// Sizes that leave no room for the contact, or are beyond a curve of a body.
+    /// Sizes that leave no room for the contact, or exceed a radius of a body.
     pub(super) fn read(
         case: &Params,
         scene: &Scene,

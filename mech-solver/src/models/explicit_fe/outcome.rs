@@ -1,4 +1,4 @@
-//! What a measurement gives: faults, fields, figures.
+//! Evaluation of a measurement: checks, fields, figures.
 
 use crate::case::scene::Scene;
 use crate::figures::indicators::{Indicators, add_elements};
@@ -14,15 +14,16 @@ use proto::field::{self, FieldSpec};
 use proto::model::StepReport;
 use serde_json::{Value, json};
 
-/// Part of the pressure on the plane that is rounding.
+/// Relative tolerance of the pressure on the plane; covers rounding.
 const ROUNDING: f64 = 1e-9;
-/// How far behind the middle of the contact material has what the passage leaves, in semi-axes.
+/// Distance behind the middle of the contact at which residual quantities are evaluated, in
+/// semi-axes.
 const PASSED: f64 = 1.8;
 
-/// Refuses means that are no answer.
+/// Refuses invalid means.
 ///
 /// # Errors
-/// Elements that are unstable, a contact that was not solved, or that reaches beyond the plane.
+/// Elements that are unstable; a contact that was not solved, or reaches beyond the plane.
 pub(super) fn check(rolling: &Rolling, means: &Means) -> Result<(), Refusal> {
     if !(means.pressed.is_finite() && means.friction.is_finite() && means.approach.is_finite()) {
         return Err(Refusal::new(
@@ -50,10 +51,10 @@ pub(super) fn check(rolling: &Rolling, means: &Means) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Refuses means without the force that is prescribed.
+/// Refuses means that miss the prescribed force.
 ///
 /// # Errors
-/// It was not met.
+/// A force that was not met.
 pub(super) fn met_force(means: &Means, met: bool) -> Result<(), Refusal> {
     if met {
         return Ok(());
@@ -66,11 +67,11 @@ pub(super) fn met_force(means: &Means, met: bool) -> Result<(), Refusal> {
     ))
 }
 
-/// What fields are made with.
+/// Data needed to write fields.
 pub(super) struct Fields {
-    /// The scene.
+    /// Scene of the case.
     pub(super) scene: Scene,
-    /// Terms of the effects.
+    /// Terms of the active effects.
     pub(super) terms: Terms,
 }
 
@@ -95,21 +96,21 @@ impl Fields {
     }
 }
 
-/// Report of a solve that took this many steps.
+/// Report of a solve with this number of steps.
 pub(super) fn report(rolling: &Rolling, steps: u64) -> StepReport {
     let elements: u64 = rolling.bodies.iter().map(|body| body.elements() as u64).sum();
     let substeps = u32::try_from(steps).unwrap_or(u32::MAX);
     StepReport { substeps, work: steps * elements, ..StepReport::default() }
 }
 
-/// Its part of `summary.json`.
+/// Sections of `summary.json`.
 pub(super) fn summary(scene: &Scene, rolling: &Rolling, means: &Means) -> Value {
     let mut contact = figures(rolling, means);
     Indicators::of_elements(scene).add_to(&mut contact);
     json!({ "contact": contact })
 }
 
-/// Nothing of nothing is nothing.
+/// Ratio of two values; 0 if the whole is 0.
 fn ratio(part: f64, whole: f64) -> f64 {
     if whole == 0.0 { 0.0 } else { part / whole }
 }
@@ -166,8 +167,8 @@ fn figures(rolling: &Rolling, means: &Means) -> Value {
     figures
 }
 
-/// Power of plastic flow [W], which the material carries away behind the contact, and the largest plastic strain that it has
-/// there.
+/// Power of plastic flow carried away by the material behind the contact [W], and the largest
+/// plastic strain there.
 fn plastic(rolling: &Rolling) -> (f64, f64) {
     let mut all = (0.0, 0.0_f64);
     for (body, speed) in rolling.bodies.iter().zip(rolling.speeds()) {

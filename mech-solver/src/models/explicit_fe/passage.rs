@@ -1,7 +1,8 @@
-//! Rolling on in time, on an axle that may move.
+//! Rolling in time, on an axle that may move.
 //!
-//! Fields of a window are its means. A window takes the fewest equal steps that are not longer than those of steady
-//! rolling, so windows of whole passages of an element take exactly those.
+//! Fields of a window are means over it. A window takes the smallest number of equal steps not
+//! longer than those of steady rolling. Windows that span whole passages of an element therefore
+//! keep the steps of steady rolling.
 
 use super::outcome::{self, Fields};
 use crate::models::contact_model::Contact;
@@ -15,37 +16,37 @@ use proto::state::{read_numbers, write_numbers};
 use serde_json::Value;
 use std::io::{self, Read, Write};
 
-/// Hears how many steps of how many are taken.
+/// Progress callback, called with the steps taken and the total number of steps.
 pub(super) type Report = Box<dyn FnMut(u64, u64)>;
 
-/// Bodies that roll on.
+/// Bodies rolling in time.
 pub(super) struct Passage {
     rolling: Rolling,
     axle: Axle,
     fields: Fields,
     report: Report,
-    /// The accepted state.
+    /// Accepted state.
     kept: Vec<f64>,
-    /// The bodies are beyond it, in a trial.
+    /// True if the bodies have advanced beyond the accepted state in a trial.
     beyond: bool,
     totals: Totals,
     /// Means of steady rolling.
     first: Means,
-    /// The summary of the accepted state.
+    /// Summary of the accepted state.
     accepted: Value,
 }
 
-/// A window that is solved; its fields are those of the rolling bodies.
+/// A solved time window; its fields are those of the rolling bodies.
 pub(super) struct Window {
     means: Means,
     duration: f64,
     report: StepReport,
 }
 
-/// What the accepted windows come to.
+/// Totals over the accepted windows.
 #[derive(Clone, Copy, Debug, Default)]
 struct Totals {
-    /// Work of friction [J].
+    /// Friction work [J].
     friction: f64,
     /// Time without contact [s].
     apart: f64,
@@ -66,7 +67,7 @@ impl Totals {
 }
 
 impl Passage {
-    /// Goes on from steady rolling, of which these are means.
+    /// Continues from steady rolling, with its means.
     pub(super) fn new(
         mut rolling: Rolling,
         means: &Means,

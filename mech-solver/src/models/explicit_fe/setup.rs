@@ -1,4 +1,4 @@
-//! A case, checked, and bodies made of it.
+//! A checked case, and the bodies built from it.
 
 use super::creep_curve::CreepCurve;
 use super::heated::Heated;
@@ -29,17 +29,18 @@ use proto::model::{Model, Setup};
 use proto::params::Params;
 use proto::progress::Progress;
 
-/// How much longer and wider than under the load the contact may be under forces that rise and fall.
+/// Largest growth of the contact's length and width under varying forces, relative to that under
+/// the load.
 const GROWTH: f64 = 1.6;
-/// Way to an irregularity at least, in half lengths of the contact.
+/// Minimum distance to an irregularity, in half lengths of the contact.
 const CLEAR: f64 = 1.2;
-/// Elements a second on a core, measured.
+/// Elements computed per second on one core, measured.
 const ELEMENTS_PER_SECOND: f64 = 5e7;
-/// Memory over the elements [byte]: state, and forces on planes; and of a state that is kept.
+/// Memory per element [byte]: state with forces on planes, and a saved state.
 const BYTES_PER_ELEMENT: [u64; 2] = [60, 65];
-/// Share of the time that a wave takes through an element that a step is, about.
+/// Approximate length of a step, relative to the time of a wave through an element.
 const STEP: f64 = 0.85;
-/// Elements between reports of progress, about.
+/// Approximate number of elements between progress reports.
 const REPORT: u64 = 20_000_000;
 
 /// A checked case.
@@ -61,7 +62,7 @@ struct Prepared {
 /// Checks a case.
 ///
 /// # Errors
-/// What is missing or out of range, or what this model has no answer to.
+/// Values that are missing or out of range; features that this model does not support.
 pub(super) fn configure(
     configuration: &Configuration,
     terms: Terms,
@@ -139,7 +140,8 @@ pub(super) fn configure(
     }))
 }
 
-/// Refuses an irregularity that is under a contact of this half length [m] from the beginning.
+/// Refuses an irregularity that lies within the contact from the start; `half_length` is that of
+/// the contact [m].
 fn refuse_at_once(terms: &Terms, half_length: f64) -> Result<(), Refusal> {
     let irregularity = terms.axle.and_then(|axle| axle.irregularity);
     let (Some(irregularity), Some(effect)) = (irregularity, terms.effect_of(Kind::Axle)) else {
@@ -159,7 +161,7 @@ fn refuse_at_once(terms: &Terms, half_length: f64) -> Result<(), Refusal> {
     ))
 }
 
-/// What the plan says of the elements of a body.
+/// Remark of the plan on the mesh quality of a body.
 fn mesh_quality(body: &str, quality: &Quality) -> Result<String, Refusal> {
     let Quality { aspect, jacobian, growth, shortest } = quality;
     if *jacobian <= 0.0 {
@@ -176,7 +178,7 @@ fn mesh_quality(body: &str, quality: &Quality) -> Result<String, Refusal> {
     ))
 }
 
-/// Refuses what this model has no answer to.
+/// Refuses features that this model does not support.
 fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<(), Refusal> {
     if let Some(effect) = terms.effect_of(Kind::Axle) {
         if configuration.mode == Mode::Steady {
@@ -320,7 +322,7 @@ fn wave_speed(solid: &Solid) -> f64 {
     ((solid.lame[0] + 2.0 * solid.lame[1]) / solid.density).sqrt()
 }
 
-/// Cells whose rows are the fine rows of nodes, over the part of the contact's plane that is watched.
+/// Grid over the watched part of the contact plane, with one row per fine row of nodes.
 fn contact_grid(mesh: &Section, sizes: &Sizes, reach: [f64; 2]) -> (Structured, usize) {
     let Sizes { element, middle, .. } = *sizes;
     let columns = 2 * (reach[0] / element).ceil() as usize + 1;
@@ -354,7 +356,7 @@ impl Setup for Prepared {
         } = *self;
         if let Some(ratio) = asked.force {
             asked.creepage = curve.creepage(ratio)?;
-            // All slides against that where nothing sticks.
+            // Without adhesion everything slides at this creepage.
             asked.force = asked.force.filter(|_| asked.law.sticks);
         }
         let [upper, lower] = sections;

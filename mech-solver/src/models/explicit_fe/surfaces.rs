@@ -1,5 +1,5 @@
-//! What touches, and about where: Hertz's ellipse of two radii, or the contact of measured profiles on a coarse grid of
-//! half-spaces.
+//! Undeformed surfaces and an estimate of their contact: Hertz's ellipse of two radii, or the
+//! contact of measured profiles, computed with half-spaces on a coarse grid.
 
 use crate::case::ellipse::Ellipse;
 use crate::case::scene::{GivenPatch, Load, Scene};
@@ -11,32 +11,32 @@ use explicit_fe::section::circle;
 use proto::configuration::{Configuration, Refusal};
 use std::f64::consts::PI;
 
-/// How far round Hertz's contact of the load another one of it may reach, in semi-axes.
+/// Size of the region searched for contact, relative to Hertz's contact under the load.
 const BEYOND_HERTZ: f64 = 1.4;
 
-/// The undeformed surfaces, in the frame of the contact.
+/// Undeformed surfaces, in the frame of the contact.
 pub(super) struct Surfaces {
-    /// The contact, or what of an ellipse comes near it.
+    /// Ellipse of the contact, or an equivalent ellipse for profiles.
     pub(super) ellipse: Ellipse,
-    /// Its stiffness, dN/dδ [N/m].
+    /// Contact stiffness, dN/dδ [N/m].
     pub(super) stiffness: f64,
-    /// Radii of rolling at the origin [m].
+    /// Rolling radii at the origin [m].
     pub(super) radii: [f64; 2],
-    /// Half the length, and half the width, in which contact is looked for [m].
+    /// Half the length and half the width of the region searched for contact [m].
     pub(super) watched: [f64; 2],
-    /// Lateral place of the middle of that [m].
+    /// Lateral position of the middle of this region [m].
     pub(super) middle: f64,
-    /// What was done to the shapes.
+    /// Remarks on modifications of the shapes.
     pub(super) remarks: Vec<String>,
     gap: Option<Gap>,
     lateral: [f64; 2],
 }
 
 impl Surfaces {
-    /// Of a case, with so many elements to a semi-axis.
+    /// Reads the surfaces of a case, with `resolution` elements per semi-axis for profiles.
     ///
     /// # Errors
-    /// Shapes that do not touch, or too steeply.
+    /// Shapes that do not touch, or touch too steeply.
     pub(super) fn read(
         configuration: &Configuration,
         scene: &Scene,
@@ -44,7 +44,7 @@ impl Surfaces {
     ) -> Result<Self, Refusal> {
         let [upper, lower] = scene.materials();
         let bodies = Elasticity::of_pair(&upper, &lower).into();
-        // Effects that change the gap are none of this model.
+        // Effects that change the gap are not supported by this model.
         let terms = Terms::default();
         let shapes = Shapes {
             scene,
@@ -88,8 +88,8 @@ impl Surfaces {
         })
     }
 
-    /// How far the surface of a body is within it [m] over the lateral coordinate [m], from the plane through the lower surface at
-    /// the origin.
+    /// Depth of a body's surface, positive into the body, over the lateral coordinate [m]; measured
+    /// from the plane through the lower surface at the origin.
     pub(super) fn drop(&self, body: usize, y: f64) -> f64 {
         match &self.gap {
             Some(gap) if !gap.is_parabola(body) => gap.drop(body, y),
@@ -102,7 +102,8 @@ impl Surfaces {
     }
 }
 
-/// dN/dδ of a contact [N/m]: of Hertz's where the approach is known, else that of a circular one of the same area, 2 E* √(ab).
+/// Contact stiffness dN/dδ [N/m]: Hertz's if the approach is known, otherwise that of a circular
+/// contact of the same area, 2 E* √(ab).
 fn stiffness(scene: &Scene, ellipse: &Ellipse) -> f64 {
     let Ellipse { semi_axis_a, semi_axis_b, approach, normal_force, .. } = ellipse;
     match approach {

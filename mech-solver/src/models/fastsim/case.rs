@@ -1,4 +1,4 @@
-//! Requests of a case to the model, and the problem of a scene.
+//! Options of a case, and the problem of a scene.
 
 use super::contact::Problem;
 use crate::case::ellipse::Ellipse;
@@ -20,12 +20,12 @@ use std::f64::consts::PI;
 
 const TRACTION_BOUND: &str = "mech.traction_bound";
 const STICK_ZONE: &str = "mech.stick_zone";
-/// Fewest strips: the force of a contact that sticks is then exact to 1e-4.
+/// Minimum number of strips; the force of a contact that sticks is then accurate to 1e-4.
 const FEWEST_STRIPS: usize = 16;
-/// Elements per semi-axis, unless the case says otherwise.
+/// Default number of elements per semi-axis.
 pub(super) const RESOLUTION: usize = 40;
 
-/// The keys that no other model has.
+/// Keys that are specific to this model.
 pub(super) fn own_keys() -> Vec<KeySpec> {
     let mut keys = vec![
         springs::flexibility_key(),
@@ -47,27 +47,27 @@ pub(super) fn own_keys() -> Vec<KeySpec> {
     keys
 }
 
-/// What a case asks for besides its scene.
+/// Options of a case in addition to its scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Options {
-    /// The ellipse that the case gives.
+    /// Ellipse given by the case.
     pub(super) given: Option<GivenPatch>,
     pub(super) kind: Kind,
     pub(super) bound: Bound,
-    /// Strip theory gives the traction that sticks.
+    /// True if strip theory gives the traction in the stick zone.
     pub(super) strip_theory: bool,
     pub(super) reduction: Reduction,
     /// Elements per semi-axis.
     pub(super) resolution: usize,
-    /// Surfaces may stick.
+    /// True if surfaces may stick.
     pub(super) partial: bool,
 }
 
 impl Options {
-    /// What it says.
+    /// Reads the options.
     ///
     /// # Errors
-    /// A value is out of range, or two exclude each other.
+    /// A value that is out of range; two options that exclude each other.
     pub(super) fn read(
         case: &Params,
         given: Option<GivenPatch>,
@@ -91,10 +91,11 @@ impl Options {
     }
 }
 
-/// The problem of a scene, whose fields are wanted on this grid.
+/// Returns the problem of a scene, with fields on this grid.
 ///
 /// # Errors
-/// The scene has no ellipse or does not roll, its bodies are not in Kalker's table, or its force is beyond friction.
+/// A scene without an elliptic contact or without rolling; bodies outside Kalker's table; a force
+/// beyond friction.
 pub(super) fn problem(
     scene: &Scene,
     asked: &Options,
@@ -135,7 +136,8 @@ fn coefficients(scene: &Scene, ellipse: &Ellipse) -> Result<CreepCoefficients, R
     Ok(kalker::creep_coefficients(aspect, scene.combined_poisson_ratio()))
 }
 
-/// Cells as long as an element on the longest strip, and strips half as wide as an element or less.
+/// Lattice with cells as long as an element on the longest strip, and strips at most half as wide
+/// as an element.
 fn lattice(ellipse: &Ellipse, grid: &Structured, resolution: usize, bound: Bound) -> Lattice {
     let half = (PI * ellipse.semi_axis_b / grid.dy()).ceil() as usize;
     Lattice {
@@ -147,12 +149,12 @@ fn lattice(ellipse: &Ellipse, grid: &Structured, resolution: usize, bound: Bound
     }
 }
 
-/// Cells of its lattice.
+/// Number of cells of the lattice.
 pub(super) fn cells(problem: &Problem) -> usize {
     problem.lattice.strips * problem.lattice.cells
 }
 
-/// What is the same in all rows of a history.
+/// Data shared by all rows of a history.
 pub(super) struct Case {
     pub(super) asked: Options,
     pub(super) terms: Terms,

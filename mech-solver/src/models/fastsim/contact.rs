@@ -1,4 +1,4 @@
-//! The contact as a whole: creepage for a prescribed force, and everything that is one number.
+//! The whole contact: creepage for a prescribed force, and totals over all cells.
 
 use super::limits::Limits;
 use super::sliding::Sliding;
@@ -16,28 +16,28 @@ use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// A checked case, before the march.
+/// A checked case, before the march along the strips.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Problem {
-    /// The normal contact.
+    /// Normal contact.
     pub(super) ellipse: Ellipse,
-    /// What is prescribed.
+    /// Prescribed creepage or force.
     pub(super) prescribed: Prescribed,
     /// Kalker's flexibilities.
     pub(super) flexibilities: Flexibilities,
-    /// One or three of them.
+    /// One or three flexibilities.
     pub(super) kind: Kind,
-    /// How the slope of the creep curve is reduced.
+    /// Reduction of the initial slope of the creep curve.
     pub(super) reduction: Reduction,
-    /// Poisson's ratio where strip theory gives the traction that sticks.
+    /// Poisson's ratio, if strip theory gives the traction in the stick zone.
     pub(super) strip_theory: Option<f64>,
-    /// Strips and cells.
+    /// Strips and cells of the contact.
     pub(super) lattice: Lattice,
     /// Friction coefficient [-].
     pub(super) friction_coefficient: f64,
     /// Speeds of rolling and of the surfaces.
     pub(super) speeds: Speeds,
-    /// Surfaces may stick.
+    /// True if surfaces may stick.
     pub(super) partial: bool,
 }
 
@@ -46,7 +46,7 @@ impl Problem {
         self.friction_coefficient * self.ellipse.normal_force
     }
 
-    /// The simplified theory, and the factor by which its flexibilities are divided.
+    /// Simplified theory at a creepage, and the factor by which its flexibilities are divided.
     fn march(&self, creepage: Creepage) -> (March, f64) {
         let Lattice { semi_axis_a: a, semi_axis_b: b, .. } = self.lattice;
         let reach = 3.0 * self.friction_bound() / (8.0 * a * a * b);
@@ -56,13 +56,14 @@ impl Problem {
         (March { lattice: self.lattice, springs, creepage, largest_bound }, factor)
     }
 
-    /// Polach's gradient of the tangential stress over the creepage, G π a b C11/(4 f N) [-].
+    /// Polach's gradient of the tangential stress, relative to the creepage, G π a b C11/(4 f N)
+    /// [-].
     fn gradient(&self) -> f64 {
         let Lattice { semi_axis_a: a, semi_axis_b: b, .. } = self.lattice;
         2.0 * PI * a * a * b / (3.0 * self.flexibilities.longitudinal * self.friction_bound())
     }
 
-    /// How the tractions follow from a creepage.
+    /// Tangential theory at a creepage.
     fn tangential(&self, creepage: Creepage) -> Tangential {
         match self.partial {
             true => self.sticking(creepage),
@@ -72,7 +73,7 @@ impl Problem {
         }
     }
 
-    /// The same for surfaces that may stick.
+    /// Tangential theory at a creepage, for surfaces that may stick.
     fn sticking(&self, creepage: Creepage) -> Tangential {
         let (march, factor) = self.march(creepage);
         let Some(poisson_ratio) = self.strip_theory else { return Tangential::Partial(march) };
@@ -81,12 +82,12 @@ impl Problem {
         Tangential::Strips(StripTheory::new(march, flexibilities, poisson_ratio))
     }
 
-    /// Solves it with one friction coefficient, in the memory of a contact that is no longer needed.
+    /// Solves the contact with one friction coefficient; reuses the memory of a discarded contact.
     pub(super) fn solve(&self, spent: Option<FastsimContact>) -> FastsimContact {
         self.solve_under(|_, _, bound| bound, 1.0, spent)
     }
 
-    /// Solves it with the friction of elements.
+    /// Solves the contact with the friction bounds of the elements.
     pub(super) fn solve_limited(
         &self,
         limits: &Limits<'_>,
@@ -96,7 +97,8 @@ impl Problem {
         self.solve_under(|x, y, bound| limits.at(x, y, bound), most, spent)
     }
 
-    /// Force of springs all of which slide along x, with the friction of elements [N].
+    /// Longitudinal force if all springs slide along x, with the friction bounds of the elements
+    /// [N].
     pub(super) fn capacity(&self, limits: &Limits<'_>) -> f64 {
         if self.friction_bound() == 0.0 {
             return 0.0;
@@ -114,8 +116,8 @@ impl Problem {
         self.lattice.strips().map(strip).sum()
     }
 
-    /// Solves it under the bounds that `limit` makes of the place and of the bound by the mean coefficient; all of the contact carries `most`
-    /// of f N.
+    /// Solves the contact under the local bound `limit`, a function of x, y and the bound at the
+    /// mean coefficient. The whole contact can carry at most `most` · f N.
     fn solve_under(
         &self,
         limit: impl Fn(f64, f64, f64) -> f64 + Copy,
@@ -152,16 +154,17 @@ impl Problem {
         contact
     }
 
-    /// The ξ whose longitudinal force is `ratio` · f N, with η = φ = 0, where all of the contact carries `most`.
+    /// Creepage ξ whose longitudinal force is `ratio` · f N, with η = φ = 0; the whole contact
+    /// carries at most `most` · f N.
     fn longitudinal_creepage(
         &self,
         ratio: f64,
         most: f64,
         limit: impl Fn(f64, f64, f64) -> f64 + Copy,
     ) -> f64 {
-        /// Rounding of a sum over all cells.
+        /// Relative rounding error of a sum over all cells.
         const ROUNDING: f64 = 1e-12;
-        /// Doublings of the creepage after which all slips, however friction varies.
+        /// Maximum number of doublings of the creepage until the whole contact slips.
         const DOUBLINGS: usize = 40;
         let target = ratio.abs();
         let force = |creep: f64| {
@@ -170,7 +173,7 @@ impl Problem {
         };
         let (mut all, mut largest) = (self.full_slip_creepage(), most);
         if most != 1.0 {
-            // Friction that varies may slip later than friction of the mean coefficient.
+            // Varying friction may reach full slip at a larger creepage than the mean coefficient.
             let slides = |creep: &f64| force(*creep) >= most * (1.0 - ROUNDING);
             let tried = (0..DOUBLINGS).map(|count| all * f64::from(count as u32).exp2());
             all = tried.clone().find(slides).unwrap_or(all);
@@ -185,9 +188,9 @@ impl Problem {
         -ratio.signum() * creep.unwrap_or(all) + 0.0
     }
 
-    /// Least creep at which every cell slips [-]: the predictor of the traction of the first cell,
-    /// Δ w/L, reaches the bound at its rear on the longest strip, and the bound rises less behind
-    /// it. In strip theory, that at which d = a there.
+    /// Smallest creep at which every cell slips [-]. On the longest strip, the traction predictor
+    /// of the first cell, Δ w/L, reaches the bound at the cell's rear end; behind it the bound
+    /// rises more slowly. In strip theory, the creep at which d = a on that strip.
     fn full_slip_creepage(&self) -> f64 {
         let Lattice { semi_axis_a, bound, cells, .. } = self.lattice;
         let largest = self.lattice.largest_bound(self.friction_bound());
@@ -200,14 +203,14 @@ impl Problem {
     }
 }
 
-/// How the tractions follow from the creepage.
+/// Tangential theory that gives the tractions at a creepage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Tangential {
-    /// With a stick zone.
+    /// With a stick zone, by springs.
     Partial(March),
-    /// With one of strip theory.
+    /// With a stick zone, by strip theory.
     Strips(StripTheory),
-    /// Without.
+    /// Without a stick zone.
     Sliding(Sliding),
 }
 
@@ -221,20 +224,20 @@ impl Tangential {
     }
 }
 
-/// Sums over all cells.
+/// Totals over all cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Totals {
-    /// F_x and F_y [N].
+    /// Creep forces F_x and F_y [N].
     force: [f64; 2],
-    /// M_z [N m].
+    /// Spin moment M_z [N m].
     moment: f64,
-    /// Friction power over V [N].
+    /// Friction power divided by V [N].
     power: f64,
-    /// Area that slips [m²].
+    /// Slip area [m²].
     slip_area: f64,
     /// Largest traction [Pa].
     largest_traction: f64,
-    /// Largest slip over V [-].
+    /// Largest slip divided by V [-].
     largest_slip: f64,
 }
 
@@ -279,18 +282,18 @@ impl Totals {
 /// A solved contact.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FastsimContact {
-    /// The case.
+    /// Case that was solved.
     pub(super) problem: Problem,
-    /// Creepage, prescribed or found.
+    /// Creepage, prescribed or computed.
     pub(super) creepage: Creepage,
-    /// The strips, and which of the cells are theirs.
+    /// Strips, with the range of their cells.
     strips: Vec<(Strip, Range<usize>)>,
     cells: Vec<Cell>,
     totals: Totals,
 }
 
 impl FastsimContact {
-    /// The strips with their cells, each from the leading to the trailing edge.
+    /// Strips with their cells, each from the leading to the trailing edge.
     pub(super) fn strips(&self) -> impl Iterator<Item = (&Strip, &[Cell])> {
         self.strips.iter().map(|(strip, cells)| (strip, &self.cells[cells.clone()]))
     }
@@ -301,7 +304,7 @@ impl FastsimContact {
         [x, y, self.problem.ellipse.normal_force]
     }
 
-    /// Scales the slip, so that friction dissipates the power of the creepages.
+    /// Scales the slip so that the friction power equals the power of the creepages.
     fn balance_slip(&mut self) {
         let factor = self.creep_power() / self.totals.power;
         if !factor.is_finite() || factor < 0.0 {
@@ -314,7 +317,7 @@ impl FastsimContact {
         self.totals.largest_slip *= factor;
     }
 
-    /// −(ξ F_x + η F_y + φ M_z) [N].
+    /// Power of the creepages divided by V, −(ξ F_x + η F_y + φ M_z) [N].
     fn creep_power(&self) -> f64 {
         let [x, y] = self.totals.force;
         let [xi, eta, phi] = self.creepage;
@@ -322,14 +325,15 @@ impl FastsimContact {
         -(xi * x + eta * y + phi * self.totals.moment) + 0.0
     }
 
-    /// |P − the power of the creepages| over the sum of the magnitudes.
+    /// |friction power − power of the creepages| divided by the sum of both magnitudes.
     fn power_imbalance(&self) -> f64 {
         let (taken, given) = (self.totals.power, self.creep_power());
         power_imbalance(taken, given, taken.abs() + given.abs())
     }
 
-    /// Refuses friction power that is not that of the creepages; more than one flexibility under spin does
-    /// not claim it, but for the slip of strip theory, which is scaled to it.
+    /// Refuses a friction power that differs from the power of the creepages. Several flexibilities
+    /// under spin are exempt, since they do not balance; the slip of strip theory is scaled to
+    /// balance.
     pub(super) fn check_power(&self) -> Result<(), Refusal> {
         let Problem { partial, kind, strip_theory, .. } = self.problem;
         let exact = kind.balances_spin() || self.creepage[2] == 0.0;
@@ -346,7 +350,7 @@ impl FastsimContact {
         Err(Refusal::new("mech.resolution", reason, "write another resolution"))
     }
 
-    /// The section `contact` of `summary.json`.
+    /// Section `contact` of `summary.json`.
     pub(super) fn summary(&self) -> Value {
         let (totals, ellipse, speed) =
             (&self.totals, &self.problem.ellipse, self.problem.speeds.rolling);
@@ -378,11 +382,11 @@ mod tests {
     use super::*;
     use elastic::fastsim::bound::Bound;
 
-    /// One friction coefficient.
+    /// Uniform friction coefficient.
     const MEAN: fn(f64, f64, f64) -> f64 = |_, _, bound| bound;
 
-    /// The contact of CONTACT's example fastsim with the flexibilities that CONTACT prints for it: a = 8 mm, b = 4 mm,
-    /// f = 0.3, N = 82 kN, η = −6.25e-4, φ = 0.625/m.
+    /// Contact of CONTACT's example fastsim, with the flexibilities printed by CONTACT: a = 8 mm, b
+    /// = 4 mm, f = 0.3, N = 82 kN, η = −6.25e-4, φ = 0.625/m.
     fn published(bound: Bound) -> March {
         let lattice =
             Lattice { semi_axis_a: 8e-3, semi_axis_b: 4e-3, strips: 400, cells: 800, bound };
@@ -399,9 +403,10 @@ mod tests {
         March { lattice, springs, creepage, largest_bound }
     }
 
-    /// CONTACT r2707, examples/fastsim.inp, cases 2 and 5 (FASTSIM, parabolic bound):
-    /// F_y = −15.05 kN on 40 elements across and −15.64 kN on 200, −15.79 kN by extrapolation;
-    /// M_z = −39.00 and −37.98 N m, −37.73 N m. Tolerance: that extrapolation, and the printed digits.
+    /// CONTACT r2707, examples/fastsim.inp, cases 2 and 5 (FASTSIM, parabolic bound): F_y = −15.05
+    /// kN on 40 elements across and −15.64 kN on 200, −15.79 kN by extrapolation; M_z = −39.00 and
+    /// −37.98 N m, −37.73 N m by extrapolation. The tolerance covers the extrapolation and the
+    /// printed digits.
     #[test]
     fn published_result() {
         let march = published(Bound::Parabolic);
@@ -411,10 +416,12 @@ mod tests {
         assert!(totals.force[0].abs() < 1e-9 * 82e3, "{totals:?}");
     }
 
-    /// The same example, cases 3 and 6 (elliptic bound) and 4 and 7 (FASTRIP). On 40, 200, 400 and 800 elements across CONTACT has (the first
-    /// two are shipped, it was run for the others) F_y = −14.80, −14.65, −14.63, −14.62 and −15.83, −15.85, −15.85, −15.85 kN,
-    /// M_z = −48.29, −45.30, −44.94, −44.76 and −48.16, −47.57, −47.52, −47.49 N m: −14.61 and −15.85 kN, −44.58 and −47.46 N m
-    /// by extrapolation of first order. Tolerance: the printed digits, 5 N and 5 N mm of each, and 400 strips of 800 cells here.
+    /// Same example, cases 3 and 6 (elliptic bound) and 4 and 7 (FASTRIP), on 40, 200, 400 and 800
+    /// elements across. The first two grids are shipped with CONTACT, the others were computed with
+    /// it. F_y = −14.80, −14.65, −14.63, −14.62 and −15.83, −15.85, −15.85, −15.85 kN. M_z =
+    /// −48.29, −45.30, −44.94, −44.76 and −48.16, −47.57, −47.52, −47.49 N m. First-order
+    /// extrapolation gives −14.61 and −15.85 kN, −44.58 and −47.46 N m. The tolerance covers the
+    /// printed digits, 5 N and 5 N mm of each, and the 400 strips of 800 cells used here.
     #[test]
     fn published_results_under_the_elliptic_bound() {
         let march = published(Bound::Elliptic);
@@ -432,10 +439,11 @@ mod tests {
         }
     }
 
-    /// CONTACT r2707, examples/tractcurv.inp, cases 91 to 120: a = 6.304 mm, b = 12.61 mm, N = 106.7 kN, k_0 = 0.54, α = 0.02,
-    /// β = 0.62, friction 0.1368 + 0.2232 · 2^(−v/0.99) at 10 m/s. F_x is that of CONTACT on 480 × 440 elements (it was run
-    /// for this; its shipped output is on 48 × 44), extrapolated from both with the first order of its elements.
-    /// Tolerance: the printed digits of both, and the second order of 40 elements across.
+    /// CONTACT r2707, examples/tractcurv.inp, cases 91 to 120: a = 6.304 mm, b = 12.61 mm, N =
+    /// 106.7 kN, k_0 = 0.54, α = 0.02, β = 0.62, friction 0.1368 + 0.2232 · 2^(−v/0.99) at 10 m/s.
+    /// F_x was computed with CONTACT on 480 × 440 elements for this test (its shipped output is on
+    /// 48 × 44), and extrapolated from both with the first order of its elements. The tolerance
+    /// covers the printed digits of both, and the second order of 40 elements across.
     #[test]
     fn published_creep_curve_of_less_slope() {
         let (a, b, bound) = (6.304e-3, 12.61e-3, Bound::Parabolic);
@@ -462,7 +470,7 @@ mod tests {
         ] {
             let creepage = [xi, 0.0, 0.0];
             let friction_bound = 106.7e3 * (0.1368 + 0.2232 * (-10.0_f64 * xi / 0.99).exp2());
-            // G C11 is 8 a/(3 L1).
+            // G C11 = 8 a/(3 L1).
             let gradient =
                 2.0 * PI * a * a * b / (3.0 * flexibilities.longitudinal * friction_bound);
             let factor = Reduction::new(0.54, 0.02, 0.62).at(creepage, a, gradient);

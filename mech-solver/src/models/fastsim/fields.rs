@@ -1,8 +1,8 @@
-//! The fields of the contact as element means.
+//! Fields of the contact as element means.
 //!
-//! A cell's values are spread over the elements it covers, in proportion to the area: along x over
-//! [x_rear, x_front], along y over the band of its strip. The sum over the elements times their
-//! area is thus the sum over the cells, to rounding, for forces as for heat.
+//! A cell's values are distributed over the elements it covers, in proportion to the area: along x
+//! over [x_rear, x_front], along y over the band of its strip. The sum over the elements times
+//! their area therefore equals the sum over the cells, to rounding, for forces and heat.
 
 use super::contact::FastsimContact;
 use crate::models::power_balance::power_density;
@@ -43,7 +43,7 @@ pub(super) fn write(
     }
 }
 
-/// Spreads a quantity of the cells over the elements.
+/// Distributes a quantity of the cells over the elements.
 fn spread<const N: usize>(
     contact: &FastsimContact,
     grid: Structured,
@@ -65,7 +65,7 @@ fn add_cell<const N: usize>(
     grid: &Structured,
     row: &mut [[f64; N]],
 ) {
-    // In units of Δx from the first element's rear edge.
+    // Position in units of Δx from the first element's rear edge.
     let place = |x: f64| x / grid.dx() + 0.5 * grid.ni as f64;
     overlaps(cell.ends.map(place), grid.ni, |column, share| {
         for (sum, value) in row[column].iter_mut().zip(quantity) {
@@ -83,7 +83,7 @@ fn add_strip<const N: usize>(
 ) {
     let place = |y: f64| y / grid.dy() + 0.5 * grid.nj as f64;
     let span = strip.span.map(place);
-    // The strip counts with its width, and is spread over its span.
+    // The strip is weighted with its width and distributed over its span.
     let scale = strip.width / (grid.dy() * (span[1] - span[0]));
     overlaps(span, grid.nj, |row, share| {
         for component in 0..N {

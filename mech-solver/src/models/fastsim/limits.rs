@@ -1,8 +1,10 @@
-//! Traction bounds of a contact whose friction is not one coefficient.
+//! Traction bounds of a contact with varying friction.
 //!
-//! At (x, y) the bound is min(f/f̄ g, τ): g is that by the mean coefficient f̄, the parabola or the half ellipse, f and τ are the coefficient
-//! and the largest traction of the element of the contact's grid in which the place lies. Under the parabola a contact that slides carries the
-//! integral of min(f/f̄ g, τ), up to a tenth less than of Hertz's pressure: see [`elastic::cut_off`].
+//! At (x, y) the bound is min(f/f̄ g, τ). Here g is the bound at the mean coefficient f̄, a
+//! parabola or half ellipse; f and τ are the friction coefficient and the largest traction of the
+//! grid element at that position. Under the parabola a sliding contact carries the integral of
+//! min(f/f̄ g, τ), which is up to a tenth less than with Hertz's pressure; see
+//! [`elastic::cut_off`].
 
 use half_space::friction::ElementFriction;
 use proto::grid::Structured;
@@ -17,7 +19,7 @@ pub(super) struct Limits<'a> {
 }
 
 impl<'a> Limits<'a> {
-    /// Traction bounds of the elements of a grid under their pressures [Pa].
+    /// Creates the traction bounds of the elements of a grid under these pressures [Pa].
     pub(super) fn new(
         grid: &'a Structured,
         friction: &'a ElementFriction,
@@ -26,10 +28,10 @@ impl<'a> Limits<'a> {
         Self { grid, friction, mean: friction.mean(0..grid.points(), pressure) }
     }
 
-    /// Bound at a place, from that by the mean coefficient [Pa].
+    /// Bound at a position, from the bound at the mean coefficient [Pa].
     pub(super) fn at(&self, x: f64, y: f64, bound: f64) -> f64 {
         let Self { grid, friction, mean } = self;
-        // Beyond the grid the nearest element counts.
+        // Beyond the grid the nearest element applies.
         let nearest = |steps: f64, count: usize| (steps.round().max(0.0) as usize).min(count - 1);
         let i = nearest((x - grid.x(0)) / grid.dx(), grid.ni);
         let j = nearest((y - grid.y(0)) / grid.dy(), grid.nj);

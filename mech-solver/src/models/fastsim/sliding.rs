@@ -1,35 +1,36 @@
 //! A contact that slides everywhere, for runs without terms of adhesion.
 //!
-//! The traction is f p_n, Hertz's pressure, against the rigid slip (ξ − φ y, η + φ x), and the
-//! springs play no part. On a strip the bound's mean over a cell is exact; its sum over the strips
-//! of a lattice is made exact by a factor 1 + O(n⁻⁴), so that pure sliding carries f N. The friction
-//! power is −(ξ F_x + η F_y + φ M_z) to rounding, with the slip and its moment at the cells' middles. Local bounds of friction are
-//! those of the cells' middles.
+//! The traction is f p_n, with Hertz's pressure, against the rigid slip (ξ − φ y, η + φ x); the
+//! springs have no influence. On a strip the mean of the bound over a cell is exact. Its sum over
+//! the strips of a lattice is made exact by a factor 1 + O(n⁻⁴), so that pure sliding carries f N.
+//! The friction power is −(ξ F_x + η F_y + φ M_z) to rounding, with the slip and its moment at the
+//! middle of each cell. Local friction bounds are evaluated there too.
 
 use elastic::fastsim::bound::Bound;
 use elastic::fastsim::flexibility::Creepage;
 use elastic::fastsim::integration::{Cell, Lattice, Strip, norm};
 use elastic::strips::semi_ellipse::segment_area;
 
-/// What a sliding contact needs.
+/// A contact that slides everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sliding {
     lattice: Lattice,
     creepage: Creepage,
-    /// Traction bound at the centre, with the factor that makes the sum exact [Pa].
+    /// Traction bound at the centre, including the factor that makes the sum exact [Pa].
     amplitude: f64,
 }
 
 impl Sliding {
-    /// With the friction bound f N [N].
+    /// Creates a sliding contact with the friction bound f N [N].
     pub(super) fn new(lattice: Lattice, creepage: Creepage, friction_bound: f64) -> Self {
         let amplitude = friction_bound / lattice.half_ellipsoid();
-        // The cells are of equal length.
+        // Cells have equal length.
         let lattice = Lattice { bound: Bound::Parabolic, ..lattice };
         Self { lattice, creepage, amplitude }
     }
 
-    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of [`elastic::fastsim::integration::March::strip`].
+    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of
+    /// [`elastic::fastsim::integration::March::strip`].
     pub(super) fn strip(
         &self,
         strip: &Strip,

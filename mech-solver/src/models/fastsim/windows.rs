@@ -1,8 +1,8 @@
-//! Windows of the contact: of values that vary, and of friction that depends on inputs or on slip.
+//! Windows of a contact with varying values, or with friction that depends on inputs or on slip.
 //!
-//! The springs and their reduction have the mean of f over the contact, weighted with the pressure;
-//! every place is bounded by the friction of its own element ([`super::limits`]). With one slip
-//! velocity for all, as Spiryagin, Polach and Cole have it, both are the same.
+//! The springs and their reduction use the mean of f over the contact, weighted with the pressure;
+//! every point is bounded by the friction of its own element ([`super::limits`]). With a single
+//! slip velocity, as in the theory of Spiryagin, Polach and Cole, both are the same.
 
 use super::case::{Case, cells, problem};
 use super::contact::FastsimContact;
@@ -21,19 +21,19 @@ use proto::field::FieldSpec;
 use proto::model::{Inputs, Step, StepError, StepReport};
 use serde_json::Value;
 
-/// What solves them.
+/// Solver of the windows.
 pub(super) struct Windows {
     case: Case,
     scenes: Scenes,
-    /// Hertz's pressure, where friction depends on something.
+    /// Hertz's pressure; used if friction is not constant.
     pressure: Vec<f64>,
 }
 
-/// A window that is solved.
+/// A solved time window.
 pub(super) struct Window {
     contact: FastsimContact,
     step: Step,
-    /// Its force is not the prescribed one.
+    /// Set if the prescribed force was not reached.
     shortfall: Option<Shortfall>,
 }
 
@@ -43,7 +43,7 @@ impl Windows {
         Self { case, scenes, pressure }
     }
 
-    /// The contact with the friction at some creepages.
+    /// Contact with the friction at these creepages.
     fn contact_at(
         &mut self,
         inputs: &dyn Inputs,
@@ -68,7 +68,8 @@ impl Windows {
         let free = Scene { friction_coefficient: limits.mean, drive: at_rest, ..scene.clone() };
         let (mut problem, _) = problem(&free, asked, grid).map_err(no_answer)?;
         let load = problem.ellipse.normal_force;
-        // No more than the mean, to which forces are referred, where the sum over the strips is off by rounding or by its grid.
+        // Limit by the mean, to which forces refer: the sum over the strips may exceed it by
+        // rounding or discretisation.
         let most = limits.mean.min(problem.capacity(&limits) / load);
         let (drive, shortfall) = Shortfall::of(scene.drive, most, load);
         problem.prescribed =
@@ -78,7 +79,7 @@ impl Windows {
         Ok((contact, shortfall))
     }
 
-    /// The contact with the friction that it leaves itself.
+    /// Contact whose friction agrees with its own creepages.
     fn settled(
         &mut self,
         inputs: &dyn Inputs,
@@ -125,7 +126,7 @@ impl contact_model::Contact for Windows {
         Ok(Window { contact, step: *step, shortfall })
     }
 
-    /// With the friction coefficient of the case.
+    /// Initial window, with the friction coefficient of the case.
     fn first(&mut self) -> Option<Window> {
         let scene = self.scenes.of(&Step::STEADY).ok()?;
         let (problem, _) = problem(&scene, &self.case.asked, &self.case.grid).ok()?;

@@ -1,4 +1,4 @@
-//! What an instant looks like: fields and figures.
+//! Fields and figures of an instant.
 
 use super::balance::Balance;
 use super::case::Case;
@@ -17,7 +17,7 @@ use proto::model::Outputs;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// The fields on the case's grid, components x and y one after the other.
+/// Fields on the grid of the case; components x and y one after the other.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Answer {
     pub(super) pressure: Vec<f64>,
@@ -28,34 +28,35 @@ pub(super) struct Answer {
     pub(super) creepage: Creepage,
     slip_area_ratio: f64,
     approach: Option<f64>,
-    /// Where along x the moment is taken that does the work of the spin: as far ahead as the middle of a step is beyond where its
-    /// rigid slip is taken [m].
+    /// Position along x about which the moment does the work of the spin: the distance between the
+    /// middle of a step and the point where its rigid slip is taken [m].
     pub(super) pivot: f64,
     /// Numerical dissipation of the difference along x, a part of the friction power [W].
     pub(super) numerical_dissipation: Option<f64>,
-    /// The power balance, where there is one.
+    /// Power balance, if it is known.
     pub(super) balance: Option<Balance>,
-    /// What bodies that creep dissipate in a step, under pressure and tractions [W].
+    /// Power dissipated inside creeping bodies in a step, by pressure and tractions [W].
     dissipated: Option<f64>,
-    /// What a layer between the surfaces has taken by plastic flow.
+    /// Plastic flow of a layer between the surfaces.
     flowed: Option<Flowed>,
-    /// What heat has done to both bodies, where it expands them and that is observed.
+    /// Thermal inputs of both bodies, if they expand and are observed.
     heated: Option<[KeptSurface; 2]>,
 }
 
 /// Plastic flow of a layer.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Flowed {
-    /// Largest plastic shift that a particle in the contact has gathered [m].
+    /// Largest plastic shift accumulated by a particle in the contact [m].
     largest_shift: f64,
-    /// Share of the contact that flows [-].
+    /// Share of the contact area that flows plastically [-].
     area_ratio: f64,
-    /// Its part of the friction power [W].
+    /// Share of the friction power due to plastic flow [W].
     power: f64,
 }
 
 impl Flowed {
-    /// Of a state and its friction power [W/m²] on elements of this area [m²]; `None` without a layer that yields.
+    /// Evaluates a state with its friction power [W/m²] on elements of this area [m²]; `None`
+    /// without a yielding layer.
     fn of(state: &TangentialState, power: &[f64], area: f64) -> Option<Self> {
         if state.yielded.is_empty() {
             return None;
@@ -81,7 +82,7 @@ impl Flowed {
 }
 
 impl Answer {
-    /// Everything slides, against the rigid slip.
+    /// Answer of a contact that slides everywhere, against the rigid slip.
     pub(super) fn sliding(case: &Case, contact: &ContactSolver) -> Self {
         let creepage = case.driven.at(0.0).creepage;
         let [xi, eta, phi] = creepage;
@@ -108,7 +109,8 @@ impl Answer {
         answer
     }
 
-    /// A solution; `before` are the tractions of the instant before, which steady rolling lacks.
+    /// Answer of a solution with partial slip; `before` are the tractions of the previous instant,
+    /// `None` in steady rolling.
     pub(super) fn partial(
         case: &Case,
         contact: &ContactSolver,
@@ -137,13 +139,13 @@ impl Answer {
         self.numerical_dissipation = Some(self.numerical_dissipation.unwrap_or(0.0) + added);
     }
 
-    /// Takes what bodies that creep dissipate in a step, over the area of an element [Pa m].
+    /// Sets the energy dissipated by creeping bodies in a step, given per element area [Pa m].
     pub(super) fn dissipate(&mut self, case: &Case, taken: f64) {
         let (area, duration) = (case.footprint.grid.element_area(), case.passage().duration);
         self.dissipated = Some(taken * area / duration);
     }
 
-    /// Pressed together, and nothing else.
+    /// Answer of bodies pressed together without tractions.
     pub(super) fn at_rest(case: &Case, contact: &ContactSolver) -> Self {
         let mut answer = Self::new(case, contact, [0.0; 3]);
         let count = case.footprint.grid.points();
@@ -180,7 +182,7 @@ impl Answer {
         self.traction = traction;
     }
 
-    /// It is on a grid of so many elements.
+    /// Returns whether all fields have this number of elements.
     pub(super) fn is_on(&self, count: usize) -> bool {
         let fields = [&self.traction, &self.slip_velocity].map(|field| field.len() == 2 * count);
         let scalars = [&self.pressure, &self.friction_power].map(|field| field.len() == count);
@@ -188,7 +190,7 @@ impl Answer {
         fields.into_iter().chain(scalars).all(|fits| fits) && heated
     }
 
-    /// What terms may know of it once it is accepted.
+    /// Fields that the terms receive once the window is accepted.
     pub(super) fn accepted(&self) -> Accepted<'_> {
         Accepted {
             pressure: &self.pressure,
@@ -200,7 +202,7 @@ impl Answer {
         }
     }
 
-    /// The section `contact` of `summary.json`.
+    /// Section `contact` of `summary.json`.
     pub(super) fn figures(&self, case: &Case) -> Value {
         let grid = &case.footprint.grid;
         let area = grid.element_area();
@@ -275,7 +277,7 @@ impl Answer {
         figures
     }
 
-    /// Sums of pressure, traction along x and y, and moment about z, over the elements.
+    /// Sums of pressure, traction along x and y, and moment about z over the elements.
     pub(super) fn sums(&self, grid: &Structured) -> [f64; 4] {
         let (px, py) = self.traction.split_at(grid.points());
         let mut sums = [0.0; 4];
@@ -289,7 +291,8 @@ impl Answer {
         sums
     }
 
-    /// Writes a field; the friction power is the mean over the window, and of it what becomes heat.
+    /// Writes a field. The friction power is the mean over the window, reduced to the share that
+    /// becomes heat.
     pub(super) fn write(
         &self,
         case: &Case,
@@ -317,7 +320,7 @@ impl Answer {
 }
 
 impl Case {
-    /// Writes what is observed of an accepted window.
+    /// Writes the observations of an accepted window.
     pub(super) fn observe(&mut self, answer: &Answer, outputs: &mut dyn Outputs) {
         let accepted = answer.accepted();
         self.terms.removal.iter().for_each(|removal| removal.write(outputs));
@@ -327,7 +330,7 @@ impl Case {
         }
     }
 
-    /// The sections of `summary.json`.
+    /// Sections of `summary.json`.
     pub(super) fn summary(&self, answer: &Answer) -> Value {
         let mut summary = json!({ "contact": answer.figures(self) });
         let removed = self.terms.removal.iter().map(|removal| removal.summary());
@@ -339,7 +342,7 @@ impl Case {
     }
 }
 
-/// Largest size of a vector field.
+/// Largest magnitude of a vector field.
 fn largest(vectors: &[f64]) -> f64 {
     let (x, y) = vectors.split_at(vectors.len() / 2);
     x.iter().zip(y).map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max)

@@ -1,11 +1,11 @@
-//! What goes into a contact, and what friction takes; how they are found is in [`super::power`].
+//! Power supplied to a contact and dissipated by friction; [`super::power`] computes both.
 
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_imbalance};
 use proto::grid::Structured;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// An instant whose power does not add up.
+/// Error of an instant whose power balance does not hold.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the power balance of the contact does not hold: friction dissipates {friction:.6e} W where \
@@ -18,16 +18,16 @@ pub(super) struct PowerError {
     pub(super) imbalance: f64,
 }
 
-/// What goes in, and what friction takes [W].
+/// Power supplied and power dissipated by friction [W].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Balance {
     pub(super) friction: f64,
     pub(super) forces: f64,
-    /// Of bodies of different constants, and of those whose compliance grows.
+    /// Power of the pressure; for bodies of different constants and for viscoelastic bodies.
     pub(super) pressure: Option<PressurePower>,
-    /// Into elastic energy; of what has memory.
+    /// Power stored as elastic energy; for contacts with history.
     pub(super) stored: Option<f64>,
-    /// In the bodies; of those whose compliance grows.
+    /// Power dissipated inside bodies whose compliance grows.
     pub(super) hysteresis: Option<f64>,
     /// Numerical dissipation of the difference along x, a part of the friction power.
     pub(super) numerical_dissipation: Option<f64>,
@@ -35,7 +35,7 @@ pub(super) struct Balance {
     pub(super) exchanged: f64,
 }
 
-/// Power of the pressure on what the tractions displace along the normal [W].
+/// Power of the pressure on the normal displacement [W].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct PressurePower {
     pub(super) rolling_resistance: f64,
@@ -44,8 +44,8 @@ pub(super) struct PressurePower {
 }
 
 impl PressurePower {
-    /// Of a pressure whose contact has the undeformed distance `undeformed` and the gap `gap` [m],
-    /// where it is open; `duration` is that of a step [s].
+    /// Computes the power of a pressure whose contact has the undeformed distance `undeformed`, and
+    /// the gap `gap` where it is open [m]. `duration` is that of a step [s].
     pub(super) fn of(
         grid: &Structured,
         duration: f64,
@@ -68,7 +68,7 @@ impl PressurePower {
     }
 }
 
-/// Power that tractions leave in the bodies [W].
+/// Power that tractions dissipate inside the bodies [W].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Hysteresis {
     pub(super) power: f64,
@@ -76,7 +76,8 @@ pub(super) struct Hysteresis {
 }
 
 impl Hysteresis {
-    /// Adds that of a component of the traction [Pa] on its displacement [m], the antisymmetric part of Σ p_I·(Du)_I dx dy/Δt.
+    /// Adds the power of a traction component [Pa] on its displacement [m], the antisymmetric part
+    /// of Σ p_I·(Du)_I dx dy/Δt.
     pub(super) fn take(
         &mut self,
         grid: &Structured,
@@ -95,7 +96,7 @@ impl Hysteresis {
     }
 }
 
-/// Σ_m a_m (p_{I+m} − p_{I−m}), a the antisymmetric part of a difference.
+/// Σ_m a_m (p_{I+m} − p_{I−m}), with a the antisymmetric part of a finite difference.
 fn along(nx: usize, differences: [f64; 2], values: &[f64], index: usize) -> f64 {
     let column = index % nx;
     let at = |reach: usize| {
@@ -107,19 +108,20 @@ fn along(nx: usize, differences: [f64; 2], values: &[f64], index: usize) -> f64 
 }
 
 impl Balance {
-    /// What goes in and does not stay [W].
+    /// Power supplied and not stored or dissipated inside the bodies [W].
     fn given(&self) -> f64 {
         let pressure = self.pressure.map_or(0.0, |p| p.rolling_resistance + p.edges);
         let kept = self.stored.unwrap_or(0.0) + self.hysteresis.unwrap_or(0.0);
         self.forces + pressure - kept
     }
 
-    /// |friction − what goes in| over the magnitudes of all that is exchanged; 0 where nothing is.
+    /// |friction power − supplied power| divided by the magnitudes of all exchanged power; 0 if no
+    /// power is exchanged.
     pub(super) fn imbalance(&self) -> f64 {
         power_imbalance(self.friction, self.given(), self.exchanged)
     }
 
-    /// Refuses an instant whose power does not add up.
+    /// Refuses an instant whose power balance does not hold.
     pub(super) fn check(self) -> Result<Self, PowerError> {
         let imbalance = self.imbalance();
         match imbalance <= LARGEST_POWER_IMBALANCE {
@@ -128,7 +130,7 @@ impl Balance {
         }
     }
 
-    /// Adds its figures to the section `contact` of `summary.json`.
+    /// Adds the figures of the balance to the section `contact` of `summary.json`.
     pub(super) fn add_to(&self, figures: &mut Value) {
         figures["creep_power_w"] = json!(self.forces);
         figures["power_imbalance"] = json!(self.imbalance());

@@ -1,4 +1,4 @@
-//! A case that has been checked, and how particles pass through its contact.
+//! A checked case, and the passage of particles through its contact.
 
 use super::drive::Driven;
 use super::geometry::Footprint;
@@ -18,33 +18,34 @@ use proto::grid::Structured;
 pub(super) struct Case {
     pub(super) scene: Scene,
     pub(super) bodies: Bodies,
-    /// What the bodies gain with time, where they do not roll.
+    /// Delayed compliances of the bodies; for bodies that do not roll.
     pub(super) delays: Vec<Delay>,
     pub(super) driven: Driven,
-    /// The terms of the active effects.
+    /// Terms of the active effects.
     pub(super) terms: Terms,
     pub(super) footprint: Footprint,
-    /// By how much the heat raises both surfaces together, at the elements' centres, where that is among the effects [m].
+    /// Thermal rise of both surfaces together at the element centres [m]; empty without thermal
+    /// expansion.
     pub(super) rises: Vec<f64>,
-    /// What came in of both bodies for that, where it is observed.
+    /// Inputs of both bodies for the thermal rise, kept if they are observed.
     pub(super) heated: Option<[KeptSurface; 2]>,
-    /// The tractions of one step matter to the next.
+    /// True if the tractions of one step affect the next.
     pub(super) memory: bool,
-    /// Difference of displacements along x.
+    /// Finite difference of the displacements along x.
     pub(super) difference: Difference,
-    /// A contact with memory begins from its steady rolling.
+    /// True if a transient contact starts from steady rolling.
     pub(super) begins_steady: bool,
-    /// Duration of a shift, known when the window is [s].
+    /// Duration of a shift, set to that of the window [s].
     pub(super) shift_duration: f64,
-    /// The step in progress is the first in time.
+    /// True if the step in progress is the first in time.
     pub(super) first_step: bool,
 }
 
 impl Case {
-    /// Becomes the case of another row, whose values these are; grid and materials stay.
+    /// Applies the values of another row; grid and materials stay.
     ///
     /// # Errors
-    /// As for a case of its own.
+    /// Values that are missing or out of range; a contact without solution.
     pub(super) fn follow(
         &mut self,
         row: &Configuration,
@@ -64,7 +65,8 @@ impl Case {
         Ok(())
     }
 
-    /// A contact that is smaller than an element carries no prescribed force; whether it is.
+    /// Releases the prescribed force if the contact is smaller than an element, which cannot carry
+    /// it. Returns whether it was released.
     pub(super) fn rest_if_lost(&mut self) -> bool {
         let [a, _] = self.footprint.semi_axes;
         let lost = a < 0.5 * self.footprint.grid.dx() && self.driven.may_lose();
@@ -74,15 +76,15 @@ impl Case {
         lost
     }
 
-    /// Hertz's solution holds: smooth second-order surfaces, and neither terms nor tractions that change
-    /// the pressure.
+    /// Returns whether Hertz's solution holds: smooth second-order surfaces, and neither terms nor
+    /// tractions that change the pressure.
     pub(super) fn is_hertzian(&self) -> bool {
         let elastic =
             !self.bodies.are_coupled() && !self.bodies.remember() && self.delays.is_empty();
         self.terms.leave_hertz() && elastic
     }
 
-    /// Undeformed distance at the elements' centres, if it is not the pressure that is given [m].
+    /// Undeformed distance at the element centres [m]; `None` if the pressure is given.
     pub(super) fn distance(&self) -> Option<Vec<f64>> {
         let gap = self.footprint.gap.as_ref()?;
         let mut distance =
@@ -91,7 +93,7 @@ impl Case {
         Some(distance)
     }
 
-    /// What a particle goes through in a step.
+    /// Motion of a particle during a step.
     pub(super) fn passage(&self) -> Passage {
         let (dx, speed) = (self.footprint.grid.dx(), self.scene.speeds.rolling);
         let begins = match self.difference {
@@ -114,9 +116,9 @@ impl Case {
         }
     }
 
-    /// The pressure of the ellipse that the case gives, scaled so that it carries the ellipse's
-    /// load; zero if it is to be solved for. Means of the elements; with the upwind difference
-    /// values at their centres, as in CONTACT.
+    /// Pressure of the ellipse that the case gives, scaled to carry the ellipse's load; zero if the
+    /// pressure is to be solved for. The values are means over the elements or, with the upwind
+    /// difference, values at their centres as in CONTACT.
     pub(super) fn given_pressure(&self) -> Vec<f64> {
         let grid = &self.footprint.grid;
         let (None, Some(ellipse)) = (&self.footprint.gap, &self.footprint.ellipse) else {
@@ -134,34 +136,34 @@ impl Case {
     }
 }
 
-/// A step of the particles of the surface.
+/// A step of the surface particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Passage {
     /// Distance to which creepages refer: Δx rolled, or 1 in a shift [m].
     pub(super) distance: f64,
-    /// Where the rigid slip is taken, ahead of an element's centre [m].
+    /// Position at which the rigid slip is taken, ahead of an element's centre [m].
     pub(super) ahead: f64,
-    /// Place of an element's slip and friction power, upstream of its centre [m].
+    /// Position of an element's slip and friction power, upstream of its centre [m].
     pub(super) middle: f64,
-    /// How long it takes [s].
+    /// Duration of the step [s].
     pub(super) duration: f64,
-    /// The mean of the traction at its begin and that at its end does the work.
+    /// Traction at the start of the step; its mean with the traction at the end does the work.
     pub(super) begins: Begin,
 }
 
-/// Traction at the begin of a step.
+/// Traction at the start of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Begin {
-    /// The one of the element from which the particle comes.
+    /// Traction of the element from which the particle comes.
     Upstream,
-    /// The one of the same element.
+    /// Traction of the same element.
     Here,
-    /// The one of its end.
+    /// Traction at the end of the step.
     AtItsEnd,
 }
 
 impl Passage {
-    /// Mean of the tractions at the begin and at the end of the step of an element, in rows of nx
+    /// Mean of the tractions at the start and at the end of the step of an element, in rows of nx
     /// [Pa].
     pub(super) fn mean(&self, nx: usize, start: &[f64], end: &[f64], index: usize) -> f64 {
         let start = match self.begins {
@@ -173,7 +175,7 @@ impl Passage {
         0.5 * (start + end[index])
     }
 
-    /// Power −p̄·S/Δt of every element, with the mean traction p̄ [W/m²]; adding zero turns −0 into
+    /// Power −p̄·S/Δt of every element, with the mean traction p̄ [W/m²]. Adding zero turns −0 into
     /// 0.
     pub(super) fn power(
         &self,

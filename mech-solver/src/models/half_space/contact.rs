@@ -1,7 +1,8 @@
 //! Normal and tangential contact of one instant.
 //!
-//! Bodies of the same elastic constants: the pressure is solved once, then the tractions. Different
-//! ones: pressure and tractions in turn until the pressure rests ([`half_space::coupling`]).
+//! For bodies of the same elastic constants, the pressure is solved once, then the tractions.
+//! Otherwise pressure and tractions are solved alternately until the pressure converges
+//! ([`half_space::coupling`]).
 
 use super::balance::{Hysteresis, PowerError, PressurePower};
 use super::case::Case;
@@ -20,22 +21,22 @@ use half_space::slip_operator::Displacement;
 use half_space::tangential::{self, Creepage, TangentialState};
 use proto::model::{Inputs, StepError};
 
-/// Change of the pressure, over the largest, at which it rests: far below the error of any grid.
+/// Relative change of the pressure at convergence, far below the error of any grid.
 const REST: f64 = 1e-6;
-/// Accuracy of the tractions, over the largest: below the error of any grid.
+/// Relative accuracy of the tractions, below the discretisation error of any grid.
 const TOLERANCE: f64 = 1e-4;
-/// The same where a loop iterates on them: well below what it is asked for.
+/// Relative accuracy of the tractions inside an outer iteration, well below its own tolerance.
 const LOOP_TOLERANCE: f64 = 1e-10;
-/// Part of f N that an iterate has which is too hot for its force: all but a little slips, and the
-/// creepage is finite.
+/// Share of f N assumed if the current friction does not allow the prescribed force: almost all
+/// elements slip, but the creepage stays finite.
 const ALMOST_ALL: f64 = 0.999;
-/// Turns of normal and tangential contact after which they are given up.
+/// Maximum number of alternations between normal and tangential contact.
 const MOST_ALTERNATIONS: usize = 30;
-/// Turns after which the pressure only goes half of the way: where tractions are far larger than
-/// the pressure, an element of the edge may come and go.
+/// Number of alternations after which only half of the pressure change is applied. Where tractions
+/// are much larger than the pressure, an edge element may alternate between contact and no contact.
 const WHOLE_ALTERNATIONS: usize = 10;
 
-/// Why an instant has no solution.
+/// Reason why an instant has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum ContactError {
     #[error(transparent)]
@@ -55,7 +56,7 @@ pub(super) enum ContactError {
     Apart { approach: f64 },
 }
 
-/// The solvers of a contact, and its latest pressure.
+/// Solvers of a contact, with the latest pressure.
 #[derive(Debug)]
 pub(super) struct ContactSolver {
     normal: Option<Normal>,
@@ -64,36 +65,36 @@ pub(super) struct ContactSolver {
     /// Friction of every element.
     friction: ElementFriction,
     area: f64,
-    /// Pressure and approach without friction.
+    /// Pressure and approach of the frictionless contact.
     frictionless: (Vec<f64>, Option<f64>),
     pub(super) pressure: Vec<f64>,
     /// Approach [m]; unknown for a given pressure.
     pub(super) approach: Option<f64>,
-    /// Iterations of the normal solver, in all.
+    /// Total number of iterations of the normal solver.
     pub(super) normal_iterations: usize,
     /// Slip s₀ without tractions.
     slip_history: [Vec<f64>; 2],
     bound: Vec<f64>,
-    /// Friction depends on what comes in, or on slip.
+    /// True if friction depends on inputs or on slip.
     heated: bool,
-    /// Slip velocities that friction follows, element by element [m/s].
+    /// Slip velocity of every element, used by friction that depends on local slip [m/s].
     velocity: Option<Vec<f64>>,
-    /// The force of the last solve is not the prescribed one.
+    /// Set if the last solve could not reach the prescribed force.
     pub(super) shortfall: Option<Shortfall>,
 }
 
-/// A normal problem to be solved.
+/// A normal contact problem.
 #[derive(Debug)]
 struct Normal {
     solver: NormalSolver,
     prescribed: Prescribed,
     undeformed: Vec<f64>,
-    /// With the normal displacement by tractions.
+    /// Undeformed distance including the normal displacement by tractions [m].
     distance: Vec<f64>,
 }
 
 impl ContactSolver {
-    /// Operators of a case; solves the frictionless normal contact.
+    /// Builds the operators of a case and solves the frictionless normal contact.
     pub(super) fn new(case: &Case, motion: Motion) -> Result<Self, ContactError> {
         let grid = &case.footprint.grid;
         let sides = [grid.dx(), grid.dy()];
@@ -146,7 +147,7 @@ impl ContactSolver {
         Ok(solver)
     }
 
-    /// Goes back to the pressure without friction, so that a solve depends on its inputs only.
+    /// Restores the frictionless pressure, so that a solve depends on its inputs only.
     pub(super) fn reset(&mut self) {
         self.pressure.clone_from(&self.frictionless.0);
         self.approach = self.frictionless.1;
@@ -157,8 +158,9 @@ impl ContactSolver {
         self.set_bound();
     }
 
-    /// Takes the load, the shapes, by what earlier loads have displaced them, and the friction of another row, and solves the
-    /// normal contact without friction; from the latest pressure if `warm`.
+    /// Applies load, shapes and friction of another row, and solves the frictionless normal
+    /// contact. `displaced` is the displacement left by earlier loads. The solver starts from the
+    /// latest pressure if `warm`.
     pub(super) fn follow(
         &mut self,
         case: &Case,
@@ -183,7 +185,7 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// Takes the friction that depends on what comes in, and on these creepages.
+    /// Updates friction that depends on inputs or on the creepages.
     pub(super) fn set_friction(
         &mut self,
         case: &mut Case,
@@ -210,8 +212,8 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// Solves for the tractions as [`ContactSolver::solve`] does; where friction follows the slip of every element itself, with the friction
-    /// of the slip that it leaves.
+    /// Solves for the tractions like [`ContactSolver::solve`]. Friction that depends on the slip of
+    /// every element is iterated until it agrees with the computed slip.
     pub(super) fn solve_settled(
         &mut self,
         case: &mut Case,
@@ -263,7 +265,8 @@ impl ContactSolver {
         self.bound.iter_mut().zip(bounds).for_each(|(own, bound)| *own = bound);
     }
 
-    /// Solves the normal contact from the latest pressure; the largest change over the largest.
+    /// Solves the normal contact from the latest pressure. Returns the relative change of the
+    /// pressure.
     fn normal_step(&mut self) -> Result<f64, ContactError> {
         let Some(normal) = &mut self.normal else { return Ok(0.0) };
         let before = self.pressure.clone();
@@ -283,8 +286,8 @@ impl ContactSolver {
         Ok(change.fold(0.0, f64::max) / largest)
     }
 
-    /// Solves for the tractions, from a solution that is near if there is one. `history` is the slip
-    /// and the plastic shift that remain of the instant before.
+    /// Solves for the tractions, starting from a nearby solution if one is given. `history` holds
+    /// the slip and the plastic shift left by the previous instant.
     pub(super) fn solve(
         &mut self,
         driven: &Driven,
@@ -303,7 +306,7 @@ impl ContactSolver {
             if !solved {
                 let found = levels.improve(&self.bound, &prescribed, history, &mut solution);
                 match found {
-                    // A start that is too far.
+                    // The initial guess was too far from the solution.
                     Err(TangentialError::NotConverged(_)) if history.is_none() => {
                         return Ok(levels.solve(&self.bound, &prescribed)?);
                     }
@@ -324,8 +327,8 @@ impl ContactSolver {
         Err(ContactError::Unsettled { change })
     }
 
-    /// What is prescribed at the latest pressure; where friction depends on what comes in, of a force
-    /// beyond it what it carries.
+    /// Returns the prescribed motion at the latest pressure. Where friction depends on inputs or
+    /// slip, a force beyond the friction limit is reduced to [`ALMOST_ALL`] of that limit.
     fn prescribed(&mut self, driven: &Driven) -> tangential::PrescribedMotion {
         let mut prescribed = driven.at(self.normal_force());
         let [x, y, _] = prescribed.force.map(Option::unwrap_or_default);
@@ -340,7 +343,8 @@ impl ContactSolver {
         prescribed
     }
 
-    /// The tractions under the latest pressure, with the slip that it makes.
+    /// Solves for the tractions under the latest pressure, including the slip caused by the
+    /// pressure.
     fn rolling_step(
         &mut self,
         driven: &Driven,
@@ -368,8 +372,8 @@ impl ContactSolver {
         Ok(())
     }
 
-    /// The pressure under a distance that goes this share of the way to the one under the
-    /// tractions; its change.
+    /// Solves for the pressure after moving the distance by `share` towards the one under the
+    /// current tractions. Returns the change of the pressure.
     fn yield_to(&mut self, state: &TangentialState, share: f64) -> Result<f64, ContactError> {
         let (Some(coupling), Some(normal)) = (&mut self.coupling, &mut self.normal) else {
             return Ok(0.0);
@@ -384,8 +388,8 @@ impl ContactSolver {
         self.normal_step()
     }
 
-    /// Power of the pressure on the normal displacement in steady rolling, of bodies of different constants by these tractions,
-    /// and of bodies with a memory; `None` where the pressure takes no power.
+    /// Power of the pressure on the normal displacement in steady rolling, for bodies of different
+    /// elastic constants or viscoelastic bodies; `None` where the pressure does no work.
     pub(super) fn pressure_power(
         &mut self,
         case: &Case,
@@ -419,7 +423,8 @@ impl ContactSolver {
         self.levels.as_mut()?.dissipation([x, y], &self.pressure, case.scene.speeds.rolling)
     }
 
-    /// What bodies with a memory dissipate under the pressure, and under tractions whose displacements are in the slip.
+    /// Power dissipated by viscoelastic bodies under the pressure, and under the tractions if their
+    /// displacements contribute to the slip.
     pub(super) fn hysteresis(
         &mut self,
         case: &Case,
@@ -453,7 +458,7 @@ impl ContactSolver {
         Some(taken)
     }
 
-    /// The normal displacement difference of an instant, by pressure and tractions [m].
+    /// Normal displacement difference of an instant, caused by pressure and tractions [m].
     pub(super) fn normal_displacement(&mut self, state: &TangentialState) -> Vec<f64> {
         let mut displacement = vec![0.0; self.pressure.len()];
         if let Some(coupling) = &mut self.coupling {
@@ -466,8 +471,8 @@ impl ContactSolver {
         displacement
     }
 
-    /// The tangential displacement difference of an instant, by tractions and pressure [m]; for
-    /// motions in time.
+    /// Tangential displacement difference of an instant, caused by tractions and pressure [m]; for
+    /// transient motions.
     pub(super) fn displacement(
         &mut self,
         state: &TangentialState,

@@ -1,11 +1,11 @@
-//! Bodies whose compliance grows and that are pressed and shifted in place ([`half_space::retarded`]).
+//! Bodies whose compliance grows, pressed and shifted without rolling ([`half_space::retarded`]).
 
 use super::case::Case;
 use elastic::Elasticity;
 use half_space::retarded::{Delay, Field3, Retarded, within_step};
 use serde::{Deserialize, Serialize};
 
-/// Bodies that creep, and what is known of the step in hand.
+/// Creeping bodies, with the data of the current step.
 #[derive(Debug)]
 pub(super) struct Creeping {
     operators: Retarded,
@@ -13,22 +13,23 @@ pub(super) struct Creeping {
     at_once: Elasticity,
     /// Duration of the step [s].
     duration: f64,
-    /// What earlier loads displace at its end: along the normal, x and y [m].
+    /// Displacements at the end of the step caused by earlier loads: along the normal, x and y [m].
     displaced: Field3,
 }
 
-/// What a step leaves for the next one.
+/// Creep state passed from one step to the next.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Crept {
     retarded: Vec<Field3>,
     /// Normal displacement [m].
     normal: Vec<f64>,
-    /// Energy over the area of an element: along the normal and along the plane [Pa m].
+    /// Stored energy divided by the area of an element: along the normal and along the plane [Pa
+    /// m].
     stored: [f64; 2],
 }
 
 impl Crept {
-    /// It belongs to a grid of so many elements, and to as many bodies as another.
+    /// Returns whether both states belong to the same grid and the same number of bodies.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let lengths = |crept: &Self| -> Vec<usize> {
             crept.retarded.iter().flatten().chain([&crept.normal]).map(Vec::len).collect()
@@ -37,7 +38,7 @@ impl Crept {
     }
 }
 
-/// An instant: loads and the displacements by them.
+/// Loads of an instant, with the displacements they cause.
 #[derive(Clone, Copy)]
 pub(super) struct Instant<'a> {
     pub(super) pressure: &'a [f64],
@@ -51,19 +52,20 @@ impl<'a> Instant<'a> {
     }
 }
 
-/// What a step left in the bodies, over the area of an element [Pa m].
+/// Energies of a step divided by the area of an element [Pa m].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kept {
-    /// Energy of displacements along the plane before and after.
+    /// Stored energy of the tangential displacements, before and after the step.
     pub(super) stored: [f64; 2],
-    /// Dissipated along the plane.
+    /// Energy dissipated along the plane.
     pub(super) along_plane: f64,
-    /// Dissipated in all.
+    /// Total dissipated energy.
     pub(super) dissipated: f64,
 }
 
 impl Creeping {
-    /// The bodies of a case, and what there is in the beginning, under a pressure that displaces `normal` [m].
+    /// Creates the bodies of a case and their initial state under a pressure that causes the normal
+    /// displacement `normal` [m].
     pub(super) fn new(case: &Case, pressure: &[f64], normal: Vec<f64>) -> (Self, Crept) {
         let delays = case.delays.clone();
         let operators = Retarded::new(&case.footprint.grid, &delays);
@@ -75,32 +77,34 @@ impl Creeping {
         (creeping, Crept { retarded, normal, stored: [stored, 0.0] })
     }
 
-    /// Takes the duration of a step [s]; the constants by which the bodies respond in it, where these change.
+    /// Sets the duration of a step [s]. Returns the elastic constants effective within the step, if
+    /// they change.
     pub(super) fn take(&mut self, duration: f64) -> Option<Elasticity> {
         let changes = duration != self.duration;
         self.duration = duration;
         changes.then(|| within_step(self.at_once, &self.delays, duration))
     }
 
-    /// Finds what the loads up to now displace at the end of the step.
+    /// Computes the displacements that the loads up to now leave at the end of the step.
     pub(super) fn recall(&mut self, crept: &Crept, now: Instant<'_>) {
         let Self { operators, duration, displaced, .. } = self;
         operators.recall(&crept.retarded, now.load(), *duration, displaced);
     }
 
-    /// That along the normal [m].
+    /// Normal displacement left by earlier loads [m].
     pub(super) fn normal(&self) -> &[f64] {
         &self.displaced[0]
     }
 
-    /// Adds that along x and y [m].
+    /// Adds the displacements along x and y left by earlier loads [m].
     pub(super) fn add_to(&self, displacement: &mut [Vec<f64>; 2]) {
         for (sum, more) in displacement.iter_mut().zip(&self.displaced[1..]) {
             sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
         }
     }
 
-    /// Ends the step; `normal` is the normal displacement by the loads of its end, without those before [m].
+    /// Ends the step; `normal` is the normal displacement caused by the loads at its end, without
+    /// that of earlier loads [m].
     pub(super) fn end(
         &mut self,
         crept: &mut Crept,

@@ -1,4 +1,4 @@
-//! What drives the upper body, component by component: a force, or a creepage.
+//! Prescribed motion of the upper body: a force or a creepage for every component.
 
 use crate::case::ellipse::Ellipse;
 use crate::case::keys::CheckedParams;
@@ -16,7 +16,7 @@ const LATERAL_FORCE: &str = "motion.lateral_force";
 const SPIN_CREEPAGE: &str = "motion.spin_creepage";
 const SPIN_MOMENT: &str = "motion.spin_moment";
 
-/// The keys besides the scene's.
+/// Keys in addition to those of the scene.
 pub(super) fn keys() -> Vec<KeySpec> {
     let mut keys = vec![
         KeySpec::number(LATERAL_CREEPAGE, "lateral creepage beside a prescribed force").varies(),
@@ -30,32 +30,32 @@ pub(super) fn keys() -> Vec<KeySpec> {
     keys
 }
 
-/// The same, made once: a history reads them in every row.
+/// Keys, built once because a history reads them in every row.
 static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(keys);
 
-/// One component.
+/// A component of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Component {
-    /// Creepage, or shift.
+    /// Creepage or shift.
     Creepage(f64),
-    /// Force [N], or moment [N m].
+    /// Force [N] or moment [N m].
     Force(f64),
-    /// Force over the normal force [-].
+    /// Force divided by the normal force [-].
     Coefficient(f64),
 }
 
-/// What drives the upper body.
+/// Prescribed motion of the upper body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Driven {
     components: [Component; 3],
 }
 
 impl Driven {
-    /// Nothing drives.
+    /// No creepage and no force.
     pub(super) const AT_REST: Self = Self { components: [Component::Creepage(0.0); 3] };
 
-    /// Reads and checks it. `given` is the ellipse that the case gives, `ellipse` the contact where it
-    /// is one; without `partial` all slides.
+    /// Reads and checks the prescribed motion. `given` is the ellipse that the case gives,
+    /// `ellipse` the contact if it is elliptic; without `partial` the whole contact slides.
     pub(super) fn read(
         configuration: &Configuration,
         scene: &Scene,
@@ -88,7 +88,7 @@ impl Driven {
         let normal_force = match (given, scene.load) {
             (Some(given), _) => Some(given.normal_force),
             (None, Load::NormalForce(force)) => Some(force),
-            // Known when the contact is solved.
+            // The normal force is known only once the contact is solved.
             (None, Load::Approach(_)) => None,
         };
         if let Some(normal_force) = normal_force {
@@ -110,17 +110,19 @@ impl Driven {
         prescribed
     }
 
-    /// Without contact it is at rest: by a force, or already.
+    /// Returns whether the contact may be lost: the motion follows from a force, or the body is at
+    /// rest.
     pub(super) fn may_lose(&self) -> bool {
         self.has_force() || *self == Self::AT_REST
     }
 
-    /// Some creepage follows from a force.
+    /// Returns whether any component is prescribed by a force.
     pub(super) fn has_force(&self) -> bool {
         self.components.iter().any(|component| !matches!(component, Component::Creepage(_)))
     }
 
-    /// Of bodies that have been shifted so far already: what is left of the shift; forces remain.
+    /// Returns the remaining motion of bodies that have already been shifted by `shift`; forces
+    /// stay.
     pub(super) fn beyond(&self, shift: [f64; 3]) -> Self {
         let mut components = self.components;
         for (component, so_far) in components.iter_mut().zip(shift) {
@@ -149,8 +151,8 @@ impl Driven {
         Err(Refusal::new("motion", reason, "write less, or prescribe motion.creepage"))
     }
 
-    /// Without partial slip all creepages must be known: for a longitudinal force the one of
-    /// Carter's law, as in `hertz-carter`.
+    /// Without partial slip all creepages must be known. For a longitudinal force, the creepage
+    /// follows from Carter's law, as in `hertz-carter`.
     fn sliding(self, scene: &Scene, ellipse: Option<&Ellipse>) -> Result<Self, Refusal> {
         let [along, across, spin] = self.components;
         let known = |component: Component| matches!(component, Component::Creepage(_));
@@ -172,7 +174,8 @@ impl Driven {
     }
 }
 
-/// A body that rolls has creepages, one that does not is shifted, and has no steady state unless it rests.
+/// Refuses a shift of rolling bodies, and creepage or a steady state of moving bodies that do not
+/// roll.
 fn refuse_wrong_motion(configuration: &Configuration, scene: &Scene) -> Result<(), Refusal> {
     let rolls = scene.speeds.rolling > 0.0;
     match scene.drive {
@@ -196,7 +199,7 @@ fn refuse_wrong_motion(configuration: &Configuration, scene: &Scene) -> Result<(
     }
 }
 
-/// Replaces the component by the force, or by the creepage, if the case has one.
+/// Replaces a component by the force or the creepage of the case, if it has one.
 fn override_with(
     case: &CheckedParams<'_>,
     component: &mut Component,

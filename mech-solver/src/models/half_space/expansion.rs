@@ -1,4 +1,4 @@
-//! Surfaces that heat raises ([`crate::effects::thermal_expansion`]).
+//! Thermal expansion of the surfaces ([`crate::effects::thermal_expansion`]).
 
 use super::case::Case;
 use crate::terms::surface::{KeptSurface, raise};
@@ -6,7 +6,7 @@ use proto::configuration::Refusal;
 use proto::field;
 use proto::model::{Inputs, StepError};
 
-/// Refuses what has no answer with surfaces that rise.
+/// Refuses cases that have no solution with thermal expansion.
 pub(super) fn refuse(case: &Case, effect: &str) -> Result<(), Refusal> {
     let refused = |reason: &str, fix: &str| {
         let fix = format!("{fix}, or remove the effect");
@@ -35,20 +35,20 @@ pub(super) fn refuse(case: &Case, effect: &str) -> Result<(), Refusal> {
 }
 
 impl Case {
-    /// Lets what is observed know of it.
+    /// Passes the thermal expansion to the observations.
     ///
     /// # Errors
-    /// Some of it has no answer.
+    /// An observation that does not support thermal expansion.
     pub(super) fn expand_observed(&mut self) -> Result<(), Refusal> {
         let Some(coefficients) = self.terms.expansion else { return Ok(()) };
         let speeds = self.scene.speeds.of_surfaces(0.0);
         self.terms.observations.iter_mut().try_for_each(|term| term.expand(coefficients, speeds))
     }
 
-    /// Takes by how much heat raises the surfaces; whether it may.
+    /// Updates the thermal rise of the surfaces. Returns whether thermal expansion is active.
     ///
     /// # Errors
-    /// An input is missing or unusable.
+    /// An input that is missing or unusable.
     pub(super) fn expand(&mut self, inputs: &dyn Inputs) -> Result<bool, StepError> {
         let Some(coefficients) = self.terms.expansion else { return Ok(false) };
         let grid = &self.footprint.grid;

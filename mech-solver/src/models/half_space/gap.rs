@@ -1,10 +1,10 @@
-//! The undeformed distance of the smooth bodies.
+//! Undeformed distance of the smooth bodies.
 //!
-//! h(x, y) = x²/(2R₁(y)) + x²/(2R₂(y)) + z₁(y − s₁) − z₂(y − s₂), less its smallest value; z₁ and z₂
-//! are the lateral shapes of the upper and the lower body, s
-//! their lateral shifts. A round body with a measured profile has the radius R₁(y) = R + z₁(0) −
-//! z₁(y − s₁), and R₂(y) = R + z₂(y − s₂) − z₂(0). The distance is taken along z, which is the contact
-//! normal for small contact angles only; a steeper contact is refused.
+//! h(x, y) = x²/(2R₁(y)) + x²/(2R₂(y)) + z₁(y − s₁) − z₂(y − s₂), minus its smallest value. z₁ and
+//! z₂ are the lateral shapes of the upper and the lower body, s₁ and s₂ their lateral shifts. A
+//! round body with a measured profile has the radius R₁(y) = R + z₁(0) − z₁(y − s₁), or R₂(y) = R +
+//! z₂(y − s₂) − z₂(0). The distance is measured along z, which is the contact normal for small
+//! contact angles only; a steeper contact is refused.
 
 use crate::case::keys::CheckedParams;
 use crate::case::scene::Scene;
@@ -16,18 +16,18 @@ use proto::bodies::{LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 
-/// Points at which the lateral distance is searched for its smallest value.
+/// Number of points at which the lateral distance is searched for its minimum.
 const SAMPLES: usize = 2000;
-/// Steepest contact that is treated as plane [rad].
+/// Maximum contact angle treated as plane [rad].
 const STEEPEST: f64 = 0.2;
-/// How much higher than the lowest place another one may be to count as touching at once, over the
-/// range of heights: rounding.
+/// Height difference, relative to the range of heights, below which two points touch
+/// simultaneously; covers rounding.
 const TIE: f64 = 1e-9;
 
-/// The undeformed distance.
+/// Undeformed distance of two bodies.
 #[derive(Clone, Debug)]
 pub(in crate::models) struct Gap {
-    /// The upper and the lower body.
+    /// Upper and lower body.
     sides: [BodyShape; 2],
     /// Smallest lateral distance [m].
     closest: f64,
@@ -36,7 +36,7 @@ pub(in crate::models) struct Gap {
 }
 
 impl Gap {
-    /// Reads the shapes.
+    /// Reads the shapes of both bodies.
     pub(super) fn read(configuration: &Configuration, scene: &Scene) -> Result<Self, Refusal> {
         let case = CheckedParams::new(&configuration.case, shape::keys());
         Ok(Self {
@@ -46,31 +46,33 @@ impl Gap {
         })
     }
 
-    /// Takes the radii of another row; profiles stay.
+    /// Applies the radii of another row; profiles stay.
     pub(super) fn follow(&mut self, scene: &Scene) {
         for (side, body) in self.sides.iter_mut().zip(&scene.bodies) {
             side.follow(body);
         }
     }
 
-    /// The key of the first profile, which errors of shapes name.
+    /// Key of the first profile, named in errors about shapes.
     pub(super) fn profile_key(&self) -> &str {
         let shaped = self.sides.iter().rev().find(|side| !side.is_parabola());
         &shaped.unwrap_or(&self.sides[LOWER]).key
     }
 
-    /// Both bodies have curvatures, so that without terms of the gap the contact is Hertz's.
+    /// Returns whether both bodies are parabolic, so that without terms of the gap the contact is
+    /// Hertzian.
     pub(super) fn is_quadric(&self) -> bool {
         self.sides.iter().all(BodyShape::is_parabola)
     }
 
-    /// Whether a body is the parabola of its radius.
+    /// Returns whether a body is the parabola of its radius.
     pub(in crate::models) fn is_parabola(&self, body: usize) -> bool {
         self.sides[body].is_parabola()
     }
 
-    /// How far the surface of a body at a place from the origin is within the body [m], counted from the height of the lower body at
-    /// the origin, where the bodies touch.
+    /// Depth of a body's surface below the reference height, positive into the body [m], at a
+    /// lateral position from the origin. The reference is the lower body's height at the origin,
+    /// where the bodies touch.
     pub(in crate::models) fn drop(&self, body: usize, y: f64) -> f64 {
         let level = self.sides[LOWER].height(self.origin);
         let up = self.sides[body].up;
@@ -78,7 +80,7 @@ impl Gap {
         up * (self.sides[body].height(y + self.origin) - level - closest)
     }
 
-    /// Radius of rolling of a body at the height from which [`Gap::drop`] counts [m].
+    /// Rolling radius of a body at the reference height of [`Gap::drop`] [m].
     pub(in crate::models) fn radius(&self, body: usize) -> f64 {
         self.sides[body].radius(self.origin) + self.drop(body, 0.0)
     }
@@ -94,20 +96,20 @@ impl Gap {
         upper + lower + self.lateral(y) - self.closest
     }
 
-    /// The lateral range in which both shapes are known.
+    /// Lateral range in which both shapes are known [m].
     pub(super) fn range(&self) -> [f64; 2] {
         let [[u0, u1], [l0, l1]] = self.sides.each_ref().map(BodyShape::range);
         [u0.max(l0), u1.min(l1)]
     }
 
-    /// Kinks of both shapes where they face each other, in the frame of the contact [m].
+    /// Kinks of both shapes where the bodies face each other, in the frame of the contact [m].
     fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
         let [first, last] = self.range();
         let both = self.sides.iter().rev().flat_map(BodyShape::kinks);
         both.filter(move |y| (first..=last).contains(y))
     }
 
-    /// Lateral places of kinks under a pressure, from the origin [m].
+    /// Lateral positions of kinks under a pressure, from the origin [m].
     pub(super) fn kinks_under(&self, grid: &Structured, pressure: &[f64]) -> Vec<f64> {
         let places: Vec<f64> = self.kinks().map(|y| y - self.origin).collect();
         if places.is_empty() {
@@ -123,9 +125,9 @@ impl Gap {
         places.into_iter().filter(inside).collect()
     }
 
-    /// Moves zero to the first touch and the origin to its place, or to the middle where several places
-    /// touch at once, so that mirrored bodies have mirrored grids; the lowest of these places from the
-    /// origin [m].
+    /// Shifts the zero height to the first point of contact and the origin to its position. If
+    /// several points touch at once, the origin is their middle, so that mirrored bodies have
+    /// mirrored grids. Returns the lowest y of these points from the origin [m].
     pub(super) fn settle(&mut self) -> Result<f64, Refusal> {
         let [first, last] = self.range();
         if first >= last {
@@ -148,7 +150,7 @@ impl Gap {
         Ok(low - self.origin)
     }
 
-    /// What was done to the shapes, and where the contact depends on it.
+    /// Remarks on modifications of the shapes and on kinks within the contact.
     pub(super) fn remarks(&self, fitted: &Fitted) -> Vec<String> {
         let mut remarks: Vec<String> =
             self.sides.iter().rev().filter_map(BodyShape::remark).collect();
@@ -163,13 +165,13 @@ impl Gap {
         remarks
     }
 
-    /// What may be wrong with the shapes.
+    /// Warnings about implausible shapes.
     pub(in crate::models) fn warnings(&self, scene: &Scene) -> Vec<Refusal> {
         let sides = self.sides.iter().enumerate();
         sides.filter_map(|(body, side)| side.warning(scene, body)).collect()
     }
 
-    /// Refuses a contact that is steep anywhere.
+    /// Refuses a contact that is too steep anywhere.
     pub(super) fn refuse_steep(&self, fitted: &Fitted) -> Result<(), Refusal> {
         let rows = fitted.pressure.chunks_exact(fitted.grid.ni).enumerate();
         for (row, _) in rows.filter(|(_, row)| row.iter().any(|p| *p > 0.0)) {

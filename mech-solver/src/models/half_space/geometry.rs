@@ -1,7 +1,8 @@
-//! The grid on which the bodies touch.
+//! Grid of the contact.
 //!
-//! Its extent is Hertz's for radii. For profiles a coarse grid finds the contact, wherever the gap closes
-//! ([`fit_grid`]), and the origin lies at the centre of pressure.
+//! For bodies given by radii, its extent is that of the Hertzian contact. For profiles, a coarse
+//! grid locates the contact wherever the gap closes ([`fit_grid`]), and the origin is placed at the
+//! centre of pressure.
 
 use super::gap::Gap;
 use crate::case::difference;
@@ -21,39 +22,42 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
 
-/// More elements are refused: operators and Krylov space would take tens of gigabytes.
+/// Maximum number of elements; beyond it operators and Krylov space would take tens of gigabytes.
 const MOST_ELEMENTS: usize = 4_000_000;
-/// Free elements round a contact whose extent is known in closed form: the trailing edge's passages
+/// Free elements around a contact of known closed-form extent; the passages at the trailing edge
 /// need one.
 const MARGIN: f64 = 1.0;
-/// Positions of a grid, over an element, that are tried.
+/// Number of grid offsets tried within one element.
 const POSITIONS: u32 = 64;
-/// Elements along the estimated radius of a contact of profiles, when its extent is looked for.
+/// Elements per estimated contact radius on the coarse grid that locates a contact of profiles.
 const COARSE: f64 = 12.0;
-/// Free elements of that coarse grid round the contact.
+/// Free elements of the coarse grid around the contact.
 const COARSE_MARGIN: f64 = 2.0;
 /// Growth of the grid for a rough contact, which is wider than the smooth one.
 const ROUGH_GROWTH: f64 = 1.25;
-/// Growth across for profiles that wear, whose contact widens.
+/// Lateral growth of the grid for wearing profiles, whose contact widens.
 const WORN_GROWTH: f64 = 1.6;
-/// Growth of the grid for different bodies, whose contact the tractions shift.
+/// Growth of the grid for bodies of different elastic constants, whose contact is shifted by
+/// tractions.
 const COUPLED_GROWTH: f64 = 1.4;
-/// Elements of the coarse grid at most.
+/// Maximum number of elements of the coarse grid.
 const MOST_COARSE_ELEMENTS: usize = 200_000;
-/// Rows across every patch of the coarse grid: its size is then known to a few per cent.
+/// Minimum number of rows across every patch of the coarse grid; the patch size is then known to a
+/// few per cent.
 const COARSE_ROWS: usize = 6;
-/// By how much the rows of the coarse grid are made narrower.
+/// Refinement factor of the rows of the coarse grid.
 const NARROWER: f64 = 3.0;
-/// Share of the load from which on a patch counts.
+/// Minimum share of the load for a patch to count.
 const PATCH_SHARE: f64 = 0.01;
-/// Rows across half of the narrowest patch, unless the case says otherwise.
+/// Default number of rows across half of the narrowest patch.
 const LEAST_ROWS: f64 = 5.0;
-/// Elements up to which a grid is made finer for its narrowest patch without being asked.
+/// Maximum number of elements up to which the grid is refined automatically for its narrowest
+/// patch.
 const MOST_RESOLVED: f64 = 400_000.0;
 
 const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 
-/// The keys that shapes and grid are read from besides the scene's.
+/// Keys of shapes and grid, in addition to those of the scene.
 pub(super) fn keys() -> Vec<KeySpec> {
     let mut keys = shape::keys();
     keys.push(
@@ -68,40 +72,40 @@ pub(super) fn keys() -> Vec<KeySpec> {
     keys
 }
 
-/// Where the contact is solved.
+/// Region in which the contact is solved, and its grid.
 #[derive(Clone, Debug)]
 pub(in crate::models) struct Footprint {
-    /// The undeformed distance; `None` where the case gives the pressure.
+    /// Undeformed distance; `None` if the case gives the pressure.
     pub(in crate::models) gap: Option<Gap>,
-    /// Hertz's or the given ellipse, where the contact is one.
+    /// Hertzian or given ellipse, if the contact is elliptic.
     pub(in crate::models) ellipse: Option<Ellipse>,
-    /// Semi-axes, or what comes near them [m].
+    /// Semi-axes, or equivalent values for other contacts [m].
     pub(in crate::models) semi_axes: [f64; 2],
     pub(in crate::models) grid: Structured,
-    /// Lateral place of the highest pressure, where that is not the origin [m].
+    /// Lateral position of the maximum pressure, if it is not the origin [m].
     pub(in crate::models) peak_y: Option<f64>,
-    /// What was done to the shapes, and what the grid does not resolve.
+    /// Remarks on modifications of the shapes and on unresolved patches.
     pub(in crate::models) remarks: Vec<String>,
 }
 
-/// What touches.
+/// Shapes and bodies from which the grid of the contact is determined.
 #[derive(Clone, Copy)]
 pub(in crate::models) struct Shapes<'a> {
     pub(in crate::models) scene: &'a Scene,
-    /// The ellipse that the case gives.
+    /// Ellipse given by the case.
     pub(in crate::models) given: Option<Ellipse>,
-    /// That of all contacts of a case whose values vary.
+    /// Extent of all contacts of a case whose values vary.
     pub(in crate::models) extent: Option<&'a Extent>,
     pub(in crate::models) bodies: &'a Bodies,
-    /// What they gain with time where they do not roll.
+    /// Delayed compliances of bodies that do not roll.
     pub(in crate::models) delays: &'a [Delay],
-    /// Those of the gap change the shapes.
+    /// Active effects; those of the gap change the shapes.
     pub(in crate::models) terms: &'a Terms,
     /// Elements per semi-axis.
     pub(in crate::models) resolution: usize,
 }
 
-/// Finds the extent of the contact and lays a grid over it.
+/// Finds the extent of the contact and covers it with a grid.
 pub(in crate::models) fn footprint(
     configuration: &Configuration,
     shapes: &Shapes<'_>,
@@ -194,7 +198,7 @@ pub(in crate::models) fn footprint(
     Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
 }
 
-/// Refuses what varies across, of bodies that touch along a line.
+/// Refuses lateral variation for bodies in line contact.
 fn refuse_in_plane(scene: &Scene, gap: &Gap, rows: bool) -> Result<(), Refusal> {
     let line = "bodies that touch along a line are the same all over their width";
     match scene.width {
@@ -212,7 +216,8 @@ fn refuse_in_plane(scene: &Scene, gap: &Gap, rows: bool) -> Result<(), Refusal> 
     }
 }
 
-/// That of bodies that roll and whose compliance grows: a coarse grid, round the contact of elastic ones at once, finds how far theirs reaches and leans.
+/// Footprint of rolling bodies whose compliance grows. A coarse grid around the contact with the
+/// instantaneous compliance finds how far their contact extends and how it shifts along x.
 fn delayed_footprint(
     gap: Gap,
     shapes: &Shapes<'_>,
@@ -222,7 +227,7 @@ fn delayed_footprint(
     let ellipse = Ellipse::solve(scene, None)?;
     let growth = bodies.relaxed().contact_compliance() / bodies.instantaneous.contact_compliance();
     let growth = growth.cbrt();
-    // The grid grows to where they touch.
+    // `fit_grid` extends this grid as far as the bodies touch.
     let count = (COARSE * growth).min(0.4 * (MOST_COARSE_ELEMENTS as f64).sqrt());
     let [along, across] =
         [ellipse.semi_axis_a, ellipse.semi_axis_b].map(|semi_axis| growth * semi_axis / count);
@@ -257,7 +262,7 @@ fn delayed_footprint(
     Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
 }
 
-/// By how much a contact under a load grows in time without end, over its size at once.
+/// Ratio of the final size of a contact under constant load to its instantaneous size.
 fn growth(shapes: &Shapes<'_>, line: bool) -> f64 {
     let at_once = shapes.bodies.instantaneous.contact_compliance();
     let gained = shapes.delays.iter().map(|delay| delay.elasticity.contact_compliance());
@@ -265,16 +270,16 @@ fn growth(shapes: &Shapes<'_>, line: bool) -> f64 {
     if line { compliance.sqrt() } else { compliance.cbrt() }
 }
 
-/// Lateral place of the highest pressure [m].
+/// Lateral position of the maximum pressure [m].
 fn highest(fitted: &Fitted) -> f64 {
     let pressures = fitted.pressure.iter().enumerate();
     let highest = pressures.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(at, _)| at);
     fitted.grid.y(highest / fitted.grid.ni)
 }
 
-/// Width of the rows that resolves the narrowest patch, as the case says or with at least
-/// [`LEAST_ROWS`] for its half width; on a grid over this area [m²] that would become very large,
-/// with fewer. Remarks on what is not resolved.
+/// Row width that resolves the narrowest patch: as the case prescribes, otherwise at least
+/// [`LEAST_ROWS`] across its half width. Fewer rows are used if a grid over this area [m²] would
+/// become too large. Adds remarks on unresolved patches.
 fn row_width(
     coarse: &Fitted,
     dx: f64,
@@ -308,19 +313,19 @@ fn row_width(
     dy
 }
 
-/// The patches that carry more than a hundredth of the load.
+/// Patches that carry more than [`PATCH_SHARE`] of the load.
 fn of_weight(fitted: &Fitted) -> impl Iterator<Item = Patch> {
     let found = patches(&fitted.grid, &fitted.pressure);
     let all: f64 = found.iter().map(|patch| patch.sum).sum();
     found.into_iter().filter(move |patch| patch.sum > PATCH_SHARE * all)
 }
 
-/// Moves a grid along x by a part of an element, so that the leading edge of an ellipse falls
+/// Moves a grid along x by a fraction of an element, so that the leading edge of an ellipse falls
 /// between two elements in the mean over the rows, weighted by the square of their chords.
 ///
-/// With the second-order difference nearly all that is left of the error of the forces is due to
-/// where elements end: it is proportional to that mean (correlation 0.96 to 0.99 over 32 positions
-/// of the grid at a/7 to a/20; docs/theory/half-space.md).
+/// With the second-order difference, nearly all of the remaining error of the forces is due to the
+/// positions of the element edges. It is proportional to that mean (correlation 0.96 to 0.99 over
+/// 32 positions of the grid at a/7 to a/20; docs/theory/half-space.md).
 fn align(grid: &mut Structured, [a, b]: [f64; 2]) {
     let dx = grid.dx();
     let chords: Vec<f64> = match grid.nj {
@@ -330,7 +335,7 @@ fn align(grid: &mut Structured, [a, b]: [f64; 2]) {
             (0..rows).map(chord).filter(|chord| *chord > 0.0).collect()
         }
     };
-    // How far the edge is beyond the end of the nearest element, in elements.
+    // Distance of the edge beyond the end of the nearest element, in elements.
     let beyond = |shift: f64| -> f64 {
         let ends = |chord: &f64| (chord - grid.x(0)) / dx - 0.5 - shift;
         chords.iter().map(|chord| chord * chord * (ends(chord) - ends(chord).round())).sum()
@@ -343,7 +348,7 @@ fn align(grid: &mut Structured, [a, b]: [f64; 2]) {
     grid.origin[0] += best.unwrap_or(0.0) * dx;
 }
 
-/// A grid whose elements cover a range of places, in elements from the origin, with an element's
+/// Returns a grid that covers these ranges, given in elements from the origin, with an element's
 /// centre at the origin.
 fn lay([x, y]: [[f64; 2]; 2], [dx, dy]: [f64; 2]) -> Result<Structured, Refusal> {
     let ends = |[first, last]: [f64; 2]| [first.floor(), last.ceil()];
@@ -364,7 +369,7 @@ fn refuse_too_many(elements: f64) -> Result<(), Refusal> {
     ))
 }
 
-/// What the normal problem is given.
+/// Prescribed load or approach of the normal problem.
 pub(in crate::models) fn prescribed(load: Load) -> Prescribed {
     match load {
         Load::NormalForce(force) => Prescribed::Load(force),
@@ -385,8 +390,9 @@ fn refused(error: NormalError) -> Refusal {
     Refusal::new("load", error.to_string(), fix)
 }
 
-/// The contact of profiles on a coarse grid round the first touch, of which `low` is the lowest place
-/// [m], and wherever else the gap closes; its rows are as narrow as its narrowest patch needs.
+/// Solves the contact of profiles on a coarse grid around the first point of contact, and wherever
+/// else the gap closes. `low` is the lowest y of the points that touch first [m]. The rows are
+/// refined until the narrowest patch is resolved.
 fn coarse_contact(gap: &Gap, low: f64, scene: &Scene, bodies: &Bodies) -> Result<Fitted, Refusal> {
     let (radius, compliance) =
         (scene.relative_radius_x(), bodies.instantaneous.contact_compliance());
@@ -399,7 +405,7 @@ fn coarse_contact(gap: &Gap, low: f64, scene: &Scene, bodies: &Bodies) -> Result
     let smooth = |x: f64, y: f64| gap.distance(x, y);
     let mut rows = side;
     loop {
-        // Where to begin; the grid grows to wherever the gap closes.
+        // Starting range; the grid grows to wherever the gap closes.
         let reach = |y: f64| y.clamp(low - 40.0 * estimate, low + 40.0 * estimate) / rows;
         let grid = lay([[-COARSE, COARSE], [reach(first) + 1.0, reach(last) - 1.0]], [side, rows])?;
         let load = prescribed(scene.load);
@@ -433,7 +439,7 @@ fn no_coarse_contact(gap: &Gap, error: NormalError) -> Refusal {
     }
 }
 
-/// Ranges of x and y of the elements in contact, and a margin [m].
+/// Ranges of x and y of the elements in contact, including a margin [m].
 fn bounds(fitted: &Fitted) -> [[f64; 2]; 2] {
     let grid = &fitted.grid;
     let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];

@@ -1,49 +1,53 @@
-//! The power balance of an instant: what friction takes is what goes in.
+//! Power balance of an instant: the friction power equals the power supplied.
 //!
-//! **Steady rolling, and sliding.** In the sum over all steps of the particles the elastic part of the
-//! slip drops out ([`half_space::tangential`]), and friction takes
+//! **Steady rolling and sliding.** In the sum over all steps of the particles the elastic part of
+//! the slip cancels ([`half_space::tangential`]), and friction dissipates
 //!
 //! P = −V(ξ F_x + η F_y + φ M_z) + V ∫ p_n ∂h/∂x dA.
 //!
-//! M_z is the moment about a place as far ahead of the middle as the middle of a step is beyond where its rigid slip is taken:
-//! Δx/3 in rolling with a stick zone, as the traction of a step's beginning and that of its end have the same part in it.
+//! M_z is the moment about a point ahead of the middle. The distance is that between the middle of
+//! a step and the point where its rigid slip is taken: Δx/3 in rolling with a stick zone, since the
+//! tractions at the beginning and at the end of a step have equal weight.
 //!
-//! The last term is there for bodies of different elastic constants only: their pressure slips against
-//! the tractions, (p_{I+e_x} − p_{I−e_x})/2 · A_zt p_t in every element by the symmetry of Maxwell and
-//! Betti, and A_zt p_t is what the normal contact closes, δ − h − A_zz p_n, in which the part of A_zz
-//! drops out once more. With h = x²/2R it is V N x̄/R, x̄ the centre of pressure: the power of the
-//! resistance to rolling. 1/R is the sum of both curvatures along x.
+//! The last term occurs only for bodies of different elastic constants: their pressure causes slip
+//! against the tractions, (p_{I+e_x} − p_{I−e_x})/2 · A_zt p_t in every element by the reciprocity
+//! of Maxwell and Betti. The normal contact closes A_zt p_t to δ − h − A_zz p_n, and the part of
+//! A_zz cancels again. With h = x²/2R the term is V N x̄/R, with x̄ the centre of pressure: the
+//! power of the rolling resistance. 1/R is the sum of both curvatures along x.
 //!
-//! Where the gap is open it is e = h + A_zz p_n + A_zt p_t − δ > 0, and in the elements next to the
-//! contact, through which the pressure comes and goes, the step of an element has the power of the
-//! pressure on this gap besides. This *edge power* is the grid's: it falls with its element.
+//! An open gap is e = h + A_zz p_n + A_zt p_t − δ > 0. In the elements next to the
+//! contact, through which the pressure enters and leaves, the step of an element has in addition
+//! the power of the pressure on this gap. This *edge power* is a discretisation effect: it
+//! decreases with the element size.
 //!
-//! In the elements of contact e = 0 is taken for granted, so that the balance tells how well it is met.
+//! In the elements in contact e = 0 is assumed, so that the balance shows how well it is met.
 //!
-//! **Viscoelastic bodies** that roll steadily keep D = Σ ½ (p_{I+e_x} − p_{I−e_x})·u_I dA/Δt of pressure and tractions, the sum
-//! of the work on what they are displaced in every step, since their influence numbers are not symmetric. It is what
-//! V N x̄/R supplies beyond the friction, and what friction lacks of the power of the creepages. Of a contact that slides everywhere the displacement along the plane is
-//! not in the slip, nor in D.
+//! **Viscoelastic bodies** that roll steadily dissipate D = Σ ½ (p_{I+e_x} − p_{I−e_x})·u_I dA/Δt
+//! of pressure and tractions: the sum of the work on their displacements in every step, which does
+//! not cancel because their influence coefficients are not symmetric. D is the amount by which V N
+//! x̄/R and the power of the creepages together exceed the friction power. If the contact slides
+//! everywhere, the tangential displacement is neither in the slip nor in D.
 //!
-//! **Shifts, and steps of transient rolling**, bodies of the same constants: the forces act with the
-//! mean of the tractions before and after a step, and the elastic energy ½ pᵀA p takes a part,
+//! **Shifts, and steps of transient rolling** of bodies of the same constants: the forces act with
+//! the mean of the tractions before and after a step, and part of the work is stored as elastic
+//! energy ½ pᵀA p,
 //!
 //! P Δt = −Σ ½(S p' + p)·w Δq dA − Δ(½ pᵀA p) dA.
 //!
-//! With Fromm's difference the tractions at the end of a step after the first do the work, with an
-//! elastic energy of their own and numerical dissipation ([`half_space::difference`]).
+//! With Fromm's difference, in all steps after the first, the tractions at the end of a step do the
+//! work, with their own elastic energy and numerical dissipation ([`half_space::difference`]).
 //!
-//! Bodies whose compliance grows dissipate besides D = Σ ½ (p' + p)·(u − u'), less the energy that is
-//! stored ([`half_space::retarded`]). With different constants the energy of the normal
-//! contact takes part too. It is not kept, and there is no balance.
+//! Bodies whose compliance grows also dissipate D = Σ ½ (p' + p)·(u − u'), minus the stored energy
+//! ([`half_space::retarded`]). For different elastic constants the energy of the normal contact
+//! takes part too; it is not stored, and there is no balance.
 
 use super::answer::Answer;
 use super::balance::{Balance, Hysteresis, PressurePower};
 use super::case::Case;
 use proto::grid::Structured;
 
-/// Rigid slip at a point per distance rolled, and its power with a traction there [W/m²] over the
-/// speed: the sum and the sum of magnitudes.
+/// Work of a traction on the rigid slip at a point, per distance rolled [Pa]: the sum and the sum
+/// of the magnitudes of its components.
 fn against(creepage: [f64; 3], [x, y]: [f64; 2], [px, py]: [f64; 2]) -> [f64; 2] {
     let [xi, eta, phi] = creepage;
     let (along, across) = (px * (xi - phi * y), py * (eta + phi * x));
@@ -51,7 +55,7 @@ fn against(creepage: [f64; 3], [x, y]: [f64; 2], [px, py]: [f64; 2]) -> [f64; 2]
 }
 
 impl Balance {
-    /// That of an instant without memory.
+    /// Balance of an instant without history.
     pub(super) fn steady(
         case: &Case,
         answer: &Answer,
@@ -81,9 +85,9 @@ impl Balance {
         }
     }
 
-    /// That of a step from these tractions with the creepages or the shift `creepage`; `energy` is
-    /// the elastic energy before and after, and `taken` what bodies with a memory dissipate of the
-    /// work along the plane [Pa m].
+    /// Balance of a step that starts from the tractions `before`, with the creepages or the shift
+    /// `creepage`. `energy` is the elastic energy before and after the step, and `taken` the work
+    /// along the plane dissipated by creeping bodies [Pa m].
     pub(super) fn step(
         case: &Case,
         answer: &Answer,
@@ -150,7 +154,8 @@ mod tests {
         assert_eq!(Balance::default().imbalance(), 0.0);
     }
 
-    /// A pressure that leans forward resists rolling: V N x̄/R, with the sum by hand.
+    /// A centre of pressure ahead of the middle resists rolling: V N x̄/R, with the sum evaluated
+    /// by hand.
     #[test]
     fn a_pressure_ahead_of_the_middle_resists() {
         let grid = Structured::contact_plane(-2.0, 0.0, 1.0, 1.0, 5, 1);

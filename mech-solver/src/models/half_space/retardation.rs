@@ -1,11 +1,11 @@
-//! What has no answer with bodies whose compliance grows ([`crate::effects::viscoelasticity`]): they roll steadily, or are pressed and
-//! shifted in place.
+//! Limits of bodies whose compliance grows ([`crate::effects::viscoelasticity`]): they roll
+//! steadily, or are pressed and shifted without rolling.
 
 use crate::case::scene::{GivenPatch, Scene};
 use crate::terms::{Kind, Terms};
 use proto::configuration::Refusal;
 
-/// Refuses what rolls and is not steady, and a pressure that does not follow from the shapes.
+/// Refuses transient rolling, and a pressure that does not follow from the shapes.
 pub(super) fn refuse(
     scene: &Scene,
     patch: Option<GivenPatch>,

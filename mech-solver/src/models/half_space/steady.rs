@@ -1,9 +1,9 @@
-//! Steady rolling, or sliding without partial slip: no memory.
+//! Steady rolling, or sliding without partial slip: a contact without history.
 //!
-//! It is solved in the first window; the answer is kept, since nothing that it depends on changes.
-//! Where friction or the surfaces depend on inputs it is solved in every iteration, from scratch, so
-//! that it depends on them and on nothing else. Where values vary every window is solved, from the
-//! accepted solution of an earlier one.
+//! The contact is solved in the first window and its answer is kept. If friction or the surfaces
+//! depend on inputs, it is solved in every iteration from the same starting point, so that it
+//! depends on the inputs only. If values vary, every window is solved, starting from the accepted
+//! solution of an earlier one.
 
 use super::answer::Answer;
 use super::balance::Balance;
@@ -21,40 +21,40 @@ use proto::model::{Inputs, Outputs, StateError, Step, StepError, StepReport};
 use serde_json::Value;
 use std::io::{self, Read, Write};
 
-/// Most bytes of a state of this model: 4 GiB, which a `usize` of 32 bits holds too.
+/// Maximum size of a saved state: 4 GiB, which also fits a 32-bit `usize`.
 pub(super) const MOST_BYTES: usize = u32::MAX as usize;
 
-/// How a model follows values that vary.
+/// Values that vary from window to window, and how a solve starts.
 pub(super) struct Following {
     pub(super) varying: Varying,
-    /// The ellipse that the case gives.
+    /// Ellipse given by the case.
     pub(super) patch: Option<GivenPatch>,
-    /// A row starts from the solution of the one before.
+    /// True if a row starts from the solution of the previous row.
     pub(super) warm: bool,
 }
 
-/// A contact without memory.
+/// A contact without history.
 pub(super) struct Steady {
     case: Case,
     following: Option<Following>,
     contact: Option<ContactSolver>,
 }
 
-/// A window that is solved.
+/// A solved time window.
 pub(super) struct Window {
     answer: Answer,
     report: StepReport,
     step: Step,
-    /// Where values vary the solution of the last row that has one, from which the next one starts.
+    /// For varying values: solution of the last row that has one, from which the next row starts.
     near: Near,
-    /// The force is not the prescribed one.
+    /// Set if the prescribed force was not reached.
     shortfall: Option<Shortfall>,
 }
 
-/// A solution, and the pressure under it.
+/// A solution with its pressure.
 type Near = Option<(Solution, Vec<f64>)>;
 
-/// An answer, what it took, and the solution that it is of, if anything may stick.
+/// An answer, its cost, and the solution with partial slip, if any.
 type Solved = (Answer, StepReport, Option<Solution>);
 
 impl Steady {
@@ -62,7 +62,7 @@ impl Steady {
         Self { case, following, contact: None }
     }
 
-    /// The solution of a row, from the accepted one of an earlier row.
+    /// Solves a row, starting from the accepted solution of an earlier row.
     fn row(
         &mut self,
         step: &Step,
@@ -73,7 +73,7 @@ impl Steady {
         if let Some(following) = &self.following {
             following.varying.refuse_more(step)?;
         }
-        // Its operators are those of the case as configured, whichever row comes first.
+        // Build the operators from the case as configured, whichever row comes first.
         let mut contact = match self.contact.take() {
             Some(contact) => contact,
             None => ContactSolver::new(&self.case, Motion::SteadyRolling).map_err(no_solution)?,
@@ -115,7 +115,7 @@ impl Steady {
         self.settled(contact, near, inputs)
     }
 
-    /// The solver, with the pressure of no friction.
+    /// Returns the solver, reset to the frictionless pressure.
     fn contact(&mut self) -> Result<ContactSolver, ContactError> {
         match self.contact.take() {
             Some(mut contact) => {
@@ -126,7 +126,8 @@ impl Steady {
         }
     }
 
-    /// The contact with the friction that it leaves itself, where that depends on its slip.
+    /// Solves the contact; if friction depends on the creepages of a prescribed force, iterates
+    /// until they agree.
     fn settled(
         &mut self,
         contact: &mut ContactSolver,
@@ -262,7 +263,7 @@ impl Contact for Steady {
         &mut self.case.terms
     }
 
-    /// Only rows of what varies start from the one before.
+    /// Only varying values need a saved state: a row may start from the previous one.
     fn save(&self, accepted: Option<&Window>, mut into: &mut dyn Write) -> io::Result<()> {
         if self.following.is_none() {
             return Ok(());

@@ -1,28 +1,31 @@
-//! Rolling or shifting with memory: every step starts from the tractions of the one before.
+//! Transient rolling and shifting: every step starts from the tractions of the previous step.
 //!
-//! A rolling contact moves on by one element a step, Δq = Δx, in the time Δx/V: then the particles
-//! of an element come from the centre of the upstream one, nothing is interpolated, and the power
-//! balance is exact. With p' and u' the tractions and displacement differences before the step and S
-//! the upstream shift, the slip is S = w Δq + u − S u', and
+//! A rolling contact advances by one element per step, Δq = Δx, in the time Δx/V. The particles of
+//! an element then come from the centre of the upstream element, so nothing is interpolated and the
+//! power balance is exact. With p' and u' the tractions and displacement differences before the
+//! step and S the upstream shift, the slip is S = w Δq + u − S u', and
 //!
 //! Σ −½(S p' + p)·S = −Σ ½(S p' + p)·w Δq − (½ pᵀu − ½ p'ᵀu'):
 //!
-//! what the forces put in less the change of elastic energy. With the upwind difference every step
-//! is such a one, with Fromm's the first only: those that follow take Fromm's difference along x
-//! and the second-order backward difference in time ([`half_space::difference`]).
+//! the work of the forces minus the change of elastic energy. With the upwind difference this holds
+//! in every step, with Fromm's difference in the first step only. All later steps take Fromm's
+//! difference along x and the second-order backward difference in time
+//! ([`half_space::difference`]).
 //!
-//! The mechanical steps need not fit into the windows of the coupling: a step that reaches beyond a
-//! window goes on in the next one, and the friction power of a window is the mean over the parts of
-//! steps in it, so that no heat is lost.
+//! The mechanical steps need not fit into the time windows of the coupling. A step that extends
+//! beyond a window continues in the next one, and the friction power of a window is the mean over
+//! the parts of the steps inside it, so that no heat is lost.
 //!
-//! A contact that does not roll is shifted by what the case says, in the first window; where load, shift or forces are
-//! columns of a table, to where they are at the end of every window, in one step a window.
+//! A contact that does not roll is shifted by the prescribed amount in the first window. If load,
+//! shift or forces are columns of a table, it is shifted in one step per window to the values at
+//! the end of the window.
 //!
-//! Bodies whose compliance grows creep under the load, so that the pressure is another in every window
-//! ([`half_space::retarded`]).
+//! Bodies whose compliance grows creep under the load, so that the pressure changes from window to
+//! window ([`half_space::retarded`]).
 //!
-//! In the beginning the bodies are pressed together without friction; where values vary they are apart, and
-//! friction acts while the first load comes on. Bodies that roll may begin from their steady state (`mech.begin`).
+//! Initially the bodies are pressed together without friction. If values vary, they start apart,
+//! and friction acts while the first load is applied. Rolling bodies may start from their steady
+//! state (`mech.begin`).
 
 use super::answer::Answer;
 use super::balance::Balance;
@@ -44,35 +47,35 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io::{self, Read, Write};
 
-/// A rest of a mechanical step shorter than this share of it is rounding.
+/// Remaining share of a mechanical step below which the remainder is treated as rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// A contact with memory.
+/// A contact with history.
 pub(super) struct Transient {
     case: Case,
     following: Option<Following>,
-    /// Solver of all steps, or of the first one.
+    /// Solver of all steps, or of the first step only.
     contact: ContactSolver,
-    /// Solver of further steps, where they differ.
+    /// Solver of the later steps, if it differs from the first.
     further: Option<ContactSolver>,
     creeping: Option<Creeping>,
-    /// The state before the first window.
+    /// State before the first window.
     start: StepState,
-    /// It still has to become steady rolling.
+    /// True until the start from steady rolling has been computed (`mech.begin = "steady"`).
     begins: bool,
 }
 
-/// A window that is solved.
+/// A solved time window.
 pub(super) struct Window {
     memory: StepState,
     /// Mean friction power over the window [W/m²].
     power: Vec<f64>,
     report: StepReport,
-    /// A step has not the prescribed force.
+    /// Set if some step could not reach the prescribed force.
     shortfall: Option<Shortfall>,
 }
 
-/// State that a step leaves for the next one.
+/// State passed from one step to the next.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StepState {
     solution: Solution,
@@ -80,39 +83,39 @@ struct StepState {
     approach: Option<f64>,
     /// Displacement differences u, x and y [m].
     displacement: [Vec<f64>; 2],
-    /// State a step before, where further steps differ from the first.
+    /// State one step earlier, kept where later steps use a different solver.
     earlier: Option<Tangential>,
-    /// Of bodies that creep; empty of others.
+    /// Creep state of the bodies; empty for bodies without creep.
     crept: Crept,
     /// Fields of the step in progress.
     answer: Answer,
-    /// Time left of the step in progress [s].
+    /// Remaining time of the step in progress [s].
     left: f64,
-    /// Shift so far [m, m, rad]; of a contact that does not roll.
+    /// Accumulated shift [m, m, rad]; contacts without rolling only.
     shift: [f64; 3],
 }
 
-/// Tractions of an instant, and what they displace.
+/// Tractions of an instant and the displacements they cause.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Tangential {
     /// Tractions, x and y [Pa].
     traction: [Vec<f64>; 2],
     /// Displacement differences u, x and y [m].
     displacement: [Vec<f64>; 2],
-    /// Plastic shift; empty without a layer that yields [m].
+    /// Plastic shift [m]; empty without a yielding layer.
     plastic: Vec<f64>,
 }
 
 impl Tangential {
-    /// Elastic energy Σ ½ p·u [Pa m].
+    /// Elastic energy Σ ½ p·u per area of an element [Pa m].
     fn energy_at_once(&self) -> f64 {
         let products =
             |(p, u): (&Vec<f64>, &Vec<f64>)| p.iter().zip(u).map(|(p, u)| p * u).sum::<f64>();
         0.5 * self.traction.iter().zip(&self.displacement).map(products).sum::<f64>()
     }
 
-    /// Elastic energy with the second-order difference in time, ¼ Σ (p·u + (2p − p')·(2u − u')) [Pa
-    /// m].
+    /// Elastic energy with the second-order difference in time, ¼ Σ (p·u + (2p − p')·(2u − u')),
+    /// per area of an element [Pa m].
     fn energy(&self, before: &Self) -> f64 {
         let of = |k: usize| {
             let [p, u] = [&self.traction[k], &self.displacement[k]];
@@ -123,8 +126,8 @@ impl Tangential {
         0.25 * (of(0) + of(1))
     }
 
-    /// Numerical dissipation of that difference, ¼ Σ δ_t²p·δ_t²u over the duration of a step
-    /// [W/m²].
+    /// Numerical dissipation of the second-order time difference, ¼ Σ δ_t²p·δ_t²u over the duration
+    /// of a step [W/m²].
     fn dissipated(&self, before: &Self, earlier: &Self, duration: f64) -> Vec<f64> {
         let second_difference = |of: fn(&Self) -> &[Vec<f64>; 2]| {
             let [now, before, earlier] = [self, before, earlier].map(of);
@@ -160,7 +163,7 @@ impl StepState {
         }
     }
 
-    /// Bodies that do not touch yet.
+    /// Returns the state of bodies that do not touch yet.
     fn apart(self) -> Self {
         let Self { mut solution, mut pressure, mut displacement, mut answer, .. } = self;
         solution.state = TangentialState::at_rest(&vec![0.0; pressure.len()], [0.0; 3]);
@@ -170,20 +173,20 @@ impl StepState {
         Self { solution, pressure, displacement, answer, approach: None, ..self }
     }
 
-    /// Its loads, and what they displace along the plane.
+    /// Pressure and tractions, with the tangential displacements they cause.
     fn instant(&self) -> Instant<'_> {
         let Self { pressure, displacement, solution, .. } = self;
         Instant { pressure, traction: &solution.state.traction, displacement }
     }
 
-    /// Its tractions, and what they displace.
+    /// Tractions, with the displacements they cause and the plastic shift.
     fn tangential(&self) -> Tangential {
         let TangentialState { traction, plastic, .. } = &self.solution.state;
         let (traction, plastic) = (traction.clone(), plastic.clone());
         Tangential { traction, displacement: self.displacement.clone(), plastic }
     }
 
-    /// It belongs to a grid of this many elements.
+    /// Returns whether all fields have this number of elements.
     fn fits(&self, count: usize) -> bool {
         let earlier = self.earlier.iter().all(|earlier| {
             let layer = earlier.plastic.len() == self.solution.state.plastic.len();
@@ -234,7 +237,7 @@ impl Transient {
         Ok(Self { case, following, contact, further, creeping, start, begins })
     }
 
-    /// Becomes the steady rolling of the values in the beginning.
+    /// Replaces the start state by steady rolling under the initial values.
     fn begin(&mut self, inputs: &dyn Inputs) -> Result<(), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         let case = &mut self.case;
@@ -255,8 +258,10 @@ impl Transient {
         Ok(())
     }
 
-    /// Takes the values of a window: their means if the bodies roll, where a shift ends else; and of
-    /// bodies that creep what they are at its end. `before` is the state in the beginning.
+    /// Applies the values of a window. Rolling bodies take the means over the window, a shift its
+    /// values at the end of the window; for creeping bodies, the displacements left by earlier
+    /// loads are evaluated at the end of the window. `before` is the state at the start of the
+    /// window.
     fn follow(&mut self, step: &Step, before: &StepState) -> Result<(), StepError> {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         if let Some(Following { varying, patch, .. }) = &self.following {
@@ -282,7 +287,7 @@ impl Transient {
         Ok(())
     }
 
-    /// Goes from the state before a window to its end.
+    /// Advances from the state before a window to its end.
     fn advance(
         &mut self,
         window: &mut Window,
@@ -326,7 +331,7 @@ impl Transient {
         Ok(())
     }
 
-    /// One mechanical step; its duration [s], and what its force falls short by.
+    /// Solves one mechanical step. Returns its duration [s] and the shortfall of the force, if any.
     fn step(
         &mut self,
         trial: &mut StepState,
@@ -349,7 +354,7 @@ impl Transient {
         if let Some(creeping) = &self.creeping {
             creeping.add_to(&mut slip);
         }
-        // Fresh material comes in at the front.
+        // Fresh material enters at the leading edge.
         let yields = case.terms.yields.is_some();
         let plastic: Option<Vec<_>> =
             yields.then(|| start.of(&trial.solution.state.plastic).collect());
@@ -421,12 +426,13 @@ impl Transient {
     }
 }
 
-/// Places of particles at the start of a step.
+/// Positions of the particles at the start of a step.
 #[derive(Clone, Copy)]
 struct Start {
-    /// Elements of a row.
+    /// Number of elements in a row.
     columns: usize,
-    /// Particles come from the upstream element; those at the front bring zero.
+    /// True if particles come from the upstream element; those entering at the leading edge carry
+    /// zero.
     rolls: bool,
 }
 

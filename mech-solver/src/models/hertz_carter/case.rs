@@ -1,4 +1,4 @@
-//! What is known before the model is built.
+//! A case before the model is built.
 
 use super::contact::CreepLaw;
 use crate::case::scene::GivenPatch;
@@ -7,10 +7,10 @@ use proto::grid::Structured;
 
 /// A checked case.
 pub(super) struct Case {
-    /// The ellipse that the case gives, if it does.
+    /// Ellipse given by the case, if any.
     pub(super) given: Option<GivenPatch>,
     pub(super) law: CreepLaw,
-    /// The terms of the active effects.
+    /// Terms of the active effects.
     pub(super) terms: Terms,
     pub(super) grid: Structured,
 }

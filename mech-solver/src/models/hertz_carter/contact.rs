@@ -1,4 +1,4 @@
-//! The contact as a whole: ellipse, forces and creepage, all in closed form.
+//! The whole contact: ellipse, forces and creepage, all in closed form.
 
 use crate::case::ellipse::{Ellipse, Prescribed};
 use crate::case::scene::{Scene, Speeds};
@@ -9,19 +9,19 @@ use proto::configuration::Refusal;
 use serde_json::{Value, json};
 use std::fmt;
 
-/// The creep laws; see [`carter`].
+/// Creep laws; see [`carter`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CreepLaw {
-    /// A = f a/R, R the radius of the pair along x.
+    /// A = f a/R, with R the relative radius of the bodies along x.
     Radius,
     /// A = 2 f p_0 E*.
     Pressure,
 }
 
-/// Everything about the contact that is one number.
+/// A contact in closed form: ellipse, creepage and slip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CarterContact {
-    /// The normal contact.
+    /// Normal contact.
     pub(super) ellipse: Ellipse,
     /// Friction coefficient [-].
     friction_coefficient: f64,
@@ -29,7 +29,7 @@ pub(super) struct CarterContact {
     pub(super) speeds: Speeds,
     /// Sign of the force on the upper body: 1 driving, −1 braking, 0 neither.
     pub(super) direction: f64,
-    /// Where the contact slips.
+    /// Slip zone of the contact.
     pub(super) slip: Slip,
 }
 
@@ -69,7 +69,7 @@ impl CarterContact {
         }
     }
 
-    /// f N [N].
+    /// Friction bound f N [N].
     fn friction_bound(&self) -> f64 {
         self.friction_coefficient * self.ellipse.normal_force
     }
@@ -90,12 +90,12 @@ impl CarterContact {
         -self.direction * self.slip.creep() + 0.0
     }
 
-    /// V s |F| [W].
+    /// Friction power V s |F| [W].
     fn friction_power(&self) -> f64 {
         self.speeds.rolling * self.slip.creep() * self.slip.force_ratio() * self.friction_bound()
     }
 
-    /// The section `contact` of `summary.json`. The spin moment is not known to this model.
+    /// Section `contact` of `summary.json`. The spin moment is not known to this model.
     pub(super) fn summary(&self) -> Value {
         let force = self.creep_force();
         let mut contact = self.ellipse.summary();
@@ -129,7 +129,7 @@ impl fmt::Display for CarterContact {
     }
 }
 
-/// What is prescribed, with its sign: positive drives.
+/// Prescribed force or creepage; positive values drive.
 #[derive(Clone, Copy, Debug)]
 enum Amount {
     /// Force over f N [-].
@@ -162,8 +162,9 @@ impl Amount {
         value.signum()
     }
 
-    /// With a stick zone after the creep law; else everything slides with the creep that is
-    /// prescribed, or that the creep law gives at the prescribed force.
+    /// Slip at this force or creep. With adhesion, there is a stick zone after the creep law.
+    /// Otherwise everything slides with the prescribed creep, or with the creep that the creep law
+    /// gives at the prescribed force.
     fn slip(self, prefactor: f64, partial: bool) -> Slip {
         let (creep, with_stick) = match self {
             Self::ForceRatio(ratio) => {

@@ -1,4 +1,4 @@
-//! The fields of the contact as element means.
+//! Fields of the contact as element means.
 
 use super::contact::CarterContact;
 use crate::models::precomputed::points;
@@ -21,7 +21,7 @@ pub(super) fn write(
 ) {
     let strips = contact.ellipse.strips(grid);
     values.fill(0.0);
-    // Of a vector the longitudinal component stands first; the lateral one is zero.
+    // The longitudinal component of a vector comes first; the lateral one is zero.
     let first = &mut values[..points(spec, &grid)];
     match *spec {
         field::PRESSURE => contact.ellipse.write_pressure(grid, first),
@@ -42,7 +42,7 @@ pub(super) fn write(
     }
 }
 
-/// Longitudinal traction on the upper body [Pa].
+/// Writes the longitudinal traction on the upper body [Pa].
 fn write_traction(strips: &Strips, contact: &CarterContact, means: &mut [f64]) {
     let (amplitude, lateral) = (contact.direction * contact.largest_bound(), Lateral::Elliptic);
     match contact.slip {
@@ -57,7 +57,8 @@ fn write_traction(strips: &Strips, contact: &CarterContact, means: &mut [f64]) {
     }
 }
 
-/// Longitudinal velocity of the upper body relative to the lower one [m/s], against the traction.
+/// Writes the longitudinal velocity of the upper body relative to the lower one [m/s], opposite to
+/// the traction.
 fn write_slip_velocity(strips: &Strips, contact: &CarterContact, means: &mut [f64]) {
     let (amplitude, lateral) = (-contact.direction * contact.speeds.rolling, Lateral::Constant);
     match contact.slip {

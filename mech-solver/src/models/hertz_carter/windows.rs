@@ -1,9 +1,9 @@
-//! Windows of the contact: of values that vary, and of friction that depends on inputs or on slip.
+//! Windows of a contact with varying values, or with friction that depends on inputs or on slip.
 //!
-//! Carter's strips know one friction coefficient: the equivalent one, Σ min(f p, τ)/Σ p over the
-//! elements, with which a contact that slides carries the same force. Tractions are this coefficient
-//! times Hertz's pressure at most, so that they pass a bound τ in the middle of the contact and are
-//! below it at the rim.
+//! Carter's strips use a single, equivalent friction coefficient, Σ min(f p, τ)/Σ p over the
+//! elements, with which a sliding contact carries the same force. Tractions are at most this
+//! coefficient times Hertz's pressure, so they exceed a bound τ in the middle of the contact and
+//! are below it at the rim.
 
 use super::case::Case;
 use super::contact::CarterContact;
@@ -21,20 +21,20 @@ use proto::field::FieldSpec;
 use proto::model::{Inputs, Step, StepError, StepReport};
 use serde_json::Value;
 
-/// What solves them.
+/// Solver of the windows.
 pub(super) struct Windows {
     case: Case,
     scenes: Scenes,
-    /// Hertz's pressure of the ellipse that was solved last, where friction depends on something.
+    /// Hertz's pressure of the last solved ellipse; used if friction is not constant.
     pressure: Vec<f64>,
     ellipse: Option<Ellipse>,
 }
 
-/// A window that is solved.
+/// A solved time window.
 pub(super) struct Window {
     contact: CarterContact,
     step: Step,
-    /// Its force is not the prescribed one.
+    /// Set if the prescribed force was not reached.
     shortfall: Option<Shortfall>,
 }
 
@@ -44,7 +44,7 @@ impl Windows {
         Self { case, scenes, pressure, ellipse: None }
     }
 
-    /// The equivalent friction coefficient at some creepages.
+    /// Equivalent friction coefficient at these creepages.
     fn friction_at(
         &self,
         inputs: &dyn Inputs,
@@ -66,7 +66,7 @@ impl Windows {
         Ok(elements.equivalent(&self.pressure))
     }
 
-    /// The contact with the friction that it leaves itself.
+    /// Contact whose friction agrees with its own creepages.
     fn settled(
         &mut self,
         inputs: &dyn Inputs,
@@ -118,7 +118,7 @@ impl contact_model::Contact for Windows {
         Ok(Window { contact, step: *step, shortfall })
     }
 
-    /// With the friction coefficient of the case.
+    /// Initial window, with the friction coefficient of the case.
     fn first(&mut self) -> Option<Window> {
         let step = Step::STEADY;
         let scene = self.scenes.of(&step).ok()?;

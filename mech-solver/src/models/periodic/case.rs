@@ -13,7 +13,7 @@ pub(super) struct Case {
     pub(super) scene: Scene,
     pub(super) terms: Terms,
     pub(super) grid: Structured,
-    /// Load on a cell [N].
+    /// Load on one cell [N].
     pub(super) load: f64,
     /// Longitudinal and lateral creepage.
     pub(super) creepage: [f64; 2],
@@ -23,7 +23,7 @@ impl Case {
     /// Reads a case.
     ///
     /// # Errors
-    /// What is missing or out of range, and what a contact that repeats does not have.
+    /// Values that are missing or out of range; features that a periodic contact does not support.
     pub(super) fn read(configuration: &Configuration, mut terms: Terms) -> Result<Self, Refusal> {
         let scene = Scene::read(&configuration.case)?;
         let grid = cell::grid(&configuration.case)?;
@@ -65,7 +65,7 @@ impl Case {
         [self.grid.ni as f64 * self.grid.dx(), self.grid.nj as f64 * self.grid.dy()]
     }
 
-    /// Load over the cell [Pa].
+    /// Load divided by the area of the cell [Pa].
     pub(super) fn mean_pressure(&self) -> f64 {
         let [length, width] = self.cell();
         self.load / (length * width)
@@ -77,7 +77,7 @@ impl Case {
         Elasticity::of_pair(&upper, &lower).contact_compliance()
     }
 
-    /// Distance of the surfaces before they deform, at the elements [m].
+    /// Undeformed distance of the surfaces at the elements [m].
     pub(super) fn distance(&self) -> Vec<f64> {
         sample(&self.grid, &|x, y| self.terms.height(x, y))
     }

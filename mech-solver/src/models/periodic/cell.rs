@@ -1,4 +1,4 @@
-//! The cell that repeats: its keys and its grid.
+//! Periodic cell: its keys and its grid.
 
 use crate::case::keys::CheckedParams;
 use proto::accuracy::Refinement;
@@ -11,12 +11,12 @@ const PERIODS: [&str; 2] = ["mech.period_x", "mech.period_y"];
 const RESOLUTION: &str = "mech.resolution";
 const LATERAL_RESOLUTION: &str = "mech.lateral_resolution";
 
-/// Elements along x, unless the case says otherwise.
+/// Default number of elements along x.
 const ALONG: usize = 64;
-/// Most elements along a side.
+/// Maximum number of elements along a side.
 const MOST: f64 = 16384.0;
 
-/// The keys that [`grid`] reads.
+/// Keys read by [`grid`].
 pub(super) fn keys() -> Vec<KeySpec> {
     vec![
         KeySpec::quantity(PERIODS[0], "m", "length of the cell that repeats").required().above(0.0),
@@ -32,7 +32,8 @@ pub(super) fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// How the error of the largest pressure falls with the elements to a wave, from that at eight.
+/// Convergence of the largest pressure with the elements per wave: order, and error at eight
+/// elements.
 pub(super) fn refinement() -> Refinement {
     Refinement {
         key: RESOLUTION.to_owned(),
@@ -44,10 +45,11 @@ pub(super) fn refinement() -> Refinement {
     }
 }
 
-/// The elements of a cell, whose middle is the origin; an element lies there if their numbers are odd or one.
+/// Returns the grid of a cell centred at the origin. An element's centre lies at the origin if its
+/// row and column counts are odd or one.
 ///
 /// # Errors
-/// A value that is out of range, and an odd number of elements along x.
+/// A value that is out of range; an odd number of elements along x.
 pub(super) fn grid(params: &Params) -> Result<Structured, Refusal> {
     let case = CheckedParams::new(params, keys());
     let [length, width] = [case.number(PERIODS[0])?, case.number(PERIODS[1])?];

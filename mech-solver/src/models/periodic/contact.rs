@@ -18,13 +18,13 @@ pub(super) struct Sliding {
     solver: NormalSolver,
     /// Heights of the effects [m].
     heights: Vec<f64>,
-    /// The same, less what heat raises [m].
+    /// Heights of the effects minus the thermal rise [m].
     distance: Vec<f64>,
-    /// What heat raises [m].
+    /// Thermal rise of the surfaces [m].
     rises: Vec<f64>,
 }
 
-/// A window that is solved.
+/// A solved time window.
 pub(super) struct Window {
     solved: NormalContact,
     /// Pressure of the elements [Pa].
@@ -45,7 +45,7 @@ impl Sliding {
         Self { solver, distance: heights.clone(), heights, rises, case }
     }
 
-    /// Takes the rise of the surfaces by heat from the distance.
+    /// Subtracts the thermal rise of the surfaces from the distance.
     fn expand(&mut self, inputs: &dyn Inputs) -> Result<(), StepError> {
         let Some(coefficients) = self.case.terms.expansion else { return Ok(()) };
         let Case { scene, grid, .. } = &self.case;

@@ -29,19 +29,19 @@ use wheel_rail::settings::{Normal, PatchSurface, RigidSlip, Settings, Tangential
 use wheel_rail::surface::Surface;
 use wheel_rail::wheelset::{Motion, Wheelset};
 
-/// Length that elements are counted over [m].
+/// Length along which the elements of the key `mech.resolution` are counted [m].
 const CENTIMETRE: f64 = 1e-2;
 
-/// Accuracy where a loop iterates on the answers: well below what it is asked for.
+/// Relative accuracy inside an outer iteration, well below its own tolerance.
 const LOOP_TOLERANCE: f64 = 1e-8;
 
-/// The keys, made once: a history has a position in every row.
+/// Keys, built once because a history reads a position in every row.
 static KEYS: LazyLock<Vec<KeySpec>> = LazyLock::new(|| [body_keys(), keys()].concat());
 
 /// A checked case.
 pub(super) struct Case {
     pub(super) terms: Terms,
-    /// Wheel and rail.
+    /// Surfaces of wheel and rail.
     pub(super) surfaces: [Surface; 2],
     rail_key: String,
     sides: Vec<Side>,
@@ -49,11 +49,11 @@ pub(super) struct Case {
     wheelset: Wheelset,
     pub(super) settings: Settings,
     pub(super) remarks: Vec<String>,
-    /// Warnings of the profiles.
+    /// Warnings about the profiles.
     pub(super) warnings: Vec<Refusal>,
 }
 
-/// What a window prescribes.
+/// Values prescribed in a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Position {
     pub(super) motion: Motion,
@@ -66,7 +66,8 @@ impl Case {
     /// Reads a case, and the files of its profiles.
     ///
     /// # Errors
-    /// What is missing or out of range, a file that is no profile, bodies of different materials.
+    /// Values that are missing or out of range; a file that is not a profile; bodies of different
+    /// materials.
     pub(super) fn read(configuration: &Configuration, terms: Terms) -> Result<Self, Refusal> {
         let params = &configuration.case;
         let case = CheckedParams::new(params, &KEYS[..]);
@@ -152,10 +153,11 @@ impl Case {
         })
     }
 
-    /// Wheels and rails in their places, with elements so many times larger, and patches on this.
+    /// Creates the wheels on their rails, with elements `coarser` times larger and this surface of
+    /// the patches.
     ///
     /// # Errors
-    /// The profile of the rail has no gauge point.
+    /// A rail profile without a gauge point.
     pub(super) fn wheelset_on_track(
         &self,
         coarser: f64,
@@ -177,10 +179,10 @@ impl Case {
         Ok(WheelsetOnTrack::new(wheels, settings.tolerance, wheelset))
     }
 
-    /// The position of a window with these values.
+    /// Returns the position of a window with these values.
     ///
     /// # Errors
-    /// One is missing or out of range.
+    /// A value that is missing or out of range.
     pub(super) fn position(&self, params: &Params) -> Result<Position, Refusal> {
         let case = CheckedParams::new(params, &KEYS[..]);
         let of = |name: &str| case.number(&format!("wheelset.{name}"));
@@ -215,7 +217,7 @@ impl Case {
 }
 
 impl Case {
-    /// What is given along the vertical of the left wheel and the right.
+    /// Prescribed vertical force or height of the left and the right wheel.
     fn vertical(
         &self,
         case: &CheckedParams<'_>,
@@ -252,7 +254,7 @@ impl Case {
     }
 }
 
-/// What gives the tractions.
+/// Reads the theory of the tractions.
 fn tangential(case: &CheckedParams<'_>) -> Result<Tangential, Refusal> {
     let kind = springs::flexibility(case)?;
     Ok(match case.text(TANGENTIAL)? {
@@ -262,7 +264,7 @@ fn tangential(case: &CheckedParams<'_>) -> Result<Tangential, Refusal> {
     })
 }
 
-/// Refuses what springs do not have.
+/// Refuses features that are not available with springs.
 fn refuse_on_springs(
     settings: &Settings,
     terms: &Terms,
@@ -289,7 +291,8 @@ fn refuse_on_springs(
     Ok(())
 }
 
-/// Refuses stresses below both rails: other patches act on them as from a plane that goes on.
+/// Refuses stresses below both rails: the patches of the other rail would act on them as if in the
+/// same plane.
 fn refuse_stresses_of_both(sides: &[Side], terms: &Terms) -> Result<(), Refusal> {
     match terms.effect_of(crate::terms::Kind::Observation) {
         Some(effect) if sides.len() > 1 => Err(Refusal::new(
@@ -301,7 +304,7 @@ fn refuse_stresses_of_both(sides: &[Side], terms: &Terms) -> Result<(), Refusal>
     }
 }
 
-/// Refuses rough surfaces for theories that have smooth strips.
+/// Refuses rough surfaces for theories that assume smooth strips.
 fn refuse_rough(settings: &Settings, terms: &Terms) -> Result<(), Refusal> {
     let exact = [NORMAL, TANGENTIAL]
         .into_iter()
@@ -316,7 +319,7 @@ fn refuse_rough(settings: &Settings, terms: &Terms) -> Result<(), Refusal> {
     }
 }
 
-/// Refuses what is not there on curved surfaces.
+/// Refuses features that are not available on curved surfaces.
 fn refuse_curved(
     settings: &Settings,
     terms: &Terms,
@@ -353,7 +356,8 @@ fn refuse_curved(
     Ok(())
 }
 
-/// Refuses approximate theories of the pressure on surfaces that vary, of which they would have to know parabolas along x.
+/// Refuses approximate theories of the pressure on surfaces that vary along x: these theories
+/// assume parabolas along x.
 fn refuse_approximate(settings: &Settings, surfaces: &[Surface; 2]) -> Result<(), Refusal> {
     let varies = surfaces.iter().any(|surface| surface.constant().is_none());
     match settings.normal != Normal::HalfSpace && varies {
@@ -366,7 +370,7 @@ fn refuse_approximate(settings: &Settings, surfaces: &[Surface; 2]) -> Result<()
     }
 }
 
-/// Refuses what would say the shape of a body twice.
+/// Refuses radii, since profiles and nominal radius already define the shape of the bodies.
 fn refuse_radii(case: &CheckedParams<'_>, names: &Bodies) -> Result<(), Refusal> {
     for (body, name) in [UPPER, LOWER]
         .into_iter()

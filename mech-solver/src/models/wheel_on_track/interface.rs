@@ -1,5 +1,8 @@
-//! What is between wheel and rail. The friction coefficient of every element is that of the case, with its factors over the surface of the rail or
-//! along the track and what other laws make of it. Heights of rough surfaces stand on the rail, over the way along the track and the tape distance.
+//! Friction and roughness between wheel and rail.
+//!
+//! The friction coefficient of every element is that of the case, multiplied by factors over the
+//! rail surface or along the track, and modified by other friction laws. Heights of rough surfaces
+//! belong to the rail, as a function of the distance along the track and the tape distance.
 
 use super::case::{Case, Position};
 use crate::terms::bands::{At, Over};
@@ -12,12 +15,12 @@ use proto::model::Inputs;
 use wheel_rail::interface::{Elements, Interface};
 use wheel_rail::rail::Side;
 
-/// What is between wheel and rail in a window.
+/// Friction and roughness between wheel and rail in a window.
 pub(super) struct FrictionInterface<'a> {
     pub(super) case: &'a Case,
     pub(super) position: &'a Position,
-    /// What comes in, and y on the grid of the fields less the tape distance [m] of the left rail and the right; nothing while the grid is looked
-    /// for.
+    /// Inputs, and the shift between y on the grid of the fields and the tape distance of the left
+    /// and the right rail [m]; `None` during the search for the grid.
     pub(super) solving: Option<(&'a dyn Inputs, [f64; 2])>,
 }
 
@@ -60,7 +63,7 @@ impl Interface for FrictionInterface<'_> {
 }
 
 impl FrictionInterface<'_> {
-    /// The coordinate of factors at an element.
+    /// Coordinate of the friction factors at an element.
     fn of_element(&self, over: Over, elements: &Elements<'_>, index: usize) -> f64 {
         let Elements { side, grid, .. } = elements;
         let Structured { ni, .. } = *grid;
@@ -72,13 +75,13 @@ impl FrictionInterface<'_> {
         }
     }
 
-    /// The same at the reference of the patch.
+    /// Coordinate of the friction factors at the reference point of a patch.
     fn of_patch(&self, over: Over, elements: &Elements<'_>) -> f64 {
         let Elements { side, reference: [x, tape], angle, .. } = *elements;
         match over {
             Over::Lateral => tape,
             Over::Track => self.position.motion.way + x,
-            // In the axes of the profile, which cant and deviation have turned.
+            // In the axes of the profile, without the rotation by cant and deviation.
             Over::Inclination => {
                 side.sign() * (angle - self.position.deviation.roll) - self.case.track.cant
             }

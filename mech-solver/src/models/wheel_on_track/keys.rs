@@ -1,4 +1,4 @@
-//! The keys of track, wheelset and elements.
+//! Keys of track, wheelset and elements.
 
 use super::shape;
 use crate::case::difference;
@@ -8,16 +8,16 @@ use crate::models::springs;
 use proto::accuracy::Refinement;
 use proto::description::KeySpec;
 
-/// Elements along a centimetre, unless the case says otherwise: of 0.2 mm.
+/// Default number of elements per centimetre, 0.2 mm each.
 const RESOLUTION_OF_CONTACT: i64 = 50;
 
 pub(super) const VERTICAL_FORCE: &str = "load.vertical_force";
 pub(super) const AXLE_LOAD: &str = "load.axle_load";
 pub(super) const LEFT_SHARE: &str = "load.left_share";
 pub(super) const HEIGHT: &str = "wheelset.z";
-/// Group of what is given along the vertical.
+/// Key group of the vertical prescription.
 const VERTICAL: &str = "wheelset.vertical";
-/// Group of what turns the axle.
+/// Key group of the rotation of the axle.
 const TURNING: &str = "wheelset.turning";
 
 pub(super) const SIDE: &str = "wheelset.side";
@@ -40,12 +40,12 @@ pub(super) const PATCH_SURFACE: &str = "mech.patch_surface";
 pub(super) const NORMAL: &str = "mech.normal";
 pub(super) const TANGENTIAL: &str = "mech.tangential";
 
-/// The keys of the model besides those of bodies.
+/// Keys of the model, in addition to those of the bodies.
 pub(super) fn keys() -> Vec<KeySpec> {
     [shape::keys(), track(), wheelset(), load(), elements()].concat()
 }
 
-/// Largest shift [m], turn [rad] or rate of these that is expected of a body on a track.
+/// Largest plausible shift [m], rotation [rad] or rate of a body on a track.
 fn of_unit(unit: &str) -> f64 {
     match unit {
         "m" => 0.1,
@@ -241,7 +241,8 @@ fn elements() -> Vec<KeySpec> {
     ]
 }
 
-/// How the error falls with the resolution: as that of model `half-space`, in a contact of 6 mm to either side.
+/// Convergence of the error with the resolution: as in model `half-space`, for a contact with
+/// semi-axes of about 6 mm.
 pub(super) fn refinement() -> Refinement {
     Refinement {
         key: RESOLUTION.to_owned(),

@@ -1,7 +1,9 @@
-//! The grid over the rails' surfaces that holds the patches of all rows.
+//! Grid on the developed rail surfaces that holds the patches of all rows.
 //!
-//! Along x and along the tape of one rail it is that of [`wheel_rail::developed`]. Both rails lie on it side by side, each on a lane of its own: y is the tape distance
-//! of the left rail plus a shift, and that of the right one less the same shift, by which [`APART`] lies free between the lanes.
+//! Along x and along the tape of one rail it is the grid of [`wheel_rail::developed`]. Both rails
+//! lie side by side, each on its own lane. y is the tape distance plus a shift for the left rail,
+//! and minus the same shift for the right rail, such that a width of [`APART`] stays free between
+//! the lanes.
 
 use super::case::{Case, Position};
 use super::interface::FrictionInterface;
@@ -15,41 +17,42 @@ use wheel_rail::patch::Patch;
 use wheel_rail::rail::Side;
 use wheel_rail::settings::{Normal, PatchSurface};
 
-/// How much larger elements are by which the patches of a history are looked for.
+/// Coarsening factor of the elements in the search for the patches of a history.
 const COARSER: f64 = 3.0;
-/// Free elements round the patches, of those that they were looked for with.
+/// Free elements around the patches, counted in elements of the search grid.
 const MARGIN: usize = 2;
-/// The same where a patch may jump from element to element, and with it the force.
+/// Free elements if a patch, and with it the force, may jump from element to element.
 const MARGIN_OF_JUMPS: usize = 5;
-/// The same of patches on curved surfaces, which are looked for in planes.
+/// Free elements for patches on curved surfaces, which are searched in planes.
 const MARGIN_OF_CURVED: usize = 8;
-/// Between the lanes of both rails [m]: farther than heat goes while it matters.
+/// Width between the lanes of both rails [m], larger than the distance over which heat diffuses in
+/// the relevant time.
 const APART: f64 = 5e-3;
 
-/// Elements by their numbers along x and along the tape; element (0, 0) is at the origin.
+/// Grid with elements numbered along x and along the tape; element (0, 0) is at the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plane {
-    /// First column, and the one behind the last.
+    /// First column, and the column after the last.
     columns: [i64; 2],
-    /// The rails on which there are patches, from left to right.
+    /// Lanes of the rails that have patches.
     lanes: Vec<Lane>,
     sides: [f64; 2],
-    /// Elements of the patches of a position, at most and about.
+    /// Approximate largest number of elements of the patches in any position.
     pub(super) elements: f64,
-    /// Half length and half width of the patch that carries most [m].
+    /// Half length and half width of the patch with the largest load [m].
     semi_axes: [f64; 2],
-    /// The highest pressure of all patches [Pa].
+    /// Peak of the pressure over all patches [Pa].
     pressure: Peak,
-    /// The highest friction power of all patches [W/m²].
+    /// Peak of the friction power over all patches [W/m²].
     power: Peak,
 }
 
-/// The largest value of a field over all patches, and where it is.
+/// Largest value of a field over all patches, and its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Peak {
     value: f64,
     side: Side,
-    /// Along the tape of the rail on that side [m].
+    /// Tape distance on the rail of that side [m].
     y: f64,
 }
 
@@ -58,7 +61,7 @@ impl Peak {
         if other.value > self.value { other } else { self }
     }
 
-    /// The largest of these values of a patch on a rail.
+    /// Finds the largest of these values of a patch on a rail.
     fn of(values: &[f64], patch: &Patch, side: Side) -> Self {
         let fields = &patch.fields;
         let highest = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
@@ -67,14 +70,14 @@ impl Peak {
         Self { value, side, y: row as f64 * fields.sides[1] }
     }
 
-    /// The largest of all patches on a rail; zero without patches.
+    /// Finds the largest value over all patches on a rail; zero without patches.
     fn of_all(patches: &[Patch], side: Side, values: impl Fn(&Patch) -> &[f64]) -> Self {
         let none = Self { value: 0.0, side, y: 0.0 };
         patches.iter().map(|patch| Self::of(values(patch), patch, side)).fold(none, Self::higher)
     }
 }
 
-/// Half length and half width of what is in contact [m].
+/// Half length and half width of the elements in contact [m].
 fn half_sizes(patch: &Patch) -> [f64; 2] {
     let fields = &patch.fields;
     let mut ranges = [[usize::MAX, 0]; 2];
@@ -90,21 +93,22 @@ fn half_sizes(patch: &Patch) -> [f64; 2] {
     })
 }
 
-/// The rows of a rail.
+/// Rows of the grid that belong to a rail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Lane {
     side: Side,
-    /// First row along its tape, and the one behind the last.
+    /// First row along the tape, and the row after the last.
     rows: [i64; 2],
-    /// Rows by which it is shifted.
+    /// Number of rows by which the lane is shifted.
     shift: i64,
 }
 
 impl Plane {
-    /// That of a configuration: of its position, or of all rows.
+    /// Finds the grid that holds the patches of all rows, or of the single position of a case
+    /// without histories.
     ///
     /// # Errors
-    /// No position has a contact.
+    /// Positions without any contact.
     pub(super) fn of(configuration: &Configuration, case: &Case) -> Result<Self, Refusal> {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
         let coarser = if rows > 1 { COARSER } else { 1.0 };
@@ -123,7 +127,7 @@ impl Plane {
             let position = case.position(&params)?;
             let Position { motion, deviation, given, .. } = &position;
             let between = FrictionInterface { case, position: &position, solving: None };
-            // Patches hardly move with the angular velocity that a torque finds.
+            // Patches hardly depend on the angular velocity that follows from a torque.
             let given = Given { torque: None, ..*given };
             match wheelset.solve(motion, deviation, &given, &between) {
                 Ok(balanced) => {
@@ -143,7 +147,8 @@ impl Plane {
         Ok(Self { sides: case.settings.sides, ..plane }.shifted())
     }
 
-    /// Round patches of elements so many times larger; `None` without any.
+    /// Returns the grid around patches whose elements are `coarser` times larger; `None` without
+    /// patches.
     fn around(balanced: &Balanced, coarser: f64, margin: usize) -> Option<Self> {
         let finer = |at: i64| (coarser * at as f64).round() as i64;
         let of = |patch: &Patch| (patch.fields.counts[0] * patch.fields.counts[1]) as f64;
@@ -196,7 +201,7 @@ impl Plane {
         }
     }
 
-    /// Its lanes side by side.
+    /// Shifts the lanes so that they lie side by side.
     fn shifted(mut self) -> Self {
         if let [left, right] = self.lanes.as_mut_slice() {
             let between = (APART / self.sides[1]).ceil() as i64;
@@ -211,23 +216,23 @@ impl Plane {
         self.lanes.iter().find(|lane| lane.side == side)
     }
 
-    /// y on the grid less the tape distance of a rail [m].
+    /// Difference between y on the grid and the tape distance of a rail [m].
     pub(super) fn shift(&self, side: Side) -> f64 {
         self.lane(side).map_or(0.0, |lane| lane.shift as f64 * self.sides[1])
     }
 
-    /// Where stresses are looked for, of one rail.
+    /// Region in which stresses are evaluated, for a single rail.
     pub(super) fn place(&self) -> Place {
         Place { grid: self.grid(), semi_axes: self.semi_axes, peak_y: self.pressure.y }
     }
 
-    /// y on the grid of the highest friction power, of the patch that has it [m]; `None` without any.
+    /// y on the grid of the highest friction power [m]; `None` without friction power.
     pub(super) fn hottest_y(&self) -> Option<f64> {
         let Peak { value, side, y } = self.power;
         (value > 0.0).then(|| y + self.shift(side))
     }
 
-    /// First element on the grid.
+    /// First element of the grid.
     fn first(&self) -> [i64; 2] {
         let rows = self.lanes.iter().map(|lane| lane.rows[0] + lane.shift);
         [self.columns[0], rows.min().unwrap_or(0)]
@@ -240,7 +245,7 @@ impl Plane {
             .map(|count| usize::try_from(count).unwrap_or(0))
     }
 
-    /// The grid of the fields.
+    /// Grid of the fields.
     pub(super) fn grid(&self) -> Structured {
         let ([dx, dy], [ni, nj]) = (self.sides, self.counts());
         let first = self.first();
@@ -248,10 +253,10 @@ impl Plane {
         Structured::contact_plane(x0, y0, dx, dy, ni, nj)
     }
 
-    /// The fields of patches on it.
+    /// Returns the fields of the patches on this grid.
     ///
     /// # Errors
-    /// A patch reaches beyond it.
+    /// A patch that reaches beyond the grid.
     pub(super) fn fields(&self, balanced: &Balanced) -> Result<Developed, StepError> {
         let mut fields = Developed::empty(self.first(), self.counts());
         for (side, solved) in

@@ -1,4 +1,4 @@
-//! What solves the windows.
+//! Solver of the windows.
 
 use super::case::{Case, Position};
 use super::interface::FrictionInterface;
@@ -18,28 +18,28 @@ use wheel_rail::developed::Developed;
 use wheel_rail::patch::Patch;
 use wheel_rail::rail::Side;
 
-/// Rows of a history that each thread is given at once, so that none waits long for another.
+/// Number of history rows per thread in one batch, chosen so that no thread waits long for another.
 const ROWS_OF_A_THREAD: usize = 4;
 
-/// A window that is solved.
+/// A solved time window.
 pub(super) struct Window {
     position: Position,
     balanced: Balanced,
     fields: Developed,
 }
 
-/// The wheels.
+/// Wheels on their rails, solved window by window.
 pub(super) struct Running {
     case: Case,
     plane: Plane,
     configuration: Configuration,
-    /// The solver, once for each thread.
+    /// Solvers, one per thread.
     solvers: Team<WheelsetOnTrack>,
-    /// Windows that are solved at once.
+    /// Number of windows in a batch.
     at_once: u64,
-    /// Rows of a history; 0 if there is none.
+    /// Number of rows of a history; 0 without a history of rows.
     rows: u64,
-    /// Windows to come, the next one last, that were solved with one before.
+    /// Windows solved in advance, the next one last.
     ahead: Vec<(Position, Result<Window, StepError>)>,
 }
 
@@ -64,12 +64,12 @@ impl Running {
         Ok(Self { case, plane, configuration, solvers, at_once, rows, ahead })
     }
 
-    /// What a window prescribes.
+    /// Position prescribed in a window.
     fn position(&self, step: &Step) -> Result<Position, StepError> {
         self.case.position(&self.configuration.case_at(step)).map_err(no_answer)
     }
 
-    /// Solves a window and those behind it.
+    /// Solves a window and the following windows in one batch.
     fn solve_from(&mut self, position: Position, step: &Step) {
         let last = self.rows.min(step.window + self.at_once);
         let behind = (step.window + 1..last)
@@ -87,7 +87,7 @@ impl Running {
         self.ahead.reverse();
     }
 
-    /// Solves a window from nothing, on a thread with its solver.
+    /// Solves a window without an initial guess, on a thread with its own solver.
     fn solved(
         (case, plane): (&Case, &Plane),
         solver: &mut WheelsetOnTrack,
@@ -108,7 +108,7 @@ impl Running {
 impl Contact for Running {
     type Window = Window;
 
-    /// Rows of a history into which nothing comes are solved several at once, each by a thread.
+    /// Rows of a history without inputs are solved in batches, each row by one thread.
     fn solve(
         &mut self,
         step: &Step,
@@ -165,7 +165,7 @@ impl Contact for Running {
                 self.case.terms.keep_heat(values);
             }
             field::SURFACE_SPEED => values.copy_from_slice(&window.surface_speeds()),
-            // In track axes, of both wheels if there are.
+            // In track axes, summed over both wheels if there are two.
             field::CONTACT_FORCE => {
                 values.copy_from_slice(&window.balanced.sum(|solved| solved.force));
             }
@@ -209,7 +209,7 @@ impl Contact for Running {
 }
 
 impl Window {
-    /// Speeds of the wheel's and the rail's surface through the patch that carries most [m/s].
+    /// Speeds of the surfaces of wheel and rail through the patch with the largest load [m/s].
     fn surface_speeds(&self) -> [f64; 2] {
         let most = |a: &&Patch, b: &&Patch| a.load.force[2].total_cmp(&b.load.force[2]);
         let patches = self.balanced.wheels.iter().flat_map(|(_, solved)| &solved.patches);

@@ -1,4 +1,4 @@
-//! The surfaces of wheel and rail: a profile from its file, or slices from theirs, and an irregularity.
+//! Surfaces of wheel and rail: a profile or slices read from files, with an optional irregularity.
 
 use crate::case::keys::CheckedParams;
 use elastic::axle::{Form, Irregularity};
@@ -15,15 +15,15 @@ use wheel_rail::profile::{Format, Reading, SliceFormat, read, read_slices};
 use wheel_rail::slices::{Slice, Slices};
 use wheel_rail::surface::Surface;
 
-/// Larger files are refused [byte].
+/// Maximum size of a file [byte].
 const MOST_BYTES: u64 = 64 << 20;
 
 /// Forms of irregularities.
 const FORMS: [&str; 4] = ["dip", "joint", "corrugation", "flat"];
-/// What an irregularity has besides its form.
+/// Keys of an irregularity in addition to its form.
 const SIZES: [&str; 4] = ["depth", "length", "at", "crown_radius"];
 
-/// The keys of the shape of bodies.
+/// Keys of the shape of the bodies.
 pub(super) fn keys() -> Vec<KeySpec> {
     let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
     let size = |name: &str, help: &str| {
@@ -69,10 +69,11 @@ pub(super) fn keys() -> Vec<KeySpec> {
     ]
 }
 
-/// The surface of a body, a wheel of this nominal radius [m] if it is one.
+/// Reads the surface of a body; `radius` is the nominal radius of a wheel [m].
 ///
 /// # Errors
-/// A file that is no profile, slices that are no surface, an irregularity that the body cannot have.
+/// A file that is not a profile; slices that make no surface; an irregularity that does not fit the
+/// body.
 pub(super) fn surface(
     case: &CheckedParams<'_>,
     names: &Bodies,
@@ -116,7 +117,7 @@ pub(super) fn surface(
     })
 }
 
-/// How the profiles of a body are smoothed.
+/// Smoothing of the profiles of a body.
 fn smoothing(case: &CheckedParams<'_>, names: &Bodies, body: usize) -> Result<Smoothing, Refusal> {
     let [tolerance, wavelength] =
         ["profile_tolerance", "smoothing_wavelength"].map(|name| names.key(body, name));
@@ -130,7 +131,7 @@ fn smoothing(case: &CheckedParams<'_>, names: &Bodies, body: usize) -> Result<Sm
     }
 }
 
-/// Which way heights point, if the case says so.
+/// Direction of positive heights, if the case prescribes it.
 fn heights(
     case: &CheckedParams<'_>,
     names: &Bodies,
@@ -143,7 +144,7 @@ fn heights(
     })
 }
 
-/// Points, kinks and smoothing of a profile.
+/// Description of a profile: points, kinks and smoothing.
 fn described(outline: &Outline) -> String {
     format!(
         "{} points, {} kinks, smoothing moves none by more than {:.2} µm",
@@ -153,12 +154,12 @@ fn described(outline: &Outline) -> String {
     )
 }
 
-/// The bytes of a file.
+/// Reads the bytes of a file.
 fn bytes(path: &Path) -> Result<Vec<u8>, String> {
     input_file::read(path, MOST_BYTES).map_err(|error| error.to_string())
 }
 
-/// How the files of a body are taken.
+/// Reading options of the profile files of a body.
 #[derive(Clone, Copy, Debug)]
 struct Taken {
     of: Body,
@@ -174,12 +175,13 @@ impl Taken {
     }
 }
 
-/// A profile from its file.
+/// Reads a profile from its file.
 fn outline(path: &Path, taken: &Taken) -> Result<Outline, String> {
     read(&bytes(path)?, &taken.reading(path)).map_err(|error| error.to_string())
 }
 
-/// A profile of several from its file, and whether its shape shows that heights point down; `None` where that is known.
+/// Reads one of several profiles from its file. Also returns whether its shape shows that heights
+/// point down; `None` if the direction is prescribed.
 fn one_of_several(path: &Path, taken: &Taken) -> Result<(Outline, Option<bool>), String> {
     let (text, reading) = (bytes(path)?, taken.reading(path));
     let found = read(&text, &reading).map_err(|error| error.to_string())?;
@@ -190,7 +192,8 @@ fn one_of_several(path: &Path, taken: &Taken) -> Result<(Outline, Option<bool>),
     Ok((found, shown))
 }
 
-/// The surface through the profiles that a file names, and what it is.
+/// Reads the surface through the profiles listed in a file. Also returns a description of the
+/// slices.
 fn sliced(path: &Path, format: SliceFormat, taken: &Taken) -> Result<(Slices, String), String> {
     let of = taken.of;
     let list = read_slices(&bytes(path)?, format, of).map_err(|error| error.to_string())?;
@@ -215,7 +218,7 @@ fn sliced(path: &Path, format: SliceFormat, taken: &Taken) -> Result<(Slices, St
         }
         let outline = known[name].clone();
         let [from, to] = outline.range();
-        // CONTACT counts a wheel from its field side.
+        // CONTACT measures the features of a wheel from its field side.
         let features = match of {
             Body::Rail => named.features.clone(),
             Body::Wheel => named.features.iter().rev().map(|s| (to - from - s).max(0.0)).collect(),
@@ -235,7 +238,7 @@ fn sliced(path: &Path, format: SliceFormat, taken: &Taken) -> Result<(Slices, St
     Ok((surface, remark))
 }
 
-/// The irregularity of a body, if it has one.
+/// Irregularity of a body, if it has one.
 fn irregularity(
     case: &CheckedParams<'_>,
     names: &Bodies,

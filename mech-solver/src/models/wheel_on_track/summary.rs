@@ -10,7 +10,7 @@ use wheel_rail::patch::{Patch, Solved};
 use wheel_rail::rail::Side;
 use wheel_rail::settings::Vertical;
 
-/// Figures that this model alone gives.
+/// Figures that are specific to this model.
 pub(in crate::models) fn figures() -> Vec<FigureSpec> {
     let wheelset = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("wheelset.{name}"), unit, words).on("wheelset", short)
@@ -74,7 +74,7 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
     [own, wheel_figures()].concat()
 }
 
-/// Wheel and rail of each side with their patches.
+/// Profiles of wheel and rail with their patches, one diagram per side.
 pub(in crate::models) fn diagrams() -> Vec<Diagram> {
     let curve = |side: &str, body: &str| Curve {
         name: body.to_owned(),
@@ -90,17 +90,18 @@ pub(in crate::models) fn diagrams() -> Vec<Diagram> {
     ["left", "right"].map(of).to_vec()
 }
 
-/// Points of a profile in the summary.
+/// Number of points of a profile in the summary.
 const POINTS: usize = 120;
 
-/// The summary of a solution; `shift` is y on the grid less the tape distance of a rail [m].
+/// Summary of a solution; `shift` is the difference between y on the grid and the tape distance of
+/// a rail [m].
 pub(super) fn summary(
     balanced: &Balanced,
     position: &Position,
     wheelset: &WheelsetOnTrack,
     shift: &dyn Fn(Side) -> f64,
 ) -> Value {
-    // From right to left, as they lie on the grid.
+    // Sorted from right to left, as on the grid.
     let patches: Vec<(&Patch, Side)> = balanced
         .wheels
         .iter()
@@ -158,7 +159,7 @@ pub(super) fn summary(
     json!({ "contact": contact, "wheelset": own })
 }
 
-/// The figures of the wheelset.
+/// Figures of the wheelset.
 fn of_wheelset(balanced: &Balanced, given: &Given) -> Value {
     let sum = |of: fn(&Solved) -> [f64; 3]| balanced.sum(of);
     let ([fx, fy, fz], [mx, my, mz]) = (sum(|solved| solved.force), sum(|solved| solved.moment));
@@ -194,11 +195,13 @@ fn side_name(side: Side) -> &'static str {
     }
 }
 
-/// Creepages are differences of speeds over a speed: less is rounding.
+/// Creepages below this value are rounding errors, since they are differences of speeds divided by
+/// a speed.
 const ROUNDING: f64 = 1e-15;
 
-/// The figures of a patch whose tape distances lie so much further on the grid; moment and creepages are those at its reference, which does not jump from element to element as the origin of its
-/// fields does.
+/// Figures of a patch; `shift` is the difference between y on the grid and the tape distance [m].
+/// Moment and creepages refer to the reference point of the patch, which, unlike the origin of its
+/// fields, does not jump from element to element.
 fn of_patch(patch: &Patch, shift: f64) -> Value {
     let [fx, fy, n] = patch.load.force;
     let [along, tangent, _] = patch.frame.axes();

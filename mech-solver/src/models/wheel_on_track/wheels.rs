@@ -1,10 +1,11 @@
-//! Figures of each wheel of a wheelset on both rails: sections `wheelset.left` and `wheelset.right` of `summary.json`.
+//! Figures of each wheel of a wheelset on both rails: sections `wheelset.left` and
+//! `wheelset.right` of `summary.json`.
 
 use proto::figure::FigureSpec;
 use serde_json::{Value, json};
 use wheel_rail::patch::{Patch, Solved};
 
-/// The figures, of the left wheel and of the right.
+/// Figures of the left and the right wheel.
 pub(super) fn wheel_figures() -> Vec<FigureSpec> {
     let of = |side: &str| {
         let figure = |name: &str, unit, words: &str| {
@@ -25,7 +26,7 @@ pub(super) fn wheel_figures() -> Vec<FigureSpec> {
     ["left", "right"].into_iter().flat_map(of).collect()
 }
 
-/// Those of a wheel.
+/// Figures of one wheel.
 pub(super) fn of_wheel(solved: &Solved) -> Value {
     let sum = |of: &dyn Fn(&Patch) -> f64| solved.patches.iter().map(of).sum::<f64>();
     let [fx, fy, fz] = solved.force;
