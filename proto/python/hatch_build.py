@@ -1,6 +1,6 @@
 """Puts what a release has into the wheel, where COSIM_EXECUTABLES names the folder of what is built.
 
-    cargo build --release --workspace
+    cargo build --release --workspace --features tests/complete
     COSIM_EXECUTABLES=$PWD/target/release pip wheel --no-deps ./proto/python -w dist
 
 Such a wheel is of a platform, and has a command `coordinator`; without them it is of any, and finds the executables
@@ -15,7 +15,7 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 LIST = Path("../../release/programs")
-BUILD = "cargo build --release --workspace"
+BUILD = "cargo build --release --workspace --features tests/complete"
 
 
 class Executables(BuildHookInterface[Any]):

@@ -1,7 +1,8 @@
-//! What takes long: the whole paper on its own grids, every sweep of the hard cases to its edge, the whole
-//! contract in Python and by every model of mechanics, hot steel by explicit elements. The system tests do the same on coarser grids and with fewer values.
+//! Long tests: the whole paper on its own grids, every sweep of the hard cases to its edge, the whole
+//! contract in Python and by every model of mechanics, hot steel by explicit elements, and the
+//! features of a release. The system tests do the same on coarser grids and with fewer values.
 //!
-//! `cargo test --release --workspace --no-run && cargo test --release --workspace --test nightly`
+//! The README has the command: it builds all of the workspace with the feature `tests/complete`.
 //!
 //! (With `-p tests` in its place cargo chooses other features, and builds all that they depend on again.)
 
@@ -13,6 +14,7 @@ mod explicit;
 mod failures;
 mod licences;
 mod paper;
+mod picture;
 mod release;
 #[path = "../shared/failures.rs"]
 mod shared_failures;
