@@ -70,20 +70,20 @@ impl<const N: usize> PiecewiseLinear<N> {
     }
 
     /// Returns the values at a coordinate; `None` beyond the rows unless the ends are clamped.
-    pub(crate) fn at(&self, temperature: f64) -> Option<[f64; N]> {
+    pub(crate) fn at(&self, coordinate: f64) -> Option<[f64; N]> {
         let Self { points, clamps } = self;
-        let right = points.partition_point(|(at, _)| *at <= temperature);
+        let right = points.partition_point(|(at, _)| *at <= coordinate);
         let (first, last) = (points[0], points[points.len() - 1]);
-        if temperature == last.0 {
+        if coordinate == last.0 {
             return Some(last.1);
         }
         match right {
             0 => clamps.then_some(first.1),
             _ if right == points.len() => clamps.then_some(last.1),
             _ => {
-                let ((t0, low), (t1, high)) = (points[right - 1], points[right]);
+                let ((start, low), (end, high)) = (points[right - 1], points[right]);
                 let between =
-                    |k: usize| low[k] + (high[k] - low[k]) * (temperature - t0) / (t1 - t0);
+                    |k: usize| low[k] + (high[k] - low[k]) * (coordinate - start) / (end - start);
                 Some(std::array::from_fn(between))
             }
         }

@@ -18,7 +18,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::contact::{SEMI_AXIS_A, SEMI_AXIS_B, SLIP_AREA_RATIO};
 
-/// What the registry says of it.
+/// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "third_body_layer",
     law: "displacement difference u_t + L p_t, with the layer's flexibility L",
