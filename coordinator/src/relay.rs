@@ -30,7 +30,7 @@ pub(crate) fn main(asked: &Arguments) -> Result<(), RunError> {
     Err(RunError::Usage(match error.kind() {
         io::ErrorKind::NotFound => format!(
             "there is no {PROGRAM} beside the coordinator; build it: cargo build --release -p relay, \
-             or install it: cargo install --locked --path relay"
+             or install it: cargo install --locked --path bridges/relay"
         ),
         _ => format!("{shown}: {error}"),
     }))

@@ -66,7 +66,7 @@ impl Solver for MechSolver {
     /// # Errors
     /// An unknown model; an effect that the model does not support; a field that neither the model
     /// nor an active effect provides; a value that the model refuses.
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         numerics::team::limit(configuration.threads);
         let model = models::find(&configuration.model)?;
         let active = support::active(configuration)?;

@@ -9,12 +9,11 @@ use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
 use proto::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use proto::field::{FRICTION_POWER, LOWER_TEMPERATURE, UPPER_TEMPERATURE};
 use proto::figure::FigureSpec;
-use proto::grid::{Grid, Shape, Structured};
+use proto::grid::{Grid, Shape};
 use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
     first_non_finite,
 };
-use proto::progress::Progress;
 use std::f64::consts::PI;
 use std::io::{self, Read, Write};
 use std::process::ExitCode;
@@ -88,7 +87,7 @@ impl Solver for ShortColumns {
         }
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let case = &configuration.case;
         let bodies = Bodies::read(case)?;
         let scale = |body| {
@@ -106,7 +105,7 @@ impl Solver for ShortColumns {
         let scale = [scale(UPPER)?, scale(LOWER)?];
         // Not known while planning.
         let Some(grid) = configuration.input_grid(FRICTION_POWER.name) else {
-            return Ok(Box::new(Strips { bodies, scale, plane: None, layout: Layout::default() }));
+            return Ok(Setup::new(Layout::default(), |_| unreachable!("built with a grid")));
         };
         let Shape::Structured(plane) = &grid.shape else {
             let fix = "name a model whose grid is structured";
@@ -125,39 +124,22 @@ impl Solver for ShortColumns {
             memory_bytes: 8 * (plane.ni + plane.points()) as u64,
             ..Layout::default()
         };
-        Ok(Box::new(Strips { bodies, scale, plane: Some(*plane), layout }))
-    }
-}
-
-/// A checked configuration.
-struct Strips {
-    bodies: Bodies,
-    /// 1/(β√(πV)) of the upper and the lower body [K m^1.5/W].
-    scale: [f64; 2],
-    plane: Option<Structured>,
-    layout: Layout,
-}
-
-impl Setup for Strips {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let plane = self.plane.expect("the grid is known when a model is built");
-        let root = |elements: f64| (elements * plane.dx()).max(0.0).sqrt();
-        let rise = |upstream: usize| {
-            let upstream = upstream as f64;
-            root(upstream + 0.5) - root(upstream - 0.5)
-        };
-        Ok(Box::new(Running {
-            bodies: self.bodies,
-            shape: (0..plane.ni).map(rise).collect(),
-            scale: self.scale,
-            columns: plane.ni,
-            grid: Grid::structured("contact", plane),
-            trial: vec![0.0; plane.points()],
-            accepted: vec![0.0; plane.points()],
+        let plane = *plane;
+        Ok(Setup::new(layout, move |_| {
+            let root = |elements: f64| (elements * plane.dx()).max(0.0).sqrt();
+            let rise = |upstream: usize| {
+                let upstream = upstream as f64;
+                root(upstream + 0.5) - root(upstream - 0.5)
+            };
+            Ok(Box::new(Running {
+                bodies,
+                shape: (0..plane.ni).map(rise).collect(),
+                scale,
+                columns: plane.ni,
+                grid: Grid::structured("contact", plane),
+                trial: vec![0.0; plane.points()],
+                accepted: vec![0.0; plane.points()],
+            }))
         }))
     }
 }

@@ -1,4 +1,4 @@
-//! The trait that every model implements, and what passes through it.
+//! Solvers and models: the traits that a participant implements.
 //!
 //! A solver crate offers a [`Solver`]. `configure` turns a configuration into a cheap [`Setup`]
 //! that knows grids and cost but has allocated nothing; `build` turns that into the [`Model`]
@@ -16,24 +16,50 @@ use std::io::{self, Read, Write};
 
 /// A participant's program: describes itself and sets up models.
 pub trait Solver {
-    /// What it can do.
+    /// Description of its models, effects, keys and fields.
     fn description(&self) -> Description;
     /// Checks a configuration and prepares a model; cheap, allocates no field.
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal>;
-    /// What there is to say of its effects in a scene; nothing unless it says that it advises.
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal>;
+    /// Advice on its effects in a scene; empty unless the description says that it advises.
     fn advise(&self, _scene: &Scene) -> Opinion {
         Opinion::default()
     }
 }
 
-/// A checked configuration.
-pub trait Setup {
-    /// Grids, of volumes the announced ones ([`Grid::announced`]), placement of the fields and expected
-    /// cost.
-    fn layout(&self) -> &Layout;
-    /// Allocates everything that the model needs; nothing is allocated later in a steady step.
-    /// Building that takes long reports its progress; a model whose solves do keeps a clone.
-    fn build(self: Box<Self>, progress: &Progress) -> Result<Box<dyn Model>, Refusal>;
+/// A checked configuration, from which a model is built.
+pub struct Setup {
+    layout: Layout,
+    build: Build,
+}
+
+/// Builds a model.
+type Build = Box<dyn FnOnce(&Progress) -> Result<Box<dyn Model>, Refusal>>;
+
+impl Setup {
+    /// Takes the layout of a configuration and what builds its model: `build` allocates everything
+    /// that the model needs, so that nothing is allocated in a steady step. A build that takes long
+    /// reports its progress; a model whose solves do keeps a clone.
+    pub fn new(
+        layout: Layout,
+        build: impl FnOnce(&Progress) -> Result<Box<dyn Model>, Refusal> + 'static,
+    ) -> Self {
+        Self { layout, build: Box::new(build) }
+    }
+
+    /// Grids, of volumes the announced ones ([`Grid::announced`]), placement of the fields and
+    /// expected cost.
+    #[must_use]
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Builds the model.
+    ///
+    /// # Errors
+    /// A case that turns out to have no model only now.
+    pub fn build(self, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+        (self.build)(progress)
+    }
 }
 
 /// Inputs of a solve, read in place.

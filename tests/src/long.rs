@@ -78,12 +78,12 @@ impl Solver for Long {
         }
     }
 
-    fn configure(&self, given: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, given: &Configuration) -> Result<Setup, Refusal> {
         let (case, stop_at) = (&given.case, key("stop_at"));
         let shape = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 1000, 1);
         let stop_at = case.has(&stop_at).then(|| case.integer(&stop_at)).transpose()?;
         let seconds = |name: &str| case.number(&key(name)).map(Duration::from_secs_f64);
-        Ok(Box::new(LongSetup {
+        let setup = LongSetup {
             goes_back: given.model != ONCE,
             build: seconds("build_time")?,
             solve: seconds("solve_time")?,
@@ -91,14 +91,17 @@ impl Solver for Long {
                 steps: case.integer(&key("steps"))? as u64,
                 stop_at: stop_at.map(|at| at as u64),
             },
-            layout: Layout {
-                grids: vec![Grid::structured("numbers", shape)],
-                fields: vec![FieldOnGrid {
-                    field: RIGHT_VALUE.name.to_owned(),
-                    grid: "numbers".to_owned(),
-                }],
-                ..Layout::default()
-            },
+        };
+        let numbers =
+            FieldOnGrid { field: RIGHT_VALUE.name.to_owned(), grid: "numbers".to_owned() };
+        let layout = Layout {
+            grids: vec![Grid::structured("numbers", shape)],
+            fields: vec![numbers],
+            ..Layout::default()
+        };
+        Ok(Setup::new(layout, |progress| {
+            setup.pace.work(setup.build, "factorising", progress);
+            Ok(Box::new(LongModel { setup, progress: progress.clone(), solves: 0 }))
         }))
     }
 }
@@ -130,18 +133,6 @@ struct LongSetup {
     build: Duration,
     solve: Duration,
     pace: Pace,
-    layout: Layout,
-}
-
-impl Setup for LongSetup {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        self.pace.work(self.build, "factorising", progress);
-        Ok(Box::new(LongModel { setup: *self, progress: progress.clone(), solves: 0 }))
-    }
 }
 
 struct LongModel {

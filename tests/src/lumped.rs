@@ -21,7 +21,6 @@ use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
 use proto::params::Params;
-use proto::progress::Progress;
 use proto::state::{read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
@@ -234,7 +233,7 @@ impl Solver for Lumped {
         }
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let case = &configuration.case;
         let own = *self == Self::Body && case.has("body.points");
         let points = if own { case.integer("body.points")? as usize } else { POINTS };
@@ -245,19 +244,23 @@ impl Solver for Lumped {
         let flag = |key: &str| case.get(key).and_then(serde_json::Value::as_bool);
         let model = &configuration.model;
         let hides = if *self == Self::Body { case.number("body.hides")? } else { 0.0 };
-        Ok(Box::new(LumpedSetup {
+        let setup = LumpedSetup {
             part: *self,
             problem: Problem::read(case)?,
             substeps: case.integer(&format!("{}.substeps", self.role()))? as u32,
             announce: flag("source.announce").unwrap_or(false),
             fluxes: fluxes(model),
             reported: flag("body.reports").unwrap_or(true).then_some(1.0 - hides),
-            layout: Layout {
-                grids: vec![surface(points)],
-                fields: on_grid(self.sends(model)),
-                inputs: if own { on_grid(self.receives(model)) } else { Vec::new() },
-                ..Layout::default()
-            },
+        };
+        let layout = Layout {
+            grids: vec![surface(points)],
+            fields: on_grid(self.sends(model)),
+            inputs: if own { on_grid(self.receives(model)) } else { Vec::new() },
+            ..Layout::default()
+        };
+        Ok(Setup::new(layout, |_| {
+            let (accepted, trial) = (Books::default(), Books::default());
+            Ok(Box::new(LumpedModel { setup, accepted, trial }))
         }))
     }
 }
@@ -271,21 +274,6 @@ struct LumpedSetup {
     fluxes: &'static [(FieldSpec, f64)],
     /// Part of the heat received that is reported; `None` for no report.
     reported: Option<f64>,
-    layout: Layout,
-}
-
-impl Setup for LumpedSetup {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        Ok(Box::new(LumpedModel {
-            setup: *self,
-            accepted: Books::default(),
-            trial: Books::default(),
-        }))
-    }
 }
 
 /// Where the model is, and what has gone through it.

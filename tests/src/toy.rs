@@ -10,7 +10,6 @@ use proto::grid::{Grid, Structured};
 use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
-use proto::progress::Progress;
 use proto::state::read_bytes;
 use std::io::{self, Read, Write};
 use std::time::Duration;
@@ -156,23 +155,34 @@ impl Solver for Toy {
         }
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let case = &configuration.case;
         let points = case.integer(&self.key("points"))? as usize;
         let shape = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, points, 1);
         let on_grid = FieldOnGrid { field: self.sends.name.to_owned(), grid: "numbers".to_owned() };
-        Ok(Box::new(ToySetup {
+        let setup = ToySetup {
             toy: *self,
             delay: Duration::from_secs_f64(case.number(&self.key("delay"))?),
             build_delay: Duration::from_secs_f64(case.number(&self.key("build_delay"))?),
             fault: case.text(&self.key("fault"))?.to_owned(),
             fault_window: case.integer(&self.key("fault_window"))? as u64,
-            layout: Layout {
-                grids: vec![Grid::structured("numbers", shape)],
-                fields: vec![on_grid],
-                build_seconds: case.number(&self.key("build_expected"))?,
-                ..Layout::default()
-            },
+        };
+        let layout = Layout {
+            grids: vec![Grid::structured("numbers", shape)],
+            fields: vec![on_grid],
+            build_seconds: case.number(&self.key("build_expected"))?,
+            ..Layout::default()
+        };
+        Ok(Setup::new(layout, |_| {
+            if setup.fault == "exit-at-start" {
+                std::process::exit(9);
+            }
+            if setup.fault == "refuse-build" {
+                let key = setup.toy.key("points");
+                return Err(Refusal::new(&key, "cannot be built", "choose other ones"));
+            }
+            std::thread::sleep(setup.build_delay);
+            Ok(Box::new(ToyModel { setup, solves: 0 }))
         }))
     }
 }
@@ -184,25 +194,6 @@ struct ToySetup {
     build_delay: Duration,
     fault: String,
     fault_window: u64,
-    layout: Layout,
-}
-
-impl Setup for ToySetup {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        if self.fault == "exit-at-start" {
-            std::process::exit(9);
-        }
-        if self.fault == "refuse-build" {
-            let key = self.toy.key("points");
-            return Err(Refusal::new(&key, "cannot be built", "choose other ones"));
-        }
-        std::thread::sleep(self.build_delay);
-        Ok(Box::new(ToyModel { setup: *self, solves: 0 }))
-    }
 }
 
 #[derive(Debug)]

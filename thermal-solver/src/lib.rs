@@ -56,7 +56,7 @@ impl Solver for ThermalSolver {
         }
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let model = models::find(&configuration.model)?;
         support::refuse_needs(configuration, model)?;
         (model.configure)(configuration)

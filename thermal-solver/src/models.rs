@@ -45,7 +45,7 @@ pub struct Entry {
     /// Optional capabilities of the model.
     pub capabilities: &'static [Capability],
     /// Checks a configuration and prepares the model for it.
-    pub configure: fn(&Configuration) -> Result<Box<dyn Setup>, Refusal>,
+    pub configure: fn(&Configuration) -> Result<Setup, Refusal>,
 }
 
 /// All models: those of a single contact, cheapest first, then those of periodic or finite bodies.

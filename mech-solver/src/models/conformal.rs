@@ -32,8 +32,7 @@ use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
 use proto::field;
-use proto::model::{Model, Setup};
-use proto::progress::Progress;
+use proto::model::Setup;
 use running::Running;
 
 pub(super) use summary::figures;
@@ -74,12 +73,15 @@ fn spec() -> ModelSpec {
 ///
 /// # Errors
 /// A case that is incomplete or out of range; arcs that do not touch; a grid that is too large.
-fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let case = Case::read(configuration)?;
     let footprint = Footprint::of(configuration, &case)?;
     let layout = layout(configuration, &case, &footprint);
     let configuration = configuration.clone();
-    Ok(Box::new(Prepared { case, footprint, terms, configuration, layout }))
+    Ok(Setup::new(layout, move |_| {
+        let running = Running::new(case, &footprint, terms, &configuration);
+        Ok(Box::new(ContactModel::new(running)))
+    }))
 }
 
 fn layout(configuration: &Configuration, case: &Case, footprint: &Footprint) -> Layout {
@@ -105,26 +107,5 @@ fn layout(configuration: &Configuration, case: &Case, footprint: &Footprint) -> 
         memory_bytes: (elements * (pairs * rows + each)) as u64,
         remarks: vec![remark],
         ..Layout::default()
-    }
-}
-
-/// A checked case and its grid.
-struct Prepared {
-    case: Case,
-    footprint: Footprint,
-    terms: Terms,
-    configuration: Configuration,
-    layout: Layout,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { case, footprint, terms, configuration, .. } = *self;
-        let running = Running::new(case, &footprint, terms, &configuration);
-        Ok(Box::new(ContactModel::new(running)))
     }
 }

@@ -58,12 +58,11 @@ use elastic::fastsim::reduction::Reduction;
 use elastic::kalker::CreepCoefficients;
 use proto::accuracy::{Accuracy, Simplification};
 use proto::advice::Known;
-use proto::configuration::{Configuration, Layout, Refusal};
+use proto::configuration::{Configuration, Refusal};
 use proto::description::{ModelSpec, names};
-use proto::field::{self, FieldSpec};
-use proto::model::{Model, Setup};
+use proto::field;
+use proto::model::Setup;
 use proto::params::Params;
-use proto::progress::Progress;
 use serde_json::Value;
 use windows::Windows;
 
@@ -131,7 +130,7 @@ fn springs_for_half_space(effect: &str) -> Simplification {
 /// # Errors
 /// A case that is incomplete or out of range; bodies whose contact is not an ellipse; a negative
 /// Poisson's ratio; a force beyond f N; a grid that is too large.
-fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
     let asked = Options::read(&configuration.case, given, terms.adhesion)?;
@@ -155,7 +154,20 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     layout.remarks.extend(remarks(&scene, &problem, given, &coefficients));
     layout.closed_forms = problem.ellipse.closed_forms();
     let case = Case { asked, terms, grid };
-    Ok(Box::new(Prepared { scene, problem, case, varying, wanted, layout }))
+    Ok(Setup::new(layout, move |_| {
+        if varying.is_some() || !case.terms.friction.is_constant() {
+            let windows = Windows::new(case, Scenes::new(scene, varying));
+            return Ok(Box::new(ContactModel::new(windows)));
+        }
+        let Case { terms, grid, .. } = case;
+        let contact = problem.solve(None);
+        contact.check_power()?;
+        let fields = precomputed::fields(&wanted, &grid, |spec, values| {
+            fields::write(spec, &contact, grid, &terms, values);
+        });
+        let (summary, work) = (contact.summary(), cells(&problem) as u64);
+        Ok(Precomputed { summary, work, fields, terms }.model())
+    }))
 }
 
 /// Figures of the contact on a coarse grid, by their keys; `None` for a contact that is not
@@ -215,37 +227,4 @@ fn remarks(
         ));
     }
     remarks
-}
-
-/// A checked case.
-struct Prepared {
-    scene: Scene,
-    problem: Problem,
-    case: Case,
-    /// Values that vary, if any.
-    varying: Option<Varying>,
-    wanted: Vec<&'static FieldSpec>,
-    layout: Layout,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { scene, problem, case, varying, wanted, .. } = *self;
-        if varying.is_some() || !case.terms.friction.is_constant() {
-            let windows = Windows::new(case, Scenes::new(scene, varying));
-            return Ok(Box::new(ContactModel::new(windows)));
-        }
-        let Case { terms, grid, .. } = case;
-        let contact = problem.solve(None);
-        contact.check_power()?;
-        let fields = precomputed::fields(&wanted, &grid, |spec, values| {
-            fields::write(spec, &contact, grid, &terms, values);
-        });
-        let (summary, work) = (contact.summary(), cells(&problem) as u64);
-        Ok(Precomputed { summary, work, fields, terms }.model())
-    }
 }

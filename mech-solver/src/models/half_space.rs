@@ -47,8 +47,7 @@ use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field;
-use proto::model::{Model, Setup};
-use proto::progress::Progress;
+use proto::model::Setup;
 use steady::{Following, Steady};
 use transient::Transient;
 
@@ -180,7 +179,7 @@ fn spec() -> ModelSpec {
 /// # Errors
 /// A case that is incomplete or out of range; shapes that do not touch or touch too steeply; a
 /// force beyond f N; a grid that is too large.
-fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let patch = GivenPatch::read(&configuration.case)?;
     let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
@@ -282,7 +281,15 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Box<dyn 
     }
     let warm = CheckedParams::new(&configuration.case, vec![start_key()]).text(START)? == "warm";
     let following = varying.map(|varying| Following { varying, patch, warm });
-    Ok(Box::new(Prepared { case, following, layout }))
+    Ok(Setup::new(layout, move |_| {
+        if !case.memory {
+            return Ok(Box::new(ContactModel::new(Steady::new(case, following))));
+        }
+        let fix = "check the shapes, the load and the units";
+        let transient = Transient::new(case, following)
+            .map_err(|error| Refusal::new("load", error.to_string(), fix))?;
+        Ok(Box::new(ContactModel::new(transient)))
+    }))
 }
 
 /// Refuses a pressure bound for bodies of different elastic constants: the power of the yielding
@@ -424,29 +431,5 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             .collect(),
         warnings: case.footprint.gap.iter().flat_map(|gap| gap.warnings(&case.scene)).collect(),
         ..Layout::default()
-    }
-}
-
-/// A checked case with its grids.
-struct Prepared {
-    case: Case,
-    following: Option<Following>,
-    layout: Layout,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { case, following, .. } = *self;
-        if !case.memory {
-            return Ok(Box::new(ContactModel::new(Steady::new(case, following))));
-        }
-        let fix = "check the shapes, the load and the units";
-        let transient = Transient::new(case, following)
-            .map_err(|error| Refusal::new("load", error.to_string(), fix))?;
-        Ok(Box::new(ContactModel::new(transient)))
     }
 }

@@ -35,11 +35,10 @@ use crate::terms::{Kind, Terms};
 use case::Case;
 use contact::{CarterContact, CreepLaw};
 use proto::accuracy::{Accuracy, Simplification};
-use proto::configuration::{Configuration, Layout, Refusal};
+use proto::configuration::{Configuration, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
-use proto::field::{self, FieldSpec};
-use proto::model::{Model, Setup};
-use proto::progress::Progress;
+use proto::field;
+use proto::model::Setup;
 use windows::Windows;
 
 const CREEP_LAW: &str = "motion.creep_law";
@@ -114,7 +113,7 @@ fn creep_law_key() -> KeySpec {
 /// # Errors
 /// A case that is incomplete or out of range; lateral creepage or spin; bodies whose contact is not
 /// an ellipse; a force beyond f N; a grid that is too large.
-fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let scene = Scene::read(&configuration.case)?;
     let given = GivenPatch::read(&configuration.case)?;
     let case = CheckedParams::new(&configuration.case, vec![creep_law_key()]);
@@ -148,7 +147,18 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
     }
     layout.closed_forms = contact.ellipse.closed_forms();
     let case = Case { given, law, terms, grid };
-    Ok(Box::new(Prepared { scene, contact, case, varying, wanted, layout }))
+    Ok(Setup::new(layout, move |_| {
+        if varying.is_some() || !case.terms.friction.is_constant() {
+            let windows = Windows::new(case, Scenes::new(scene, varying));
+            return Ok(Box::new(ContactModel::new(windows)));
+        }
+        let Case { terms, grid, .. } = case;
+        let fields = precomputed::fields(&wanted, &grid, |spec, values| {
+            fields::write(spec, &contact, grid, &terms, values);
+        });
+        let (summary, work) = (contact.summary(), grid.points() as u64);
+        Ok(Precomputed { summary, work, fields, terms }.model())
+    }))
 }
 
 fn remarks(
@@ -168,35 +178,4 @@ fn remarks(
         ));
     }
     remarks
-}
-
-/// A checked case and its grids.
-struct Prepared {
-    scene: Scene,
-    contact: CarterContact,
-    case: Case,
-    /// Values that vary, if any.
-    varying: Option<Varying>,
-    wanted: Vec<&'static FieldSpec>,
-    layout: Layout,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { scene, contact, case, varying, wanted, .. } = *self;
-        if varying.is_some() || !case.terms.friction.is_constant() {
-            let windows = Windows::new(case, Scenes::new(scene, varying));
-            return Ok(Box::new(ContactModel::new(windows)));
-        }
-        let Case { terms, grid, .. } = case;
-        let fields = precomputed::fields(&wanted, &grid, |spec, values| {
-            fields::write(spec, &contact, grid, &terms, values);
-        });
-        let (summary, work) = (contact.summary(), grid.points() as u64);
-        Ok(Precomputed { summary, work, fields, terms }.model())
-    }
 }

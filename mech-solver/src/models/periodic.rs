@@ -31,8 +31,7 @@ use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
 use proto::field::{self, FieldSpec};
-use proto::model::{Model, Setup};
-use proto::progress::Progress;
+use proto::model::Setup;
 
 /// Solution time per element, for rough surfaces in full contact [s].
 const SECONDS: f64 = 1e-6;
@@ -77,10 +76,10 @@ fn spec() -> ModelSpec {
 /// # Errors
 /// A case that is incomplete or out of range; bodies with radii; an approach; a force or spin;
 /// heights that are not periodic.
-fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let case = Case::read(configuration, terms)?;
     let layout = layout(configuration, &case);
-    Ok(Box::new(Prepared { case, layout }))
+    Ok(Setup::new(layout, |_| Ok(Box::new(ContactModel::new(Sliding::new(case))))))
 }
 
 fn layout(configuration: &Configuration, case: &Case) -> Layout {
@@ -106,21 +105,5 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             case.mean_pressure()
         )],
         ..Layout::default()
-    }
-}
-
-/// A checked case and its grids.
-struct Prepared {
-    case: Case,
-    layout: Layout,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        Ok(Box::new(ContactModel::new(Sliding::new(self.case))))
     }
 }

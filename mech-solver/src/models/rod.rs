@@ -25,8 +25,7 @@ use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
-use proto::model::{Inputs, Model, Setup, Step, StepError, StepReport};
-use proto::progress::Progress;
+use proto::model::{Inputs, Setup, Step, StepError, StepReport};
 use serde_json::{Value, json};
 
 /// Registry entry of this model.
@@ -105,7 +104,7 @@ impl Rods {
     }
 }
 
-fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let rods = Rods::read(configuration, terms.expansion)?;
     let side = rods.area.sqrt();
     let end = Structured::contact_plane(0.0, 0.0, side, side, 1, 1);
@@ -117,25 +116,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setu
         format!("ends {:.4e} m apart at the temperatures at the start", rods.gap)
     };
     let layout = Layout { grids, fields, remarks: vec![remark], ..Layout::default() };
-    Ok(Box::new(Prepared { rods, terms, layout }))
-}
-
-/// A checked case and its grids.
-struct Prepared {
-    rods: Rods,
-    terms: Terms,
-    layout: Layout,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { rods, terms, .. } = *self;
-        Ok(Box::new(ContactModel::new(Ends { rods, terms })))
-    }
+    Ok(Setup::new(layout, |_| Ok(Box::new(ContactModel::new(Ends { rods, terms })))))
 }
 
 /// Ends of two rods.

@@ -44,8 +44,7 @@ use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
 use proto::field;
-use proto::model::{Model, Setup};
-use proto::progress::Progress;
+use proto::model::Setup;
 use running::Running;
 use wheel_rail::settings::PatchSurface;
 
@@ -112,13 +111,17 @@ fn spec() -> ModelSpec {
 /// # Errors
 /// A case that is incomplete or out of range; profiles that cannot be read or do not meet; bodies
 /// of different materials.
-fn configure(configuration: &Configuration, terms: Terms) -> Result<Box<dyn Setup>, Refusal> {
+fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let mut case = Case::read(configuration, terms)?;
     let plane = Plane::of(configuration, &case)?;
     let place = plane.place();
     case.terms.observations.iter_mut().for_each(|term| term.place(&place));
     let layout = layout(configuration, &case, &plane);
-    Ok(Box::new(Prepared { case, plane, configuration: configuration.clone(), layout }))
+    let configuration = configuration.clone();
+    Ok(Setup::new(layout, move |_| {
+        let running = Running::new(case, plane, &configuration)?;
+        Ok(Box::new(ContactModel::new(running)))
+    }))
 }
 
 fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
@@ -149,25 +152,5 @@ fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
         remarks: std::iter::once(size).chain(case.remarks.iter().cloned()).collect(),
         warnings: case.warnings.clone(),
         ..Layout::default()
-    }
-}
-
-/// A checked case and its grid.
-struct Prepared {
-    case: Case,
-    plane: Plane,
-    configuration: Configuration,
-    layout: Layout,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { case, plane, configuration, .. } = *self;
-        let running = Running::new(case, plane, &configuration)?;
-        Ok(Box::new(ContactModel::new(running)))
     }
 }

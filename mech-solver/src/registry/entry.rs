@@ -10,7 +10,7 @@ use proto::figure::FigureSpec;
 use proto::model::Setup;
 
 /// Checks a configuration and stores the terms of its effects.
-pub(crate) type Configure = fn(&Configuration, Terms) -> Result<Box<dyn Setup>, Refusal>;
+pub(crate) type Configure = fn(&Configuration, Terms) -> Result<Setup, Refusal>;
 
 /// Model of the crate.
 pub struct ModelEntry {

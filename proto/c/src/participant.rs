@@ -19,7 +19,6 @@ use proto::grid::Grid;
 use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
-use proto::progress::Progress;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::ffi::c_void;
@@ -121,7 +120,7 @@ impl Solver for Program {
         self.description.clone()
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let Callbacks { table, user } = self.callbacks;
         let configure = table.configure.expect(CHECKED);
         let given = CosimConfiguration::new(configuration);
@@ -139,11 +138,18 @@ impl Solver for Program {
                 "leave the field out, or complete the program",
             ));
         }
-        Ok(Box::new(Prepared {
-            callbacks: self.callbacks,
-            followed: followed(&layout.layout, configuration),
-            layout: layout.layout,
-            fields: fields(&self.description, configuration),
+        let callbacks = self.callbacks;
+        let followed = followed(&layout.layout, configuration);
+        let fields = fields(&self.description, configuration);
+        Ok(Setup::new(layout.layout, move |progress| {
+            progress::report_to(progress);
+            if let Some(build) = table.build {
+                // SAFETY: the caller answers for the callbacks.
+                refusing(call("build", || unsafe { build(user) }))?;
+            }
+            let mut built = Built { callbacks, followed, fields };
+            built.move_grids();
+            Ok(Box::new(built))
         }))
     }
 }
@@ -196,32 +202,6 @@ fn refusing(called: Result<(), Fault>) -> Result<(), Refusal> {
         Ok(()) => Ok(()),
         Err(Fault::Refused(refusal)) => Err(refusal),
         Err(fault) => end(&fault),
-    }
-}
-
-struct Prepared {
-    callbacks: Callbacks,
-    layout: Layout,
-    followed: Followed,
-    fields: Vec<FieldSpec>,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        progress::report_to(progress);
-        let Callbacks { table, user } = self.callbacks;
-        if let Some(build) = table.build {
-            // SAFETY: the caller answers for the callbacks.
-            refusing(call("build", || unsafe { build(user) }))?;
-        }
-        let mut built =
-            Built { callbacks: self.callbacks, followed: self.followed, fields: self.fields };
-        built.move_grids();
-        Ok(Box::new(built))
     }
 }
 

@@ -55,11 +55,11 @@ enum CommandError {
 enum Stage {
     Joined,
     Configured {
-        setup: Box<dyn Setup>,
+        setup: Setup,
         configuration: Configuration,
     },
     Connected {
-        setup: Box<dyn Setup>,
+        setup: Setup,
         ports: Ports,
         patience: Duration,
     },
@@ -309,7 +309,7 @@ impl<'a> Server<'a> {
 
 /// Builds the model and publishes what it begins with; the step of that, and how long building took.
 fn begin(
-    setup: Box<dyn Setup>,
+    setup: Setup,
     ports: &mut Ports,
     patience: Duration,
     progress: &Progress,

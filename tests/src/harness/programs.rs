@@ -14,8 +14,8 @@ use toml::Table;
 /// The executables, each with the folder of its package and the source of its own.
 const PROGRAMS: [(&str, &str, &str); 17] = [
     ("coordinator", "coordinator", "src/main.rs"),
-    ("cosim-relay", "relay", "src/main.rs"),
-    ("fmu-participant", "fmu-participant", "src/main.rs"),
+    ("cosim-relay", "bridges/relay", "src/main.rs"),
+    ("fmu-participant", "bridges/fmu-participant", "src/main.rs"),
     ("mech-solver", "mech-solver", "src/main.rs"),
     ("thermal-solver", "thermal-solver", "src/main.rs"),
     ("rogue", "tests", "src/bin/rogue.rs"),

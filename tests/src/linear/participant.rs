@@ -10,7 +10,6 @@ use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
 use proto::params::Params;
-use proto::progress::Progress;
 use proto::state::{read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
@@ -153,7 +152,7 @@ impl Solver for Linear {
         }
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let case = &configuration.case;
         let size = case.integer("linear.size")? as usize;
         let name = case.text("linear.problem")?.to_owned();
@@ -163,46 +162,26 @@ impl Solver for Linear {
         }
         let on_grid =
             |field: FieldSpec| FieldOnGrid { field: field.name.to_owned(), grid: GRID.to_owned() };
-        Ok(Box::new(LinearSetup {
-            part: *self,
-            name,
-            seed: case.integer("linear.seed")? as u64,
-            size,
-            layout: Layout {
-                grids: vec![self.own_grid(case, size)?],
-                fields: vec![on_grid(self.sends())],
-                inputs: vec![on_grid(self.receives())],
-                ..Layout::default()
-            },
-        }))
-    }
-}
-
-#[derive(Clone, Debug)]
-struct LinearSetup {
-    part: Linear,
-    name: String,
-    seed: u64,
-    size: usize,
-    layout: Layout,
-}
-
-impl Setup for LinearSetup {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let problem = match self.part {
-            Linear::Relay => None,
-            Linear::Operator => {
-                let unknown =
-                    || Refusal::new("linear.problem", "unknown", format!("one of {PROBLEMS:?}"));
-                Some(Problem::new(&self.name, self.seed, self.size).ok_or_else(unknown)?)
-            }
+        let layout = Layout {
+            grids: vec![self.own_grid(case, size)?],
+            fields: vec![on_grid(self.sends())],
+            inputs: vec![on_grid(self.receives())],
+            ..Layout::default()
         };
-        let last = vec![0.0; if problem.is_some() { self.size } else { 0 }];
-        Ok(Box::new(LinearModel { part: self.part, problem, last, window: 0, true_error: 0.0 }))
+        let (part, seed) = (*self, case.integer("linear.seed")? as u64);
+        Ok(Setup::new(layout, move |_| {
+            let problem = match part {
+                Linear::Relay => None,
+                Linear::Operator => {
+                    let unknown = || {
+                        Refusal::new("linear.problem", "unknown", format!("one of {PROBLEMS:?}"))
+                    };
+                    Some(Problem::new(&name, seed, size).ok_or_else(unknown)?)
+                }
+            };
+            let last = vec![0.0; if problem.is_some() { size } else { 0 }];
+            Ok(Box::new(LinearModel { part, problem, last, window: 0, true_error: 0.0 }))
+        }))
     }
 }
 

@@ -9,7 +9,6 @@ use proto::grid::Grid;
 use proto::model::{
     InputField, Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
-use proto::progress::Progress;
 use proto::state::read_bytes;
 use std::io::{self, Read, Write};
 
@@ -135,7 +134,7 @@ impl Solver for Moving {
         }
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let case = &configuration.case;
         let on = |field: FieldSpec, grid: &Grid| FieldOnGrid {
             field: field.name.to_owned(),
@@ -164,7 +163,13 @@ impl Solver for Moving {
         }
         layout.grids.push(grid);
         let gain = case.number("moving.gain")?;
-        Ok(Box::new(MovingSetup { part: *self, motion, every, gain, layout }))
+        let setup = MovingSetup { part: *self, motion, every, gain };
+        let grids = layout.grids.clone();
+        Ok(Setup::new(layout, |_| {
+            let solved_on = grids[0].clone();
+            let (accepted, trial) = (Books::default(), Books::default());
+            Ok(Box::new(MovingModel { setup, grids, solved_on, accepted, trial }))
+        }))
     }
 }
 
@@ -174,20 +179,6 @@ struct MovingSetup {
     motion: String,
     every: u64,
     gain: f64,
-    layout: Layout,
-}
-
-impl Setup for MovingSetup {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let grids = self.layout.grids.clone();
-        let solved_on = grids[0].clone();
-        let (accepted, trial) = (Books::default(), Books::default());
-        Ok(Box::new(MovingModel { setup: *self, grids, solved_on, accepted, trial }))
-    }
 }
 
 /// What is accepted.

@@ -9,7 +9,6 @@ use proto::grid::Grid;
 use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
 };
-use proto::progress::Progress;
 use proto::state::read_bytes;
 use std::io::{self, Read, Write};
 
@@ -85,7 +84,7 @@ impl Solver for Block {
         }
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let case = &configuration.case;
         let kind = case.text("volume.hexahedra")?.to_owned();
         let elements = case.integer("volume.elements")? as usize;
@@ -98,7 +97,16 @@ impl Solver for Block {
             fields: vec![on_block(VOLUME_TEMPERATURE), on_block(VOLUME_PLACE)],
             ..Layout::default()
         };
-        Ok(Box::new(BlockSetup { kind, elements, swells, fault, layout }))
+        let setup = BlockSetup { kind, elements, swells, fault };
+        Ok(Setup::new(layout, |_| {
+            let block = setup.block_after(0);
+            let grids = match setup.fault.as_str() {
+                "missing" => Vec::new(),
+                "mirrored" => vec![mirrored(&block)],
+                _ => vec![block.clone()],
+            };
+            Ok(Box::new(BlockModel { setup, grids, solved_on: block, windows: 0 }))
+        }))
     }
 }
 
@@ -108,28 +116,11 @@ struct BlockSetup {
     elements: usize,
     swells: bool,
     fault: String,
-    layout: Layout,
 }
 
 impl BlockSetup {
     fn block_after(&self, windows: u64) -> Grid {
         block(&self.kind, self.elements, windows)
-    }
-}
-
-impl Setup for BlockSetup {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let block = self.block_after(0);
-        let grids = match self.fault.as_str() {
-            "missing" => Vec::new(),
-            "mirrored" => vec![mirrored(&block)],
-            _ => vec![block.clone()],
-        };
-        Ok(Box::new(BlockModel { setup: *self, grids, solved_on: block, windows: 0 }))
     }
 }
 

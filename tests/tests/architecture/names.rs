@@ -106,7 +106,8 @@ fn only_a_main_decides_on_the_log_level_of_iceoryx2() {
             |file: &std::path::PathBuf| file.strip_prefix(&root).unwrap().display().to_string();
         sources.iter().filter(has).map(shown).collect::<BTreeSet<_>>()
     };
-    let mains = ["coordinator/src/main.rs", "proto/src/participant.rs", "relay/src/main.rs"];
+    let mains =
+        ["coordinator/src/main.rs", "proto/src/participant.rs", "bridges/relay/src/main.rs"];
     assert_eq!(having("prepare_process();"), mains.map(str::to_owned).into());
     assert_eq!(having("set_log_level(LogLevel"), ["proto/src/transport.rs".to_owned()].into());
 }

@@ -1,8 +1,8 @@
 //! Pictures as PNG and PDF, and tables as Parquet: a release has them, a first build has not.
 
-use tests::harness::{Place, case};
 use std::fs;
 use std::path::Path;
+use tests::harness::{Place, case};
 
 /// Number of different colours, and width, of a PNG.
 fn colours(path: &Path) -> (usize, u32) {

@@ -21,9 +21,7 @@ use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refu
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
-use proto::model::{Model, Setup};
-use proto::progress::Progress;
-use std::marker::PhantomData;
+use proto::model::Setup;
 
 /// Key of the number of elements along the larger extent of the grid.
 const RESOLUTION: &str = "thermal.resolution";
@@ -81,7 +79,7 @@ pub fn wake() -> KeySpec {
 ///
 /// # Errors
 /// A configuration that the model does not support; a value that is missing or out of range.
-pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+pub fn configure<C: Conduction>(given: &Configuration) -> Result<Setup, Refusal> {
     if given.mode == Mode::Transient && !C::TRANSIENT {
         return Err(Refusal::new(
             "time.mode",
@@ -102,7 +100,13 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
         Conductance::read(&given.case, Partition::read(&given.case)?)?;
         let mut layout = Layout::default();
         layout.remarks.push("grid and cost follow the grid of friction_power".to_owned());
-        return Ok(Box::new(Prepared::<C> { frame: None, layout, model: PhantomData }));
+        return Ok(Setup::new(layout, |_| {
+            Err(Refusal::new(
+                "effects.friction_heat",
+                "the grid of `friction_power` is not known",
+                "configure the participant that computes it first",
+            ))
+        }));
     };
     let frame = frame::<C>(given, &arriving)?;
     let mut layout = lay_out::<C>(&frame, given);
@@ -116,7 +120,14 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Box<dyn Setup>,
     if frame.feels_pressure() {
         layout.inputs.extend(pressure(given, &frame.grid)?);
     }
-    Ok(Box::new(Prepared::<C> { frame: Some(frame), layout, model: PhantomData }))
+    let asked = |spec: &FieldSpec| layout.grid_of(spec.name).is_some();
+    let volumes = [LOWER, UPPER].map(|body| asked(&VOLUMES[body]).then_some(body));
+    let expands = RISE_INTEGRALS.into_iter().any(asked);
+    Ok(Setup::new(layout, move |_| {
+        let volumes = volumes.into_iter().flatten().filter_map(|body| C::volume(&frame, body));
+        let volumes = volumes.collect();
+        Ok(Box::new(ConductionModel::<C>::new(frame, volumes, expands)))
+    }))
 }
 
 /// Reads the bodies and the effects of a case, on the grid of the heat flux.
@@ -334,34 +345,4 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
 
 fn on(spec: &FieldSpec, grid: &str) -> FieldOnGrid {
     FieldOnGrid { field: spec.name.to_owned(), grid: grid.to_owned() }
-}
-
-struct Prepared<C> {
-    frame: Option<Frame>,
-    layout: Layout,
-    model: PhantomData<C>,
-}
-
-impl<C: Conduction> Setup for Prepared<C> {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        match self.frame {
-            Some(frame) => {
-                let asked = |body: &usize| self.layout.grid_of(VOLUMES[*body].name).is_some();
-                let volumes = [LOWER, UPPER].into_iter().filter(asked);
-                let volumes = volumes.filter_map(|body| C::volume(&frame, body)).collect();
-                let expands =
-                    RISE_INTEGRALS.iter().any(|spec| self.layout.grid_of(spec.name).is_some());
-                Ok(Box::new(ConductionModel::<C>::new(frame, volumes, expands)))
-            }
-            None => Err(Refusal::new(
-                "effects.friction_heat",
-                "the grid of `friction_power` is not known",
-                "configure the participant that computes it first",
-            )),
-        }
-    }
 }

@@ -22,7 +22,7 @@ use explicit_fe::quality::Quality;
 use explicit_fe::rolling::{Options, Rolling};
 use explicit_fe::section::{Section, Sizes};
 use explicit_fe::steady_rolling::{expected_steps, expected_steps_again, settle};
-use proto::configuration::{Configuration, Layout, Mode, Refusal};
+use proto::configuration::{Configuration, Mode, Refusal};
 use proto::field::FieldSpec;
 use proto::grid::Structured;
 use proto::model::{Model, Setup};
@@ -56,17 +56,13 @@ struct Prepared {
     grid: Structured,
     first_row: usize,
     wanted: Vec<&'static FieldSpec>,
-    layout: Layout,
 }
 
 /// Checks a case.
 ///
 /// # Errors
 /// Values that are missing or out of range; features that this model does not support.
-pub(super) fn configure(
-    configuration: &Configuration,
-    terms: Terms,
-) -> Result<Box<dyn Setup>, Refusal> {
+pub(super) fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let case = &configuration.case;
     let mut scene = Scene::read(case)?;
     check(configuration, &scene, &terms)?;
@@ -124,7 +120,7 @@ pub(super) fn configure(
     let friction = scene.friction_coefficient;
     let curve =
         CreepCurve::new(configuration, resolution, friction, speed, asked.law.flexibility[1]);
-    Ok(Box::new(Prepared {
+    let prepared = Prepared {
         curve,
         element,
         sections,
@@ -136,8 +132,8 @@ pub(super) fn configure(
         grid,
         first_row,
         wanted,
-        layout,
-    }))
+    };
+    Ok(Setup::new(layout, |progress| prepared.build(progress)))
 }
 
 /// Refuses an irregularity that lies within the contact from the start; `half_length` is that of
@@ -334,12 +330,9 @@ fn contact_grid(mesh: &Section, sizes: &Sizes, reach: [f64; 2]) -> (Structured, 
     (Structured::contact_plane(x0, y0, element, element, columns, rows.len()), first)
 }
 
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
+impl Prepared {
+    /// Rolls the bodies until they are steady.
+    fn build(self, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         let Self {
             element,
             sections,
@@ -352,8 +345,7 @@ impl Setup for Prepared {
             first_row,
             wanted,
             curve,
-            ..
-        } = *self;
+        } = self;
         if let Some(ratio) = asked.force {
             asked.creepage = curve.creepage(ratio)?;
             // Without adhesion everything slides at this creepage.

@@ -3,6 +3,7 @@ use crate::fault::{COSIM_FAILED, COSIM_OK, cosim_fail, cosim_refuse};
 use crate::fields::{cosim_blob_read, cosim_blob_write, cosim_output};
 use crate::solver::{COSIM_VERSION, empty};
 use proto::model::InputField;
+use proto::progress::Progress;
 use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null;

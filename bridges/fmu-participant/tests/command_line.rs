@@ -19,8 +19,8 @@ fn fmu(folder: &Path, name: &str, description: &str) -> PathBuf {
     path
 }
 
-const VEHICLE: &str = include_str!("../../tests/fmus/vehicle/modelDescription.xml");
-const BODY: &str = include_str!("../../tests/fmus/body/modelDescription.xml");
+const VEHICLE: &str = include_str!("../../../tests/fmus/vehicle/modelDescription.xml");
+const BODY: &str = include_str!("../../../tests/fmus/body/modelDescription.xml");
 
 fn ask(path: &Path, arguments: &[&str], input: &str) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_fmu-participant"))

@@ -4,16 +4,14 @@ use crate::archive::Archive;
 use crate::description::{ModelDescription, Version};
 use crate::figures::{Figures, figures};
 use crate::model::{Parts, Running};
-use crate::placed::{self, Placed};
+use crate::placed;
 use crate::start;
-use crate::variable::Variable;
 use crate::wiring::Wiring;
 use proto::accuracy::Accuracy;
-use proto::configuration::{Configuration, Layout, Refusal};
+use proto::configuration::{Configuration, Refusal};
 use proto::description::{Description, ModelSpec};
 use proto::field;
-use proto::model::{Model, Setup, Solver};
-use proto::progress::Progress;
+use proto::model::{Setup, Solver};
 use proto::text::one_line;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -121,44 +119,29 @@ impl Solver for FmuSolver {
         }
     }
 
-    fn configure(&self, configuration: &Configuration) -> Result<Box<dyn Setup>, Refusal> {
+    fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         let Fmu { role, description, wiring, .. } = &*self.fmu;
         let starts = start::read(role, description, &configuration.case)?;
         let (placed, layout) = placed::place(role, wiring, configuration)?;
         let folder = self.folder.as_ref().map(|folder| folder.join(format!("fmu-{role}")));
-        Ok(Box::new(Prepared { fmu: Rc::clone(&self.fmu), folder, starts, placed, layout }))
-    }
-}
-
-/// A checked configuration.
-struct Prepared {
-    fmu: Rc<Fmu>,
-    folder: Option<PathBuf>,
-    starts: Vec<(Variable, Vec<f64>)>,
-    placed: Option<Placed>,
-    layout: Layout,
-}
-
-impl Setup for Prepared {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn build(self: Box<Self>, _progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
-        let Self { fmu, folder, starts, placed, .. } = *self;
-        let Fmu { path, role, description, figures, .. } = &*fmu;
-        let failed = |reason: String| {
-            let reason = format!("{}: {reason}", path.display());
-            Refusal::new(&format!("{role}.command"), reason, "correct the FMU, or name another one")
-        };
-        let folder = folder.ok_or_else(|| failed("there is no run to unpack it for".to_owned()))?;
-        let placed =
-            placed.ok_or_else(|| failed("the grid of an input is not known".to_owned()))?;
-        Archive::open(path).and_then(|mut archive| archive.unpack(&folder)).map_err(failed)?;
-        // A place for its resources, which it is told of, whether it has any or not.
-        std::fs::create_dir_all(folder.join("resources"))
-            .map_err(|error| failed(format!("{}: {error}", folder.display())))?;
-        let parts = Parts { role, description, figures, starts: &starts, placed };
-        Running::new(&folder, parts).map(|model| Box::new(model) as Box<dyn Model>).map_err(failed)
+        let fmu = Rc::clone(&self.fmu);
+        Ok(Setup::new(layout, move |_| {
+            let Fmu { path, role, description, figures, .. } = &*fmu;
+            let failed = |reason: String| {
+                let reason = format!("{}: {reason}", path.display());
+                let fix = "correct the FMU, or name another one";
+                Refusal::new(&format!("{role}.command"), reason, fix)
+            };
+            let unknown = || failed("there is no run to unpack it for".to_owned());
+            let folder = folder.ok_or_else(unknown)?;
+            let placed =
+                placed.ok_or_else(|| failed("the grid of an input is not known".to_owned()))?;
+            Archive::open(path).and_then(|mut archive| archive.unpack(&folder)).map_err(failed)?;
+            // The FMU is told the folder of its resources, whether it has any or not.
+            std::fs::create_dir_all(folder.join("resources"))
+                .map_err(|error| failed(format!("{}: {error}", folder.display())))?;
+            let parts = Parts { role, description, figures, starts: &starts, placed };
+            Ok(Box::new(Running::new(&folder, parts).map_err(failed)?))
+        }))
     }
 }
