@@ -177,7 +177,9 @@ impl<C: Contact> Model for ContactModel<C> {
     }
 
     fn summary(&self) -> Value {
-        self.last().map_or_else(|| json!({}), |window| self.contact.summary(window))
+        // A window that was refused leaves no figures.
+        let shown = self.accepted.as_ref().or(self.trial.as_ref());
+        shown.map_or_else(|| json!({}), |window| self.contact.summary(window))
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
