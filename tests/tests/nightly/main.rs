@@ -2,7 +2,8 @@
 //! contract in Python and by every model of mechanics, hot steel by explicit elements, and the
 //! features of a release. The system tests do the same on coarser grids and with fewer values.
 //!
-//! The README has the command: it builds all of the workspace with the feature `tests/complete`.
+//! The README has the command: it builds all of the workspace with the feature `complete` of the
+//! tests.
 //!
 //! (With `-p tests` in its place cargo chooses other features, and builds all that they depend on again.)
 
