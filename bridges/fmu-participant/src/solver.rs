@@ -137,7 +137,7 @@ impl Solver for FmuSolver {
             let placed =
                 placed.ok_or_else(|| failed("the grid of an input is not known".to_owned()))?;
             Archive::open(path).and_then(|mut archive| archive.unpack(&folder)).map_err(failed)?;
-            // The FMU is told the folder of its resources, whether it has any or not.
+            // The FMU receives the path of its resources, which must exist even if it has none.
             std::fs::create_dir_all(folder.join("resources"))
                 .map_err(|error| failed(format!("{}: {error}", folder.display())))?;
             let parts = Parts { role, description, figures, starts: &starts, placed };

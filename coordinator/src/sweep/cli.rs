@@ -90,7 +90,7 @@ pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
     folder.create("sweep.csv", |out| table::csv(&study, out))?;
     #[cfg(feature = "parquet")]
     folder.create("sweep.parquet", |out| table::columnar::write(&study, out))?;
-    // One of an earlier table, by a build that writes it.
+    // Removes the file of an earlier table, which a build with the feature has written.
     #[cfg(not(feature = "parquet"))]
     folder.remove("sweep.parquet")?;
     study.publish(&folder)?;

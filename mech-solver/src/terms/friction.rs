@@ -14,6 +14,7 @@
 //! min(f p, τ) where the third body yields.
 
 use crate::terms::bands::{At, Over};
+use elastic::slip::RigidSlip;
 use half_space::friction::ElementFriction;
 use half_space::slip_iteration::SlipStart;
 use proto::grid::Structured;
@@ -132,6 +133,29 @@ impl FrictionLaw {
     /// Returns true if only the friction coefficient of the case applies.
     pub(crate) fn is_constant(&self) -> bool {
         self.factors.is_empty() && self.bounds.is_empty()
+    }
+
+    /// Evaluates the law for every element of a contact in the plane, whose bodies slip as rigid ones.
+    ///
+    /// # Errors
+    /// Same errors as [`FrictionFactor::write`].
+    pub(crate) fn under_rigid_slip(
+        &self,
+        coefficient: f64,
+        slip: &RigidSlip,
+        (grid, pressure): (&Structured, &[f64]),
+        inputs: &dyn Inputs,
+    ) -> Result<ElementFriction, StepError> {
+        let state = FrictionState {
+            inputs: Some(inputs),
+            speed: slip.speed,
+            rigid_slip: &|index| slip.at(grid, index),
+            grid,
+            coordinate: &lateral(grid, 0.0),
+            pressure,
+            velocity: None,
+        };
+        self.evaluate(coefficient, &state)
     }
 
     /// Evaluates the law for every element, from the friction coefficient of the case.

@@ -22,7 +22,8 @@
 //! convolution over Fourier space ([`half_space`]). Rises at single places and in depth come from the same
 //! sum, with the flux contracted to a row of the grid.
 //!
-//! What two bodies exchange where they touch is found by [`exchange`], in the shapes of [`contact_basis`].
+//! Heat that flows between two bodies where they touch is solved for in [`exchange`], in the shape
+//! functions of [`contact_basis`].
 //!
 //! What the heat does to the height of the surface is [`rise_integral`].
 //!

@@ -14,7 +14,8 @@ use std::sync::Arc;
 /// Rows that are in memory as columns at a time.
 const GROUP: usize = 1 << 16;
 
-/// Writes `sweep.parquet`: cells without a value are null, keys whose values are plain numbers are numbers.
+/// Writes `sweep.parquet`: cells without a value are null, keys whose values are plain numbers are
+/// numbers.
 ///
 /// # Errors
 /// It cannot be written.

@@ -15,7 +15,6 @@ use crate::models::creepage_search::CreepageSearch;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Scenes, no_answer};
 use crate::terms::Terms;
-use crate::terms::friction::{FrictionState, lateral};
 use elastic::slip::RigidSlip;
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Step, StepError, StepReport};
@@ -53,16 +52,9 @@ impl Windows {
     ) -> Result<(FastsimContact, Option<Shortfall>), StepError> {
         let Case { asked, terms, grid } = &mut self.case;
         let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
-        let state = FrictionState {
-            inputs: Some(inputs),
-            speed: slip.speed,
-            rigid_slip: &|index| slip.at(grid, index),
-            grid,
-            coordinate: &lateral(grid, 0.0),
-            pressure: &self.pressure,
-            velocity: None,
-        };
-        let friction = terms.friction.evaluate(scene.friction_coefficient, &state)?;
+        let contact = (&*grid, self.pressure.as_slice());
+        let coefficient = scene.friction_coefficient;
+        let friction = terms.friction.under_rigid_slip(coefficient, &slip, contact, inputs)?;
         let limits = Limits::new(grid, &friction, &self.pressure);
         let at_rest = Drive::Creepage { xi: 0.0, eta: 0.0, phi: 0.0 };
         let free = Scene { friction_coefficient: limits.mean, drive: at_rest, ..scene.clone() };

@@ -15,7 +15,6 @@ use crate::models::creepage_search::CreepageSearch;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Scenes, no_answer};
 use crate::terms::Terms;
-use crate::terms::friction::{FrictionState, lateral};
 use elastic::slip::RigidSlip;
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Step, StepError, StepReport};
@@ -53,16 +52,9 @@ impl Windows {
     ) -> Result<f64, StepError> {
         let Case { terms, grid, .. } = &self.case;
         let slip = RigidSlip { creepage, speed: scene.speeds.rolling };
-        let state = FrictionState {
-            inputs: Some(inputs),
-            speed: slip.speed,
-            rigid_slip: &|index| slip.at(grid, index),
-            grid,
-            coordinate: &lateral(grid, 0.0),
-            pressure: &self.pressure,
-            velocity: None,
-        };
-        let elements = terms.friction.evaluate(scene.friction_coefficient, &state)?;
+        let contact = (grid, self.pressure.as_slice());
+        let coefficient = scene.friction_coefficient;
+        let elements = terms.friction.under_rigid_slip(coefficient, &slip, contact, inputs)?;
         Ok(elements.equivalent(&self.pressure))
     }
 

@@ -3,7 +3,6 @@
 use super::case::Case;
 use crate::models::contact_model::Contact;
 use crate::terms::Terms;
-use crate::terms::friction::{FrictionState, lateral};
 use crate::terms::surface::raise;
 use elastic::slip::RigidSlip;
 use half_space::friction::ElementFriction;
@@ -86,17 +85,9 @@ impl Contact for Sliding {
         let solved = solved.map_err(|error| StepError::NoSolution(error.to_string()))?;
         let [xi, eta] = self.case.creepage;
         let slip = RigidSlip { creepage: [xi, eta, 0.0], speed: self.case.scene.speeds.rolling };
-        let state = FrictionState {
-            velocity: None,
-            inputs: Some(inputs),
-            speed: slip.speed,
-            rigid_slip: &|index| slip.at(grid, index),
-            grid,
-            coordinate: &lateral(grid, 0.0),
-            pressure: &pressure,
-        };
         let coefficient = self.case.scene.friction_coefficient;
-        let friction = self.case.terms.friction.evaluate(coefficient, &state)?;
+        let law = &self.case.terms.friction;
+        let friction = law.under_rigid_slip(coefficient, &slip, (grid, &pressure), inputs)?;
         let separation = self.separation(&solved);
         Ok(Window { solved, pressure, friction, separation })
     }

@@ -11,7 +11,7 @@ const DECAYED: f64 = 36.0;
 /// A window of time in which the flux is constant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FluxWindow {
-    /// Its duration [s].
+    /// Duration [s].
     pub duration: f64,
     /// Speed of the material, towards −x [m/s].
     pub speed: f64,
