@@ -4,8 +4,11 @@
 //! They are those of the contract's table and of what the installed programs describe; docs/fields.md and docs/figures.md are
 //! written from them.
 
-use crate::listing::Listing;
-use crate::output::print;
+use crate::installed::installed;
+use clap::Args;
+use console::command::{Command, Context, Group};
+use console::listing::Listing;
+use console::output::print;
 use contract::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use contract::field::{self, FieldKind, FieldSpec};
 use contract::figure::FigureSpec;
@@ -25,11 +28,44 @@ struct Output {
     described: Value,
 }
 
+/// The options of `coordinator fields`.
+#[derive(Debug, Args)]
+pub(crate) struct FieldsCommand {
+    #[command(flatten)]
+    of: Listing,
+}
+
+impl Command for FieldsCommand {
+    const NAME: &'static str = "fields";
+    const GROUP: Group = Group::Reference;
+    const ABOUT: &'static str =
+        "Show every field that participants exchange or write: unit, components, and who gives it";
+
+    fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
+        fields(&self.of, &installed()?)
+    }
+}
+
+/// The options of `coordinator figures`.
+#[derive(Debug, Args)]
+pub(crate) struct FiguresCommand {
+    #[command(flatten)]
+    of: Listing,
+}
+
+impl Command for FiguresCommand {
+    const NAME: &'static str = "figures";
+    const GROUP: Group = Group::Reference;
+    const ABOUT: &'static str =
+        "Show every number of a summary: unit, meaning, what is expected, and who gives it";
+
+    fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
+        figures(&self.of, &installed()?)
+    }
+}
+
 /// Prints the fields.
-///
-/// # Errors
-/// They cannot be printed, or none is like the pattern.
-pub(crate) fn fields(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
+fn fields(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
     let own = described.iter().flat_map(|of| of.fields.iter().cloned());
     let kinds = field::TABLE.iter().map(FieldSpec::kind).chain(own);
     // The geometry of a grid travels on a topic of its own.
@@ -70,10 +106,7 @@ pub(crate) fn fields(asked: &Listing, described: &[Description]) -> Result<(), R
 }
 
 /// Prints the figures.
-///
-/// # Errors
-/// They cannot be printed, or none is like the pattern.
-pub(crate) fn figures(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
+fn figures(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
     let of = |spec: &FigureSpec, giver: String| {
         let expected = spec.plausible.as_ref().map_or(String::new(), |bounds| {
             let least = bounds.least.map(|least| format!("at least {least}"));

@@ -5,18 +5,19 @@ mod fields;
 mod flat;
 mod show;
 
-use crate::output::print;
-use crate::report::source::Results;
 use clap::Args;
+use console::command::{Command, Context, Group};
+use console::output::print;
 use contract::text::json;
 use difference::Comparison;
+use pages::source::Results;
 use run::error::RunError;
 use run::signals;
 use std::path::PathBuf;
 
 /// Two results.
 #[derive(Debug, Args)]
-pub(crate) struct Arguments {
+pub(crate) struct CompareCommand {
     /// A result directory.
     #[arg(value_name = "A")]
     a: PathBuf,
@@ -28,16 +29,19 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
-/// Compares, and prints.
-///
-/// # Errors
-/// One of the folders holds no results; it cannot be printed.
-pub(crate) fn main(asked: &Arguments, quiet: bool) -> Result<(), RunError> {
-    let _reading = signals::end_at_once();
-    let [a, b] = [Results::read(&asked.a)?, Results::read(&asked.b)?];
-    let comparison = Comparison::of(&a, &b);
-    if asked.json {
-        return print(&json(&comparison));
+impl Command for CompareCommand {
+    const NAME: &'static str = "compare";
+    const GROUP: Group = Group::Look;
+    const ABOUT: &'static str =
+        "Say what differs between two results: case, figures, fields and time";
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let _reading = signals::end_at_once();
+        let [a, b] = [Results::read(&self.a)?, Results::read(&self.b)?];
+        let comparison = Comparison::of(&a, &b);
+        if self.json {
+            return print(&json(&comparison));
+        }
+        context.print(&show::text(&comparison, [&self.a, &self.b]))
     }
-    if quiet { Ok(()) } else { print(&show::text(&comparison, [&asked.a, &asked.b])) }
 }

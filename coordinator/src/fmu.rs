@@ -12,7 +12,6 @@
 //! | `make.rs` | the command line |
 
 mod description;
-mod make;
 mod of_case;
 mod of_surrogate;
 mod pack;
@@ -21,4 +20,48 @@ mod resources;
 mod variables;
 mod whole;
 
-pub(crate) use make::{Arguments, main};
+use clap::Args;
+use console::case_arguments::CaseArguments;
+use console::command::{Command, Context, Group};
+use console::output;
+use run::error::RunError;
+use std::path::{Path, PathBuf};
+use studies::ask;
+
+/// The command line of `coordinator fmu`: a case, or a surrogate in the place of one.
+#[derive(Debug, Args)]
+pub(crate) struct FmuCommand {
+    #[command(flatten)]
+    of: CaseArguments,
+    /// The FMU that is written [default: NAME.fmu].
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl Command for FmuCommand {
+    const NAME: &'static str = "fmu";
+    const GROUP: Group = Group::Connect;
+    const ABOUT: &'static str = "Write a case, or a surrogate, as an FMU (FMI 3.0): live values or keys are inputs, figures outputs";
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let FmuCommand { of, out } = self;
+        let made = match is_surrogate(&of.case) {
+            false => of_case::make(of, out.clone())?,
+            true if of.set.is_empty() && of.unset.is_empty() => {
+                of_surrogate::make(&ask::document(&of.case)?, out.clone())?
+            }
+            true => {
+                return Err(RunError::Usage(
+                    "--set and --unset change a case, and a surrogate has none of its keys any more; leave them out"
+                        .to_owned(),
+                ));
+            }
+        };
+        if context.quiet { Ok(()) } else { output::print(&made) }
+    }
+}
+
+/// It is the file of a surrogate, or the folder of a sweep that has one.
+fn is_surrogate(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end == "json") || path.is_dir()
+}

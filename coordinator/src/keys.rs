@@ -3,25 +3,23 @@
 //! The keys are those of the coordinator's own table and of what the installed programs describe; docs/case.md and
 //! docs/case.schema.json are written from them.
 
-mod key;
 mod schema;
 
-pub(crate) use key::{about, names, units};
-
-use crate::listing::Listing;
-use crate::output::print;
+use crate::installed::installed;
 use case::schema::ROLE;
 use clap::Args;
-use contract::description::Description;
+use console::command::{Command, Context, Group};
+use console::keys::{Key, all, facts, kind, need, range, section};
+use console::listing::Listing;
+use console::output::print;
 use contract::text::json;
-use key::{Key, all, facts, kind, need, range, section};
 use run::error::RunError;
 use run::wrap;
 use std::fmt::Write as _;
 
 /// What `coordinator keys` is asked.
 #[derive(Debug, Args)]
-pub(crate) struct Arguments {
+pub(crate) struct KeysCommand {
     #[command(flatten)]
     of: Listing,
     /// Print a JSON Schema of cases, with which editors complete and check.
@@ -29,18 +27,22 @@ pub(crate) struct Arguments {
     schema: bool,
 }
 
-/// Prints the keys.
-///
-/// # Errors
-/// They cannot be printed, or none is like the pattern.
-pub(crate) fn main(asked: &Arguments, described: &[Description]) -> Result<(), RunError> {
-    let keys = asked.of.pick(all(described), |key| [&key.spec.path, &key.spec.help])?;
-    print(&match (asked.of.json, asked.of.markdown, asked.schema) {
-        (true, ..) => json(&keys),
-        (_, true, _) => markdown(&keys),
-        (.., true) => json(&schema::schema(&keys, described)),
-        _ => keys.iter().map(terminal).collect(),
-    })
+impl Command for KeysCommand {
+    const NAME: &'static str = "keys";
+    const GROUP: Group = Group::Reference;
+    const ABOUT: &'static str =
+        "Show every key that a case may have: unit, range, default, and who reads it";
+
+    fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
+        let described = &installed()?;
+        let keys = self.of.pick(all(described), |key| [&key.spec.path, &key.spec.help])?;
+        print(&match (self.of.json, self.of.markdown, self.schema) {
+            (true, ..) => json(&keys),
+            (_, true, _) => markdown(&keys),
+            (.., true) => json(&schema::schema(&keys, described)),
+            _ => keys.iter().map(terminal).collect(),
+        })
+    }
 }
 
 fn terminal(key: &Key) -> String {

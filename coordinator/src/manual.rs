@@ -1,54 +1,64 @@
-//! Completions of shells and pages of the manual, from the command line itself.
+//! `coordinator completions` and `coordinator man`: what shells and `man` read, from the command line itself.
 
 use clap::Args;
+use console::command::{Command, Context, Group};
+use console::output::print;
 use run::error::{RunError, file_failure};
 use run::results::write::replace;
 use std::path::PathBuf;
 
-/// Which shell.
+/// The options of `coordinator completions`.
 #[derive(Debug, Args)]
-pub(crate) struct Completions {
+pub(crate) struct CompletionsCommand {
     /// The shell.
     shell: clap_complete::Shell,
 }
 
-/// Which folder.
+impl Command for CompletionsCommand {
+    const NAME: &'static str = "completions";
+    const GROUP: Group = Group::Reference;
+    const ABOUT: &'static str = "Print the script with which a shell completes commands";
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let mut command = (context.whole)();
+        let name = command.get_name().to_owned();
+        let mut script = Vec::new();
+        clap_complete::generate(self.shell, &mut command, name, &mut script);
+        print(&String::from_utf8_lossy(&script))
+    }
+}
+
+/// The options of `coordinator man`.
 #[derive(Debug, Args)]
-pub(crate) struct Pages {
+pub(crate) struct ManCommand {
     /// Folder for a page of each command.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
 }
 
-/// The script that a shell reads.
-#[must_use]
-pub(crate) fn completions(asked: &Completions, mut command: clap::Command) -> String {
-    let name = command.get_name().to_owned();
-    let mut script = Vec::new();
-    clap_complete::generate(asked.shell, &mut command, name, &mut script);
-    String::from_utf8_lossy(&script).into_owned()
-}
+impl Command for ManCommand {
+    const NAME: &'static str = "man";
+    const GROUP: Group = Group::Reference;
+    const ABOUT: &'static str = "Write the pages of the manual";
 
-/// Writes a page of the manual about each command; the line to print.
-///
-/// # Errors
-/// The file system.
-pub(crate) fn pages(asked: &Pages, mut command: clap::Command) -> Result<String, RunError> {
-    command.build();
-    let folder = &asked.folder;
-    std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
-    let mut written = 0u64;
-    let subcommands = command.get_subcommands().filter(|one| one.get_name() != "help");
-    for one in std::iter::once(&command).chain(subcommands) {
-        // Of a built command the name is that of its page: coordinator-run.
-        let name = one.get_display_name().unwrap_or(one.get_name()).to_owned();
-        let mut page = Vec::new();
-        let path = folder.join(format!("{name}.1"));
-        let rendered = clap_mangen::Man::new(one.clone()).render(&mut page);
-        rendered.map_err(|error| file_failure(&path, &error))?;
-        replace(&path, &page)?;
-        written += 1;
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let mut command = (context.whole)();
+        command.build();
+        let folder = &self.folder;
+        std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
+        let mut written = 0u64;
+        let subcommands = command.get_subcommands().filter(|one| one.get_name() != "help");
+        for one in std::iter::once(&command).chain(subcommands) {
+            // Of a built command the name is that of its page: coordinator-run.
+            let name = one.get_display_name().unwrap_or(one.get_name()).to_owned();
+            let mut page = Vec::new();
+            let path = folder.join(format!("{name}.1"));
+            let rendered = clap_mangen::Man::new(one.clone()).render(&mut page);
+            rendered.map_err(|error| file_failure(&path, &error))?;
+            replace(&path, &page)?;
+            written += 1;
+        }
+        let pages = run::format::counted(written, "page");
+        context.print(&format!("{pages} -> {}\n", folder.display()))
     }
-    let pages = run::format::counted(written, "page");
-    Ok(format!("{pages} -> {}\n", folder.display()))
 }

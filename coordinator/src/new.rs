@@ -1,9 +1,10 @@
 //! `coordinator new`: a case that runs, with a line on every key, to begin from.
 
-use crate::keys::about;
-use crate::scenes::{self, FIRST, SCENES};
+use crate::installed::installed;
 use clap::Args;
-use contract::description::Description;
+use console::command::{Command, Context, Group};
+use console::keys::about;
+use console::scenes::{self, FIRST, SCENES};
 use run::error::{RunError, file_failure};
 use run::format::counted;
 use std::fs::File;
@@ -15,7 +16,7 @@ const WIDTH: usize = 100;
 
 /// What the case is called, and what it begins from.
 #[derive(Debug, Args)]
-pub(crate) struct Arguments {
+pub(crate) struct NewCommand {
     /// Name of the case; the file is NAME.toml.
     #[arg(required_unless_present = "list", value_parser = name)]
     name: Option<String>,
@@ -36,39 +37,39 @@ fn name(text: &str) -> Result<String, String> {
     }
 }
 
-/// Writes the file; what to print.
-///
-/// # Errors
-/// There is no such scene, or there is a file of that name; the file system.
-pub(crate) fn act(
-    asked: &Arguments,
-    described: impl FnOnce() -> Result<Vec<Description>, RunError>,
-) -> Result<String, RunError> {
-    let Some(name) = asked.name.as_ref().filter(|_| !asked.list) else {
-        let line = |(name, text): &(&str, &str)| format!("  {name:26} {}\n", title(text));
-        return Ok(SCENES.iter().map(line).collect());
-    };
-    let scene = scenes::text(&asked.scene).ok_or_else(|| {
-        let fix = "coordinator new --list shows those that there are";
-        RunError::Usage(format!("--scene {}: there is no such scene; {fix}", asked.scene))
-    })?;
-    let chosen: toml::Table = toml::from_str(scene).unwrap_or_default();
-    let text = commented(name, (&asked.scene, scene), about(&described()?, &chosen));
-    let path = PathBuf::from(format!("{name}.toml"));
-    // Nothing that is there is ever replaced.
-    let mut file = File::options().write(true).create_new(true).open(&path).map_err(|error| {
-        match error.kind() {
-            ErrorKind::AlreadyExists => {
-                let what = "is there already; choose another name, or move it away";
-                RunError::Usage(format!("{} {what}", path.display()))
-            }
-            _ => file_failure(&path, &error),
-        }
-    })?;
-    file.write_all(text.as_bytes()).map_err(|error| file_failure(&path, &error))?;
-    let lines = counted(text.lines().count() as u64, "line");
-    let path = path.display();
-    Ok(format!("{path} ({lines}); run it: coordinator run {path}\n"))
+impl Command for NewCommand {
+    const NAME: &'static str = "new";
+    const GROUP: Group = Group::Run;
+    const ABOUT: &'static str = "Write a case that runs, with a line on every key, to begin from";
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let Some(name) = self.name.as_ref().filter(|_| !self.list) else {
+            let line = |(name, text): &(&str, &str)| format!("  {name:26} {}\n", title(text));
+            let list: String = SCENES.iter().map(line).collect();
+            return context.print(&list);
+        };
+        let scene = scenes::text(&self.scene).ok_or_else(|| {
+            let fix = "coordinator new --list shows those that there are";
+            RunError::Usage(format!("--scene {}: there is no such scene; {fix}", self.scene))
+        })?;
+        let chosen: toml::Table = toml::from_str(scene).unwrap_or_default();
+        let text = commented(name, (&self.scene, scene), about(&installed()?, &chosen));
+        let path = PathBuf::from(format!("{name}.toml"));
+        // Nothing that is there is ever replaced.
+        let mut file = File::options().write(true).create_new(true).open(&path).map_err(
+            |error| match error.kind() {
+                ErrorKind::AlreadyExists => {
+                    let what = "is there already; choose another name, or move it away";
+                    RunError::Usage(format!("{} {what}", path.display()))
+                }
+                _ => file_failure(&path, &error),
+            },
+        )?;
+        file.write_all(text.as_bytes()).map_err(|error| file_failure(&path, &error))?;
+        let lines = counted(text.lines().count() as u64, "line");
+        let path = path.display();
+        context.print(&format!("{path} ({lines}); run it: coordinator run {path}\n"))
+    }
 }
 
 /// The title of a case.

@@ -3,6 +3,7 @@
 //! What is written are the examples that tests put through the contract, under another name.
 
 use clap::{Args, ValueEnum};
+use console::command::{Command, Context, Group};
 use run::error::{RunError, file_failure};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ const RUST: &str = include_str!("../../proto/examples/short_columns.rs");
 
 /// What the solver is called, and what it is written in.
 #[derive(Debug, Args)]
-pub(crate) struct Arguments {
+pub(crate) struct NewSolverCommand {
     /// Name of the solver, and of its folder.
     #[arg(value_parser = name)]
     name: String,
@@ -57,40 +58,42 @@ struct Template {
     command: Vec<String>,
 }
 
-/// Writes the folder; what to print.
-///
-/// # Errors
-/// There is something of that name; the sources are not where they are said to be; the file system.
-pub(crate) fn act(asked: &Arguments) -> Result<String, RunError> {
-    let name = &asked.name;
-    let Template { mut files, build, command } = match asked.lang {
-        Language::Python => python(name),
-        Language::C => c(name, asked)?,
-        Language::Fortran => fortran(name, asked)?,
-        Language::Rust => rust(name, &sources(asked)?),
-    };
-    files.push(("README.md".to_owned(), readme(name, build, &command)));
-    let folder = Path::new(name);
-    fs::create_dir(folder).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => RunError::Usage(format!(
-            "{name} is there already; choose another name, or move it away"
-        )),
-        _ => file_failure(folder, &error),
-    })?;
-    for (file, text) in &files {
-        let path = folder.join(file);
-        let inside = path.parent().expect("it is in the folder");
-        let written = fs::create_dir_all(inside).and_then(|()| fs::write(&path, text));
-        written.map_err(|error| file_failure(&path, &error))?;
+impl Command for NewSolverCommand {
+    const NAME: &'static str = "new-solver";
+    const GROUP: Group = Group::Solvers;
+    const ABOUT: &'static str = "Write a solver that conforms to the contract, in Python, C, Fortran or Rust, to begin from";
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let name = &self.name;
+        let Template { mut files, build, command } = match self.lang {
+            Language::Python => python(name),
+            Language::C => c(name, self)?,
+            Language::Fortran => fortran(name, self)?,
+            Language::Rust => rust(name, &sources(self)?),
+        };
+        files.push(("README.md".to_owned(), readme(name, build, &command)));
+        let folder = Path::new(name);
+        fs::create_dir(folder).map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => RunError::Usage(format!(
+                "{name} is there already; choose another name, or move it away"
+            )),
+            _ => file_failure(folder, &error),
+        })?;
+        for (file, text) in &files {
+            let path = folder.join(file);
+            let inside = path.parent().expect("it is in the folder");
+            let written = fs::create_dir_all(inside).and_then(|()| fs::write(&path, text));
+            written.map_err(|error| file_failure(&path, &error))?;
+        }
+        let mut steps = format!(
+            "{name}: {}\n",
+            files.iter().map(|(file, _)| file.as_str()).collect::<Vec<_>>().join(", ")
+        );
+        for step in self::steps(name, build, &command) {
+            steps += &format!("  {step}\n");
+        }
+        context.print(&steps)
     }
-    let mut steps = format!(
-        "{name}: {}\n",
-        files.iter().map(|(file, _)| file.as_str()).collect::<Vec<_>>().join(", ")
-    );
-    for step in self::steps(name, build, &command) {
-        steps += &format!("  {step}\n");
-    }
-    Ok(steps)
 }
 
 /// What to type next.
@@ -133,14 +136,14 @@ fn python(name: &str) -> Template {
     Template { files: vec![(file, renamed(PYTHON, name))], build: None, command }
 }
 
-fn c(name: &str, asked: &Arguments) -> Result<Template, RunError> {
+fn c(name: &str, asked: &NewSolverCommand) -> Result<Template, RunError> {
     let build = format!(
         "{name}: {name}.c\n\tcc -std=c11 -O2 -Wall -Wextra -I$(INCLUDE) $< {LINKED} -lm -o $@\n"
     );
     made(name, asked, (format!("{name}.c"), renamed(C, name)), &build)
 }
 
-fn fortran(name: &str, asked: &Arguments) -> Result<Template, RunError> {
+fn fortran(name: &str, asked: &NewSolverCommand) -> Result<Template, RunError> {
     let build = format!(
         "{name}: {name}.f90\n\tgfortran -std=f2018 -O2 -Wall -Wno-unused-dummy-argument $(INCLUDE)/cosim.f90 $< {LINKED} -o $@\n"
     );
@@ -153,7 +156,7 @@ const LINKED: &str = "-L$(LIBRARY) -Wl,-rpath,$(LIBRARY) -lcosim";
 /// A program over the library for C, with a Makefile.
 fn made(
     name: &str,
-    asked: &Arguments,
+    asked: &NewSolverCommand,
     source: (String, String),
     build: &str,
 ) -> Result<Template, RunError> {
@@ -167,7 +170,7 @@ fn made(
 }
 
 /// Where header, module and library for C and Fortran stand: as an archive has them, or in the sources and beside the executables.
-fn library(asked: &Arguments) -> Result<(PathBuf, PathBuf), RunError> {
+fn library(asked: &NewSolverCommand) -> Result<(PathBuf, PathBuf), RunError> {
     let program = env::current_exe().and_then(|program| program.canonicalize());
     let program = program.map_err(|error| file_failure(Path::new("coordinator"), &error))?;
     let beside = program.parent().expect("a program is in a folder");
@@ -196,7 +199,7 @@ fn rust(name: &str, sources: &Path) -> Template {
 }
 
 /// The folder with the sources.
-fn sources(asked: &Arguments) -> Result<PathBuf, RunError> {
+fn sources(asked: &NewSolverCommand) -> Result<PathBuf, RunError> {
     let built_from = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let folder = asked.sources.as_deref().unwrap_or(&built_from);
     let found = folder

@@ -1,16 +1,14 @@
 //! `coordinator picture`: the maps of a report as a file for papers and slides, without a browser.
 
-mod convert;
-#[cfg(feature = "pictures")]
-mod render;
-
-use crate::report::maps;
-use crate::report::sheet::{Ground, sheet};
-use crate::report::source::Results;
 use clap::Args;
-use convert::Format;
+use console::command::{Command, Context, Group};
+use pages::maps;
+use pages::picture::Format;
+use pages::sheet::{Ground, sheet};
+use pages::source::Results;
 use run::error::RunError;
 use run::results::write::replace;
+use run::signals;
 use std::path::PathBuf;
 
 /// Largest width of a picture \[px\].
@@ -18,7 +16,7 @@ const WIDEST: u32 = 20_000;
 
 /// What to draw, and where.
 #[derive(Debug, Args)]
-pub(crate) struct Arguments {
+pub(crate) struct PictureCommand {
     /// The result directory.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
@@ -41,23 +39,25 @@ pub(crate) struct Arguments {
     dark: bool,
 }
 
-/// Draws; the line to print.
-///
-/// # Errors
-/// No run has written into the folder; it has no such field; an ending that means no format; the file
-/// system.
-pub(crate) fn act(arguments: &Arguments) -> Result<String, RunError> {
-    let path =
-        arguments.out.clone().unwrap_or_else(|| arguments.folder.join(Format::default_file()));
-    let format = Format::of(&path)?;
-    let results = Results::read(&arguments.folder)?;
-    let zero = maps::zero(&results);
-    let maps = chosen(maps::named(&results), &arguments.field, &zero, &arguments.folder)?;
-    let columns = arguments.columns.map_or_else(|| maps.len().clamp(1, 2), usize::from);
-    let ground = if arguments.dark { Ground::Dark } else { Ground::Light };
-    let svg = sheet(results.word("/case"), &maps, columns, ground);
-    replace(&path, &format.bytes(svg, arguments.width)?)?;
-    Ok(format!("{}\n", path.display()))
+impl Command for PictureCommand {
+    const NAME: &'static str = "picture";
+    const GROUP: Group = Group::Look;
+    const ABOUT: &'static str =
+        "Draw the fields of a run as PNG, SVG or PDF, for papers and slides";
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let _reading = signals::end_at_once();
+        let path = self.out.clone().unwrap_or_else(|| self.folder.join(Format::default_file()));
+        let format = Format::of(&path)?;
+        let results = Results::read(&self.folder)?;
+        let zero = maps::zero(&results);
+        let maps = chosen(maps::named(&results), &self.field, &zero, &self.folder)?;
+        let columns = self.columns.map_or_else(|| maps.len().clamp(1, 2), usize::from);
+        let ground = if self.dark { Ground::Dark } else { Ground::Light };
+        let svg = sheet(results.word("/case"), &maps, columns, ground);
+        replace(&path, &format.bytes(svg, self.width)?)?;
+        context.print(&format!("{}\n", path.display()))
+    }
 }
 
 /// The maps of these fields; all without a name.

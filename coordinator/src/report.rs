@@ -1,65 +1,34 @@
-//! `coordinator report`: one page about a run, which needs nothing but itself.
-//!
-//! A result directory → [`source::Results`] → [`page::Section`]s → `report.html`. The page asks for
-//! nothing: plots are inline SVG, surface maps are small images within it, and all colours are
-//! style-sheet variables, so that light and dark are one file. A script of its own (`page.js`) adds
-//! what paper cannot: values under the pointer, details, decades, files. It reads them off the drawings
-//! that the page, a picture and a printout share; a library of plots would draw everything a second
-//! time, weigh ten (uPlot: lines alone) to a hundred times as much (Plotly: maps) and print worse. What a run did not write has no
-//! section.
-//!
-//! A further section is one function that returns [`page::Section`]s, made of the blocks
-//! [`plot::Figure`], [`map::Heatmap`], [`lanes::Lanes`] and [`table::Table`].
+//! `coordinator report`: the page about the run, or the study, in a folder.
 
-pub(crate) mod axis;
-pub(crate) mod bars;
-mod canvas;
-pub(crate) mod html;
-pub(crate) mod image;
-pub(crate) mod lanes;
-pub(crate) mod map;
-pub(crate) mod maps;
-pub(crate) mod page;
-pub(crate) mod palette;
-mod places;
-pub(crate) mod plot;
-mod sections;
-pub(crate) mod sheet;
-pub(crate) mod source;
-mod standalone;
-pub(crate) mod table;
-
-use page::Page;
+use clap::Args;
+use console::command::{Command, Context, Group};
 use run::error::RunError;
-use run::results::write::replace;
-use source::Results;
-use std::path::{Path, PathBuf};
+use run::signals;
+use std::path::PathBuf;
 
-/// Name of the page in a result directory.
-pub(crate) const FILE: &str = "report.html";
-
-/// Writes a page into a folder; its path.
-///
-/// # Errors
-/// The file system.
-pub(crate) fn write(page: &Page, folder: &Path) -> Result<PathBuf, RunError> {
-    let path = folder.join(FILE);
-    replace(&path, page.to_string().as_bytes())?;
-    Ok(path)
+/// The options of `coordinator report`.
+#[derive(Debug, Args)]
+pub(crate) struct ReportCommand {
+    /// The result directory.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
 }
 
-/// The page about the run in a folder.
-///
-/// # Errors
-/// [`RunError::Usage`] if no run has written into it; the file system.
-pub(crate) fn of_run(folder: &Path) -> Result<Page, RunError> {
-    Ok(page(&Results::read(folder)?))
-}
+impl Command for ReportCommand {
+    const NAME: &'static str = "report";
+    const GROUP: Group = Group::Look;
+    const ABOUT: &'static str =
+        "Write report.html about the run, or the study, in a folder, with plots, in one file";
 
-/// The page about these results.
-#[must_use]
-pub(crate) fn page(results: &Results) -> Page {
-    let mut page = sections::opening(results);
-    page.sections.extend(sections::all(results));
-    page
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let _reading = signals::end_at_once();
+        let folder = &self.folder;
+        let study = studies::KINDS.iter().find(|study| folder.join(study.file).is_file());
+        let page = match study {
+            Some(study) => (study.page)(folder)?,
+            None => pages::of_run(folder)?,
+        };
+        let path = pages::write(&page, folder)?;
+        context.print(&format!("{}\n", path.display()))
+    }
 }

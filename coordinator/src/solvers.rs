@@ -1,6 +1,8 @@
 //! `coordinator solvers`: the models and effects that the installed programs offer; docs/models.md is written from them.
 
-use crate::output::print;
+use crate::installed::installed;
+use console::command::{Command, Context, Group};
+use console::output::print;
 use contract::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use contract::text::json;
 use run::error::RunError;
@@ -8,7 +10,7 @@ use std::fmt::Write as _;
 
 /// What is asked for.
 #[derive(clap::Args, Debug)]
-pub(crate) struct Arguments {
+pub(crate) struct SolversCommand {
     /// Print JSON: the descriptions, as the programs give them.
     #[arg(long, conflicts_with = "markdown")]
     json: bool,
@@ -17,16 +19,19 @@ pub(crate) struct Arguments {
     markdown: bool,
 }
 
-/// Prints what the programs offer.
-///
-/// # Errors
-/// It cannot be printed.
-pub(crate) fn main(asked: &Arguments, described: &[Description]) -> Result<(), RunError> {
-    print(&match (asked.json, asked.markdown) {
-        (true, _) => json(&described),
-        (_, true) => page(described),
-        _ => described.iter().map(lines).collect(),
-    })
+impl Command for SolversCommand {
+    const NAME: &'static str = "solvers";
+    const GROUP: Group = Group::Solvers;
+    const ABOUT: &'static str = "Show the models and effects that the installed solvers offer";
+
+    fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
+        let described = &installed()?;
+        print(&match (self.json, self.markdown) {
+            (true, _) => json(described),
+            (_, true) => page(described),
+            _ => described.iter().map(lines).collect(),
+        })
+    }
 }
 
 /// The cases that a model answers.

@@ -2,8 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use clap::CommandFactory as _;
-use coordinator::cli::Arguments;
+use coordinator::cli::parser;
 use std::process::{Command, Output};
 
 fn coordinator(arguments: &[&str]) -> Output {
@@ -31,7 +30,7 @@ fn it_tells_its_version_and_its_commands() {
     assert_eq!(named.is_some(), is_own && git.is_ok_and(|ended| ended.status.success()));
     let help = coordinator(&["--help"]);
     assert!(help.status.success());
-    let all = Arguments::command();
+    let all = parser();
     let commands: Vec<&str> = all.get_subcommands().map(clap::Command::get_name).collect();
     assert!(commands.len() > 20, "{commands:?}");
     for command in commands {

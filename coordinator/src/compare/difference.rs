@@ -2,12 +2,12 @@
 
 use super::fields::{self, FieldDifference, NEGLIGIBLE};
 use super::flat;
-use crate::report::source::Results;
-use crate::study::quantity::{Quantities, Quantity};
 use contract::figure::Measure;
+use pages::source::Results;
 use run::format::stem_and_unit;
 use run::results::figures::{Group, groups};
 use serde::Serialize;
+use studies::study::quantity::{Quantities, Quantity};
 
 /// What differs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -6,7 +6,7 @@
 //! On another grid the field of B is interpolated, bilinearly between the middles of its cells, at the
 //! middles of A's cells that lie between them.
 
-use crate::report::source::{Field, Image, Results};
+use pages::source::{Field, Image, Results};
 use serde::Serialize;
 
 /// Share of the larger value up to which a difference is rounding or the residual of an iteration.

@@ -2,12 +2,12 @@
 
 use super::difference::{Comparison, FigureDifference};
 use super::fields::FieldDifference;
-use crate::study::quantity::show_change;
 use contract::figure::Measure;
 use run::format::{Scale, counted, number, of_key, seconds, words};
 use run::wrap;
 use std::fmt::Write as _;
 use std::path::Path;
+use studies::study::quantity::show_change;
 
 /// Said of what differs by rounding alone.
 const ROUNDING: &str = "the same to six digits";

@@ -1,7 +1,7 @@
 //! Lines of standard output. A thread writes them, so that signals and processes are seen while whoever
 //! drives the run does not read.
 
-use crate::output;
+use console::output;
 use run::error::RunError;
 use std::cell::Cell;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};

@@ -1,9 +1,9 @@
 //! `modelDescription.xml` of FMI 3.0.
 
 use super::variables::{Variable, Variables};
-use crate::report::html::escape;
 use case::si_exponents;
 use contact_fmu::manifest::{Manifest, TIME};
+use pages::html::escape;
 use std::collections::BTreeSet;
 use std::fmt::{Result, Write};
 

@@ -3,8 +3,8 @@
 use super::resources::{self, OPTIONS, Resources};
 use super::variables::Variables;
 use super::whole::{self, Parts};
-use crate::case_arguments::CaseArguments;
 use crate::drive::planned;
+use console::case_arguments::CaseArguments;
 use contact_fmu::manifest::Of;
 use contract::description::KeySpec;
 use run::error::RunError;

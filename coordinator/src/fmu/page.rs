@@ -1,7 +1,7 @@
 //! The documentation inside an FMU: its variables, and what a step does.
 
 use super::variables::{Variable, Variables};
-use crate::report::html::escape;
+use pages::html::escape;
 
 /// A page about an FMU.
 pub(super) fn text(name: &str, title: Option<&str>, variables: &Variables) -> String {

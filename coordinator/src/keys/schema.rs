@@ -3,8 +3,8 @@
 //! A name that a user chooses, a body's or a material's, is any property; a table at the top that is none of
 //! ours is a participant of another program, which names its command.
 
-use super::key::{Key, facts};
 use case::schema::ROLE;
+use console::keys::{Key, facts};
 use contract::description::{Description, KeyKind};
 use serde_json::{Map, Value, json};
 

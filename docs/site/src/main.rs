@@ -1,4 +1,4 @@
-//! `cargo run --release -p site`: makes the documentation site, in `target/site` or the folder that is named.
+//! `cargo run --release --manifest-path docs/site/Cargo.toml`: makes the documentation site, in `target/site` or the folder that is named.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command says how it ended")]
 

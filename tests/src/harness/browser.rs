@@ -107,16 +107,6 @@ fn chromium() -> &'static Path {
     })
 }
 
-/// What a page at an address is when its scripts have run.
-///
-/// # Panics
-/// The browser fails.
-pub fn document(address: &str) -> String {
-    let place = tempfile::tempdir().unwrap();
-    let ended = browse(&place, &["--dump-dom".to_owned()], address);
-    String::from_utf8_lossy(&ended.stdout).into_owned()
-}
-
 /// Runs the browser on a page until it is done.
 fn browse(place: &TempDir, more: &[String], address: &str) -> Output {
     let profile = place.path().join("profile");

@@ -31,9 +31,40 @@ const ORDER: &[(&str, &[&str])] = &[
     ("run", &["contract", "proto", "coupling", "case"]),
     ("contact-fmu", &["surrogate"]),
     ("fmu-participant", &["proto"]),
-    ("site", &[]),
     ("relay", &["contract", "proto", "coupling", "run"]),
-    ("coordinator", &["contract", "proto", "coupling", "case", "surrogate", "run", "contact-fmu"]),
+    ("console", &["contract", "proto", "case", "run"]),
+    ("pages", &["contract", "run"]),
+    ("conformance", &["contract", "proto", "coupling", "case", "run", "console"]),
+    (
+        "studies",
+        &[
+            "contract",
+            "proto",
+            "coupling",
+            "case",
+            "surrogate",
+            "run",
+            "console",
+            "pages",
+            "conformance",
+        ],
+    ),
+    (
+        "coordinator",
+        &[
+            "contract",
+            "proto",
+            "coupling",
+            "case",
+            "surrogate",
+            "run",
+            "contact-fmu",
+            "console",
+            "pages",
+            "conformance",
+            "studies",
+        ],
+    ),
 ];
 
 /// Crates that are libraries for others, and what they do without, directly and through others.

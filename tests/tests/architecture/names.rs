@@ -12,11 +12,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use tests::harness::root;
 use thermal_solver::ThermalSolver;
 
-const FOLDERS: [&str; 5] = [
+const FOLDERS: [&str; 9] = [
     "coordinator/coupling/src",
     "coordinator/case/src",
     "coordinator/surrogate/src",
     "coordinator/run/src",
+    "coordinator/console/src",
+    "coordinator/pages/src",
+    "coordinator/conformance/src",
+    "coordinator/studies/src",
     "coordinator/src",
 ];
 
@@ -26,7 +30,7 @@ const COMMON: [&str; 3] = ["columns", "geometry", "patches"];
 
 /// Files that name something all the same: which names, and why.
 const EXCEPTIONS: &[(&str, &[&str], &str)] = &[(
-    "coordinator/src/conform/given.rs",
+    "coordinator/conformance/src/conform/given.rs",
     &["surface_speed"],
     "the one field of the contract's table that lies on a grid of one point",
 )];

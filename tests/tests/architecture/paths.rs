@@ -114,6 +114,35 @@ fn every_path_in_back_ticks_exists() {
     assert!(followed > 300, "only {followed} paths were found");
 }
 
+/// The targets of the links and pictures of a page in Markdown.
+fn targets(text: &str) -> impl Iterator<Item = &str> {
+    text.split("](").skip(1).filter_map(|rest| rest.split_once([')', '\n']).map(|(to, _)| to))
+}
+
+#[test]
+fn every_link_of_a_page_leads_to_a_file() {
+    let files = files();
+    let pages = files.iter().filter(|file| file.ends_with(".md"));
+    let (mut followed, mut astray) = (0, Vec::new());
+    for file in pages.filter(|file| !HISTORY.iter().any(|past| file.starts_with(past))) {
+        let text = std::fs::read_to_string(root().join(file)).unwrap_or_default();
+        let folder = root().join(file).parent().unwrap().to_owned();
+        for target in targets(&text) {
+            let path = target.split('#').next().unwrap_or_default();
+            // Another site, this very page, or a formula.
+            if path.is_empty() || path.contains([':', ' ', '*', ',']) {
+                continue;
+            }
+            followed += 1;
+            if !folder.join(path).exists() {
+                astray.push(format!("{file}: {target}"));
+            }
+        }
+    }
+    assert!(astray.is_empty(), "there is no such file:\n{}", astray.join("\n"));
+    assert!(followed > 200, "only {followed} links were found");
+}
+
 #[test]
 fn what_is_a_path_and_where_it_leads() {
     let top = BTreeSet::from(["docs", "proto", "target"]);

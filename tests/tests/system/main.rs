@@ -71,7 +71,6 @@ mod resume;
 mod reuse;
 mod rods;
 mod scenes;
-mod site;
 mod snippets;
 mod stability;
 mod start;

@@ -1,7 +1,7 @@
 """How far a command is, shown while it works: a bar of tqdm where that is installed.
 
 The coordinator writes lines of JSON on standard error where `COSIM_PROGRESS` is `json`
-(coordinator/src/feed.rs). Without tqdm it writes plain lines, which are passed on.
+(coordinator/console/src/feed.rs). Without tqdm it writes plain lines, which are passed on.
 """
 
 from __future__ import annotations

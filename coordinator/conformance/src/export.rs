@@ -1,0 +1,353 @@
+//! `coordinator export`: the fields of a recording for other tools.
+//!
+//! As VTK series, the same as a run writes, or as CSV: one file a topic and instant, with a row for
+//! each value. By default one instant a window, the accepted one; with every iteration, the instants
+//! are numbered in the order of the recording.
+
+use crate::inspect::{self, failed};
+use clap::Args;
+use console::command::{self, Context, Group};
+use console::output::print;
+use contract::bodies::Bodies;
+use contract::configuration::Configuration;
+use contract::description::Description;
+use contract::field::{Body, FieldKind, GEOMETRY, Mapping};
+use contract::grid::Grid;
+use contract::message::{Command, CommandKind, FieldHeader};
+use contract::step::Step;
+use proto::recording::{End, Event, Item, Recording, RecordingError};
+use run::error::{RunError, file_failure};
+use run::format::counted;
+use run::results::vtk::{FieldWriter, Shown};
+use run::results::write::create;
+use run::signals;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+/// What `coordinator export` is asked.
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("form").required(true).multiple(true).args(["vtk", "csv"]))]
+pub struct ExportCommand {
+    /// The recording.
+    recording: PathBuf,
+    /// Folder for VTK series (`.vti`, `.vtu`, `.pvd`).
+    #[arg(long, value_name = "DIR")]
+    vtk: Option<PathBuf>,
+    /// Folder for CSV, one file a topic and instant.
+    #[arg(long, value_name = "DIR")]
+    csv: Option<PathBuf>,
+    /// Every iteration, and not only what was accepted.
+    #[arg(long)]
+    iterations: bool,
+}
+
+impl command::Command for ExportCommand {
+    const NAME: &'static str = "export";
+    const GROUP: Group = Group::Look;
+    const ABOUT: &'static str = "Write the fields of a recording as VTK series or CSV";
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let ExportCommand { recording: path, vtk, csv, iterations } = self;
+        let reading = signals::end_at_once();
+        let mut recording = inspect::open(path)?;
+        drop(reading);
+        let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
+        let instants = export(path, &mut recording, &target)?;
+        let mut text = counted(instants, "instant");
+        for folder in [vtk, csv].into_iter().flatten() {
+            text += &format!(" -> {}", folder.display());
+        }
+        if let End::Cut(bytes) = recording.end() {
+            text += &format!(" (the recording is truncated after {bytes} bytes)");
+        }
+        if context.quiet { Ok(()) } else { print(&(text + "\n")) }
+    }
+}
+
+/// What is written, and where.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Target {
+    /// Folder for VTK series.
+    pub vtk: Option<PathBuf>,
+    /// Folder for CSV.
+    pub csv: Option<PathBuf>,
+    /// Every iteration, and not only what was accepted.
+    pub every_iteration: bool,
+}
+
+/// The newest sample of a topic.
+struct Newest {
+    kind: FieldKind,
+    producer: String,
+    grid: Option<Grid>,
+    values: Vec<f64>,
+    /// Not written yet.
+    fresh: bool,
+}
+
+/// Writes what is asked for; how many instants there were.
+///
+/// # Errors
+/// The recording is damaged, or a file cannot be written.
+pub(crate) fn export<R: Read>(
+    path: &Path,
+    recording: &mut Recording<R>,
+    target: &Target,
+) -> Result<u64, RunError> {
+    let damaged = |what: String| failed(path, &RecordingError::Content(what));
+    let mut export = Export {
+        target,
+        vtk: target.vtk.as_ref().map(|folder| FieldWriter::new(folder.clone())),
+        asked: BTreeSet::new(),
+        kinds: BTreeMap::new(),
+        grids: BTreeMap::new(),
+        newest: BTreeMap::new(),
+        bodies: None,
+        step: None,
+        instants: 0,
+    };
+    loop {
+        // Between two files the end may come at any time, within one it may not.
+        let reading = signals::end_at_once();
+        let entry = recording.read().map_err(|error| failed(path, &error))?;
+        drop(reading);
+        let Some(entry) = entry else { break };
+        match entry.item {
+            Item::Event(event) => {
+                export.topics(&event).map_err(|error| failed(path, &error))?;
+                export.event(&event)?;
+            }
+            Item::Sample { service, header, values } => {
+                export.sample(service, &header, values).map_err(damaged)?;
+            }
+            Item::State { .. } => {}
+        }
+    }
+    export.write_window()?;
+    Ok(export.instants)
+}
+
+struct Export<'a> {
+    target: &'a Target,
+    vtk: Option<FieldWriter>,
+    /// Participants that have been asked to describe themselves and have not answered yet.
+    asked: BTreeSet<u16>,
+    /// The fields that participants describe, by name.
+    kinds: BTreeMap<String, FieldKind>,
+    /// The grid of each topic as it is now, and the service of its geometry if that travels.
+    grids: BTreeMap<String, (Grid, Option<String>)>,
+    newest: BTreeMap<String, Newest>,
+    /// The bodies that a participant was told of.
+    bodies: Option<Bodies>,
+    /// The last that somebody was asked to solve.
+    step: Option<Step>,
+    instants: u64,
+}
+
+impl Export<'_> {
+    fn event(&mut self, event: &Event) -> Result<(), RunError> {
+        match event {
+            Event::Command { participant, command, body, .. } => {
+                self.command(*participant, command, body)
+            }
+            Event::Reply { participant, body, .. } => {
+                self.reply(*participant, body);
+                Ok(())
+            }
+            Event::Iteration(iteration) if self.target.every_iteration => {
+                self.write(self.instants, iteration.end)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The grids of the topics that a participant was given.
+    fn topics(&mut self, event: &Event) -> Result<(), RecordingError> {
+        let Some((_, topics)) = event.topics()? else { return Ok(()) };
+        for topic in topics.inputs.into_iter().chain(topics.outputs) {
+            self.grids.insert(topic.service, (topic.grid, topic.geometry));
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, to: u16, command: &Command, body: &[u8]) -> Result<(), RunError> {
+        match CommandKind::from_number(command.kind) {
+            Some(CommandKind::Describe) => {
+                self.asked.insert(to);
+            }
+            Some(CommandKind::Configure) if self.bodies.is_none() => {
+                let given = serde_json::from_slice::<Configuration>(body).ok();
+                self.bodies = given.and_then(|given| Bodies::read(&given.case).ok());
+            }
+            Some(CommandKind::Solve) => {
+                if self.step.is_some_and(|step| step.window != command.window) {
+                    self.write_window()?;
+                }
+                self.step = Some(command.step());
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Keeps the fields of a description.
+    fn reply(&mut self, from: u16, body: &[u8]) {
+        if self.asked.remove(&from)
+            && let Ok(description) = serde_json::from_slice::<Description>(body)
+            && description.check().is_ok()
+        {
+            let fields = description.fields.into_iter();
+            self.kinds.extend(fields.map(|kind| (kind.name.clone(), kind)));
+        }
+    }
+
+    /// Writes the window that is over.
+    fn write_window(&mut self) -> Result<(), RunError> {
+        match self.step {
+            Some(step) if !self.target.every_iteration => self.write(step.window, step.end),
+            Some(step) => self.write(self.instants, step.end),
+            None => Ok(()),
+        }
+    }
+
+    /// The newest sample of a topic, or the geometry of a grid.
+    fn sample(
+        &mut self,
+        service: &str,
+        header: &FieldHeader,
+        values: &[f64],
+    ) -> Result<(), String> {
+        if header.name.as_str() == GEOMETRY.name {
+            return self.geometry(service, header, values);
+        }
+        let grid = self.grids.get(service).map(|(grid, _)| grid);
+        let newest = self.newest.entry(service.to_owned()).or_insert_with(|| Newest {
+            kind: kind(header, &self.kinds),
+            producer: header.producer.as_str().to_owned(),
+            grid: None,
+            values: Vec::new(),
+            fresh: false,
+        });
+        if let Some(grid) = grid {
+            fits(newest.kind.components, grid, header)?;
+        }
+        newest.values.clear();
+        newest.values.extend_from_slice(values);
+        newest.fresh = true;
+        if newest.grid.as_ref() != grid {
+            newest.grid = grid.cloned();
+        }
+        Ok(())
+    }
+
+    fn geometry(
+        &mut self,
+        service: &str,
+        header: &FieldHeader,
+        values: &[f64],
+    ) -> Result<(), String> {
+        for (grid, moves) in self.grids.values_mut() {
+            if moves.as_deref() == Some(service) && grid.revision < header.grid_revision {
+                *grid = grid.with_geometry(values, header.grid_revision)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the files of a topic are called.
+    fn file_name(&self, service: &str) -> String {
+        let shown = |part: &str| match &self.bodies {
+            Some(bodies) => bodies.shown(part),
+            None => part.to_owned(),
+        };
+        let parts = service.trim_start_matches("field/").split('/').map(shown);
+        parts.collect::<Vec<_>>().join("_")
+    }
+
+    fn write(&mut self, number: u64, time: f64) -> Result<(), RunError> {
+        let fresh = self.newest.iter().filter(|(_, newest)| newest.fresh);
+        let shown: Vec<(&str, Shown)> = fresh
+            .filter_map(|(service, newest)| {
+                let Newest { kind, producer, values, grid, .. } = newest;
+                let grid = grid.as_ref()?;
+                let bodies = self.bodies.as_ref();
+                Some((service.as_str(), Shown::new(producer, grid, kind, values, bodies)))
+            })
+            .collect();
+        if shown.is_empty() {
+            return Ok(());
+        }
+        if let Some(vtk) = &mut self.vtk {
+            let fields: Vec<Shown> = shown.iter().map(|(_, shown)| shown.clone()).collect();
+            vtk.write(&fields, number, time)?;
+        }
+        if let Some(folder) = &self.target.csv {
+            for (service, shown) in &shown {
+                write_csv(folder, &self.file_name(service), shown, number)?;
+            }
+        }
+        self.newest.values_mut().for_each(|newest| newest.fresh = false);
+        self.instants += 1;
+        Ok(())
+    }
+}
+
+/// A sample has a value of each component for each point of its grid.
+fn fits(components: u32, grid: &Grid, header: &FieldHeader) -> Result<(), String> {
+    if grid.is_announced() {
+        let (name, on) = (header.name.as_str(), &grid.name);
+        return Err(format!("`{name}` comes before the geometry of its volume `{on}`"));
+    }
+    let (points, expected) = (header.points, grid.points() as u64);
+    if (header.components, points) == (components, expected) {
+        return Ok(());
+    }
+    let (name, on, found) = (header.name.as_str(), &grid.name, header.components);
+    Err(format!(
+        "`{name}` has {found} component(s) at {points} point(s); its grid `{on}` has {expected}, and \
+         the field {components} component(s)"
+    ))
+}
+
+/// The kind of a field as the table or a participant describes it. In a recording without
+/// descriptions there is its label alone, and what that does not say is taken for the interface's.
+fn kind(header: &FieldHeader, described: &BTreeMap<String, FieldKind>) -> FieldKind {
+    let name = header.name.as_str();
+    let known = contract::field::find(name).map(contract::field::FieldSpec::kind);
+    known.or_else(|| described.get(name).cloned()).unwrap_or_else(|| FieldKind {
+        name: name.to_owned(),
+        unit: header.unit.as_str().to_owned(),
+        components: header.components,
+        mapping: Mapping::Consistent,
+        body: Body::Interface,
+        meaning: String::new(),
+    })
+}
+
+/// One row a point: index, place, and the components.
+fn write_csv(folder: &Path, name: &str, shown: &Shown, number: u64) -> Result<(), RunError> {
+    std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
+    let path = folder.join(format!("{name}_{number:06}.csv"));
+    create(&path, |out| {
+        let Shown { grid, kind, values, .. } = shown;
+        write!(out, "index,x [m],y [m],z [m]")?;
+        for component in 0..kind.components {
+            match kind.components {
+                1 => write!(out, ",{} [{}]", kind.name, kind.unit)?,
+                _ => write!(out, ",{}_{component} [{}]", kind.name, kind.unit)?,
+            }
+        }
+        writeln!(out)?;
+        let points = values.len() / kind.components.max(1) as usize;
+        for point in 0..points {
+            let [x, y, z] = grid.centre(point);
+            write!(out, "{point},{x:e},{y:e},{z:e}")?;
+            for component in 0..kind.components as usize {
+                write!(out, ",{:e}", values[component * points + point])?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    })
+}

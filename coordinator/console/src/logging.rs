@@ -1,0 +1,257 @@
+//! Logs: `log.jsonl` in the result directory, and warnings on standard error.
+//!
+//! `log.jsonl` holds one JSON object a line: every event, everything the participants write, and
+//! for every span its busy and idle time when it closes, so that a profiler can be fed from it. The
+//! result directory is known only when the case has been read; what is logged before is kept and
+//! written then. `RUST_LOG` chooses what is logged to both, but never less than `info` to the file;
+//! `--log LEVEL` what reaches the screen.
+
+use crate::colour;
+use indicatif::ProgressBar;
+use proto::logging::{ignored, wanted};
+use run::warnings::Warning;
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tracing_subscriber::Layer as _;
+use tracing_subscriber::filter::{FilterExt as _, LevelFilter, Targets};
+use tracing_subscriber::fmt::MakeWriter;
+use tracing_subscriber::fmt::format::FmtSpan;
+use tracing_subscriber::layer::SubscriberExt as _;
+use tracing_subscriber::util::SubscriberInitExt as _;
+
+/// How much reaches the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Level {
+    /// What ends a run.
+    Error,
+    /// And what may be wrong.
+    Warn,
+    /// And what happens.
+    Info,
+    /// And every window.
+    Debug,
+    /// Everything.
+    Trace,
+}
+
+impl Level {
+    fn filter(self) -> Targets {
+        Targets::new().with_default(match self {
+            Self::Error => LevelFilter::ERROR,
+            Self::Warn => LevelFilter::WARN,
+            Self::Info => LevelFilter::INFO,
+            Self::Debug => LevelFilter::DEBUG,
+            Self::Trace => LevelFilter::TRACE,
+        })
+    }
+}
+
+/// The logging of the process.
+#[derive(Clone, Debug)]
+pub struct Logging {
+    file: LogFile,
+    /// The file as messages name it, once there is one.
+    path: Arc<Mutex<Option<PathBuf>>>,
+    screen: Screen,
+}
+
+impl Logging {
+    /// Sets up logging for the whole process; without a level, `RUST_LOG` or warnings.
+    #[must_use]
+    pub fn install(level: Option<Level>) -> Self {
+        let file = LogFile(Arc::new(Mutex::new(Sink::default())));
+        let log = Self { file, path: Arc::default(), screen: Screen::default() };
+        let file = tracing_subscriber::fmt::layer()
+            .json()
+            .with_ansi(false)
+            .with_span_events(FmtSpan::CLOSE)
+            .with_writer(log.file.clone())
+            // What cannot be written is reported at the end, and not for each event.
+            .log_internal_errors(false)
+            // What a run says is part of its results.
+            .with_filter(wanted(LevelFilter::INFO).or(LevelFilter::INFO));
+        let screen = tracing_subscriber::fmt::layer()
+            .with_ansi(colour::on(&io::stderr()))
+            .with_writer(log.screen.clone())
+            .without_time()
+            .log_internal_errors(false)
+            .with_target(false)
+            .with_filter(level.map_or_else(|| wanted(LevelFilter::WARN), Level::filter));
+        // A second call in one process, as in tests, keeps the first set-up.
+        let _ = tracing_subscriber::registry().with(file).with(screen).try_init();
+        if let Some(reason) = ignored() {
+            tracing::warn!("{reason}");
+        }
+        log
+    }
+
+    /// Sends everything, also what was logged before, to this file, which messages name like this.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write_to(&self, mut file: File, shown: PathBuf) -> io::Result<()> {
+        let mut sink = self.file.sink();
+        if let Sink::Memory(kept) = &*sink {
+            file.write_all(kept)?;
+        }
+        let bytes = file.metadata()?.len();
+        *sink = Sink::File { file, bytes };
+        *self.path.lock().unwrap_or_else(PoisonError::into_inner) = Some(shown);
+        Ok(())
+    }
+
+    /// The file in which there is more to read, as messages name it.
+    #[must_use]
+    pub fn path(&self) -> Option<PathBuf> {
+        self.path.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// What has kept something from being written into the file, if anything has.
+    #[must_use]
+    pub fn failure(&self) -> Option<io::Error> {
+        match &mut *self.file.sink() {
+            Sink::Failed(error) => error.take(),
+            Sink::Memory(_) | Sink::File { .. } => None,
+        }
+    }
+
+    /// Lets go of the file; what is logged from now on is kept for the next.
+    pub fn release(&self) {
+        *self.file.sink() = Sink::default();
+        *self.path.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// From now on the bar steps aside for what is written to the screen.
+    pub fn share_screen(&self, bar: Option<&ProgressBar>) {
+        *self.screen.0.lock().unwrap_or_else(PoisonError::into_inner) = bar.cloned();
+    }
+}
+
+/// Where `log.jsonl` goes: memory first, the file once there is one.
+#[derive(Clone, Debug)]
+struct LogFile(Arc<Mutex<Sink>>);
+
+#[derive(Debug)]
+enum Sink {
+    Memory(Vec<u8>),
+    File {
+        file: File,
+        /// Its length.
+        bytes: u64,
+    },
+    /// Nothing more is written.
+    Failed(Option<io::Error>),
+}
+
+impl Default for Sink {
+    fn default() -> Self {
+        Self::Memory(Vec::new())
+    }
+}
+
+impl Sink {
+    /// Writes an event; a file ends with the last that is there as a whole.
+    fn write(&mut self, event: &[u8]) {
+        match self {
+            Self::Memory(kept) => kept.extend_from_slice(event),
+            Self::File { file, bytes } => match file.write_all(event) {
+                Ok(()) => *bytes += event.len() as u64,
+                Err(error) => {
+                    let _ = file.set_len(*bytes);
+                    *self = Self::Failed(Some(error));
+                }
+            },
+            Self::Failed(_) => {}
+        }
+    }
+}
+
+impl LogFile {
+    fn sink(&self) -> MutexGuard<'_, Sink> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Write for LogFile {
+    fn write(&mut self, event: &[u8]) -> io::Result<usize> {
+        self.sink().write(event);
+        Ok(event.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl<'a> MakeWriter<'a> for LogFile {
+    type Writer = Self;
+
+    fn make_writer(&'a self) -> Self {
+        self.clone()
+    }
+}
+
+/// Standard error, with or without a bar in its last line.
+#[derive(Clone, Debug, Default)]
+struct Screen(Arc<Mutex<Option<ProgressBar>>>);
+
+impl Write for Screen {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let bar = self.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        match bar {
+            Some(bar) => bar.suspend(|| io::stderr().write(bytes)),
+            None => io::stderr().write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        io::stderr().flush()
+    }
+}
+
+impl<'a> MakeWriter<'a> for Screen {
+    type Writer = Self;
+
+    fn make_writer(&'a self) -> Self {
+        self.clone()
+    }
+}
+
+/// Writes the warnings of a plan to the log, before anything of it runs.
+pub fn log_warnings(warnings: &[Warning]) {
+    for warning in warnings {
+        tracing::warn!("{warning}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_goes_into_the_file_and_a_full_one_is_reported() {
+        let log = Logging {
+            file: LogFile(Arc::new(Mutex::new(Sink::default()))),
+            path: Arc::default(),
+            screen: Screen::default(),
+        };
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("log");
+        log.file.clone().write_all(b"before\n").unwrap();
+        log.write_to(File::create(&path).unwrap(), path.clone()).unwrap();
+        assert_eq!(log.path(), Some(path.clone()));
+        log.file.clone().write_all(b"after\n").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"before\nafter\n");
+        assert!(log.failure().is_none());
+        log.release();
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        log.write_to(full, PathBuf::from("/dev/full")).unwrap();
+        for _ in 0..2 {
+            log.file.clone().write_all(b"lost\n").unwrap();
+        }
+        assert_eq!(log.failure().unwrap().raw_os_error(), Some(28));
+        assert!(log.failure().is_none(), "it is reported once");
+    }
+}

@@ -1,0 +1,120 @@
+//! Lines of equal value through the middles of cells, by marching squares.
+//!
+//! Lorensen and Cline 1987, in two dimensions: between two neighbours of which one is above the level
+//! and one is not, the line crosses where linear interpolation has the level. A square whose corners
+//! alternate is cut so that the corners above the level are apart. Squares with a corner that is not
+//! finite have no line.
+
+use std::collections::HashMap;
+
+/// A line through places; the first and the last are the same where it is closed.
+pub type Polyline = Vec<[f64; 2]>;
+
+/// A side between two neighbouring cells, by their indices.
+type Side = (usize, usize);
+
+/// The lines at a level over cells in rows of `columns`; places count cells, (0, 0) is the middle of the
+/// first one.
+#[must_use]
+pub fn contours(values: &[f64], columns: usize, level: f64) -> Vec<Polyline> {
+    let rows = values.len() / columns;
+    let mut pieces = Vec::new();
+    for j in 1..rows {
+        for i in 1..columns {
+            let below = (j - 1) * columns + i - 1;
+            let square = [below, below + 1, below + columns + 1, below + columns];
+            if square.iter().all(|&cell| values[cell].is_finite()) {
+                pieces.extend(cut(square, square.map(|cell| values[cell] > level)));
+            }
+        }
+    }
+    let cross = |(a, b): Side| {
+        let part = (level - values[a]) / (values[b] - values[a]);
+        let [x, y] = [a % columns, a / columns].map(|n| n as f64);
+        if b - a == 1 { [x + part, y] } else { [x, y + part] }
+    };
+    let joined = join(&pieces).into_iter();
+    joined.map(|line| line.into_iter().map(cross).collect()).collect()
+}
+
+/// The pieces of line through a square, counted from its lower left corner against the clock.
+fn cut(square: [usize; 4], above: [bool; 4]) -> impl Iterator<Item = [Side; 2]> {
+    let side = move |n: usize| {
+        let (a, b) = (square[n % 4], square[(n + 1) % 4]);
+        (a.min(b), a.max(b))
+    };
+    // Round each corner that is above and whose neighbour before it is not, to the end of its group.
+    let begins = (0..4).filter(move |&n| above[n] && !above[(n + 3) % 4]);
+    begins.map(move |n| {
+        let end = (n..n + 4).find(|m| !above[(m + 1) % 4]).unwrap_or(n);
+        [side(n + 3), side(end)]
+    })
+}
+
+/// Pieces with common ends as lines.
+fn join(pieces: &[[Side; 2]]) -> Vec<Vec<Side>> {
+    let mut at: HashMap<Side, Vec<usize>> = HashMap::new();
+    for (n, piece) in pieces.iter().enumerate() {
+        piece.iter().for_each(|side| at.entry(*side).or_default().push(n));
+    }
+    let mut used = vec![false; pieces.len()];
+    let mut lines = Vec::new();
+    // Open lines from one of their ends, closed ones from anywhere.
+    let is_end = |n: &usize| pieces[*n].iter().any(|side| at[side].len() == 1);
+    let ends = (0..pieces.len()).filter(is_end).collect::<Vec<_>>();
+    for first in ends.into_iter().chain(0..pieces.len()) {
+        if used[first] {
+            continue;
+        }
+        let [a, b] = pieces[first];
+        let (start, mut end) = if at[&b].len() == 1 { (b, a) } else { (a, b) };
+        used[first] = true;
+        let mut line = vec![start, end];
+        while let Some(&next) = at[&end].iter().find(|&&n| !used[n]) {
+            used[next] = true;
+            let [a, b] = pieces[next];
+            end = if a == end { b } else { a };
+            line.push(end);
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(columns: usize, rows: usize, of: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+        let value = |n: usize| of((n % columns) as f64, (n / columns) as f64);
+        (0..columns * rows).map(value).collect()
+    }
+
+    #[test]
+    fn a_slope_has_a_straight_line() {
+        let lines = contours(&field(5, 4, |x, _| x), 5, 1.25);
+        assert_eq!(lines.len(), 1, "{lines:?}");
+        assert!(lines[0].iter().all(|[x, _]| (x - 1.25).abs() < 1e-12));
+        let ends = [lines[0][0][1], lines[0][3][1]];
+        assert!(ends == [0.0, 3.0] || ends == [3.0, 0.0], "{ends:?}");
+    }
+
+    #[test]
+    fn a_cone_has_a_closed_circle() {
+        let lines = contours(&field(41, 41, |x, y| (x - 20.0).hypot(y - 20.0)), 41, 12.5);
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0].first(), lines[0].last());
+        for [x, y] in &lines[0] {
+            // Linear interpolation of a cone: 1/(8 r) of a cell.
+            assert!(((x - 20.0).hypot(y - 20.0) - 12.5).abs() < 0.011, "{x} {y}");
+        }
+    }
+
+    #[test]
+    fn corners_above_the_level_stay_apart_and_blank_cells_have_none() {
+        let saddle = [1.0, 0.0, 0.0, 1.0];
+        assert_eq!(contours(&saddle, 2, 0.5).len(), 2);
+        assert!(contours(&[1.0, 0.0, f64::NAN, 1.0], 2, 0.5).is_empty());
+        assert!(contours(&[1.0; 9], 3, 0.5).is_empty());
+    }
+}

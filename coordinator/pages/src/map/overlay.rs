@@ -1,0 +1,158 @@
+//! What lies over the colours of a map: lines of equal value, edges, arrows, the place of the largest value.
+
+use super::contour::Polyline;
+use crate::axis::Axis;
+use std::fmt::Write as _;
+
+/// Arrows along the longer side of a map at most.
+const ARROWS: usize = 17;
+/// Shortest arrow that is drawn, in units of the paper.
+const SHORTEST: f64 = 2.0;
+/// Number of kinds of edges that are told apart.
+const EDGES: usize = 2;
+
+/// A line that maps of one surface have in common.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edge {
+    /// What it is.
+    pub name: String,
+    /// Its lines, in the units of the map's axes.
+    pub lines: Vec<Polyline>,
+}
+
+/// Vectors at the middles of cells, row by row from below.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arrows {
+    /// Components to the right.
+    pub x: Vec<f64>,
+    /// Components upward.
+    pub y: Vec<f64>,
+}
+
+/// Class of the n-th edge.
+pub(super) fn edge_class(n: usize) -> String {
+    format!("edge{}", n % EDGES)
+}
+
+/// Lines of the paper as the data of a path; what is outside the axes is left out.
+pub(super) fn path(lines: &[Polyline], x: &Axis, y: &Axis) -> String {
+    let mut path = String::new();
+    for line in lines {
+        let mut pen = 'M';
+        for place in line {
+            match within(x, place[0]).zip(within(y, place[1])) {
+                Some((x, y)) => {
+                    let _ = write!(path, "{pen}{x:.1} {y:.1}");
+                    pen = 'L';
+                }
+                None => pen = 'M',
+            }
+        }
+    }
+    path
+}
+
+/// The place on the paper of a value that lies within the axis.
+fn within(axis: &Axis, value: f64) -> Option<f64> {
+    let [low, high] = axis.range;
+    (low <= value && value <= high).then(|| axis.place(value)).flatten()
+}
+
+/// Edges, each light on dark, so that they are seen on every colour.
+pub(super) fn edges(all: &[Edge], x: &Axis, y: &Axis) -> String {
+    let mut svg = String::new();
+    for (n, edge) in all.iter().enumerate() {
+        let path = path(&edge.lines, x, y);
+        if !path.is_empty() {
+            let class = edge_class(n);
+            let _ = writeln!(svg, "<path class=\"casing\" d=\"{path}\"/>");
+            let _ = writeln!(svg, "<path class=\"edge {class}\" d=\"{path}\"/>");
+        }
+    }
+    svg
+}
+
+/// Arrows, one for each block of cells, half of it on either side of the block's middle; the longest is
+/// as long as the blocks are apart.
+pub(super) fn arrows(of: &Arrows, columns: usize, x: &Axis, y: &Axis) -> String {
+    let rows = of.x.len() / columns;
+    let every = columns.max(rows).div_ceil(ARROWS);
+    let cell =
+        [(x.paper[1] - x.paper[0]) / columns as f64, (y.paper[1] - y.paper[0]) / rows as f64];
+    let middles = |count: usize| {
+        let first = (count - 1) % every / 2;
+        (first..count).step_by(every)
+    };
+    let places = || middles(rows).flat_map(|j| middles(columns).map(move |i| (i, j)));
+    let vector = |(i, j): (usize, usize)| [of.x[j * columns + i], of.y[j * columns + i]];
+    let length = |[u, v]: [f64; 2]| u.hypot(v);
+    let longest = places().map(vector).map(length).filter(|l| l.is_finite()).fold(0.0, f64::max);
+    let scale = every as f64 * cell[0].abs().min(cell[1].abs()) / longest;
+    let mut path = String::new();
+    for place in places() {
+        let [u, v] = vector(place).map(|value| value * scale);
+        let size = length([u, v]);
+        if !size.is_finite() || size < SHORTEST {
+            continue;
+        }
+        let middle = [
+            x.paper[0] + (place.0 as f64 + 0.5) * cell[0],
+            y.paper[0] + (place.1 as f64 + 0.5) * cell[1],
+        ];
+        // Upward is to smaller numbers on the paper.
+        let along = [u / size, -v / size];
+        let end = |side: f64| [0, 1].map(|n| middle[n] + 0.5 * side * size * along[n]);
+        let (from, to) = (end(-1.0), end(1.0));
+        let barb = |side: f64| {
+            let head = 4.5f64.min(0.5 * size);
+            let back = [along[0] + 0.6 * side * along[1], along[1] - 0.6 * side * along[0]];
+            [to[0] - head * back[0], to[1] - head * back[1]]
+        };
+        let ([a, b], [x0, y0], [x1, y1]) = ([barb(1.0), barb(-1.0)], from, to);
+        let _ = write!(
+            path,
+            "M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}M{:.1} {:.1}L{x1:.1} {y1:.1}L{:.1} {:.1}",
+            a[0], a[1], b[0], b[1]
+        );
+    }
+    match path.as_str() {
+        "" => String::new(),
+        path => {
+            format!("<path class=\"casing\" d=\"{path}\"/>\n<path class=\"arrow\" d=\"{path}\"/>\n")
+        }
+    }
+}
+
+/// A cross.
+pub(super) fn peak([x, y]: [f64; 2]) -> String {
+    let [left, right, top, bottom] = [x - 5.0, x + 5.0, y - 5.0, y + 5.0];
+    let path = format!(
+        "M{left:.1} {top:.1}L{right:.1} {bottom:.1}M{left:.1} {bottom:.1}L{right:.1} {top:.1}"
+    );
+    format!("<path class=\"casing\" d=\"{path}\"/>\n<path class=\"peak\" d=\"{path}\"/>\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(paper: [f64; 2]) -> Axis {
+        Axis { range: [0.0, 2.0], decades: false, whole: false, paper }
+    }
+
+    #[test]
+    fn an_arrow_points_where_its_vector_does() {
+        let one = Arrows { x: vec![0.0], y: vec![3.0] };
+        let svg = arrows(&one, 1, &axis([0.0, 40.0]), &axis([40.0, 0.0]));
+        assert!(svg.contains("d=\"M20.0 40.0L20.0 0.0"), "upward: {svg}");
+        let still = Arrows { x: vec![0.0], y: vec![0.0] };
+        assert_eq!(arrows(&still, 1, &axis([0.0, 40.0]), &axis([40.0, 0.0])), "");
+    }
+
+    #[test]
+    fn what_is_outside_is_left_out() {
+        let line = vec![[-1.0, 1.0], [0.0, 1.0], [2.0, 1.0], [3.0, 1.0], [1.0, 1.0]];
+        let path = path(&[line], &axis([0.0, 20.0]), &axis([20.0, 0.0]));
+        assert_eq!(path, "M0.0 10.0L20.0 10.0M10.0 10.0");
+    }
+}

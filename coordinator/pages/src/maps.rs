@@ -1,0 +1,440 @@
+//! The fields of the newest instant of a run as maps, with the edges of the contact on those of a surface; those of a single row of
+//! elements, a line of contact, as lines along it.
+
+use super::axis::extent;
+use super::canvas::Drawing;
+use super::map::{Arrows, Edge, Heatmap, Polyline, contours};
+use super::places::{AXES, is_surface, label};
+use super::plot::Figure;
+use super::source::{Field, GridSeries, Image, Results};
+use contract::field::{EDGES, QUOTIENTS, Quotient};
+use run::format::{Scale, number, sentence, words};
+
+/// Values below this part of the largest are rounding.
+const ROUNDING: f64 = 1e-14;
+/// A field differs from zero from this part of its largest value on: more than the residual of a solve,
+/// and reached within the first element.
+const EDGE: f64 = 1e-3;
+
+/// A component of less than this share of the largest is what an iteration leaves of zero, and not drawn.
+/// So is a negative value beside positive ones.
+const NOTHING: f64 = 1e-5;
+/// Most passes of a mean over neighbours that turn the steps of an edge between elements into a curve, and
+/// the points for each: a line round few elements would shrink.
+const PASSES: usize = 6;
+const POINTS_A_PASS: usize = 8;
+
+/// A field, drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Drawn {
+    /// Over a surface or a section.
+    Map(Heatmap),
+    /// Along a single row of elements.
+    Line(Figure),
+}
+
+impl Drawn {
+    /// To put on a sheet.
+    #[must_use]
+    pub(super) fn drawing(&self) -> Drawing<'_> {
+        match self {
+            Self::Map(map) => map.drawing(),
+            Self::Line(line) => line.drawing(),
+        }
+    }
+}
+
+/// Every field of every grid, in the order of their files: the mechanical ones first.
+#[must_use]
+pub fn all(results: &Results) -> Vec<Drawn> {
+    named(results).into_iter().map(|(_, map)| map).collect()
+}
+
+/// The same, each with the name of its field.
+#[must_use]
+pub fn named(results: &Results) -> Vec<(String, Drawn)> {
+    let edges = edges(results);
+    let mut maps = Vec::new();
+    for series in &results.series {
+        let Some(image) = &series.image else { continue };
+        let edges = if is_surface(series) { edges.as_slice() } else { &[] };
+        let made: Vec<Field> = QUOTIENTS.iter().filter_map(|one| quotient(image, one)).collect();
+        let drawn = |field: &Field| {
+            let drawn = map(image, field, edges).map(Drawn::Map);
+            Some((field.name.clone(), drawn.or_else(|| row(image, field).map(Drawn::Line))?))
+        };
+        maps.extend(image.fields.iter().chain(&made).filter_map(drawn));
+    }
+    maps
+}
+
+/// Names of the fields that are zero everywhere, which have no map.
+#[must_use]
+pub fn zero(results: &Results) -> Vec<&str> {
+    let images = results.series.iter().filter_map(|series| series.image.as_ref());
+    let fields = images.flat_map(|image| &image.fields);
+    let zero = fields.filter(|field| field.values.iter().all(|value| *value == 0.0));
+    zero.map(|field| field.name.as_str()).collect()
+}
+
+/// A field that is made of two; `None` where one of them is absent.
+fn quotient(image: &Image, made: &Quotient) -> Option<Field> {
+    let [of, over] = [made.of, made.over].map(|spec| image.field(spec.name));
+    let over = &over?.values;
+    let ratio = |(of, over): (f64, &f64)| if *over == 0.0 { 0.0 } else { of / over };
+    let mut values: Vec<f64> = of?.magnitudes().into_iter().zip(over).map(ratio).collect();
+    blank_cut(&mut values, over, image.cells[image.plane()?[0]]);
+    Some(Field {
+        name: made.name.to_owned(),
+        unit: made.unit.to_owned(),
+        meaning: made.meaning.to_owned(),
+        components: 1,
+        values,
+    })
+}
+
+/// Blanks quotients of elements that the edge of contact cuts. Both fields are means over such an element,
+/// of which only a part is in contact, and their quotient may be larger than any inside.
+fn blank_cut(ratios: &mut [f64], over: &[f64], columns: usize) {
+    let rows = over.len() / columns;
+    let inside = |at: usize| {
+        let (i, j) = (at % columns, at / columns);
+        let whole = (i == 0 || over[at - 1] != 0.0)
+            && (i + 1 == columns || over[at + 1] != 0.0)
+            && (j == 0 || over[at - columns] != 0.0)
+            && (j + 1 == rows || over[at + columns] != 0.0);
+        over[at] != 0.0 && whole
+    };
+    let inner = (0..over.len()).filter(|at| inside(*at)).map(|at| ratios[at]).fold(0.0, f64::max);
+    if inner > 0.0 {
+        let limit = inner * (1.0 + NOTHING);
+        ratios.iter_mut().filter(|ratio| **ratio > limit).for_each(|ratio| *ratio = 0.0);
+    }
+}
+
+/// The edges of the contact, in metres; none on a field that has not been written out.
+fn edges(results: &Results) -> Vec<Edge> {
+    let surfaces = results.series.iter().filter(|series| is_surface(series));
+    let images: Vec<&Image> = surfaces.filter_map(|series| series.image.as_ref()).collect();
+    let find = |name: &str| {
+        let mut found = images.iter().filter_map(|image| Some((*image, image.field(name)?)));
+        found.next().map(|(image, field)| (image, differs(field)))
+    };
+    let found = EDGES.iter().filter_map(|edge| {
+        let (image, mut inside) = find(edge.field.name)?;
+        let mut outside = 0.0;
+        if let Some(within) = edge.within {
+            let (other, differs) = find(within.name)?;
+            if other.cells != image.cells {
+                return None;
+            }
+            outside = f64::NAN;
+            let masked = inside.iter_mut().zip(differs).filter(|(_, other)| *other == 0.0);
+            masked.for_each(|(value, _)| *value = outside);
+        }
+        let lines = edge_of(image, &inside, outside);
+        (!lines.is_empty()).then(|| Edge { name: edge.words.to_owned(), lines })
+    });
+    found.collect()
+}
+
+/// 1 in every cell whose value differs from zero, 0 in the others.
+fn differs(field: &Field) -> Vec<f64> {
+    let values = field.magnitudes();
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    values.iter().map(|value| f64::from(u8::from(*value > EDGE * largest))).collect()
+}
+
+/// The lines between cells with 0 and with 1 \[m\]; `outside` is what cells beyond the grid have.
+fn edge_of(image: &Image, inside: &[f64], outside: f64) -> Vec<Polyline> {
+    let [columns, rows] = [image.cells[0], image.cells[1]];
+    let wide = columns + 2;
+    let mut framed = vec![outside; wide * (rows + 2)];
+    for (n, value) in inside.iter().enumerate() {
+        framed[(n / columns + 1) * wide + n % columns + 1] = *value;
+    }
+    let place = |[i, j]: [f64; 2]| {
+        [0, 1].map(|axis| image.corner[axis] + ([i, j][axis] - 0.5) * image.spacing[axis])
+    };
+    let lines = contours(&framed, wide, 0.5).into_iter();
+    lines.map(|line| smoothed(line.into_iter().map(place).collect())).collect()
+}
+
+/// A line between elements without its steps: each point becomes a mean of itself and its neighbours. It
+/// moves by less than an element. The ends of an open line stay.
+fn smoothed(mut line: Polyline) -> Polyline {
+    let count = line.len();
+    let closed = count > 2 && line.first() == line.last();
+    for _ in 0..PASSES.min(count / POINTS_A_PASS) {
+        let mean = |n: usize| {
+            let (before, after) = match n {
+                0 if closed => (count - 2, 1),
+                n if n + 1 == count && closed => (n - 1, 1),
+                0 => (0, 0),
+                n if n + 1 == count => (n, n),
+                n => (n - 1, n + 1),
+            };
+            [0, 1].map(|k| 0.25 * line[before][k] + 0.5 * line[n][k] + 0.25 * line[after][k])
+        };
+        line = (0..count).map(mean).collect();
+    }
+    line
+}
+
+/// A field as a map; `None` where cells do not lie in a plane, or all is zero.
+fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
+    let [horizontal, upright] = image.plane()?;
+    let mut values = field.magnitudes();
+    let [least, most] = extent(values.iter().copied()).unwrap_or_default();
+    let largest = least.abs().max(most.abs());
+    if largest == 0.0 || image.cells[upright] < 2 || image.cells[horizontal] < 2 {
+        return None;
+    }
+    let scale = Scale::of(&field.unit, largest);
+    // A field that is negative by rounding alone has no negative values.
+    let is_positive = -least <= NOTHING * most;
+    let is_zero = |value: &f64| value.abs() <= ROUNDING * largest;
+    let from_zero = values.iter().any(is_zero) || is_positive && least < 0.0;
+    let most = largest_at(image, field, &values, &scale);
+    for value in &mut values {
+        let shown = if is_positive { value.max(0.0) } else { *value };
+        *value = if is_zero(value) { f64::NAN } else { shown / scale.factor };
+    }
+    let lengths = [horizontal, upright].map(|axis| {
+        let borders = image.borders(axis);
+        Scale::of("m", borders[0].abs().max(borders[1].abs()))
+    });
+    let borders = |n: usize, axis: usize| image.borders(axis).map(|b| b / lengths[n].factor);
+    let scaled = |edge: &Edge| {
+        let place = |p: &[f64; 2]| [p[0] / lengths[0].factor, p[1] / lengths[1].factor];
+        let line = |line: &Polyline| line.iter().map(place).collect();
+        Edge { name: edge.name.clone(), lines: edge.lines.iter().map(line).collect() }
+    };
+    let length = if field.components > 1 { "Length of the vector: " } else { "" };
+    Some(Heatmap {
+        title: words(&field.name),
+        x_label: label(AXES[horizontal], &lengths[0].unit),
+        y_label: label(AXES[upright], &lengths[1].unit),
+        value_label: scale.unit,
+        x: borders(0, horizontal),
+        y: borders(1, upright),
+        columns: image.cells[horizontal],
+        values,
+        from_zero,
+        true_shape: upright == 1,
+        arrows: arrows(field).filter(|_| upright == 1),
+        edges: edges.iter().map(scaled).collect(),
+        note: format!("{}. {most}", sentence(&format!("{length}{}", field.meaning))),
+    })
+}
+
+/// The grid is a single row of elements.
+#[must_use]
+pub fn is_row(series: &GridSeries) -> bool {
+    series.image.as_ref().and_then(along_row).is_some()
+}
+
+/// The axis along a single row; `None` for any other grid.
+fn along_row(image: &Image) -> Option<usize> {
+    let plane = image.plane()?;
+    match plane.map(|axis| image.cells[axis]) {
+        [count, 1] if count > 1 => Some(plane[0]),
+        [1, count] if count > 1 => Some(plane[1]),
+        _ => None,
+    }
+}
+
+/// A field of a single row of elements as lines along it, one for each component that is not nothing; `None` for any other, or where all is zero.
+fn row(image: &Image, field: &Field) -> Option<Figure> {
+    let along = along_row(image)?;
+    let magnitudes = field.magnitudes();
+    let largest = magnitudes.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    if largest == 0.0 {
+        return None;
+    }
+    let scale = Scale::of(&field.unit, largest);
+    let borders = image.borders(along);
+    let length = Scale::of("m", borders[0].abs().max(borders[1].abs()));
+    let most = largest_at(image, field, &magnitudes, &scale);
+    let mut figure =
+        Figure::new(words(&field.name), label(AXES[along], &length.unit), label("", &scale.unit));
+    figure.note = format!("{}. {most}", sentence(&field.meaning));
+    for component in 0..field.components {
+        let values: Vec<f64> =
+            field.values.iter().skip(component).step_by(field.components).copied().collect();
+        if values.iter().all(|value| value.abs() <= NOTHING * largest) {
+            continue;
+        }
+        let point = |(at, value): (usize, &f64)| {
+            [image.middle(along, at) / length.factor, value / scale.factor]
+        };
+        let points = values.iter().enumerate().map(point).collect();
+        let name = AXES.get(component).filter(|_| field.components > 1);
+        let own = name.filter(|_| figure.lines.is_empty()).map(|axis| format!("along {axis}"));
+        figure.y_label = label(own.as_deref().unwrap_or_default(), &scale.unit);
+        figure = figure
+            .with(name.map_or_else(|| words(&field.name), |axis| format!("along {axis}")), points);
+    }
+    Some(figure)
+}
+
+/// The largest value and its place, as a sentence.
+fn largest_at(image: &Image, field: &Field, values: &[f64], scale: &Scale) -> String {
+    let (Some([_, most]), Some(plane)) = (extent(values.iter().copied()), image.plane()) else {
+        return String::new();
+    };
+    let columns = image.cells[plane[0]];
+    // Of those that are as large but for rounding the one nearest to the middle.
+    let off = |at: &usize| {
+        image.middle(plane[0], at % columns).hypot(image.middle(plane[1], at / columns))
+    };
+    let as_large = (0..values.len()).filter(|&at| values[at] >= most - 1e-9 * most.abs());
+    let Some(at) = as_large.min_by(|a, b| off(a).total_cmp(&off(b))) else { return String::new() };
+    let place = [0, 1].map(|n| {
+        let middle = image.middle(plane[n], [at % columns, at / columns][n]);
+        let borders = image.borders(plane[n]);
+        let length = Scale::of("m", borders[0].abs().max(borders[1].abs()));
+        // What is nought but for rounding is nought.
+        let middle = if middle.abs() < 1e-9 * image.spacing[plane[n]] { 0.0 } else { middle };
+        format!("{} {}", AXES[plane[n]], length.show(middle, 3))
+    });
+    let what = if field.components > 1 { "Longest" } else { "Largest" };
+    let unit = if scale.unit.is_empty() { "" } else { "\u{a0}" };
+    let most = number(most / scale.factor, 4);
+    format!("{what} {most}{unit}{} at {}.", scale.unit, place.join(", "))
+}
+
+/// The vectors of a field with two or three components.
+fn arrows(field: &Field) -> Option<Arrows> {
+    let component = |n: usize| field.values.iter().skip(n).step_by(field.components).copied();
+    (field.components > 1).then(|| Arrows { x: component(0).collect(), y: component(1).collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(values: Vec<f64>) -> (Image, Field) {
+        let field = Field {
+            name: "pressure".to_owned(),
+            unit: "Pa".to_owned(),
+            meaning: "normal pressure".to_owned(),
+            components: 1,
+            values,
+        };
+        let (corner, spacing) = ([-1e-3, -1e-3, 0.0], [1e-3; 3]);
+        (Image { corner, spacing, cells: [3, 2, 0], fields: vec![field.clone()] }, field)
+    }
+
+    /// A line of contact has lines along it: one for a scalar, one for each component of a vector that is something.
+    #[test]
+    fn a_single_row_is_drawn_as_lines() {
+        let (mut image, pressure) = image(vec![0.0, 5e6, 1e6]);
+        image.cells = [3, 1, 0];
+        assert!(map(&image, &pressure, &[]).is_none());
+        let figure = row(&image, &pressure).unwrap();
+        assert_eq!(figure.lines.len(), 1);
+        let values: Vec<f64> = figure.lines[0].points.iter().map(|point| point[1]).collect();
+        assert_eq!(values, [0.0, 5.0, 1.0]);
+        assert!((figure.lines[0].points[1][0] - 0.5).abs() < 1e-12);
+        assert_eq!([figure.x_label.as_str(), figure.y_label.as_str()], ["x [mm]", "MPa"]);
+        let values = vec![1e6, 0.0, -2e6, 1e-3, 0.0, 0.0];
+        let traction = Field { components: 2, values, ..pressure };
+        let figure = row(&image, &traction).unwrap();
+        let names: Vec<&str> = figure.lines.iter().map(|line| line.name.as_str()).collect();
+        assert_eq!((names, figure.y_label.as_str()), (vec!["along x"], "along x [MPa]"));
+        image.cells = [3, 2, 0];
+        assert!(row(&image, &traction).is_none());
+    }
+
+    /// A rise of −9.7e-5 K beside one of 72 K is rounding: colours begin at zero. A field that is
+    /// negative keeps its sign.
+    #[test]
+    fn rounding_is_zero() {
+        let (image, field) = image(vec![0.0; 6]);
+        let field = Field {
+            unit: "K".to_owned(),
+            values: vec![-9.7e-5, 72.0, 1.0, 2.0, 3.0, 4.0],
+            ..field
+        };
+        let drawn = map(&image, &field, &[]).unwrap();
+        assert!(drawn.from_zero);
+        assert_eq!(drawn.values[..3], [0.0, 72.0, 1.0]);
+        let field = Field { values: vec![-1.0, 72.0, 1.0, 2.0, 3.0, 4.0], ..field };
+        let drawn = map(&image, &field, &[]).unwrap();
+        assert!(!drawn.from_zero && drawn.values[0] == -1.0);
+    }
+
+    /// An element of which only a part is in contact may have more traction over pressure than any that
+    /// is inside: it is blank.
+    #[test]
+    fn elements_that_the_edge_cuts_have_no_quotient() {
+        let over = [0.0, 1.0, 1.0, 1.0, 0.0].repeat(3);
+        let mut ratios = vec![0.0; 15];
+        ratios[5..10].copy_from_slice(&[0.0, 0.87, 0.3, 0.25, 0.0]);
+        blank_cut(&mut ratios, &over, 5);
+        assert_eq!(ratios[5..10], [0.0, 0.0, 0.3, 0.25, 0.0]);
+    }
+
+    /// The edge of a disc of elements is a circle to a tenth of an element, without steps.
+    #[test]
+    fn an_edge_has_no_steps() {
+        let count = 41;
+        let spacing = [1.0; 3];
+        let image = Image {
+            corner: [-20.5, -20.5, 0.0],
+            spacing,
+            cells: [count, count, 0],
+            fields: vec![],
+        };
+        let inside = |n: usize| {
+            let [x, y] = [n % count, n / count].map(|k| k as f64 - 20.0);
+            f64::from(u8::from(x.hypot(y) < 15.0))
+        };
+        let inside: Vec<f64> = (0..count * count).map(inside).collect();
+        let lines = edge_of(&image, &inside, 0.0);
+        assert_eq!(lines.len(), 1);
+        let radii = || lines[0].iter().map(|[x, y]| x.hypot(*y));
+        let (least, most) = (radii().fold(f64::MAX, f64::min), radii().fold(0.0, f64::max));
+        assert!(most - least < 0.6 && (0.5 * (most + least) - 15.0).abs() < 0.3, "{least} {most}");
+    }
+
+    #[test]
+    fn an_edge_goes_round_what_differs_from_zero() {
+        let (image, field) = image(vec![0.0, 5e6, 0.0, 0.0, 1e3, 0.0]);
+        let lines = edge_of(&image, &differs(&field), 0.0);
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0].first(), lines[0].last());
+        // Round the lower cell of the middle column; 1 kPa beside 5 MPa is nothing.
+        let reach = |axis: usize| lines[0].iter().map(move |p| p[axis]).fold(f64::MIN, f64::max);
+        assert!((reach(0) - 1e-3).abs() < 1e-15 && reach(1).abs() < 1e-15, "{lines:?}");
+    }
+
+    #[test]
+    fn traction_over_pressure_is_nothing_beside_the_contact() {
+        let (mut image, pressure) = image(vec![0.0, 5e6, 0.0, 0.0, 1e6, 0.0]);
+        let [of] = QUOTIENTS else { panic!("{QUOTIENTS:?}") };
+        assert!(quotient(&image, of).is_none());
+        let mut values = vec![0.0; 12];
+        [values[2], values[3], values[9]] = [-3e6, 4e6, 2e5];
+        image.fields.push(Field { name: of.of.name.to_owned(), components: 2, values, ..pressure });
+        let made = quotient(&image, of).unwrap();
+        assert_eq!(made.values, [0.0, 1.0, 0.0, 0.0, 0.2, 0.0]);
+    }
+
+    #[test]
+    fn the_largest_value_is_told_with_its_place() {
+        let (image, field) = image(vec![0.0, 5e6, 0.0, 0.0, 1e3, 2e6]);
+        let map = map(&image, &field, &[]).unwrap();
+        assert!(
+            map.note.ends_with("Largest 5.000\u{a0}MPa at x 0.500\u{a0}mm, y −500\u{a0}µm."),
+            "{}",
+            map.note
+        );
+        // Two millimetres are seen in millimetres, one in micrometres.
+        let near = |a: [f64; 2], b: [f64; 2]| (0..2).all(|n| (a[n] - b[n]).abs() < 1e-9);
+        assert!(near(map.x, [-1.0, 2.0]) && near(map.y, [-1000.0, 1000.0]), "{:?}", map.y);
+        assert_eq!([map.x_label.as_str(), map.y_label.as_str()], ["x [mm]", "y [µm]"]);
+        assert!(map.from_zero && map.true_shape && map.arrows.is_none());
+    }
+}

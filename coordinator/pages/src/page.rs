@@ -1,0 +1,228 @@
+//! The page: head, style and sections, as HTML that is also well-formed XML.
+
+use super::bars::Bars;
+use super::canvas::figure;
+use super::html::{PLOT_STYLE, escape};
+use super::lanes::Lanes;
+use super::map::Heatmap;
+use super::plot::Figure;
+use super::table::Table;
+use std::fmt::{Display, Formatter, Result};
+
+/// Fonts, grid and everything else of the page.
+const STYLE: &str = include_str!("style.css");
+/// What reads values from drawings; the page says all that it has to say without it.
+const SCRIPT: &str = include_str!("page.js");
+
+/// What a browser may load for the page: what is in it.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:";
+
+/// One figure of the head of the page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Headline {
+    /// What it is.
+    pub name: String,
+    /// Number and unit.
+    pub value: String,
+    /// Something smaller below it.
+    pub more: String,
+}
+
+/// A part of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// A paragraph.
+    Text(String),
+    /// Figures side by side, large.
+    Headlines(Vec<Headline>),
+    /// Lines.
+    Figure(Figure),
+    /// Colours over a plane.
+    Heatmap(Heatmap),
+    /// Work along time.
+    Lanes(Lanes),
+    /// A value for each of some names.
+    Bars(Bars),
+    /// A table.
+    Table(Table),
+    /// A small table among the drawings, under a title.
+    Card(String, Table),
+    /// Effects that are on, each with its reason and law.
+    Effects(Vec<(String, String)>),
+    /// Text as it is, under a title.
+    Verbatim(String, String),
+    /// A table that is folded away under a title.
+    Folded(String, Table),
+}
+
+impl Block {
+    /// Drawings stand side by side where there is room.
+    fn is_drawing(&self) -> bool {
+        matches!(
+            self,
+            Self::Figure(_) | Self::Heatmap(_) | Self::Lanes(_) | Self::Bars(_) | Self::Card(..)
+        )
+    }
+
+    fn html(&self) -> String {
+        match self {
+            Self::Text(text) => format!("<p>{}</p>\n", escape(text)),
+            Self::Headlines(all) => headlines(all),
+            Self::Figure(plot) => plot.html(),
+            Self::Heatmap(map) => map.html(),
+            Self::Lanes(lanes) => lanes.html(),
+            Self::Bars(bars) => bars.html(),
+            Self::Table(table) => table.html(),
+            Self::Card(title, table) => figure(title, &table.html(), ""),
+            Self::Effects(all) => effects(all),
+            Self::Verbatim(title, text) => {
+                format!("<h3>{}</h3>\n<pre tabindex=\"0\">{}</pre>\n", escape(title), escape(text))
+            }
+            Self::Folded(title, table) => format!(
+                "<details><summary>{}</summary>\n{}</details>\n",
+                escape(title),
+                table.html()
+            ),
+        }
+    }
+}
+
+fn headlines(all: &[Headline]) -> String {
+    let one = |h: &Headline| {
+        format!(
+            "<div><dt>{}</dt><dd>{}<small>{}</small></dd></div>\n",
+            escape(&h.name),
+            escape(&h.value),
+            escape(&h.more)
+        )
+    };
+    format!("<dl class=\"headlines\">\n{}</dl>\n", all.iter().map(one).collect::<String>())
+}
+
+fn effects(all: &[(String, String)]) -> String {
+    let one = |(name, what): &(String, String)| {
+        format!(
+            "<li><b>on</b> <span>{}</span> <small>{}</small></li>\n",
+            escape(name),
+            escape(what)
+        )
+    };
+    format!("<ul class=\"effects\">\n{}</ul>\n", all.iter().map(one).collect::<String>())
+}
+
+/// A heading and what belongs under it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// The heading.
+    pub title: String,
+    /// What is under it.
+    pub blocks: Vec<Block>,
+}
+
+impl Section {
+    /// A section; `None` if there is nothing in it.
+    #[must_use]
+    pub fn of(title: &str, blocks: Vec<Block>) -> Option<Self> {
+        (!blocks.is_empty()).then(|| Self { title: title.to_owned(), blocks })
+    }
+
+    /// The section as HTML, drawings next to each other in a grid.
+    fn html(&self) -> String {
+        let mut out = format!("<section>\n<h2>{}</h2>\n", escape(&self.title));
+        for group in self.blocks.chunk_by(|a, b| a.is_drawing() == b.is_drawing()) {
+            let inner: String = group.iter().map(Block::html).collect();
+            match group[0].is_drawing() {
+                true => {
+                    let all_maps = group.iter().all(|block| matches!(block, Block::Heatmap(_)));
+                    let class = if all_maps { "plots maps" } else { "plots" };
+                    out += &format!("<div class=\"{class}\">\n{inner}</div>\n");
+                }
+                false => out += &inner,
+            }
+        }
+        out + "</section>\n"
+    }
+}
+
+/// How a run has gone, as the page shows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mood {
+    /// It has come to its end.
+    Good,
+    /// It has failed.
+    Bad,
+    /// There is no end to be seen.
+    Open,
+}
+
+/// The whole page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    /// Name of the case.
+    pub name: String,
+    /// What the case is about.
+    pub title: String,
+    /// The status in a word.
+    pub status: String,
+    /// How it has gone.
+    pub mood: Mood,
+    /// Why the status is what it is.
+    pub reason: String,
+    /// What there is to read.
+    pub sections: Vec<Section>,
+}
+
+impl Display for Page {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let mood = match self.mood {
+            Mood::Good => "good",
+            Mood::Bad => "bad",
+            Mood::Open => "open",
+        };
+        let [name, title, status, reason] =
+            [&self.name, &self.title, &self.status, &self.reason].map(|text| escape(text));
+        let reason = quoted(&reason);
+        writeln!(f, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>")?;
+        writeln!(f, "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>")?;
+        writeln!(f, "<meta name=\"color-scheme\" content=\"light dark\"/>")?;
+        // Whatever the page is made to say, it asks nobody for anything.
+        writeln!(f, "<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"/>")?;
+        // An icon of its own keeps a browser from asking for one.
+        writeln!(f, "<link rel=\"icon\" href=\"data:,\"/>")?;
+        writeln!(
+            f,
+            "<title>{name} · {status}</title>\n<style>\n{PLOT_STYLE}{STYLE}</style>\n</head>\n<body>"
+        )?;
+        writeln!(f, "<main>\n<header>\n<h1>{name}</h1>\n<p class=\"title\">{title}</p>")?;
+        writeln!(f, "<p class=\"status {mood}\"><b>{status}</b> {reason}</p>\n</header>")?;
+        for section in &self.sections {
+            f.write_str(&section.html())?;
+        }
+        // Marked so that the page stays well-formed XML, too.
+        writeln!(f, "</main>\n<script>//<![CDATA[\n{SCRIPT}//]]></script>\n</body>\n</html>")
+    }
+}
+
+/// What stands between two backticks is code.
+fn quoted(escaped: &str) -> String {
+    let mut parts = escaped.split('`');
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    while let Some(code) = parts.next() {
+        match parts.next() {
+            Some(after) => out += &format!("<code>{code}</code>{after}"),
+            None => out += &format!("`{code}"),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_is_marked_and_a_lone_backtick_stays() {
+        assert_eq!(quoted("`a` and `b` or `c"), "<code>a</code> and <code>b</code> or `c");
+        assert_eq!(quoted("none"), "none");
+    }
+}

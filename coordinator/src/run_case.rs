@@ -1,0 +1,304 @@
+//! `coordinator run`: a case is run and its results are written, or a run goes on from a checkpoint.
+
+use clap::Args;
+use console::case_arguments::CaseArguments;
+use console::command::{Command, Context, Group};
+use console::logging::{Logging, log_warnings};
+use console::output;
+use console::progress::Progress;
+use contract::text::json;
+use run::checkpoint::{Checkpoint, Checkpoints, Corrupt};
+use run::crew;
+use run::error::{RunError, file_failure};
+use run::perform::{self, Outcome, RunStart};
+use run::plan::{Planned, plan};
+use run::record::Compression;
+use run::results::place::RESULTS;
+use run::results::{Existing, ResultFolder, show};
+use run::warnings::{self, Warning};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::time::Instant;
+use studies::accuracy::{Decision, Search, Target};
+use studies::study::{Variant, expected_seconds};
+
+/// The options of `coordinator run`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct RunCommand {
+    /// The case file, or - for standard input.
+    #[arg(required_unless_present = "resume")]
+    case: Option<PathBuf>,
+    /// Change a key: dotted name and TOML value (a bare word is a text).
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Remove a key.
+    #[arg(long, value_name = "KEY")]
+    unset: Vec<String>,
+    /// Result directory [default: results/NAME, or NAME-2 and so on; the last one is results/latest].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace the results of an earlier run in DIR.
+    #[arg(long)]
+    replace: bool,
+    /// Record every exchange in DIR/recording.mcap, uncompressed or by zstd.
+    #[arg(long, value_name = "COMPRESSION", num_args = 0..=1, require_equals = true,
+          default_missing_value = "none", value_parser = compression)]
+    record: Option<Compression>,
+    /// Write DIR/report.html at the end, whatever the end is.
+    #[arg(long)]
+    report: bool,
+    /// Make errors of warnings: of the case before anything runs, of the answer at the end.
+    #[arg(long)]
+    strict: bool,
+    /// Print JSON at the end, as summary.json has it.
+    #[arg(long)]
+    json: bool,
+    /// Choose models and resolution, the cheapest expected to meet this error, and state the error.
+    #[arg(long, value_name = "ERROR", group = "stated", conflicts_with = "resume", value_parser = Target::read_error)]
+    accuracy: Option<f64>,
+    /// Run on grids twice and four times coarser too, and state what the three are extrapolated to, with the error.
+    #[arg(long, group = "stated", conflicts_with = "resume")]
+    extrapolate: bool,
+    /// The quantity whose error is stated, a dotted key of summary.json [default: that which participants rank first].
+    #[arg(long, value_name = "KEY", requires = "stated")]
+    quantity: Option<String>,
+    /// Go on with the run of this result directory from its last checkpoint.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out", "replace"])]
+    resume: Option<PathBuf>,
+}
+
+impl Command for RunCommand {
+    const NAME: &'static str = "run";
+    const GROUP: Group = Group::Run;
+    const ABOUT: &'static str = "Run a case and write its results";
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        if self.accuracy.is_some() || self.extrapolate {
+            return run_to(self, context);
+        }
+        let Some(folder) = &self.resume else {
+            let _participants = crew::start_early();
+            return run_case(&begin(self, context.log)?, self, context);
+        };
+        match resume(folder, context.log)? {
+            Some(begun) => run_case(&begun, self, context),
+            None => {
+                let shown = folder.display();
+                context.print(&format!("the run in {shown} has already finished\n"))
+            }
+        }
+    }
+}
+
+/// A run that has been planned and has its folder.
+struct Begun {
+    planned: Planned,
+    folder: ResultFolder,
+    plan_seconds: f64,
+    from: Option<Checkpoint>,
+}
+
+impl RunCommand {
+    fn case(&self) -> CaseArguments {
+        let case = self.case.clone().expect("required unless a run is resumed");
+        CaseArguments { case, set: self.set.clone(), unset: self.unset.clone() }
+    }
+
+    /// Where the run goes that has been planned: into the folder that the user names, or else into the
+    /// next of its name.
+    fn folder(&self, planned: &Planned, case: &Path) -> Result<ResultFolder, RunError> {
+        let (name, results) = (&planned.plan.name, Path::new(RESULTS));
+        match &self.out {
+            None if !self.replace => ResultFolder::next(results, name),
+            out => {
+                let path = out.clone().unwrap_or_else(|| results.join(name));
+                ResultFolder::prepare(&path, case, Existing::option(self.replace))
+            }
+        }
+    }
+}
+
+fn begin(run: &RunCommand, log: &Logging) -> Result<Begun, RunError> {
+    let planning = Instant::now();
+    let case = run.case();
+    let planned = case.plan()?;
+    match run.strict {
+        true => refuse_warnings(&planned.plan.warnings)?,
+        false => log_warnings(&planned.plan.warnings),
+    }
+    let plan_seconds = planning.elapsed().as_secs_f64();
+    let folder = run.folder(&planned, &case.case)?;
+    log_into(&folder, log)?;
+    Ok(Begun { planned, folder, plan_seconds, from: None })
+}
+
+/// A run resumes from its newest intact checkpoint, with the case as it was run; `None` if it has
+/// come to its end.
+fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
+    let planning = Instant::now();
+    let folder = ResultFolder::resume(path)?;
+    if folder.has_ended() {
+        return Ok(None);
+    }
+    let (newest, corrupt) = Checkpoints::of(&folder.path()).newest();
+    for Corrupt { name, reason } in &corrupt {
+        let next = if newest.is_some() { "; using the previous one" } else { "" };
+        tracing::warn!("checkpoint {name} is not used: {reason}{next}");
+    }
+    let shown = path.display();
+    let checkpoint = newest.ok_or_else(|| {
+        let whole = if corrupt.is_empty() { "no checkpoint" } else { "no intact checkpoint" };
+        RunError::Usage(format!(
+            "{shown} holds {whole}; a case writes them with output.checkpoint_every"
+        ))
+    })?;
+    let raw = folder.read_case()?.with_folder(checkpoint.state.origin.folder.clone());
+    let planned = tracing::info_span!("plan").in_scope(|| plan(raw))?;
+    perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned)?)?;
+    log_into(&folder, log)?;
+    folder.reopen()?;
+    let plan_seconds = planning.elapsed().as_secs_f64();
+    Ok(Some(Begun { planned, folder, plan_seconds, from: Some(checkpoint) }))
+}
+
+fn log_into(folder: &ResultFolder, log: &Logging) -> Result<(), RunError> {
+    log.write_to(folder.log()?, folder.shown_log())
+        .map_err(|error| file_failure(&folder.shown_log(), &error))
+}
+
+fn compression(word: &str) -> Result<Compression, String> {
+    match word {
+        "none" => Ok(Compression::None),
+        "zstd" => Ok(Compression::Zstd),
+        other => Err(format!("`{other}` is neither none nor zstd")),
+    }
+}
+
+fn run_case(begun: &Begun, asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
+    conclude(begun, perform(begun, asked, context), asked, context)
+}
+
+/// The error is stated. With a target models and resolution are chosen, and once more if the error turns out too large. The answer that there
+/// is stays until a better one has come to its end.
+fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
+    let _participants = crew::keep();
+    let case = asked.case.as_ref().expect("required unless a run is resumed");
+    let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
+    let (relative, quantity) = (asked.accuracy, asked.quantity.clone());
+    let mut search = match asked.extrapolate {
+        true => Search::extrapolate(case, &base, quantity)?,
+        false => Search::begin(case, &base, Target { relative, quantity })?,
+    };
+    let mut answer: Option<ResultFolder> = None;
+    loop {
+        let Variant { set, unset } = search.variant();
+        let chosen = RunCommand { set, unset, ..asked.clone() };
+        let begin_at = Instant::now();
+        let mut begun = match &answer {
+            None => begin(&chosen, context.log)?,
+            Some(answer) => refine(&chosen, answer, context.log)?,
+        };
+        let mut outcome = perform(&begun, &chosen, context);
+        if outcome.error.is_some() {
+            return conclude(&begun, outcome, &chosen, context);
+        }
+        let decision = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
+        begun.folder.write_summary(&perform::json(&outcome.summary))?;
+        begun.folder = match answer.take() {
+            None => begun.folder,
+            Some(answer) => answer.take_over(begun.folder)?,
+        };
+        match decision {
+            Decision::Refine => {
+                search.refine();
+                context.log.release();
+                answer = Some(begun.folder);
+                continue;
+            }
+            Decision::Missed => outcome.error = Some(search.missed()),
+            Decision::Met => {}
+        }
+        return conclude(&begun, outcome, &chosen, context);
+    }
+}
+
+/// A run that is to take the place of an answer.
+fn refine(run: &RunCommand, answer: &ResultFolder, log: &Logging) -> Result<Begun, RunError> {
+    let planning = Instant::now();
+    let planned = run.case().plan()?;
+    let plan_seconds = planning.elapsed().as_secs_f64();
+    let folder = answer.refined()?;
+    log_into(&folder, log)?;
+    Ok(Begun { planned, folder, plan_seconds, from: None })
+}
+
+fn perform(begun: &Begun, asked: &RunCommand, context: &Context<'_>) -> Outcome {
+    let Begun { planned, folder, plan_seconds, from } = begun;
+    let start = RunStart { since: context.since, plan_seconds: *plan_seconds };
+    let plan = &planned.plan;
+    let progress = Progress::new(context.quiet, plan.windows.count(), expected_seconds(plan));
+    context.log.share_screen(progress.bar());
+    let progress: Rc<dyn run::progress::Progress> = Rc::new(progress);
+    let mut outcome = perform::run(planned, folder, &progress, start, from.as_ref(), asked.record);
+    if let Some(error) = context.log.failure() {
+        outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
+    }
+    outcome
+}
+
+/// Writes the report that is asked for, and prints how the run went.
+fn conclude(
+    begun: &Begun,
+    outcome: Outcome,
+    asked: &RunCommand,
+    context: &Context<'_>,
+) -> Result<(), RunError> {
+    let folder = &begun.folder;
+    let written = if asked.report { report_on(&folder.path()) } else { Ok(()) };
+    let text = || {
+        let shown = folder.shown().display().to_string();
+        let next = match asked.report {
+            true => format!("  page      {shown}/{}\n", pages::FILE),
+            false => format!("  next      coordinator report {shown}\n"),
+        };
+        perform::report(&outcome, &begun.planned.plan, folder) + &next
+    };
+    // However the run ended: what it has is what is printed.
+    let print_json = || output::print(&json(&outcome.summary));
+    match outcome.error {
+        Some(error) if asked.json => Err(error.and(written).and(print_json())),
+        // It has an answer, if not as accurate as was asked for.
+        Some(error @ RunError::Inaccurate { .. }) => {
+            let plan = &begun.planned.plan;
+            let text = show::text(&outcome.summary, plan.title.as_deref(), &plan.figures);
+            let printed = context.print_lines(&text);
+            Err(error.and(written).and(printed))
+        }
+        Some(error) => Err(error.and(written)),
+        None => {
+            let printed = written.and_then(|()| match asked.json {
+                true => print_json(),
+                false => context.print_lines(&text()),
+            });
+            let strict = || match asked.strict {
+                true => refuse_warnings(&warnings::of_summary(&outcome.summary)),
+                false => Ok(()),
+            };
+            printed.and_then(|()| strict())
+        }
+    }
+}
+
+/// Warnings are errors.
+fn refuse_warnings(warnings: &[Warning]) -> Result<(), RunError> {
+    let said: Vec<String> = warnings.iter().map(Warning::to_string).collect();
+    if said.is_empty() {
+        return Ok(());
+    }
+    Err(RunError::Usage(format!("{}; change it, or leave out --strict", said.join("\n  "))))
+}
+
+/// Writes the report about the run in a folder.
+fn report_on(folder: &Path) -> Result<(), RunError> {
+    pages::write(&pages::of_run(folder)?, folder).map(drop)
+}

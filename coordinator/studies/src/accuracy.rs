@@ -1,0 +1,444 @@
+//! `run --accuracy 1%`: the cheapest models and resolution expected to meet a target, with the error
+//! that their grids show.
+//!
+//! 1. **Models.** Of all choices of models that can run the case those count whose expected errors
+//!    ([`contract::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
+//! 2. **Pilot.** It runs on its two coarsest grids, and the two tell the error
+//!    ([`crate::study::richardson`]). If it is within the target, the second is the answer.
+//! 3. **Climb.** If not, it runs on the next finer grid, and so on until the error is within the
+//!    target. The finest grid that misses it ends the search. All coarser grids together cost less
+//!    than the last one.
+//!
+//! `run --extrapolate` has no target: the models of the case on its own grid and on two coarser ones, and what the three
+//! are extrapolated to, with its error.
+//!
+//! From three grids on, what they are extrapolated to may meet the target before the finest of them does: it is the answer
+//! then, with an error of its own.
+//!
+//! The error that is stated is that of the grid, with its factor of safety, and what the models are
+//! expected to err by. A peak that jumps between elements can agree on two grids by chance; so the
+//! error of a figure is never taken below that of the figure that drives it, as described: of a
+//! temperature, the power that heats; nor below what the models expect of the grid. In a transient
+//! case windows are shortened and lengthened along with the grid.
+
+mod choice;
+mod section;
+mod target;
+
+pub use target::Target;
+
+use crate::study::levels::{Level, standing};
+use crate::study::quantity::{Quantities, Quantity};
+use crate::study::richardson::{Estimate, Limit, Sample};
+use crate::study::{Variant, planned, run};
+use choice::Choice;
+use contract::figure::Measure;
+use run::error::RunError;
+use run::scratch::Scratch;
+use section::{Stated, StatedFigure, StatedRun, Taken};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The longest windows that a pilot takes, as a power of two of the case's own.
+const LONGEST_WINDOW: i32 = -2;
+/// Order of the error in the length of a window.
+const WINDOW_ORDER: f64 = 1.0;
+
+/// How much coarser the grids are that a plain run is extrapolated with.
+const COARSER: [u32; 2] = [4, 2];
+
+/// One run of a search.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GridRun {
+    /// The resolution: the place among those of the level, coarsest first.
+    pub step: usize,
+    /// Values of the quantity and of what drives it.
+    values: Vec<Option<f64>>,
+    /// Seconds that it took.
+    pub wall_s: f64,
+}
+
+/// What to do after a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// The estimated error is within the target.
+    Met,
+    /// It is not; a finer run is next.
+    Refine,
+    /// It is not, and nothing finer is left to try.
+    Missed,
+}
+
+/// The search for the cheapest run that meets a target.
+#[derive(Debug)]
+pub struct Search {
+    case: PathBuf,
+    target: Target,
+    known: Quantities,
+    /// The quantity of the target, what drives it, and then all others with a relative error.
+    quantities: Vec<Quantity>,
+    /// How many of them the target is for.
+    watched: usize,
+    level: Level,
+    /// Length of a window at the resolution of a step, and end of the run \[s\]; `None` for a steady
+    /// case.
+    window: Option<([f64; 2], usize)>,
+    step: usize,
+    runs: Vec<GridRun>,
+}
+
+impl Search {
+    /// Chooses the models, and runs the coarser half of the pilot.
+    ///
+    /// # Errors
+    /// A case that cannot run, a quantity that no run has, a pilot that fails.
+    pub fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
+        let standing = planned(case, base)?;
+        let Choice { level, step } = choice::choose(case, base, &standing, &target)?;
+        choice::refuse_resolution(&level, base)?;
+        let window = choice::window(&standing.plan).map(|times| (times, step));
+        let mut search = Self {
+            case: case.to_owned(),
+            known: Quantities::of_figures(&standing.plan.figures),
+            quantities: Vec::new(),
+            watched: 0,
+            target,
+            level,
+            window,
+            step,
+            runs: Vec::new(),
+        };
+        if search.level.steps() > 1 {
+            search.try_out(0)?;
+            search.step = 1;
+        }
+        Ok(search)
+    }
+
+    /// Takes the models and the grid that the case has, and runs on two coarser grids.
+    ///
+    /// # Errors
+    /// A case that cannot run, models without a resolution, a run that fails.
+    pub fn extrapolate(
+        case: &Path,
+        base: &Variant,
+        quantity: Option<String>,
+    ) -> Result<Self, RunError> {
+        let planned = planned(case, base)?;
+        let level = standing(&planned, base, &COARSER)?;
+        let step = COARSER.len();
+        let mut search = Self {
+            case: case.to_owned(),
+            known: Quantities::of_figures(&planned.plan.figures),
+            quantities: Vec::new(),
+            watched: 0,
+            target: Target { relative: None, quantity },
+            window: choice::window(&planned.plan).map(|times| (times, step)),
+            level,
+            step,
+            runs: Vec::new(),
+        };
+        (0..step).try_for_each(|coarser| search.try_out(coarser))?;
+        Ok(search)
+    }
+
+    /// The case of the next run.
+    #[must_use]
+    pub fn variant(&self) -> Variant {
+        self.at(self.step)
+    }
+
+    fn at(&self, step: usize) -> Variant {
+        let variant = self.level.at(step);
+        match self.window {
+            None => variant,
+            Some(([window, end], own)) => {
+                let finer = 2f64.powi((step as i32 - own as i32).max(LONGEST_WINDOW));
+                variant.with("time.window", format!("{:e}", (window / finer).min(end)))
+            }
+        }
+    }
+
+    /// Runs at a resolution, for its quantities alone.
+    fn try_out(&mut self, step: usize) -> Result<(), RunError> {
+        let begun = Instant::now();
+        let folder = Scratch::new()?;
+        let variant = self.at(step).with("output.fields", "none");
+        let summary = run(&self.case, &variant, folder.path())?;
+        self.note(step, &summary, begun.elapsed().as_secs_f64())
+    }
+
+    fn note(&mut self, step: usize, summary: &Value, wall_s: f64) -> Result<(), RunError> {
+        if self.quantities.is_empty() {
+            self.quantities = self.target.quantities(summary, &self.known)?;
+            self.watched = self.quantities.len();
+            let others = self.known.all(summary).into_iter();
+            let relative = |one: &Quantity| one.measure == Measure::Relative;
+            let new: Vec<_> =
+                others.filter(|one| relative(one) && !self.quantities.contains(one)).collect();
+            self.quantities.extend(new);
+        }
+        let values = self.quantities.iter().map(|one| one.value(summary)).collect();
+        self.runs.retain(|run| run.step != step);
+        self.runs.push(GridRun { step, values, wall_s });
+        self.runs.sort_by_key(|run| run.step);
+        Ok(())
+    }
+
+    /// The order with which the error falls when grid and windows are refined together.
+    fn order(&self) -> Option<f64> {
+        let windows = self.window.map_or(f64::INFINITY, |_| WINDOW_ORDER);
+        self.level.order().map(|order| order.min(windows))
+    }
+
+    fn fineness(&self, step: usize) -> f64 {
+        self.level.keys_at(step).next().map_or(1.0, |(_, level)| f64::from(level))
+    }
+
+    /// Estimated relative error of the finest grid so far; `None` with fewer than two. It is never
+    /// below what the models expect of that grid.
+    fn grid_error(&self) -> Option<f64> {
+        let last = self.runs.last()?;
+        let errors = (0..self.watched).filter_map(|index| {
+            let estimate = self.estimate(index)?;
+            Some(relative(estimate.error, last.values[index]?))
+        });
+        let expected = self.level.grid_error(last.step);
+        errors.max_by(f64::total_cmp).map(|error| error.max(expected))
+    }
+
+    /// Estimated relative error of what the grids are extrapolated to; `None` with fewer than
+    /// three. It is never below half of what the models expect of the finest.
+    fn limit_error(&self) -> Option<f64> {
+        let limits = (0..self.watched).filter_map(|index| self.limit(index));
+        let error =
+            limits.map(|limit| relative(limit.error, limit.value)).max_by(f64::total_cmp)?;
+        Some(error.max(0.5 * self.level.grid_error(self.runs.last()?.step)))
+    }
+
+    /// What the grids say of a quantity.
+    fn estimate(&self, index: usize) -> Option<Estimate> {
+        Estimate::of(&self.samples(index), self.order()?)
+    }
+
+    /// What the grids are extrapolated to.
+    fn limit(&self, index: usize) -> Option<Limit> {
+        Limit::of(&self.samples(index), self.order()?)
+    }
+
+    fn samples(&self, index: usize) -> Vec<Sample> {
+        let sample = |run: &GridRun| {
+            Some(Sample { level: self.fineness(run.step), value: run.values[index]? })
+        };
+        self.runs.iter().filter_map(sample).collect()
+    }
+
+    /// Takes the summary of the run of [`Search::variant`], adds what is known of its error to it, and
+    /// says what is next.
+    ///
+    /// # Errors
+    /// A summary without the quantity.
+    pub fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Decision, RunError> {
+        self.note(self.step, summary, wall_s)?;
+        let stated = self.stated();
+        summary["accuracy"] = serde_json::to_value(&stated).expect("what is stated is plain data");
+        if stated.met {
+            return Ok(Decision::Met);
+        }
+        match self.step + 1 < self.level.steps() {
+            true => Ok(Decision::Refine),
+            false => Ok(Decision::Missed),
+        }
+    }
+
+    /// Goes on to the next finer grid.
+    pub fn refine(&mut self) {
+        self.step += 1;
+    }
+
+    /// What the runs so far say of the last one's error.
+    fn stated(&self) -> Stated {
+        let of_run = self.runs.last().and_then(|run| run.values[0]).unwrap_or(f64::NAN);
+        // Models without a resolution have no error of a grid.
+        let run_error = self.grid_error().unwrap_or(0.0);
+        let model_error = self.level.model_error();
+        let meets = |error: f64| error + model_error <= self.target.most();
+        // Without a target the better of both is the answer.
+        let enough = |error: f64| self.target.relative.is_some() && meets(error);
+        let limit = self.limit_error().zip(self.limit(0));
+        let (taken, value, grid_error) = match limit.filter(|_| !enough(run_error)) {
+            Some((error, limit)) if error < run_error => (Taken::Extrapolated, limit.value, error),
+            _ => (Taken::Run, of_run, run_error),
+        };
+        let figure = |(index, of): (usize, &Quantity)| {
+            let Limit { value, error } = self.limit(index)?;
+            Some(StatedFigure { key: of.key.clone(), value, grid_error: relative(error, value) })
+        };
+        let figures = match taken {
+            Taken::Extrapolated => self.quantities.iter().enumerate().filter_map(figure).collect(),
+            Taken::Run => Vec::new(),
+        };
+        let estimated_error = grid_error + model_error;
+        let run = |run: &GridRun| StatedRun {
+            settings: self.level.keys_at(run.step).map(|(r, n)| (r.key.clone(), n)).collect(),
+            value: run.values[0],
+            wall_s: run.wall_s,
+        };
+        Stated {
+            quantity: self.quantities[0].key.clone(),
+            target: self.target.relative,
+            estimated_error,
+            grid_error,
+            model_error,
+            met: meets(grid_error),
+            taken,
+            value,
+            extrapolated: limit
+                .map(|(_, limit)| limit.value)
+                .or(self.estimate(0).map(|of| of.limit)),
+            figures,
+            models: self.level.name(),
+            runs: self.runs.iter().map(run).collect(),
+        }
+    }
+
+    /// The error of an answer that misses the target.
+    #[must_use]
+    pub fn missed(&self) -> RunError {
+        let Stated { quantity, estimated_error, target, .. } = self.stated();
+        RunError::Inaccurate {
+            quantity,
+            estimated: estimated_error,
+            target: target.unwrap_or_default(),
+            fix: "ask for less, or set a finer resolution and run without --accuracy".to_owned(),
+        }
+    }
+}
+
+/// An error over a value; nothing of nothing is nothing.
+fn relative(error: f64, value: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { (error / value).abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contract::accuracy::{Refinement, Simplification};
+    use serde_json::json;
+
+    const RISE: &str = "temperature.rail.max_rise_k";
+    const POWER: &str = "contact.friction_power_w";
+
+    /// A search on grids of 5, 10 and 20 elements of which the coarsest has run.
+    fn search(target: f64, order: f64, rise: f64, power: f64) -> Search {
+        let refinement = Refinement {
+            key: "mech.resolution".to_owned(),
+            levels: vec![5, 10, 20],
+            order,
+            error: 0.02,
+            source: "a study".to_owned(),
+        };
+        let level = Level {
+            models: vec![("mech".to_owned(), "fine".to_owned())],
+            refinements: vec![refinement],
+            left_out: vec![Simplification::always("something", 0.001, "a study")],
+            silent: Vec::new(),
+            variant: Variant::default(),
+        };
+        let values = vec![Some(rise), Some(power)];
+        Search {
+            case: PathBuf::new(),
+            target: Target { relative: Some(target), quantity: None },
+            quantities: [RISE, POWER].map(|key| Quantities::default().of(key)).to_vec(),
+            watched: 2,
+            known: Quantities::default(),
+            level,
+            window: None,
+            step: 1,
+            runs: vec![GridRun { step: 0, values, wall_s: 0.1 }],
+        }
+    }
+
+    fn summary(rise: f64, power: f64) -> Value {
+        json!({"temperature": {"rail": {"max_rise_k": rise}}, "contact": {"friction_power_w": power}})
+    }
+
+    #[test]
+    fn an_answer_within_the_target_ends_the_search() {
+        let mut search = search(0.07, 1.0, 102.0, 102.0);
+        let mut summary = summary(100.0, 100.0);
+        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Met);
+        // The limit is 98; three times 2 %, and what the models leave out.
+        let stated = summary["accuracy"]["estimated_error"].as_f64().unwrap();
+        assert!((stated - 0.061).abs() < 1e-12, "{stated}");
+        assert!((summary["accuracy"]["extrapolated"].as_f64().unwrap() - 98.0).abs() < 1e-9);
+    }
+
+    /// Two grids agree on a peak by chance, but not on the power.
+    #[test]
+    fn a_temperature_is_no_better_known_than_its_heat() {
+        let mut search = search(0.05, 1.0, 100.0, 110.0);
+        let mut summary = summary(100.0, 100.0);
+        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Refine);
+        assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.3).abs() < 1e-12);
+    }
+
+    /// Grids that agree are not believed to err by less than the model expects of them.
+    #[test]
+    fn what_a_model_expects_is_the_least_error() {
+        let mut search = search(0.05, 1.0, 100.0, 100.0);
+        let mut summary = summary(100.0, 100.0);
+        assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Met);
+        assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_last_grid_meets_the_target_or_misses_it() {
+        let mut met = search(0.02, 1.0, 104.0, 104.0);
+        assert_eq!(met.judge(&mut summary(102.0, 102.0), 0.2).unwrap(), Decision::Refine);
+        met.refine();
+        assert_eq!(met.variant().set, ["mech.resolution=20"]);
+        assert_eq!(met.judge(&mut summary(101.0, 101.0), 0.4).unwrap(), Decision::Met);
+        let mut missed = search(0.01, 1.0, 120.0, 120.0);
+        assert_eq!(missed.judge(&mut summary(110.0, 110.0), 0.2).unwrap(), Decision::Refine);
+        missed.refine();
+        assert_eq!(missed.judge(&mut summary(105.0, 105.0), 0.4).unwrap(), Decision::Missed);
+        let error = missed.missed();
+        assert_eq!(error.exit_code(), 3);
+        let text = error.to_string();
+        assert!(
+            text.contains("above the requested 1 %") && text.contains("finer resolution"),
+            "{text}"
+        );
+    }
+
+    /// Three grids whose limits agree: the finest errs by 5 %, what they are extrapolated to by 1 %.
+    #[test]
+    fn a_limit_may_be_the_answer() {
+        let mut search = search(0.02, 1.0, 120.0, 240.0);
+        assert_eq!(search.judge(&mut summary(110.0, 220.0), 0.2).unwrap(), Decision::Refine);
+        search.refine();
+        let mut last = summary(105.0, 210.0);
+        assert_eq!(search.judge(&mut last, 0.4).unwrap(), Decision::Met);
+        let said = &last["accuracy"];
+        assert_eq!(
+            (said["taken"].as_str(), said["value"].as_f64()),
+            (Some("extrapolated"), Some(100.0))
+        );
+        assert!((said["estimated_error"].as_f64().unwrap() - 0.011).abs() < 1e-12, "{said}");
+        assert_eq!(
+            (&said["figures"][1]["key"], &said["figures"][1]["value"]),
+            (&json!(POWER), &json!(200.0))
+        );
+    }
+
+    #[test]
+    fn windows_shorten_with_the_grid() {
+        let mut search = search(0.02, 2.0, 1.0, 1.0);
+        search.window = Some(([1e-3, 1.5e-3], 1));
+        assert_eq!(search.at(2).set, ["mech.resolution=20", "time.window=5e-4"]);
+        assert_eq!(search.at(0).set, ["mech.resolution=5", "time.window=1.5e-3"]);
+        assert_eq!(search.order(), Some(WINDOW_ORDER));
+    }
+}

@@ -1,0 +1,236 @@
+//! The error of a quantity from the same quantity on coarser grids (Richardson's extrapolation).
+//!
+//! ```text
+//! v(h) = v₀ + C h^p     p = ln((v₁ − v₂)/(v₂ − v₃)) / ln r     v₀ = v₃ + (v₃ − v₂)/(r^p − 1)
+//! ```
+//!
+//! v₁, v₂, v₃ are the values from the coarsest to the finest of three grids of which each is r
+//! times finer than the one before. The estimate of the error of the finest is |v₃ − v₀| times a
+//! factor of safety, that of Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405):
+//! three for two grids, and 1.25 from three grids on.
+//!
+//! Deviations: p is the lower of the order that is seen, however low, and the one that the model
+//! expects of itself, since quantities that move in steps with the elements at the edge of a
+//! contact show too high an order by chance; it is the expected one where none is seen. Two grids
+//! may agree by chance, so that coarser pairs count too: the error that each of them tells, brought
+//! to the finest grid by the expected order; the largest is taken.
+//!
+//! **The limit itself as the answer.** Two pairs of three grids give two limits, L₁ of the coarser and L₂ of the finer pair, at the
+//! expected order p. What is left in them beyond C h^p moves with the elements at the edges, and was measured to fall like
+//! h^(3p/2) (docs/theory/accuracy.md); so the error of L₂ is
+//!
+//! ```text
+//! max( 2 |L₂ − L₁|/(r^(3p/2) − 1),  |L₂ − v₃|/5 )
+//! ```
+//!
+//! The second term is there because two limits may agree by chance.
+
+/// Factor of safety of the difference of two grids.
+const SAFETY_OF_TWO: f64 = 3.0;
+/// And of three or more.
+const SAFETY_OF_THREE: f64 = 1.25;
+/// And of the difference of two limits.
+const SAFETY_OF_LIMITS: f64 = 2.0;
+
+/// The share of the leading error that is the least error of a limit.
+const LEAST_SHARE: f64 = 0.2;
+/// Order of what is left in a limit, over the expected order.
+pub const ORDER_OF_LIMITS: f64 = 1.5;
+
+/// A quantity on one grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// How fine the grid is: elements along a length, or windows in a time.
+    pub level: f64,
+    /// The quantity.
+    pub value: f64,
+}
+
+/// What grids say of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The order that the three finest grids show, whether it is plausible or not; `None` without
+    /// three grids, or if they show none.
+    pub observed_order: Option<f64>,
+    /// The order that is used.
+    pub order: f64,
+    /// The quantity on an infinitely fine grid, as far as the grids tell.
+    pub limit: f64,
+    /// Estimated error of the quantity on the finest grid, in its own unit, with the factor of
+    /// safety.
+    pub error: f64,
+}
+
+impl Estimate {
+    /// From the samples of one quantity, coarsest grid first; `None` with fewer than two grids.
+    #[must_use]
+    pub fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
+        let [.., coarse, fine] = samples else { return None };
+        let observed_order = observed_order(samples);
+        let order = observed_order.unwrap_or(expected_order).min(expected_order);
+        let told = |coarse: &Sample, fine: &Sample, order: f64| {
+            (fine.value - coarse.value) / ((fine.level / coarse.level).powf(order) - 1.0)
+        };
+        let correction = told(coarse, fine, order);
+        let of_pair = |pair: &[Sample]| {
+            let falls = (fine.level / pair[1].level).powf(expected_order);
+            (told(&pair[0], &pair[1], expected_order) / falls).abs()
+        };
+        let largest = samples.windows(2).map(of_pair).fold(correction.abs(), f64::max);
+        let safety = if samples.len() > 2 { SAFETY_OF_THREE } else { SAFETY_OF_TWO };
+        let limit = fine.value + correction;
+        Some(Self { observed_order, order, limit, error: safety * largest })
+    }
+}
+
+/// The quantity on an infinitely fine grid, as an answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// The quantity.
+    pub value: f64,
+    /// Its estimated error, in its own unit, with the factor of safety.
+    pub error: f64,
+}
+
+impl Limit {
+    /// From the samples of one quantity, coarsest grid first; `None` with fewer than three grids.
+    #[must_use]
+    pub fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
+        let [.., first, second, third] = samples else { return None };
+        let limit = |coarse: &Sample, fine: &Sample| {
+            let ratio = (fine.level / coarse.level).powf(expected_order);
+            fine.value + (fine.value - coarse.value) / (ratio - 1.0)
+        };
+        let [before, value] = [limit(first, second), limit(second, third)];
+        let falls = (third.level / second.level).powf(ORDER_OF_LIMITS * expected_order);
+        let left = SAFETY_OF_LIMITS * (value - before).abs() / (falls - 1.0);
+        Some(Self { value, error: left.max(LEAST_SHARE * (value - third.value).abs()) })
+    }
+}
+
+/// The order that the three finest grids show, if their values go one way and ever less far.
+#[must_use]
+pub fn observed_order(samples: &[Sample]) -> Option<f64> {
+    let [.., first, second, third] = samples else { return None };
+    let steps = [second.value - first.value, third.value - second.value];
+    let ratios = [second.level / first.level, third.level / second.level];
+    let ratio = steps[0] / steps[1];
+    if !ratio.is_finite() || ratio <= 0.0 {
+        return None;
+    }
+    order_of_steps(ratio, ratios)
+}
+
+/// The order p for which two steps of v = v₀ + C level^−p have this ratio, by bisection.
+fn order_of_steps(ratio: f64, [r1, r2]: [f64; 2]) -> Option<f64> {
+    // With v₁ − v₂ = C(1 − r₁^−p) and v₂ − v₃ = C r₁^−p (1 − r₂^−p), in units of level₁.
+    let predicted = |p: f64| (r1.powf(p) - 1.0) / (1.0 - r2.powf(-p));
+    let (mut low, mut high) = (1e-3, 16.0);
+    if !(predicted(low)..=predicted(high)).contains(&ratio) {
+        return None;
+    }
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        match predicted(middle) < ratio {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    Some(0.5 * (low + high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(levels: &[f64], value: impl Fn(f64) -> f64) -> Vec<Sample> {
+        levels.iter().map(|&level| Sample { level, value: value(level) }).collect()
+    }
+
+    #[test]
+    fn a_power_law_is_found_out() {
+        for order in [0.5, 1.0, 1.7, 2.0, 4.0] {
+            let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 5.0 * n.powf(-order));
+            let estimate = Estimate::of(&values, order).unwrap();
+            assert!((estimate.observed_order.unwrap() - order).abs() < 1e-9, "{estimate:?}");
+            assert!((estimate.limit - 3.0).abs() < 1e-10, "{estimate:?}");
+            let true_error = 5.0 * 40f64.powf(-order);
+            assert!((estimate.error / true_error - SAFETY_OF_THREE).abs() < 1e-6, "{estimate:?}");
+            // Grids whose ratio is not constant.
+            let values = samples(&[10.0, 16.0, 40.0], |n| 3.0 - 5.0 * n.powf(-order));
+            assert!((observed_order(&values).unwrap() - order).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn two_grids_take_the_expected_order() {
+        let values = samples(&[10.0, 20.0], |n| 1.0 + 1.0 / n);
+        let estimate = Estimate::of(&values, 1.0).unwrap();
+        assert_eq!((estimate.observed_order, estimate.order), (None, 1.0));
+        assert!((estimate.limit - 1.0).abs() < 1e-12);
+        assert!((estimate.error - SAFETY_OF_TWO * 0.05).abs() < 1e-12);
+        assert_eq!(Estimate::of(&values[..1], 1.0), None);
+    }
+
+    /// Of an error C/n + D/n^1.5 the second term is left, and found with its factor of safety; a limit that two pairs agree
+    /// on by chance has a fifth of the leading error.
+    #[test]
+    fn a_limit_states_what_is_left_in_it() {
+        let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 0.5 / n + 2.0 * n.powf(-1.5));
+        let limit = Limit::of(&values, 1.0).unwrap();
+        let left = (limit.value - 3.0).abs();
+        assert!((limit.error / left - SAFETY_OF_LIMITS).abs() < 1e-9, "{limit:?}");
+        let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 5.0 / n);
+        let limit = Limit::of(&values, 1.0).unwrap();
+        assert!((limit.value - 3.0).abs() < 1e-12);
+        assert!((limit.error / (LEAST_SHARE * 5.0 / 40.0) - 1.0).abs() < 1e-9, "{limit:?}");
+        assert_eq!(Limit::of(&values[..2], 1.0), None);
+    }
+
+    /// The finest two agree by chance; the pair before them does not.
+    #[test]
+    fn an_agreement_by_chance_is_not_believed() {
+        let values = [[10.0, 1.0], [20.0, 1.2], [40.0, 1.2]];
+        let values = values.map(|[level, value]| Sample { level, value });
+        let error = Estimate::of(&values, 1.0).unwrap().error;
+        assert!((error - SAFETY_OF_THREE * 0.1).abs() < 1e-12, "{error}");
+    }
+
+    /// An order above the expected one would make the error look smaller than it is.
+    #[test]
+    fn too_high_an_order_is_not_believed() {
+        let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 5.0 * n.powi(-3));
+        let estimate = Estimate::of(&values, 1.0).unwrap();
+        assert!((estimate.observed_order.unwrap() - 3.0).abs() < 1e-9);
+        assert_eq!(estimate.order, 1.0);
+        assert!(estimate.error > 5.0 * 40f64.powi(-3));
+    }
+
+    /// A quantity that hardly converges has a large error, whatever order its model expects: the
+    /// higher order would state 0.79 where 3.3 remain.
+    #[test]
+    fn a_low_order_is_believed() {
+        for (order, expected) in [(0.2, 1.0), (0.4, 1.0), (0.9, 2.0), (0.05, 1.0)] {
+            let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 5.0 * n.powf(-order));
+            let estimate = Estimate::of(&values, expected).unwrap();
+            assert!((estimate.order - order).abs() < 1e-9, "{estimate:?}");
+            let left = 5.0 * 40f64.powf(-order);
+            assert!((estimate.error / left - SAFETY_OF_THREE).abs() < 1e-6, "{estimate:?}: {left}");
+        }
+    }
+
+    /// Values that go to and fro, stand still or grow apart show no order; the expected one serves.
+    #[test]
+    fn no_order_is_no_reason_to_stop() {
+        for values in [[1.0, 2.0, 1.5], [1.0, 1.0, 1.0], [1.0, 1.1, 2.0]] {
+            let values: Vec<Sample> = [10.0, 20.0, 40.0]
+                .into_iter()
+                .zip(values)
+                .map(|(level, value)| Sample { level, value })
+                .collect();
+            let estimate = Estimate::of(&values, 2.0).unwrap();
+            assert_eq!((estimate.observed_order, estimate.order), (None, 2.0));
+            assert!(estimate.error.is_finite());
+        }
+    }
+}
