@@ -30,8 +30,8 @@ pub struct NotConverged {
     pub field: String,
     /// Its residual over its values, in two-norms \[-\].
     pub residual: f64,
-    /// Word of the accelerator.
-    pub acceleration: &'static str,
+    /// What of the acceleration to change in the case.
+    pub advice: &'static str,
 }
 
 /// What came out of one window.
@@ -194,7 +194,7 @@ impl Coupling {
                 iteration: self.step.iteration,
                 field: self.parts[self.convergence.worst()].name.clone(),
                 residual: self.residual().unwrap_or(f64::NAN),
-                acceleration: self.accelerator.name(),
+                advice: self.accelerator.advice(),
             }),
             Verdict::Continue | Verdict::Done => None,
         };

@@ -141,10 +141,7 @@ impl RunError {
 
 /// What to do about a window that did not converge.
 fn fix(of: &NotConverged) -> String {
-    let other = match of.acceleration {
-        "none" | "constant" | "aitken" => "set coupling.acceleration to \"iqn-ils\"",
-        _ => "raise coupling.max_columns",
-    };
+    let other = of.advice;
     match of.why {
         Why::Diverged => format!("{other}, lower coupling.relaxation, or shorten time.window"),
         Why::Stagnated => format!(

@@ -30,6 +30,12 @@ fn strip_columns_in_python_conform_up_to_the_largest_grids() {
     conforms("thermal", "falling-friction.toml", &more, &["volumes"], 2);
 }
 
+/// Mechanics with temperatures to read: all its models follow them.
+#[test]
+fn the_thermal_solver_conforms_in_a_loop() {
+    conforms("thermal", "falling-friction.toml", &[], &["volumes"], 7);
+}
+
 /// On coarse grids, and no model looks for a creepage. The solver runs alone.
 #[test]
 fn the_mechanical_solver_conforms_with_every_model() {

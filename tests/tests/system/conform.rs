@@ -88,7 +88,6 @@ fn the_mechanical_solver_conforms_with_every_model() {
 
 // Mechanics with temperatures to read: models of which friction follows them.
 table_of_tests! { ours_conform:
-    the_thermal_solver_conforms_in_a_loop("thermal", "falling-friction.toml", &[], &["volumes"], 7);
     the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &COARSE, &["heat-received", "volumes"], 6);
 }
 

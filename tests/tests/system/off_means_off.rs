@@ -52,6 +52,8 @@ fn leaves_no_trace(name: &str, needed: &[&str]) {
         text.replace(&format!("\"{folder}/"), &format!("\"{}/", case(folder)))
     };
     let text = ["materials", "histories", "profiles", "points"].into_iter().fold(text, beside);
+    let planned = Place::new().start(&["plan", &case(name), "--json"]).wait().stdout;
+    let with_all: Value = serde_json::from_str(&planned).unwrap();
     for off in switchable(&text, needed) {
         let never_named = folder.path().join(format!("{off}-{name}"));
         std::fs::write(&never_named, without(&text, &off)).unwrap();
@@ -64,7 +66,7 @@ fn leaves_no_trace(name: &str, needed: &[&str]) {
         }
         let inactive = summary["effects"]["inactive"].as_array().unwrap();
         assert!(inactive.iter().any(|name| name == off.as_str()));
-        assert_fields_of_effect_are_absent(&removed, name, &off);
+        assert_fields_of_effect_are_absent(&with_all, &plan_of(&removed), &off);
     }
 }
 
@@ -112,40 +114,42 @@ an_effect_that_is_off_leaves_no_trace! {
     an_effect_that_is_off_leaves_no_trace_in_steel_that_flows("yielding.toml", &["friction_heat", "partial_slip"]);
 }
 
+/// The plan of a run.
+fn plan_of(place: &Place) -> Value {
+    let plan = std::fs::read_to_string(place.out().join("plan.json")).unwrap();
+    serde_json::from_str(&plan).unwrap()
+}
+
 /// Names of the fields of a plan, as participants know them.
-fn planned_fields(place: &Place, name: &str, more: &[&str]) -> BTreeSet<String> {
-    let file = case(name);
-    let arguments = [&["plan", &file, "--json"], more].concat();
-    let plan: Value = serde_json::from_str(&place.start(&arguments).wait().stdout).unwrap();
+fn fields(plan: &Value) -> BTreeSet<String> {
     let fields = plan["fields"].as_array().unwrap().iter();
     fields.map(|field| field["name"].as_str().unwrap().to_owned()).collect()
 }
 
 /// No field that only this effect provides is planned; with the effect one is, if it provides any.
-fn assert_fields_of_effect_are_absent(place: &Place, name: &str, effect: &str) {
-    let unset = ["--unset", &format!("effects.{effect}")];
-    let [on, off] = [&[][..], &unset].map(|more| planned_fields(place, name, more));
+fn assert_fields_of_effect_are_absent(with_all: &Value, plan: &Value, effect: &str) {
+    let name = &plan["case"];
+    let [on, off] = [with_all, plan].map(fields);
     let descriptions = registries();
     let specs = descriptions.iter().flat_map(|description| &description.effects);
     let provided: BTreeSet<String> =
         specs.filter(|spec| spec.name == effect).flat_map(|spec| spec.provides.clone()).collect();
     assert!(off.is_disjoint(&provided), "{name} without {effect}: {off:?}");
     assert!(provided.is_empty() || !on.is_disjoint(&provided), "{name} with {effect}: {on:?}");
-    let plan = place.start(&["plan", &case(name), unset[0], unset[1]]).wait().stdout;
+    let text = plan["text"].as_str().unwrap();
     // `plan` tells those that are off by their names alone, in one list; what is on has a line of its own.
-    let off = plan.lines().skip_while(|line| line.get(11..15) != Some("off "));
+    let off = text.lines().skip_while(|line| line.get(11..15) != Some("off "));
     let off = off.take_while(|line| !line.is_empty()).map(|line| &line[11..]);
     let told: BTreeSet<&str> = off.flat_map(|line| line.split([',', ' '])).collect();
-    assert!(told.contains(effect), "{plan}");
-    assert!(!plan.contains(&format!(" on  {effect} ")), "{plan}");
+    assert!(told.contains(effect), "{text}");
+    assert!(!text.contains(&format!(" on  {effect} ")), "{text}");
 }
 
 #[test]
 fn without_friction_heat_no_thermal_process_takes_part() {
     let place = Place::new();
     let summary = place.summary(&case("wheel-rail.toml"), &["--unset", "effects.friction_heat"]);
-    let plan = std::fs::read_to_string(place.out().join("plan.json")).unwrap();
-    let plan: Value = serde_json::from_str(&plan).unwrap();
+    let plan = plan_of(&place);
     let roles: Vec<_> =
         plan["participants"].as_array().unwrap().iter().map(|one| &one["role"]).collect();
     assert_eq!(roles, ["mech"]);

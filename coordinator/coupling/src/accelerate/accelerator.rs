@@ -26,6 +26,11 @@ pub trait Accelerator {
         PATIENCE
     }
 
+    /// What to change in the case if a window does not converge.
+    fn advice(&self) -> &'static str {
+        "set coupling.acceleration to \"iqn-ils\""
+    }
+
     /// A window begins, or begins again: what its last attempt has taught, if it was not accepted,
     /// is forgotten.
     fn begin_window(&mut self);

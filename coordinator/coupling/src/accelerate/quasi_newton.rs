@@ -23,7 +23,7 @@ use super::least_squares::LeastSquares;
 use super::relaxation::relax;
 use super::weights::Weights;
 use crate::part::Part;
-use crate::settings::Implicit;
+use crate::settings::{Acceleration, Implicit};
 use crate::state::{Reader, StateMismatch};
 
 /// How the columns are used.
@@ -35,6 +35,19 @@ pub enum Rule {
     LeastSquares,
     /// `iqn-imvj`.
     MultiVector,
+}
+
+impl Rule {
+    /// The rule of an acceleration that keeps secant columns; `None` of one that keeps none.
+    #[must_use]
+    pub fn of(acceleration: Acceleration) -> Option<Self> {
+        match acceleration {
+            Acceleration::Anderson => Some(Self::Anderson),
+            Acceleration::Auto | Acceleration::IqnIls => Some(Self::LeastSquares),
+            Acceleration::IqnImvj => Some(Self::MultiVector),
+            Acceleration::None | Acceleration::Constant | Acceleration::Aitken => None,
+        }
+    }
 }
 
 /// An accelerator that learns how the participants answer.
@@ -94,6 +107,10 @@ impl Accelerator for QuasiNewton {
     fn patience(&self) -> u32 {
         let columns = u32::try_from(self.columns.capacity()).unwrap_or(u32::MAX);
         columns.saturating_mul(2).max(PATIENCE)
+    }
+
+    fn advice(&self) -> &'static str {
+        "raise coupling.max_columns"
     }
 
     fn begin_window(&mut self) {

@@ -13,6 +13,7 @@ use contract::figure::FigureSpec;
 use contract::grid::Grid;
 use contract::message::Interpolation;
 use coupling::ParticipantIndex;
+use coupling::accelerate::Rule;
 use coupling::map::{Coverage, MapError, Method};
 use coupling::settings::{Acceleration, Implicit, Scheme};
 use coupling::windows::Windows;
@@ -195,18 +196,11 @@ impl Plan {
     /// keeps none, or if a grid of the coupling data is not known.
     #[must_use]
     pub fn accelerator_history(&self) -> Option<History> {
-        let keeps = match self.acceleration() {
-            Acceleration::None | Acceleration::Constant | Acceleration::Aitken => false,
-            Acceleration::Auto
-            | Acceleration::Anderson
-            | Acceleration::IqnIls
-            | Acceleration::IqnImvj => true,
-        };
         let fed_back = self.fields.iter().filter(|field| !field.fed_back.is_empty());
         let bytes = fed_back.map(|field| self.sample_bytes(field)).sum::<Option<u64>>()?;
         let length = bytes / 8;
         let columns = (self.implicit.max_columns as u64).min(length);
-        keeps.then_some(History { columns, length })
+        Rule::of(self.acceleration()).map(|_| History { columns, length })
     }
 
     /// The grids of a participant's layout that a field of the run is on, or is wanted on, and whose
