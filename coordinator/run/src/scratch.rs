@@ -71,7 +71,10 @@ fn remove_abandoned(place: &Path) {
         let name = name.to_string_lossy();
         let begins = |prefix: &&str| name.starts_with(prefix);
         let known = std::iter::once(&PREFIX).chain(&WITHOUT_LOCK).any(begins);
-        if known && is_ours(&entry.path()) && is_abandoned(&entry.path()) {
+        if known
+            && is_ours(&entry.path())
+            && let Some(_held) = abandoned(&entry.path())
+        {
             let _ = fs::remove_dir_all(entry.path());
         }
     }
@@ -83,16 +86,19 @@ fn is_ours(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|found| found.is_dir() && found.uid() == user)
 }
 
-fn is_abandoned(folder: &Path) -> bool {
+/// What keeps others from a folder whose owner has ended: its lock, which stays held while the folder
+/// is removed, so that nobody who has just made it takes it for his own; of one without a lock, itself.
+fn abandoned(folder: &Path) -> Option<File> {
     let no_link = OFlags::NOFOLLOW.bits().cast_signed();
     match File::options().read(true).custom_flags(no_link).open(folder.join(LOCK)) {
-        Ok(lock) => flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok(),
+        Ok(lock) => flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok().then_some(lock),
         // It is being made, or was made by an earlier version.
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
             let changed = folder.symlink_metadata().and_then(|found| found.modified());
-            changed.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > AGE))
+            let is_old = changed.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > AGE));
+            is_old.then(|| File::open(folder).ok())?
         }
-        Err(_) => false,
+        Err(_) => None,
     }
 }
 
@@ -125,5 +131,18 @@ mod tests {
         let path = next.path().to_owned();
         drop(next);
         assert!(!path.exists());
+    }
+
+    /// While a folder is removed its lock is held: whoever has just made it finds that, and makes another.
+    #[test]
+    fn a_folder_that_is_removed_is_nobody_elses() {
+        let place = tempfile::tempdir().unwrap();
+        let Scratch { _folder: folder, _lock: lock, .. } = Scratch::within(place.path()).unwrap();
+        assert!(abandoned(folder.path()).is_none(), "its owner lives");
+        drop(lock);
+        let held = abandoned(folder.path()).unwrap();
+        assert!(abandoned(folder.path()).is_none(), "it is being removed");
+        drop(held);
+        assert!(abandoned(folder.path()).is_some());
     }
 }
