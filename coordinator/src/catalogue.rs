@@ -28,7 +28,7 @@ struct Output {
     described: Value,
 }
 
-/// The options of `coordinator fields`.
+/// Options of `coordinator fields`.
 #[derive(Debug, Args)]
 pub(crate) struct FieldsCommand {
     #[command(flatten)]
@@ -46,7 +46,7 @@ impl Command for FieldsCommand {
     }
 }
 
-/// The options of `coordinator figures`.
+/// Options of `coordinator figures`.
 #[derive(Debug, Args)]
 pub(crate) struct FiguresCommand {
     #[command(flatten)]

@@ -10,7 +10,7 @@ use run::signals;
 use run::warnings::Warning;
 use serde_json::{Value, json};
 
-/// The options of `coordinator check`.
+/// Options of `coordinator check`.
 #[derive(Debug, Args)]
 pub(crate) struct CheckCommand {
     #[command(flatten)]

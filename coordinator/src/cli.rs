@@ -1,4 +1,4 @@
-//! The command line: the list of commands, and what is done with the words of it.
+//! The command line: the list of commands, how it is parsed, and how a command ends.
 
 use crate::catalogue::{FieldsCommand, FiguresCommand};
 use crate::check::CheckCommand;

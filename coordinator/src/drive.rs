@@ -35,7 +35,7 @@ const LOOK: Duration = Duration::from_millis(20);
 /// Looks after which the doorbell is emptied.
 const LOOKS: u32 = 50;
 
-/// The command line of `coordinator drive`.
+/// Options of `coordinator drive`.
 #[derive(Debug, Args)]
 pub(crate) struct DriveCommand {
     #[command(flatten)]

@@ -28,7 +28,7 @@ use run::error::RunError;
 use std::path::{Path, PathBuf};
 use studies::ask;
 
-/// The command line of `coordinator fmu`: a case, or a surrogate in the place of one.
+/// Options of `coordinator fmu`: a case, or a surrogate in the place of one.
 #[derive(Debug, Args)]
 pub(crate) struct FmuCommand {
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! What the installed programs say of themselves.
+//! Descriptions of the installed programs.
 
 use contract::description::Description;
 use run::error::{RunError, file_failure};
@@ -6,7 +6,7 @@ use run::programs;
 use run::signals;
 use std::time::Duration;
 
-/// What the installed programs say of themselves.
+/// Asks the installed programs to describe themselves.
 pub(crate) fn installed() -> Result<Vec<Description>, RunError> {
     let _asking = signals::end_at_once();
     let runtime = tokio::runtime::Builder::new_current_thread()

@@ -17,7 +17,7 @@ use run::error::RunError;
 use run::wrap;
 use std::fmt::Write as _;
 
-/// What `coordinator keys` is asked.
+/// Options of `coordinator keys`.
 #[derive(Debug, Args)]
 pub(crate) struct KeysCommand {
     #[command(flatten)]

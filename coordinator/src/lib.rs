@@ -1,8 +1,8 @@
 //! The executable `coordinator`: its commands, a file each, and the list of all of them ([`cli`]).
 //!
-//! What a case is, and how it runs, are crates of their own: [`case`], [`run`]. Commands that are much
-//! are crates too: [`studies`] run a case many times, [`conformance`] drives participants and reads
-//! recordings, [`pages`] draws. What all commands share is in [`console`].
+//! Cases and runs are crates of their own: [`case`], [`run`]. So are groups of large commands:
+//! [`studies`] runs a case many times, [`conformance`] drives participants and reads recordings,
+//! [`pages`] draws. [`console`] has the parts that all commands share.
 
 mod catalogue;
 mod check;

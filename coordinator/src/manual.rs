@@ -1,4 +1,5 @@
-//! `coordinator completions` and `coordinator man`: what shells and `man` read, from the command line itself.
+//! `coordinator completions` and `coordinator man`: files for shells and for `man`, made of the list
+//! of commands.
 
 use clap::Args;
 use console::command::{Command, Context, Group};
@@ -7,7 +8,7 @@ use run::error::{RunError, file_failure};
 use run::results::write::replace;
 use std::path::PathBuf;
 
-/// The options of `coordinator completions`.
+/// Options of `coordinator completions`.
 #[derive(Debug, Args)]
 pub(crate) struct CompletionsCommand {
     /// The shell.
@@ -28,7 +29,7 @@ impl Command for CompletionsCommand {
     }
 }
 
-/// The options of `coordinator man`.
+/// Options of `coordinator man`.
 #[derive(Debug, Args)]
 pub(crate) struct ManCommand {
     /// Folder for a page of each command.

@@ -12,7 +12,7 @@ use run::signals;
 use studies::advise;
 use studies::study::Variant;
 
-/// The options of `coordinator plan`.
+/// Options of `coordinator plan`.
 #[derive(Debug, Args)]
 pub(crate) struct PlanCommand {
     #[command(flatten)]

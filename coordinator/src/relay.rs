@@ -11,7 +11,7 @@ use std::{io, process};
 /// The executable.
 const PROGRAM: &str = "cosim-relay";
 
-/// What `cosim-relay` is given.
+/// Options of `coordinator relay`, which `cosim-relay` reads.
 #[derive(Clone, Debug, Args)]
 #[command(disable_help_flag = true)]
 pub(crate) struct RelayCommand {

@@ -6,7 +6,7 @@ use run::error::RunError;
 use run::signals;
 use std::path::PathBuf;
 
-/// The options of `coordinator report`.
+/// Options of `coordinator report`.
 #[derive(Debug, Args)]
 pub(crate) struct ReportCommand {
     /// The result directory.

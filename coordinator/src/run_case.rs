@@ -22,7 +22,7 @@ use std::time::Instant;
 use studies::accuracy::{Decision, Search, Target};
 use studies::study::{Variant, expected_seconds};
 
-/// The options of `coordinator run`.
+/// Options of `coordinator run`.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RunCommand {
     /// The case file, or - for standard input.
@@ -178,8 +178,8 @@ fn run_case(begun: &Begun, asked: &RunCommand, context: &Context<'_>) -> Result<
     conclude(begun, perform(begun, asked, context), asked, context)
 }
 
-/// The error is stated. With a target models and resolution are chosen, and once more if the error turns out too large. The answer that there
-/// is stays until a better one has come to its end.
+/// Runs a case and states its error. With a target, models and resolution are chosen, and once more
+/// if the error turns out too large; an answer stays until a better one is complete.
 fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
     let _participants = crew::keep();
     let case = asked.case.as_ref().expect("required unless a run is resumed");

@@ -52,13 +52,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// What `coordinator conform` is asked.
+/// Options of `coordinator conform`.
 #[derive(Debug, Args)]
 pub struct ConformCommand {
     /// The role that it plays.
     #[arg(long, value_name = "ROLE")]
     role: String,
-    /// The case that it is configured with, for every model and mode it offers [default: the scene wheel-rail].
+    /// The case that it is configured with, for every model and mode it offers [default: the scene
+    /// wheel-rail].
     #[arg(long, value_name = "FILE")]
     case: Option<PathBuf>,
     /// Change a key of the case: dotted name and TOML value (a bare word is a text).

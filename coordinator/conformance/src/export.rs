@@ -25,7 +25,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-/// What `coordinator export` is asked.
+/// Options of `coordinator export`.
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("form").required(true).multiple(true).args(["vtk", "csv"]))]
 pub struct ExportCommand {

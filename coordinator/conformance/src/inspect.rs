@@ -20,7 +20,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-/// What `coordinator inspect` is asked.
+/// Options of `coordinator inspect`.
 #[derive(Debug, Args)]
 pub struct InspectCommand {
     /// The recording.

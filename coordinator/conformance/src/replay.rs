@@ -37,7 +37,7 @@ use run::signals;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What `coordinator replay` is asked.
+/// Options of `coordinator replay`.
 #[derive(Debug, Args)]
 pub struct ReplayCommand {
     /// The recording.

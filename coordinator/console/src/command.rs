@@ -20,27 +20,27 @@ pub trait Command: clap::Args {
     /// Help, as one sentence or two without the last full stop.
     const ABOUT: &'static str;
 
-    /// Does what was asked.
+    /// Does the command.
     ///
     /// # Errors
-    /// Whatever ends the command badly; the error's exit code is that of the process.
+    /// The failure that ended the command; its exit code is that of the process.
     fn run(&self, context: &Context<'_>) -> Result<(), RunError>;
 }
 
 /// A group of commands in the help.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
-    /// To run a case.
+    /// Commands that check, plan and run a case.
     Run,
-    /// To look at what a run has left.
+    /// Commands that show what a run has left.
     Look,
-    /// Many runs of one case, and what is made of them.
+    /// Commands that run a case many times.
     Study,
-    /// For authors of solvers.
+    /// Commands for authors of solvers.
     Solvers,
-    /// For other programs and machines.
+    /// Commands for other programs and machines.
     Connect,
-    /// What there is.
+    /// Commands that list keys, fields and figures, and document the others.
     Reference,
 }
 
@@ -63,14 +63,14 @@ impl Group {
     }
 }
 
-/// What every command is given besides its own options.
+/// State of the process that a command is given besides its own options.
 #[derive(Clone, Copy, Debug)]
 pub struct Context<'a> {
-    /// Nothing but errors is printed.
+    /// `--quiet`: nothing but errors is printed.
     pub quiet: bool,
     /// The log of the process.
     pub log: &'a Logging,
-    /// When the process began.
+    /// Start of the process.
     pub since: Instant,
     /// The whole command line, for completions and the manual.
     pub whole: fn() -> clap::Command,
@@ -80,7 +80,7 @@ impl Context<'_> {
     /// Prints a text, unless nothing is to be printed.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// Standard output cannot be written.
     pub fn print(&self, text: &str) -> Result<(), RunError> {
         if self.quiet { Ok(()) } else { output::print(text) }
     }
@@ -88,7 +88,7 @@ impl Context<'_> {
     /// Prints lines that begin with names, in colours on a terminal.
     ///
     /// # Errors
-    /// They cannot be written.
+    /// Standard output cannot be written.
     pub fn print_lines(&self, text: &str) -> Result<(), RunError> {
         match self.quiet {
             true => Ok(()),
@@ -113,12 +113,12 @@ pub struct Entry {
     run: fn(&clap::ArgMatches, &Context<'_>) -> Result<(), Ended>,
 }
 
-/// How a command can end badly.
+/// Failure of a command.
 #[derive(Debug)]
 pub enum Ended {
-    /// Its options do not go together.
+    /// Options that do not go together.
     Usage(clap::Error),
-    /// It failed.
+    /// Failure while it ran.
     Failed(Box<RunError>),
 }
 
@@ -141,14 +141,14 @@ impl Entry {
     /// The command as the parser of the command line has it.
     #[must_use]
     pub fn parser(&self) -> clap::Command {
-        // The help of a struct of options says what they are; that of the command stands here.
+        // clap would take the doc comment of the struct, or of options flattened into it.
         (self.options)(clap::Command::new(self.name)).about(self.about).long_about(None)
     }
 
     /// Does the command with the options that were found.
     ///
     /// # Errors
-    /// Those of [`Command::run`], and options that do not go together.
+    /// Same errors as [`Command::run`], and options that do not go together.
     pub fn run(&self, found: &clap::ArgMatches, context: &Context<'_>) -> Result<(), Ended> {
         (self.run)(found, context)
     }

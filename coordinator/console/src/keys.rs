@@ -51,7 +51,7 @@ pub fn all(described: &[Description]) -> Vec<Key> {
     keys
 }
 
-/// The section of the case in which a key stands.
+/// Returns the section of the case in which a key stands.
 #[must_use]
 pub fn section(key: &Key) -> &str {
     key.spec.path.split('.').next().unwrap_or_default()

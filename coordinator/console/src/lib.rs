@@ -1,5 +1,5 @@
-//! What the commands of the coordinator share: the trait of a command, the case that it is given,
-//! standard output, colours, progress and the log.
+//! Parts that the commands of the coordinator share: the trait of a command, the case that it is
+//! given, standard output, colours, progress and the log.
 
 pub mod case_arguments;
 pub mod colour;

@@ -52,7 +52,7 @@ impl Level {
 #[derive(Clone, Debug)]
 pub struct Logging {
     file: LogFile,
-    /// The file as messages name it, once there is one.
+    /// Name of the file in messages, once there is one.
     path: Arc<Mutex<Option<PathBuf>>>,
     screen: Screen,
 }
@@ -87,7 +87,7 @@ impl Logging {
         log
     }
 
-    /// Sends everything, also what was logged before, to this file, which messages name like this.
+    /// Sends everything, also what was logged before, to a file; `shown` is its name in messages.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -102,7 +102,7 @@ impl Logging {
         Ok(())
     }
 
-    /// The file in which there is more to read, as messages name it.
+    /// Returns the name of the log file in messages, once there is one.
     #[must_use]
     pub fn path(&self) -> Option<PathBuf> {
         self.path.lock().unwrap_or_else(PoisonError::into_inner).clone()

@@ -30,7 +30,7 @@ pub struct NotConverged {
     pub field: String,
     /// Its residual over its values, in two-norms \[-\].
     pub residual: f64,
-    /// What of the acceleration to change in the case.
+    /// Change of the case that the accelerator advises.
     pub advice: &'static str,
 }
 

@@ -1,12 +1,13 @@
-//! `coordinator report`: one page about a run, which needs nothing but itself.
+//! Pages about runs and studies, each one file that needs nothing but itself, and their drawings as
+//! pictures.
 //!
 //! A result directory → [`source::Results`] → [`page::Section`]s → `report.html`. The page asks for
 //! nothing: plots are inline SVG, surface maps are small images within it, and all colours are
 //! style-sheet variables, so that light and dark are one file. A script of its own (`page.js`) adds
 //! what paper cannot: values under the pointer, details, decades, files. It reads them off the drawings
 //! that the page, a picture and a printout share; a library of plots would draw everything a second
-//! time, weigh ten (uPlot: lines alone) to a hundred times as much (Plotly: maps) and print worse. What a run did not write has no
-//! section.
+//! time, weigh ten (uPlot: lines alone) to a hundred times as much (Plotly: maps) and print worse.
+//! Quantities that a run did not write have no section.
 //!
 //! A further section is one function that returns [`page::Section`]s, made of the blocks
 //! [`plot::Figure`], [`map::Heatmap`], [`lanes::Lanes`] and [`table::Table`].

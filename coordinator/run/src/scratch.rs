@@ -86,8 +86,9 @@ fn is_ours(path: &Path) -> bool {
     path.symlink_metadata().is_ok_and(|found| found.is_dir() && found.uid() == user)
 }
 
-/// What keeps others from a folder whose owner has ended: its lock, which stays held while the folder
-/// is removed, so that nobody who has just made it takes it for his own; of one without a lock, itself.
+/// Takes the lock of a folder whose owner has ended; `None` if it has an owner. The lock has to stay
+/// held while the folder is removed: a process that has just made the folder would else lock it, and
+/// then lose it. A folder without a lock file stands for its own lock.
 fn abandoned(folder: &Path) -> Option<File> {
     let no_link = OFlags::NOFOLLOW.bits().cast_signed();
     match File::options().read(true).custom_flags(no_link).open(folder.join(LOCK)) {
@@ -133,7 +134,8 @@ mod tests {
         assert!(!path.exists());
     }
 
-    /// While a folder is removed its lock is held: whoever has just made it finds that, and makes another.
+    /// The lock of a folder is held while it is removed, so a process that has just made it notices,
+    /// and makes another.
     #[test]
     fn a_folder_that_is_removed_is_nobody_elses() {
         let place = tempfile::tempdir().unwrap();

@@ -21,7 +21,7 @@ use perform::{Request, study};
 use run::error::RunError;
 use run::scratch::Scratch;
 
-/// What `coordinator ablate` is asked.
+/// Options of `coordinator ablate`.
 #[derive(Debug, Args)]
 pub struct AblateCommand {
     #[command(flatten)]

@@ -17,7 +17,7 @@ use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use surrogate::{Figure, Measure, Surrogate};
 
-/// What `coordinator ask` is asked.
+/// Options of `coordinator ask`.
 #[derive(Debug, Args)]
 pub struct AskCommand {
     /// The surrogate, or the folder of a sweep that has one.

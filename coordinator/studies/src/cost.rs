@@ -37,7 +37,7 @@ use std::path::Path;
 use study::Request;
 use sweep::Places;
 
-/// What `coordinator cost` is asked.
+/// Options of `coordinator cost`.
 #[derive(Debug, Args)]
 pub struct CostCommand {
     #[command(flatten)]

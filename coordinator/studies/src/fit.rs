@@ -28,7 +28,7 @@ use std::path::PathBuf;
 /// The file in the folder of the sweep.
 pub(crate) const FILE: &str = "fit.json";
 
-/// What `coordinator fit` is asked.
+/// Options of `coordinator fit`.
 #[derive(Debug, Args)]
 pub struct FitCommand {
     /// The folder of a sweep that has come to its end.

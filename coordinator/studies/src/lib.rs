@@ -1,8 +1,8 @@
-//! Studies: a case run many times, and what is made of the answers.
+//! Studies: a case run many times, with a table and a page of the answers.
 //!
-//! [`study`] has what they share: variants of a case, their runs, the folder and the file of a study,
-//! its table and its page. A study is a module with its command; [`KINDS`] lists those whose page
-//! `coordinator report` can make again.
+//! [`study`] has the parts that they share: variants of a case, their runs, the folder and the file
+//! of a study, its table and its page. A study is a module with its command; [`KINDS`] lists those
+//! whose page `coordinator report` can make again.
 
 pub mod ablate;
 pub mod accuracy;

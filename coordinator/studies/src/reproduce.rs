@@ -37,7 +37,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use study::Study;
 
-/// What `coordinator reproduce` is asked.
+/// Options of `coordinator reproduce`.
 #[derive(Debug, Args)]
 pub struct ReproduceCommand {
     /// The study: its cases, tables, figures and text.

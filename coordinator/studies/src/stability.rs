@@ -40,7 +40,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use suite::{Entry, Expected, Sweep};
 
-/// What `coordinator stability` is asked.
+/// Options of `coordinator stability`.
 #[derive(Debug, Args)]
 pub struct StabilityCommand {
     /// The suite.

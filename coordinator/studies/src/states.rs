@@ -19,7 +19,7 @@ use perform::{Request, study};
 use run::error::RunError;
 use run::scratch::Scratch;
 
-/// What `coordinator states` is asked.
+/// Options of `coordinator states`.
 #[derive(Debug, Args)]
 pub struct StatesCommand {
     #[command(flatten)]

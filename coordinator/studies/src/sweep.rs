@@ -38,7 +38,7 @@ use run::scratch::Scratch;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What `coordinator sweep` is asked.
+/// Options of `coordinator sweep`.
 #[derive(Debug, Args)]
 pub struct SweepCommand {
     #[command(flatten)]

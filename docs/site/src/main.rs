@@ -1,4 +1,5 @@
-//! `cargo run --release --manifest-path docs/site/Cargo.toml`: makes the documentation site, in `target/site` or the folder that is named.
+//! Makes the documentation site in `target/site`, or in the folder that is named:
+//! `cargo run --release --manifest-path docs/site/Cargo.toml`.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command says how it ended")]
 

@@ -1,8 +1,8 @@
-//! Advice on every shipped case; on some of them the system tests say what it is.
+//! Advice on every shipped case; the system tests check its content for some of them.
 
 use tests::harness::{Place, root};
 
-/// Whatever is shipped can be advised on, scenes of which nobody can say anything too.
+/// Every shipped case gets advice, or the word that there is none to give.
 #[test]
 fn every_shipped_case_is_advised() {
     for entry in std::fs::read_dir(root().join("cases")).unwrap() {

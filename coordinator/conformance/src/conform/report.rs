@@ -1,9 +1,9 @@
-//! How a participant went through all checks.
+//! Results of all checks of a participant.
 
 use super::check::{CheckOutcome, CheckResult};
 use serde::Serialize;
 
-/// How a participant went through the contract.
+/// Results of all checks of a participant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Report {
     /// Role that was asked for.

@@ -26,7 +26,7 @@ pub trait Accelerator {
         PATIENCE
     }
 
-    /// What to change in the case if a window does not converge.
+    /// Returns the change of the case that helps a window that does not converge.
     fn advice(&self) -> &'static str {
         "set coupling.acceleration to \"iqn-ils\""
     }

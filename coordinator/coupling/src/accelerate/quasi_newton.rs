@@ -38,7 +38,7 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// The rule of an acceleration that keeps secant columns; `None` of one that keeps none.
+    /// Returns the rule of an acceleration that keeps secant columns; `None` for one that keeps none.
     #[must_use]
     pub fn of(acceleration: Acceleration) -> Option<Self> {
         match acceleration {
