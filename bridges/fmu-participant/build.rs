@@ -1,4 +1,5 @@
-//! The one function that Rust cannot define: a logger with a variable number of arguments (FMI 2.0).
+//! Builds the logger of FMI 2.0. It takes a variable number of arguments, and Rust cannot define
+//! such a function.
 
 fn main() {
     println!("cargo::rerun-if-changed=src/logger.c");

@@ -1,30 +1,31 @@
-//! `coordinator fields` and `coordinator figures`: every field that participants exchange or write, and every number of a summary, with
-//! unit, meaning, and who gives it.
+//! `coordinator fields` and `coordinator figures`: fields that participants exchange or write, and
+//! figures of a summary, with unit, meaning and source.
 //!
-//! They are those of the contract's table and of what the installed programs describe; docs/fields.md and docs/figures.md are
-//! written from them.
+//! Both come from the contract's table and from the descriptions of the installed programs.
+//! docs/fields.md and docs/figures.md are generated from them.
 
 use crate::installed::installed;
 use clap::Args;
 use console::command::{Command, Context, Group};
-use console::listing::Listing;
+use console::keys::plain;
+use console::listing::{Entry, Listing};
 use console::output::print;
 use contract::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use contract::field::{self, FieldKind, FieldSpec};
 use contract::figure::FigureSpec;
 use contract::text::json;
 use run::error::RunError;
-use run::wrap;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Something that participants give.
+/// A field or a figure.
 struct Output {
     name: String,
     unit: String,
     meaning: String,
     given_by: Vec<String>,
-    /// All that is described of it.
+    read_by: Vec<String>,
+    /// Description, as its program gives it.
     described: Value,
 }
 
@@ -38,8 +39,8 @@ pub(crate) struct FieldsCommand {
 impl Command for FieldsCommand {
     const NAME: &'static str = "fields";
     const GROUP: Group = Group::Reference;
-    const ABOUT: &'static str =
-        "Show every field that participants exchange or write: unit, components, and who gives it";
+    const ABOUT: &'static str = "List the fields that participants exchange or write";
+    const EXAMPLES: &'static [&'static str] = &["coordinator fields speed"];
 
     fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
         fields(&self.of, &installed()?)
@@ -56,8 +57,8 @@ pub(crate) struct FiguresCommand {
 impl Command for FiguresCommand {
     const NAME: &'static str = "figures";
     const GROUP: Group = Group::Reference;
-    const ABOUT: &'static str =
-        "Show every number of a summary: unit, meaning, what is expected, and who gives it";
+    const ABOUT: &'static str = "List the figures of a summary";
+    const EXAMPLES: &'static [&'static str] = &["coordinator figures creepage"];
 
     fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
         figures(&self.of, &installed()?)
@@ -84,18 +85,15 @@ fn fields(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
             1 => String::new(),
             count => format!("; {count} components"),
         };
-        let read = match consumed_by.is_empty() {
-            true => String::new(),
-            false => format!("; read by {}", consumed_by.join(", ")),
-        };
         let mut all = json!(kind);
         all["provided_by"] = json!(provided_by);
         all["consumed_by"] = json!(consumed_by);
         Output {
-            meaning: format!("{}{components}{read}", kind.meaning),
+            meaning: format!("{}{components}", kind.meaning),
             name: kind.name,
             unit: kind.unit,
             given_by: provided_by,
+            read_by: consumed_by,
             described: all,
         }
     };
@@ -109,10 +107,10 @@ fn fields(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
 fn figures(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
     let of = |spec: &FigureSpec, giver: String| {
         let expected = spec.plausible.as_ref().map_or(String::new(), |bounds| {
-            let least = bounds.least.map(|least| format!("at least {least}"));
-            let most = bounds.most.map(|most| format!("at most {most}"));
+            let least = bounds.least.map(|least| format!("at least {}", plain(least)));
+            let most = bounds.most.map(|most| format!("at most {}", plain(most)));
             let both: Vec<String> = least.into_iter().chain(most).collect();
-            format!("; expected is {}: {}", both.join(" and "), bounds.why)
+            format!("; expected {}: {}", both.join(" and "), bounds.why)
         });
         let mut all = json!(spec);
         all["given_by"] = json!([giver]);
@@ -121,6 +119,7 @@ fn figures(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
             unit: spec.unit.clone(),
             meaning: format!("{}{expected}", spec.words),
             given_by: vec![giver],
+            read_by: Vec::new(),
             described: all,
         }
     };
@@ -132,12 +131,12 @@ fn figures(asked: &Listing, described: &[Description]) -> Result<(), RunError> {
         figures.iter().map(move |spec| of(spec, role.clone())).chain(with_effects)
     });
     let intro = "Every number of `summary.json` that the installed programs describe, as `coordinator figures --markdown` writes them; \
-                 `coordinator figures PATTERN` shows some. `*` stands for the name of a body, `#` for a place in a list. A model without one leaves \
-                 it out. What is beyond what is expected is told, and an error with `--strict`.";
+                 `coordinator figures PATTERN` shows some. `*` stands for the name of a body, `#` for a place in a list. A model omits \
+                 figures that it does not compute. Unexpected values give a warning, and with `--strict` an error.";
     show(asked, all.collect(), "Figures", intro)
 }
 
-/// The roles with a model that does, and the effects that do.
+/// Returns the roles with a matching model, and the matching effects.
 fn those(
     described: &[Description],
     model: impl Fn(&ModelSpec) -> bool,
@@ -162,25 +161,34 @@ fn those(
 }
 
 fn show(asked: &Listing, all: Vec<Output>, title: &str, intro: &str) -> Result<(), RunError> {
-    let all = asked.pick(all, |one| [&one.name, &one.meaning])?;
+    let matches = |output: &Output| asked.matches([&output.name, &output.meaning]);
+    let all = asked.found(all.into_iter().filter(matches).collect())?;
     print(&match (asked.json, asked.markdown) {
         (true, _) => json(&all.iter().map(|one| &one.described).collect::<Vec<_>>()),
         (_, true) => markdown(&all, title, intro),
-        _ => all.iter().map(terminal).collect(),
+        _ => all.iter().map(|output| asked.lines(&entry(output))).collect(),
     })
 }
 
-fn terminal(Output { name, unit, meaning, given_by, .. }: &Output) -> String {
-    let given = given_by.join(", ");
-    wrap::columns(&format!("{name}  [{unit}]\n    {meaning}\n    from {given}\n"))
+fn entry(output: &Output) -> Entry<'_> {
+    let Output { name, unit, meaning, read_by, given_by, .. } = output;
+    let mut details = vec![format!("from {}", given_by.join(", "))];
+    if !read_by.is_empty() {
+        details.push(format!("read by {}", read_by.join(", ")));
+    }
+    Entry { name, text: format!("{meaning} [{unit}]"), details }
 }
 
 fn markdown(all: &[Output], title: &str, intro: &str) -> String {
     let mut text = format!(
         "# {title}\n\n{intro}\n\n| name | unit | what | from |\n| --- | --- | --- | --- |\n"
     );
-    for Output { name, unit, meaning, given_by, .. } in all {
-        let (meaning, given) = (meaning.replace('|', "\\|"), given_by.join(", "));
+    for Output { name, unit, meaning, given_by, read_by, .. } in all {
+        let readers = match read_by.is_empty() {
+            true => String::new(),
+            false => format!("; read by {}", read_by.join(", ")),
+        };
+        let (meaning, given) = (meaning.replace('|', "\\|") + &readers, given_by.join(", "));
         let _ = writeln!(text, "| `{name}` | {unit} | {meaning} | {given} |");
     }
     text

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 pub(crate) struct CheckCommand {
     #[command(flatten)]
     case: CaseArguments,
-    /// Start no program: judge a case from elsewhere by the coordinator's own keys alone.
+    /// Start no program: check only the coordinator's own keys.
     #[arg(long)]
     no_start: bool,
     /// Print JSON: errors and warnings, each with key, place, reason and fix.
@@ -26,8 +26,9 @@ pub(crate) struct CheckCommand {
 impl Command for CheckCommand {
     const NAME: &'static str = "check";
     const GROUP: Group = Group::Run;
-    const ABOUT: &'static str = "Check a case: every error at once, each with its place, reason and fix. \
-        Starts the programs that the case names, to ask them what they read";
+    const ABOUT: &'static str = "Report every error of a case, with place and fix. Starts the programs that the case names, because only they know their keys";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator check CASE", "coordinator check --no-start from-elsewhere.toml"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let _asking = signals::end_at_once();
@@ -46,7 +47,7 @@ impl Command for CheckCommand {
     }
 }
 
-/// Prints the errors or the warnings of a case; its errors are those of the command.
+/// Prints the errors or the warnings of a case. Errors of the case are errors of the command.
 fn check_as_json(asked: &CaseArguments) -> Result<(), RunError> {
     let planned = asked.plan();
     let problem = |one: &case::Problem| json!({"key": one.key, "place": one.place.to_string(), "reason": one.reason, "fix": one.fix});
@@ -65,7 +66,7 @@ fn check_as_json(asked: &CaseArguments) -> Result<(), RunError> {
     planned.map(drop)
 }
 
-/// A warning with the same entries as an error has, besides its own.
+/// Adds the entries of an error to those of a warning.
 fn warning_as_json(warning: &Warning) -> Value {
     let mut entries = json!(warning);
     let usual = [("place", String::new()), ("reason", warning.to_string()), ("fix", String::new())];

@@ -1,10 +1,11 @@
-//! The command line: the list of commands, how it is parsed, and how a command ends.
+//! The command line: list of commands, parser, and exit codes.
 
 use crate::catalogue::{FieldsCommand, FiguresCommand};
 use crate::check::CheckCommand;
 use crate::compare::CompareCommand;
 use crate::drive::DriveCommand;
 use crate::fmu::FmuCommand;
+use crate::import::ImportCommand;
 use crate::keys::KeysCommand;
 use crate::manual::{CompletionsCommand, ManCommand};
 use crate::new::NewCommand;
@@ -61,6 +62,7 @@ const COMMANDS: &[Entry] = &[
     Entry::of::<NewSolverCommand>(),
     Entry::of::<ConformCommand>(),
     Entry::of::<ReplayCommand>(),
+    Entry::of::<ImportCommand>(),
     Entry::of::<FmuCommand>(),
     Entry::of::<DriveCommand>(),
     Entry::of::<RelayCommand>(),
@@ -74,25 +76,33 @@ const COMMANDS: &[Entry] = &[
 /// Options of every command.
 #[derive(Debug, Args)]
 struct Options {
-    /// What reaches the screen [default: RUST_LOG, or warn].
-    #[arg(long, global = true, value_name = "LEVEL", display_order = 900)]
+    /// Least severe messages on the screen: error, warn, info, debug or trace [default: RUST_LOG,
+    /// or warn].
+    #[arg(
+        long,
+        global = true,
+        value_name = "LEVEL",
+        display_order = 900,
+        hide_possible_values = true
+    )]
     log: Option<Level>,
-    /// Print errors only, whatever else says what reaches the screen.
+    /// Print only errors; overrides --log and RUST_LOG.
     #[arg(long, short, global = true, display_order = 901)]
     quiet: bool,
-    /// Colours: on a terminal, always or never.
+    /// When to use colours: auto (on a terminal), always or never.
     #[arg(
         long,
         global = true,
         display_order = 902,
         value_name = "WHEN",
         default_value = "auto",
-        hide_possible_values = true
+        hide_possible_values = true,
+        hide_default_value = true
     )]
     color: Colours,
 }
 
-/// The whole command line, as its parser has it.
+/// Returns the parser of the whole command line.
 #[must_use]
 pub fn parser() -> clap::Command {
     let command = clap::Command::new("coordinator")
@@ -111,22 +121,23 @@ pub fn parser() -> clap::Command {
         .subcommands(COMMANDS.iter().map(Entry::parser))
 }
 
-/// The commands as the help lists them, by their groups.
+/// Returns the list of commands in the help, by groups.
 fn list() -> String {
     let line = |entry: &Entry| {
-        // What a command starts, its own help says.
+        // The second sentence is in the help of the command.
         let about = entry.about.split(". ").next().unwrap_or_default();
         let text = wrap::columns(&format!("  {:12}  {about}", entry.name));
         text.replacen(entry.name, &format!("\x1b[1m{}\x1b[0m", entry.name), 1) + "\n"
     };
     let group = |group: Group| {
-        let entries: String = COMMANDS.iter().filter(|one| one.group == group).map(line).collect();
+        let entries: String =
+            COMMANDS.iter().filter(|entry| entry.group == group).map(line).collect();
         format!("\x1b[1;4m{}:\x1b[0m\n{entries}\n", group.title())
     };
     Group::ALL.into_iter().map(group).collect()
 }
 
-/// Does what the command line asks for; the exit code.
+/// Runs the command line and returns the exit code.
 pub fn main(since: Instant) -> u8 {
     let parsed = parser().color(colour::of_help(std::env::args_os())).try_get_matches();
     let (options, found) = match parsed.and_then(|found| {
@@ -154,7 +165,7 @@ pub fn main(since: Instant) -> u8 {
     }
 }
 
-/// Help, the version, or what is wrong with the command line.
+/// Prints help, the version, or the error of the command line, and returns the exit code.
 fn usage_error(error: &clap::Error) -> u8 {
     match error.print().and_then(|()| std::io::stdout().flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -176,7 +187,7 @@ fn print_error(error: &RunError) {
         RunError::Case(problems) => {
             writeln!(stderr, "{}", problems.render(colour::on(&stderr)))
         }
-        // Whatever it quotes, an error is one line.
+        // An error is one line, even if it quotes several.
         other => {
             let error = colour::error(colour::on(&stderr));
             writeln!(stderr, "{error}: {}", one_line(&other.to_string()))

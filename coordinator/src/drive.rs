@@ -1,38 +1,29 @@
-//! `coordinator drive`: a run that is driven from outside, by lines on standard input and output.
-//!
-//! | file | what |
-//! |---|---|
-//! | `line.rs` | the language: one JSON object a line, each way |
-//! | `ear.rs` | lines of standard input, which come when they come |
-//! | `answers.rs` | lines of standard output, which are read when they are read |
+//! `coordinator drive`: a run driven by lines on standard input and output.
 
-mod answers;
-mod ear;
 mod line;
+mod streams;
 
-use answers::Answers;
 use case::Case;
 use clap::Args;
 use console::case_arguments::CaseArguments;
 use console::command::{Command, Context, Group};
 use console::logging::{Logging, log_warnings};
 use coupling::windows::Windows;
-use ear::{Ear, Heard};
 use line::{Answer, LiveKey, Request, VERSION};
 use run::crew;
 use run::error::{RunError, file_failure};
-use run::perform::{self, Driven, Driver, Fault, RunStart};
+use run::perform::{self, Driven, Driver, DriverError, RunOptions};
 use run::plan::Planned;
-use run::progress::silent;
 use run::results::{Existing, ResultFolder};
 use run::scratch::Scratch;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use streams::{LineReader, LineWriter, Received};
 
-/// Between two looks at processes and signals while nothing is asked for.
+/// Interval of checks of processes and signals while no request arrives.
 const LOOK: Duration = Duration::from_millis(20);
-/// Looks after which the doorbell is emptied.
+/// Number of checks after which the doorbell is emptied.
 const LOOKS: u32 = 50;
 
 /// Options of `coordinator drive`.
@@ -40,7 +31,7 @@ const LOOKS: u32 = 50;
 pub(crate) struct DriveCommand {
     #[command(flatten)]
     of: CaseArguments,
-    /// Result directory [default: none, results are not kept].
+    /// Result directory [default: none; results are discarded].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace the results of an earlier run in DIR.
@@ -51,14 +42,14 @@ pub(crate) struct DriveCommand {
 impl Command for DriveCommand {
     const NAME: &'static str = "drive";
     const GROUP: Group = Group::Connect;
-    const ABOUT: &'static str =
-        "Drive a run from outside, window by window: JSON lines on standard input and output";
+    const ABOUT: &'static str = "Run a case window by window, by JSON lines";
+    const EXAMPLES: &'static [&'static str] = &["coordinator drive CASE"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let answers = Answers::open();
+        let answers = LineWriter::open();
         let ended = drive(self, context.log, context.since, &answers);
         if let Err(error) = &ended {
-            // Whoever drives reads it there, whatever has ended the run.
+            // The driving program reads errors from standard output, whatever ended the run.
             let answer = Answer::Failed { error: error.to_string(), kind: "ended" };
             answers.write_last(answer.line())?;
         }
@@ -67,33 +58,36 @@ impl Command for DriveCommand {
 }
 
 fn drive(
-    asked: &DriveCommand,
+    command: &DriveCommand,
     log: &Logging,
     since: Instant,
-    answers: &Answers,
+    answers: &LineWriter,
 ) -> Result<(), RunError> {
-    if asked.of.case == Path::new("-") {
+    if command.of.case == Path::new("-") {
         let why = "standard input has the lines that drive the run; name a file of the case";
         return Err(RunError::Usage(why.to_owned()));
     }
     let _participants = crew::keep();
-    let planned = planned(&asked.of)?;
+    let planned = planned(&command.of)?;
     let plan_seconds = since.elapsed().as_secs_f64();
-    let unkept = match &asked.out {
+    let unkept = match &command.out {
         Some(_) => None,
         None => Some(Scratch::new()?),
     };
     let unkept_path = unkept.as_ref().map(|folder| folder.path().join("results"));
-    let path = asked.out.as_deref().or(unkept_path.as_deref()).unwrap_or(Path::new("results"));
-    let ear = Ear::open(BufReader::new(std::io::stdin()));
-    let mut lines = Lines { ear, answers, end: End::OfInput };
-    let mut existing = Existing::option(asked.replace);
-    let mut start = RunStart { since, plan_seconds };
+    let path = command.out.as_deref().or(unkept_path.as_deref()).unwrap_or(Path::new("results"));
+    let input = LineReader::open(BufReader::new(std::io::stdin()));
+    let mut lines = Lines { input, answers, end: End::OfInput };
+    let mut existing = Existing::option(command.replace);
+    let (mut since, mut plan_seconds) = (since, plan_seconds);
     loop {
-        let folder = ResultFolder::prepare(path, &asked.of.case, existing)?;
+        let folder = ResultFolder::prepare(path, &command.of.case, existing)?;
         log.write_to(folder.log()?, folder.shown_log())
             .map_err(|error| file_failure(&folder.shown_log(), &error))?;
-        let outcome = perform::drive(&planned, &folder, &silent(), start, &mut lines);
+        let driver: &mut dyn Driver = &mut lines;
+        let options =
+            RunOptions { since, plan_seconds, driver: Some(driver), ..RunOptions::default() };
+        let outcome = perform::run(&planned, &folder, options);
         if unkept.is_some() || lines.end == End::Reset {
             log.release();
         }
@@ -103,7 +97,7 @@ fn drive(
             (None, End::Finish) => return answers.write_last(Answer::DONE.line()),
             (None, End::Reset) => {
                 existing = Existing::Replace;
-                start = RunStart { since: Instant::now(), plan_seconds: 0.0 };
+                (since, plan_seconds) = (Instant::now(), 0.0);
             }
         }
     }
@@ -112,18 +106,18 @@ fn drive(
 /// Reason why a driven run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
-    /// There are no more.
+    /// End of standard input.
     OfInput,
-    /// The end was asked for, and is to be confirmed.
+    /// Request to end the run, which is to be confirmed.
     Finish,
-    /// Another run was asked for.
+    /// Request of another run.
     Reset,
 }
 
-/// The plan of a case that is driven.
+/// Returns the plan of a driven case.
 ///
 /// # Errors
-/// That of the case; windows that nobody can ask for.
+/// The case is invalid, or its windows cannot be requested one by one.
 pub(crate) fn planned(of: &CaseArguments) -> Result<Planned, RunError> {
     let mut planned = of.plan()?;
     log_warnings(&planned.plan.warnings);
@@ -131,32 +125,36 @@ pub(crate) fn planned(of: &CaseArguments) -> Result<Planned, RunError> {
     Ok(planned)
 }
 
-/// The windows of a case, as they are asked for one by one.
+/// Returns the windows of a case, which are requested one by one.
 fn open(case: &Case, windows: &Windows) -> Result<Windows, RunError> {
-    let refuse = |key: &str, reason: &str, fix: &str| {
-        let problem = case.problem_at(key, reason, fix);
-        Err(case.report(vec![problem]).expect("there is a problem").into())
-    };
     match windows {
         Windows::Steady => Ok(Windows::Open { window: None }),
         Windows::Fixed { window, .. } => Ok(Windows::Open { window: Some(*window) }),
-        Windows::Sequence(_) => refuse(
+        Windows::Sequence(_) => Err(refusal(
+            case,
             "time.mode",
             "a sequence has the windows of its table, and nobody can ask for others",
             "write time.mode = \"steady\", and live values in the place of columns",
-        ),
-        Windows::Adaptive { .. } | Windows::Open { .. } => refuse(
+        )),
+        Windows::Adaptive { .. } | Windows::Open { .. } => Err(refusal(
+            case,
             "time.control",
             "adaptive windows are chosen by the run, and whoever drives it chooses them",
             "remove time.control",
-        ),
+        )),
     }
 }
 
-/// Who drives the run: the lines of standard input.
+/// Returns the error for a case that cannot be driven.
+pub(crate) fn refusal(case: &Case, key: &str, reason: &str, fix: impl Into<String>) -> RunError {
+    let problem = case.problem_at(key, reason, fix);
+    case.fail(problem).into()
+}
+
+/// Driver of a run, by lines of standard input.
 struct Lines<'a> {
-    ear: Ear,
-    answers: &'a Answers,
+    input: LineReader,
+    answers: &'a LineWriter,
     end: End,
 }
 
@@ -165,20 +163,20 @@ impl Driver for Lines<'_> {
         self.answers.write(ready(run), || run.idle(Duration::ZERO))?;
         let mut looks = 0;
         loop {
-            let answer = match self.ear.hear(LOOK) {
-                Heard::Nothing => {
+            let answer = match self.input.receive(LOOK) {
+                Received::Nothing => {
                     looks += 1;
                     let time =
                         if looks % LOOKS == 0 { Duration::from_millis(1) } else { Duration::ZERO };
                     run.idle(time)?;
                     continue;
                 }
-                Heard::End => {
+                Received::End => {
                     self.end = End::OfInput;
                     return Ok(());
                 }
-                Heard::Noise(what) => Answer::refused(what),
-                Heard::Line(line) => match Request::read(&line) {
+                Received::Invalid(what) => Answer::refused(what),
+                Received::Line(line) => match Request::read(&line) {
                     Err(what) => Answer::refused(what),
                     Ok(Request::Finish {}) => {
                         self.end = End::Finish;
@@ -202,7 +200,7 @@ impl Driver for Lines<'_> {
     }
 }
 
-/// The first line.
+/// Prints the first line: the layout of the run.
 fn ready(run: &Driven<'_, '_>) -> String {
     let plan = run.plan();
     let own = plan.live.iter().filter(|live| live.provider.is_none());
@@ -223,7 +221,7 @@ fn ready(run: &Driven<'_, '_>) -> String {
     Answer::Ready { ready: VERSION, case: &plan.name, window, live, figures, one_way }.line()
 }
 
-fn act(run: &mut Driven<'_, '_>, request: Request) -> Result<Answer<'static>, Fault> {
+fn act(run: &mut Driven<'_, '_>, request: Request) -> Result<Answer<'static>, DriverError> {
     match request {
         Request::Set { values } => run.give(&values).map(|()| Answer::DONE),
         Request::Step { set, end, observe } => run.step(&set, end, observe).map(Answer::stepped),

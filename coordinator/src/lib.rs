@@ -10,6 +10,7 @@ pub mod cli;
 mod compare;
 mod drive;
 mod fmu;
+mod import;
 mod installed;
 mod keys;
 mod manual;

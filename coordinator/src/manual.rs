@@ -1,4 +1,4 @@
-//! `coordinator completions` and `coordinator man`: files for shells and for `man`, made of the list
+//! `coordinator completions` and `coordinator man`: files for shells and for `man`, from the list
 //! of commands.
 
 use clap::Args;
@@ -18,7 +18,8 @@ pub(crate) struct CompletionsCommand {
 impl Command for CompletionsCommand {
     const NAME: &'static str = "completions";
     const GROUP: Group = Group::Reference;
-    const ABOUT: &'static str = "Print the script with which a shell completes commands";
+    const ABOUT: &'static str = "Print the completion script of a shell";
+    const EXAMPLES: &'static [&'static str] = &["coordinator completions bash"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let mut command = (context.whole)();
@@ -40,7 +41,8 @@ pub(crate) struct ManCommand {
 impl Command for ManCommand {
     const NAME: &'static str = "man";
     const GROUP: Group = Group::Reference;
-    const ABOUT: &'static str = "Write the pages of the manual";
+    const ABOUT: &'static str = "Write manual pages";
+    const EXAMPLES: &'static [&'static str] = &["coordinator man man1"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let mut command = (context.whole)();
@@ -50,7 +52,7 @@ impl Command for ManCommand {
         let mut written = 0u64;
         let subcommands = command.get_subcommands().filter(|one| one.get_name() != "help");
         for one in std::iter::once(&command).chain(subcommands) {
-            // Of a built command the name is that of its page: coordinator-run.
+            // The display name of a built command is the name of its page: coordinator-run.
             let name = one.get_display_name().unwrap_or(one.get_name()).to_owned();
             let mut page = Vec::new();
             let path = folder.join(format!("{name}.1"));

@@ -1,4 +1,4 @@
-//! `coordinator new`: a case that runs, with a line on every key, to begin from.
+//! `coordinator new`: writes a case that runs, with a line on every key.
 
 use crate::installed::installed;
 use clap::Args;
@@ -14,13 +14,13 @@ use std::path::PathBuf;
 /// Longest line of a comment.
 const WIDTH: usize = 100;
 
-/// What the case is called, and what it begins from.
+/// Options of `coordinator new`.
 #[derive(Debug, Args)]
 pub(crate) struct NewCommand {
     /// Name of the case; the file is NAME.toml.
     #[arg(required_unless_present = "list", value_parser = name)]
     name: Option<String>,
-    /// The scene to begin from.
+    /// Scene to copy.
     #[arg(long, value_name = "SCENE", default_value = FIRST)]
     scene: String,
     /// Show the scenes.
@@ -28,7 +28,7 @@ pub(crate) struct NewCommand {
     list: bool,
 }
 
-/// A name of a case is one of a file, too.
+/// Checks the name of a case, which is also the name of its file.
 fn name(text: &str) -> Result<String, String> {
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
     match !text.is_empty() && text.chars().all(allowed) {
@@ -40,7 +40,9 @@ fn name(text: &str) -> Result<String, String> {
 impl Command for NewCommand {
     const NAME: &'static str = "new";
     const GROUP: Group = Group::Run;
-    const ABOUT: &'static str = "Write a case that runs, with a line on every key, to begin from";
+    const ABOUT: &'static str = "Write a case to begin from, every key explained";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator new --list", "coordinator new mine --scene curving"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let Some(name) = self.name.as_ref().filter(|_| !self.list) else {
@@ -55,7 +57,7 @@ impl Command for NewCommand {
         let chosen: toml::Table = toml::from_str(scene).unwrap_or_default();
         let text = commented(name, (&self.scene, scene), about(&installed()?, &chosen));
         let path = PathBuf::from(format!("{name}.toml"));
-        // Nothing that is there is ever replaced.
+        // An existing file is never replaced.
         let mut file = File::options().write(true).create_new(true).open(&path).map_err(
             |error| match error.kind() {
                 ErrorKind::AlreadyExists => {
@@ -72,14 +74,14 @@ impl Command for NewCommand {
     }
 }
 
-/// The title of a case.
+/// Returns the title of a case.
 fn title(text: &str) -> String {
     let case: toml::Table = toml::from_str(text).unwrap_or_default();
     let title = case.get("case").and_then(|case| case.get("title"));
     title.and_then(|title| title.as_str()).unwrap_or_default().to_owned()
 }
 
-/// The case with its new name, and above each key a line on what it is.
+/// Returns the case under its new name, with a line on each key above it.
 fn commented(
     name: &str,
     (scene, text): (&str, &str),
@@ -109,7 +111,7 @@ fn commented(
             out += &format!("name = \"{name}\"\n");
             continue;
         }
-        // Once for each key, and not for each body.
+        // Explain a key once, not for each body.
         let said = path.as_deref().and_then(&about).filter(|said| !told.contains(said));
         if let Some(said) = said {
             out += &comment(&said);
@@ -121,7 +123,7 @@ fn commented(
     out
 }
 
-/// A text as comments.
+/// Returns a text as comments.
 fn comment(text: &str) -> String {
     let mut lines = vec![String::from("#")];
     for word in text.split_whitespace() {

@@ -1,6 +1,6 @@
-//! `coordinator new-solver`: a solver that conforms, in a folder of its own, to begin from.
+//! `coordinator new-solver`: writes a conforming solver into a folder.
 //!
-//! What is written are the examples that tests put through the contract, under another name.
+//! The solvers are copies, under another name, of the examples that the tests run.
 
 use clap::{Args, ValueEnum};
 use console::command::{Command, Context, Group};
@@ -14,7 +14,7 @@ const C: &str = include_str!("../../proto/c/examples/short_columns.c");
 const FORTRAN: &str = include_str!("../../proto/c/examples/short_columns.f90");
 const RUST: &str = include_str!("../../proto/examples/short_columns.rs");
 
-/// What the solver is called, and what it is written in.
+/// Options of `coordinator new-solver`.
 #[derive(Debug, Args)]
 pub(crate) struct NewSolverCommand {
     /// Name of the solver, and of its folder.
@@ -23,7 +23,8 @@ pub(crate) struct NewSolverCommand {
     /// The language.
     #[arg(long, value_enum)]
     lang: Language,
-    /// The sources of this project, of which solvers in C, Fortran and Rust need the library; absent: those that this program was built from.
+    /// The sources of this project, of which solvers in C, Fortran and Rust need the library;
+    /// absent: those that this program was built from.
     #[arg(long, value_name = "FOLDER")]
     sources: Option<PathBuf>,
 }
@@ -36,7 +37,7 @@ enum Language {
     Rust,
 }
 
-/// Letters, digits and `_`, a letter first: it is a name in every language.
+/// Checks that the name is valid in every language: letters, digits and `_`, a letter first.
 fn name(text: &str) -> Result<String, String> {
     let plain = text.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
     match plain && text.starts_with(|c: char| c.is_ascii_lowercase()) && text.len() <= 31 {
@@ -48,20 +49,21 @@ fn name(text: &str) -> Result<String, String> {
     }
 }
 
-/// A solver to be written.
+/// A solver to write.
 struct Template {
     /// Files by their paths in the folder.
     files: Vec<(String, String)>,
-    /// How it is built, in its folder.
+    /// Command that builds it, in its folder.
     build: Option<&'static str>,
-    /// Words that start it from the folder above.
+    /// Command line that starts it, from the folder above.
     command: Vec<String>,
 }
 
 impl Command for NewSolverCommand {
     const NAME: &'static str = "new-solver";
     const GROUP: Group = Group::Solvers;
-    const ABOUT: &'static str = "Write a solver that conforms to the contract, in Python, C, Fortran or Rust, to begin from";
+    const ABOUT: &'static str = "Write a conforming solver in Python, C, Fortran or Rust";
+    const EXAMPLES: &'static [&'static str] = &["coordinator new-solver mine --lang python"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let name = &self.name;
@@ -96,7 +98,7 @@ impl Command for NewSolverCommand {
     }
 }
 
-/// What to type next.
+/// Returns the commands to type next.
 fn steps(name: &str, build: Option<&str>, command: &[String]) -> Vec<String> {
     let build = build.map(|build| format!("(cd {name} && {build})"));
     let (words, list) = (command.join(" "), serde_json::json!(command));
@@ -114,7 +116,7 @@ fn readme(name: &str, build: Option<&str>, command: &[String]) -> String {
     )
 }
 
-/// `short_columns` and its other spellings, under another name.
+/// Replaces the name `short_columns`, in all its spellings.
 fn renamed(text: &str, name: &str) -> String {
     let camel: String = name.split('_').map(capital).collect();
     let dashed = name.replace('_', "-");
@@ -150,10 +152,10 @@ fn fortran(name: &str, asked: &NewSolverCommand) -> Result<Template, RunError> {
     made(name, asked, (format!("{name}.f90"), renamed(FORTRAN, name)), &build)
 }
 
-/// Links a program in a Makefile.
+/// Command of a Makefile that links a program.
 const LINKED: &str = "-L$(LIBRARY) -Wl,-rpath,$(LIBRARY) -lcosim";
 
-/// A program over the library for C, with a Makefile.
+/// Returns a program over the C library, with a Makefile.
 fn made(
     name: &str,
     asked: &NewSolverCommand,
@@ -169,7 +171,8 @@ fn made(
     Ok(Template { files, build: Some("make"), command: vec![format!("./{name}/{name}")] })
 }
 
-/// Where header, module and library for C and Fortran stand: as an archive has them, or in the sources and beside the executables.
+/// Returns the folders of the headers and of the library for C and Fortran: those of an archive, or
+/// the sources and the folder of the executables.
 fn library(asked: &NewSolverCommand) -> Result<(PathBuf, PathBuf), RunError> {
     let program = env::current_exe().and_then(|program| program.canonicalize());
     let program = program.map_err(|error| file_failure(Path::new("coordinator"), &error))?;
@@ -198,7 +201,7 @@ fn rust(name: &str, sources: &Path) -> Template {
     }
 }
 
-/// The folder with the sources.
+/// Returns the folder with the sources.
 fn sources(asked: &NewSolverCommand) -> Result<PathBuf, RunError> {
     let built_from = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let folder = asked.sources.as_deref().unwrap_or(&built_from);

@@ -1,4 +1,4 @@
-//! `coordinator picture`: the maps of a report as a file for papers and slides, without a browser.
+//! `coordinator picture`: the maps of a report as a file for papers and slides.
 
 use clap::Args;
 use console::command::{Command, Context, Group};
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 /// Largest width of a picture \[px\].
 const WIDEST: u32 = 20_000;
 
-/// What to draw, and where.
+/// Options of `coordinator picture`.
 #[derive(Debug, Args)]
 pub(crate) struct PictureCommand {
     /// The result directory.
@@ -23,18 +23,18 @@ pub(crate) struct PictureCommand {
     /// Fields to draw, in this order [default: all].
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     field: Vec<String>,
-    /// The file, by its ending SVG or, in builds with pictures, PNG or PDF [default: picture.png in
-    /// DIR, else picture.svg].
+    /// The file; its ending selects SVG, PNG or PDF (PNG and PDF need the feature pictures)
+    /// [default: picture.png in DIR, else picture.svg].
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Drawings beside each other [default: one alone, or two].
+    /// Drawings per row [default: at most two].
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..))]
     columns: Option<u16>,
     /// Width of a PNG.
     #[arg(long, value_name = "PIXELS", default_value_t = 1600,
           value_parser = clap::value_parser!(u32).range(64..=i64::from(WIDEST)))]
     width: u32,
-    /// Light on dark.
+    /// Draw light on dark.
     #[arg(long)]
     dark: bool,
 }
@@ -42,8 +42,9 @@ pub(crate) struct PictureCommand {
 impl Command for PictureCommand {
     const NAME: &'static str = "picture";
     const GROUP: Group = Group::Look;
-    const ABOUT: &'static str =
-        "Draw the fields of a run as PNG, SVG or PDF, for papers and slides";
+    const ABOUT: &'static str = "Draw fields for papers and slides, as SVG, PNG or PDF";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator picture results/latest --dark -o maps.svg"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let _reading = signals::end_at_once();
@@ -60,7 +61,7 @@ impl Command for PictureCommand {
     }
 }
 
-/// The maps of these fields; all without a name.
+/// Returns the maps of the named fields, or of all.
 fn chosen<T>(
     all: Vec<(String, T)>,
     names: &[String],

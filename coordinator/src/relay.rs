@@ -1,4 +1,4 @@
-//! `coordinator relay`: handed over to an executable of its own, so that nothing of a network is in this one.
+//! `coordinator relay`: starts `cosim-relay`, so that the coordinator itself has no network code.
 
 use clap::Args;
 use console::command::{Command, Context, Group};
@@ -8,15 +8,15 @@ use std::ffi::OsString;
 use std::os::unix::process::CommandExt as _;
 use std::{io, process};
 
-/// The executable.
+/// Name of the executable.
 const PROGRAM: &str = "cosim-relay";
 
 /// Options of `coordinator relay`, which `cosim-relay` reads.
 #[derive(Clone, Debug, Args)]
 #[command(disable_help_flag = true)]
 pub(crate) struct RelayCommand {
-    /// --listen ENDPOINT --key FILE -- PROGRAM there; --connect ENDPOINT --key FILE at home; --new-key FILE; --help
-    /// for all options.
+    /// --listen ENDPOINT --key FILE -- PROGRAM there; --connect ENDPOINT --key FILE at home;
+    /// --new-key FILE; --help for all options.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
     options: Vec<OsString>,
 }
@@ -24,7 +24,9 @@ pub(crate) struct RelayCommand {
 impl Command for RelayCommand {
     const NAME: &'static str = "relay";
     const GROUP: Group = Group::Connect;
-    const ABOUT: &'static str = "Carry a participant on another machine to the run at home";
+    const ABOUT: &'static str = "Serve a participant to a run on another machine";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator relay --listen 0.0.0.0:7447 --key FILE -- thermal-solver"];
 
     fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
         let program = Program::of_role("", Some(&[PROGRAM.to_owned()]));

@@ -1,4 +1,4 @@
-//! `coordinator report`: the page about the run, or the study, in a folder.
+//! `coordinator report`: writes the page of the run or the study in a folder.
 
 use clap::Args;
 use console::command::{Command, Context, Group};
@@ -17,8 +17,8 @@ pub(crate) struct ReportCommand {
 impl Command for ReportCommand {
     const NAME: &'static str = "report";
     const GROUP: Group = Group::Look;
-    const ABOUT: &'static str =
-        "Write report.html about the run, or the study, in a folder, with plots, in one file";
+    const ABOUT: &'static str = "Write one page with plots of a run or a study";
+    const EXAMPLES: &'static [&'static str] = &["coordinator report results/latest"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let _reading = signals::end_at_once();

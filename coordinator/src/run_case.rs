@@ -1,26 +1,27 @@
-//! `coordinator run`: a case is run and its results are written, or a run goes on from a checkpoint.
+//! `coordinator run`: runs a case and writes its results, or resumes a run from a checkpoint.
 
 use clap::Args;
-use console::case_arguments::CaseArguments;
+use console::case_arguments::{CaseArguments, Changes};
 use console::command::{Command, Context, Group};
 use console::logging::{Logging, log_warnings};
 use console::output;
 use console::progress::Progress;
 use contract::text::json;
-use run::checkpoint::{Checkpoint, Checkpoints, Corrupt};
+use run::checkpoint::Checkpoint;
 use run::crew;
 use run::error::{RunError, file_failure};
-use run::perform::{self, Outcome, RunStart};
+use run::perform::{self, Outcome, RunOptions};
 use run::plan::{Planned, plan};
 use run::record::Compression;
 use run::results::place::RESULTS;
 use run::results::{Existing, ResultFolder, show};
+use run::stopped::StoppedRun;
 use run::warnings::{self, Warning};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
 use studies::accuracy::{Decision, Search, Target};
-use studies::study::{Variant, expected_seconds};
+use studies::study::expected_seconds;
 
 /// Options of `coordinator run`.
 #[derive(Clone, Debug, Args)]
@@ -28,41 +29,38 @@ pub(crate) struct RunCommand {
     /// The case file, or - for standard input.
     #[arg(required_unless_present = "resume")]
     case: Option<PathBuf>,
-    /// Change a key: dotted name and TOML value (a bare word is a text).
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Remove a key.
-    #[arg(long, value_name = "KEY")]
-    unset: Vec<String>,
-    /// Result directory [default: results/NAME, or NAME-2 and so on; the last one is results/latest].
+    #[command(flatten)]
+    changes: Changes,
+    /// Result directory [default: results/NAME, then NAME-2 and so on; results/latest links to it].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace the results of an earlier run in DIR.
     #[arg(long)]
     replace: bool,
-    /// Record every exchange in DIR/recording.mcap, uncompressed or by zstd.
+    /// Record every exchange in DIR/recording.mcap; COMPRESSION is none or zstd.
     #[arg(long, value_name = "COMPRESSION", num_args = 0..=1, require_equals = true,
           default_missing_value = "none", value_parser = compression)]
     record: Option<Compression>,
-    /// Write DIR/report.html at the end, whatever the end is.
+    /// Write DIR/report.html at the end, also of a run that fails.
     #[arg(long)]
     report: bool,
-    /// Make errors of warnings: of the case before anything runs, of the answer at the end.
+    /// Turn warnings into errors, those of the case before the run starts.
     #[arg(long)]
     strict: bool,
-    /// Print JSON at the end, as summary.json has it.
+    /// Print summary.json at the end.
     #[arg(long)]
     json: bool,
-    /// Choose models and resolution, the cheapest expected to meet this error, and state the error.
+    /// Choose the cheapest models and resolution expected to meet this error, and state the error.
     #[arg(long, value_name = "ERROR", group = "stated", conflicts_with = "resume", value_parser = Target::read_error)]
     accuracy: Option<f64>,
-    /// Run on grids twice and four times coarser too, and state what the three are extrapolated to, with the error.
+    /// Run on grids twice and four times coarser too, extrapolate, and state the error.
     #[arg(long, group = "stated", conflicts_with = "resume")]
     extrapolate: bool,
-    /// The quantity whose error is stated, a dotted key of summary.json [default: that which participants rank first].
+    /// Quantity whose error is stated, a dotted key of summary.json [default: the first ranked by
+    /// participants].
     #[arg(long, value_name = "KEY", requires = "stated")]
     quantity: Option<String>,
-    /// Go on with the run of this result directory from its last checkpoint.
+    /// Resume the run of this result directory from its last checkpoint.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out", "replace"])]
     resume: Option<PathBuf>,
 }
@@ -71,6 +69,11 @@ impl Command for RunCommand {
     const NAME: &'static str = "run";
     const GROUP: Group = Group::Run;
     const ABOUT: &'static str = "Run a case and write its results";
+    const EXAMPLES: &'static [&'static str] = &[
+        "coordinator run CASE --set motion.speed=30 --report",
+        "coordinator run CASE --accuracy 1%",
+        "coordinator run --resume results/latest",
+    ];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         if self.accuracy.is_some() || self.extrapolate {
@@ -90,7 +93,7 @@ impl Command for RunCommand {
     }
 }
 
-/// A run that has been planned and has its folder.
+/// A planned run with its folder.
 struct Begun {
     planned: Planned,
     folder: ResultFolder,
@@ -101,11 +104,11 @@ struct Begun {
 impl RunCommand {
     fn case(&self) -> CaseArguments {
         let case = self.case.clone().expect("required unless a run is resumed");
-        CaseArguments { case, set: self.set.clone(), unset: self.unset.clone() }
+        CaseArguments { case, changes: self.changes.clone() }
     }
 
-    /// Where the run goes that has been planned: into the folder that the user names, or else into the
-    /// next of its name.
+    /// Returns the folder of a planned run: the one that the user names, or the next one of the
+    /// case's name.
     fn folder(&self, planned: &Planned, case: &Path) -> Result<ResultFolder, RunError> {
         let (name, results) = (&planned.plan.name, Path::new(RESULTS));
         match &self.out {
@@ -132,31 +135,14 @@ fn begin(run: &RunCommand, log: &Logging) -> Result<Begun, RunError> {
     Ok(Begun { planned, folder, plan_seconds, from: None })
 }
 
-/// A run resumes from its newest intact checkpoint, with the case as it was run; `None` if it has
-/// come to its end.
+/// Resumes a run from its newest intact checkpoint. Returns `None` for a finished run.
 fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     let planning = Instant::now();
-    let folder = ResultFolder::resume(path)?;
-    if folder.has_ended() {
-        return Ok(None);
-    }
-    let (newest, corrupt) = Checkpoints::of(&folder.path()).newest();
-    for Corrupt { name, reason } in &corrupt {
-        let next = if newest.is_some() { "; using the previous one" } else { "" };
-        tracing::warn!("checkpoint {name} is not used: {reason}{next}");
-    }
-    let shown = path.display();
-    let checkpoint = newest.ok_or_else(|| {
-        let whole = if corrupt.is_empty() { "no checkpoint" } else { "no intact checkpoint" };
-        RunError::Usage(format!(
-            "{shown} holds {whole}; a case writes them with output.checkpoint_every"
-        ))
-    })?;
-    let raw = folder.read_case()?.with_folder(checkpoint.state.origin.folder.clone());
-    let planned = tracing::info_span!("plan").in_scope(|| plan(raw))?;
+    let Some(stopped) = StoppedRun::read(path)? else { return Ok(None) };
+    let StoppedRun { folder, checkpoint, case } = stopped;
+    let planned = tracing::info_span!("plan").in_scope(|| plan(case))?;
     perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned)?)?;
     log_into(&folder, log)?;
-    folder.reopen()?;
     let plan_seconds = planning.elapsed().as_secs_f64();
     Ok(Some(Begun { planned, folder, plan_seconds, from: Some(checkpoint) }))
 }
@@ -178,21 +164,20 @@ fn run_case(begun: &Begun, asked: &RunCommand, context: &Context<'_>) -> Result<
     conclude(begun, perform(begun, asked, context), asked, context)
 }
 
-/// Runs a case and states its error. With a target, models and resolution are chosen, and once more
-/// if the error turns out too large; an answer stays until a better one is complete.
+/// Runs a case and states its error. A target selects models and resolution, and selects them again
+/// if the error turns out too large. An answer is replaced only by a complete better one.
 fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
     let _participants = crew::keep();
     let case = asked.case.as_ref().expect("required unless a run is resumed");
-    let base = Variant { set: asked.set.clone(), unset: asked.unset.clone() };
+    let base = &asked.changes;
     let (relative, quantity) = (asked.accuracy, asked.quantity.clone());
     let mut search = match asked.extrapolate {
-        true => Search::extrapolate(case, &base, quantity)?,
-        false => Search::begin(case, &base, Target { relative, quantity })?,
+        true => Search::extrapolate(case, base, quantity)?,
+        false => Search::begin(case, base, Target { relative, quantity })?,
     };
     let mut answer: Option<ResultFolder> = None;
     loop {
-        let Variant { set, unset } = search.variant();
-        let chosen = RunCommand { set, unset, ..asked.clone() };
+        let chosen = RunCommand { changes: search.variant(), ..asked.clone() };
         let begin_at = Instant::now();
         let mut begun = match &answer {
             None => begin(&chosen, context.log)?,
@@ -222,7 +207,7 @@ fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
     }
 }
 
-/// A run that is to take the place of an answer.
+/// A run that is to replace an earlier answer.
 fn refine(run: &RunCommand, answer: &ResultFolder, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
     let planned = run.case().plan()?;
@@ -234,19 +219,26 @@ fn refine(run: &RunCommand, answer: &ResultFolder, log: &Logging) -> Result<Begu
 
 fn perform(begun: &Begun, asked: &RunCommand, context: &Context<'_>) -> Outcome {
     let Begun { planned, folder, plan_seconds, from } = begun;
-    let start = RunStart { since: context.since, plan_seconds: *plan_seconds };
     let plan = &planned.plan;
     let progress = Progress::new(context.quiet, plan.windows.count(), expected_seconds(plan));
     context.log.share_screen(progress.bar());
     let progress: Rc<dyn run::progress::Progress> = Rc::new(progress);
-    let mut outcome = perform::run(planned, folder, &progress, start, from.as_ref(), asked.record);
+    let options = RunOptions {
+        progress,
+        since: context.since,
+        plan_seconds: *plan_seconds,
+        from: from.as_ref(),
+        record: asked.record,
+        driver: None,
+    };
+    let mut outcome = perform::run(planned, folder, options);
     if let Some(error) = context.log.failure() {
         outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
     }
     outcome
 }
 
-/// Writes the report that is asked for, and prints how the run went.
+/// Writes the requested report, and prints the outcome of the run.
 fn conclude(
     begun: &Begun,
     outcome: Outcome,
@@ -263,11 +255,11 @@ fn conclude(
         };
         perform::report(&outcome, &begun.planned.plan, folder) + &next
     };
-    // However the run ended: what it has is what is printed.
+    // Print the results that exist, however the run ended.
     let print_json = || output::print(&json(&outcome.summary));
     match outcome.error {
         Some(error) if asked.json => Err(error.and(written).and(print_json())),
-        // It has an answer, if not as accurate as was asked for.
+        // The run has an answer, but a less accurate one than requested.
         Some(error @ RunError::Inaccurate { .. }) => {
             let plan = &begun.planned.plan;
             let text = show::text(&outcome.summary, plan.title.as_deref(), &plan.figures);
@@ -289,7 +281,7 @@ fn conclude(
     }
 }
 
-/// Warnings are errors.
+/// Returns warnings as an error.
 fn refuse_warnings(warnings: &[Warning]) -> Result<(), RunError> {
     let said: Vec<String> = warnings.iter().map(Warning::to_string).collect();
     if said.is_empty() {
@@ -298,7 +290,7 @@ fn refuse_warnings(warnings: &[Warning]) -> Result<(), RunError> {
     Err(RunError::Usage(format!("{}; change it, or leave out --strict", said.join("\n  "))))
 }
 
-/// Writes the report about the run in a folder.
+/// Writes the report of the run in a folder.
 fn report_on(folder: &Path) -> Result<(), RunError> {
     pages::write(&pages::of_run(folder)?, folder).map(drop)
 }

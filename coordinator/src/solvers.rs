@@ -1,40 +1,74 @@
-//! `coordinator solvers`: the models and effects that the installed programs offer; docs/models.md is written from them.
+//! `coordinator solvers`: models and effects of the installed programs. docs/models.md is generated
+//! from them.
 
 use crate::installed::installed;
 use console::command::{Command, Context, Group};
+use console::listing::{Entry, Listing};
 use console::output::print;
 use contract::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use contract::text::json;
 use run::error::RunError;
 use std::fmt::Write as _;
 
-/// What is asked for.
+/// Options of `coordinator solvers`.
 #[derive(clap::Args, Debug)]
 pub(crate) struct SolversCommand {
-    /// Print JSON: the descriptions, as the programs give them.
-    #[arg(long, conflicts_with = "markdown")]
-    json: bool,
-    /// Print the page docs/models.md.
-    #[arg(long)]
-    markdown: bool,
+    #[command(flatten)]
+    of: Listing,
 }
 
 impl Command for SolversCommand {
     const NAME: &'static str = "solvers";
     const GROUP: Group = Group::Solvers;
-    const ABOUT: &'static str = "Show the models and effects that the installed solvers offer";
+    const ABOUT: &'static str = "List the models and effects of the installed solvers";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator solvers", "coordinator solvers rolling"];
 
     fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
-        let described = &installed()?;
-        print(&match (self.json, self.markdown) {
-            (true, _) => json(described),
-            (_, true) => page(described),
-            _ => described.iter().map(lines).collect(),
+        let mut described = installed()?;
+        for of in &mut described {
+            of.models.retain(|model| self.of.matches([&model.name, &model.summary]));
+            of.effects.retain(|effect| self.of.matches([&effect.name, &effect.law]));
+        }
+        described.retain(|of| !of.models.is_empty() || !of.effects.is_empty());
+        let described = self.of.found(described)?;
+        print(&match (self.of.json, self.of.markdown) {
+            (true, _) => json(&described),
+            (_, true) => page(&described),
+            _ => described.iter().map(|of| terminal(of, &self.of)).collect(),
         })
     }
 }
 
-/// The cases that a model answers.
+/// Returns the lines of a program: its models, then its effects.
+fn terminal(of: &Description, list: &Listing) -> String {
+    let models = of.models.iter().map(|model| {
+        list.lines(&Entry {
+            name: &format!("  {}", model.name),
+            text: format!("{} [{}]", model.summary, modes(model.steady, model.transient)),
+            details: details(&model.keys, None, &model.source),
+        })
+    });
+    let effects = of.effects.iter().map(|effect| {
+        list.lines(&Entry {
+            name: &format!("  effect {}", effect.name),
+            text: effect.law.clone(),
+            details: details(&effect.keys, Some(&effect.models), &effect.source),
+        })
+    });
+    let lines: String = models.chain(effects).collect();
+    format!("{} {}, role {}\n{lines}", of.name, of.version, of.role)
+}
+
+/// Models of an effect, keys and source.
+fn details(keys: &[KeySpec], models: Option<&Vec<String>>, source: &str) -> Vec<String> {
+    let models = models.map(|models| format!("models: {}", models.join(", ")));
+    let keys: Vec<&str> = keys.iter().map(|key| key.path.as_str()).collect();
+    let keys = (!keys.is_empty()).then(|| format!("keys: {}", keys.join(", ")));
+    models.into_iter().chain(keys).chain([format!("source: {source}")]).collect()
+}
+
+/// Returns the kinds of cases that a model solves.
 fn modes(steady: bool, transient: bool) -> &'static str {
     match (steady, transient) {
         (true, true) => "steady, transient",
@@ -43,29 +77,10 @@ fn modes(steady: bool, transient: bool) -> &'static str {
     }
 }
 
-fn lines(of: &Description) -> String {
-    let mut text = format!("{} {} (role {})\n", of.name, of.version, of.role);
-    for model in &of.models {
-        text += &format!(
-            "  model   {:16} {} [{}]\n",
-            model.name,
-            model.summary,
-            modes(model.steady, model.transient)
-        );
-        text += &format!("          {:16} source: {}\n", "", model.source);
-    }
-    for effect in &of.effects {
-        text += &format!("  effect  {:16} {}\n", effect.name, effect.law);
-        text += &format!("          {:16} models: {}\n", "", effect.models.join(", "));
-        text += &format!("          {:16} source: {}\n", "", effect.source);
-    }
-    text
-}
-
 fn page(described: &[Description]) -> String {
-    let mut text = "# Models and effects\n\nWhat the installed programs offer, as `coordinator solvers --markdown` writes it; `coordinator \
-                    solvers` shows it in a terminal. A case chooses a model by `ROLE.model`, and names an effect by the table `[effects.NAME]`. What \
-                    each effect is held against: [effects.md](effects.md); every key: [case.md](case.md).\n"
+    let mut text = "# Models and effects\n\nThis page is generated by `coordinator solvers --markdown`; `coordinator solvers` lists \
+                    the same in a terminal. A case chooses a model by `ROLE.model`, and switches an effect on by the table `[effects.NAME]`. \
+                    [effects.md](effects.md) has the reference of each effect, [case.md](case.md) every key.\n"
         .to_owned();
     for Description { role, models, .. } in described {
         let _ = write!(text, "\n## Models of role {role}\n");
@@ -89,7 +104,7 @@ fn page(described: &[Description]) -> String {
     text
 }
 
-/// What is said under a name, line by line; a line without a text is left out.
+/// Returns a section of the page. A line without a text is left out.
 fn section(name: &str, what: &str, lines: &[(&str, String)]) -> String {
     let mut text = format!("\n### {name}\n\n{}\n\n", escaped(what));
     for (word, line) in lines.iter().filter(|(_, line)| !line.is_empty()) {
@@ -98,13 +113,13 @@ fn section(name: &str, what: &str, lines: &[(&str, String)]) -> String {
     text
 }
 
-/// Names of keys, as code.
+/// Returns names of keys as code.
 fn named(keys: &[KeySpec]) -> String {
     let names: Vec<String> = keys.iter().map(|key| format!("`{}`", key.path)).collect();
     names.join(", ")
 }
 
-/// A formula as it is: nothing in it is a mark of the page.
+/// Escapes characters of a formula that Markdown would interpret.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for letter in text.chars() {

@@ -1,4 +1,4 @@
-//! The command line of the executable: what it says of itself, and exit code 2 of bad usage.
+//! The command line of the executable: help, version, and exit code 2 of wrong usage.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -14,7 +14,7 @@ fn text(bytes: &[u8]) -> &str {
 }
 
 #[test]
-fn it_tells_its_version_and_its_commands() {
+fn help_lists_version_and_commands() {
     let version = coordinator(&["--version"]);
     assert!(version.status.success());
     let said =
@@ -41,9 +41,27 @@ fn it_tells_its_version_and_its_commands() {
     }
 }
 
-/// Exit code 2, nothing on standard output, and a word on what was wrong.
+/// The examples of each help are commands that parse, in lines of a terminal.
 #[test]
-fn bad_usage_is_told() {
+fn every_example_parses() {
+    for command in parser().get_subcommands() {
+        let help = command.get_after_help().unwrap().to_string();
+        let examples: Vec<&str> = help.lines().skip(1).map(str::trim).collect();
+        assert!(!examples.is_empty(), "{}", command.get_name());
+        for example in examples {
+            assert!(example.len() < 80, "{example}");
+            let words: Vec<&str> = example.split(' ').collect();
+            let name = format!("coordinator {}", command.get_name());
+            assert!(example.starts_with(&name), "{example}");
+            let parsed = parser().try_get_matches_from(&words);
+            assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+        }
+    }
+}
+
+/// Wrong usage has exit code 2, names the reason, and prints nothing on standard output.
+#[test]
+fn wrong_usage_is_an_error() {
     for (arguments, told) in [
         (&[][..], "Usage"),
         (&["run"], "required"),

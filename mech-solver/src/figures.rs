@@ -106,7 +106,7 @@ fn slip() -> Vec<FigureSpec> {
             .rank(8),
         figure("max_slip_velocity_m_per_s", "m/s", "largest slip velocity", "slip").digits(4),
         figure("friction_power_w", "W", "friction power", "power")
-            .expected_below(1.6e6, "a locomotive's axle has 1.6 MW for all that it does")
+            .expected_below(1.6e6, "a locomotive's axle has 1.6 MW in total")
             .rank(6)
             .headline(),
         figure(

@@ -219,7 +219,7 @@ impl Terms {
                 return Err(Refusal::new(
                     &format!("effects.{name}"),
                     format!(
-                        "and effects.{first} exclude each other: both make the one `{kind:?}` that a contact has"
+                        "and effects.{first} exclude each other: both create the term `{kind:?}`, of which a contact has one"
                     ),
                     format!("remove [effects.{first}] or [effects.{name}]"),
                 ));

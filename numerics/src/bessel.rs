@@ -1,26 +1,27 @@
 //! Modified Bessel functions K₀ and K₁.
 //!
-//! Up to x = 2 by the series with ln x (Abramowitz and Stegun 9.6.11, 9.6.13), beyond by Chebyshev series in 4/x − 1 of
-//! √x eˣ K_ν(x), which are found once from the trapezoidal rule on K_ν(x) = ∫₀^∞ e^{−x cosh t} cosh νt dt (9.6.24), as that converges faster than any
-//! power of its step. Relative errors are below 1e-14.
+//! For x ≤ 2: the series with ln x (Abramowitz and Stegun 9.6.11, 9.6.13). Beyond: Chebyshev series
+//! in 4/x − 1 of √x eˣ K_ν(x). Their coefficients are computed once, by the trapezoidal rule on
+//! K_ν(x) = ∫₀^∞ e^{−x cosh t} cosh νt dt (9.6.24), which converges faster than any power of its
+//! step. Relative errors are below 1e-14.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// From here on the Chebyshev series.
+/// Argument above which the Chebyshev series is used.
 const LARGE: f64 = 2.0;
-/// Step of the trapezoidal rule at x = 2; the integrand is narrower as 1/√x.
+/// Step of the trapezoidal rule at x = 2; the width of the integrand is proportional to 1/√x.
 const STEP: f64 = 0.125;
-/// e^{−NOTHING} is nothing beside one.
+/// e^{−NOTHING} is negligible beside one.
 const NOTHING: f64 = 38.0;
 /// Euler's constant.
 const EULER: f64 = 0.577_215_664_901_532_9;
-/// Terms of the series with ln x: (x²/4)^m/m!² is nothing beyond.
+/// Number of terms of the series with ln x: (x²/4)^m/m!² is negligible beyond.
 const TERMS: usize = 12;
-/// Terms of the Chebyshev series.
+/// Number of terms of the Chebyshev series.
 const CHEBYSHEV: usize = 26;
 
-/// Coefficients of (x²/4)^m in I₀ and in 2I₁/x, and of both weighted by what stands beside the logarithm.
+/// Coefficients of (x²/4)^m in I₀ and in 2I₁/x, and in the two sums beside the logarithm.
 static SERIES: LazyLock<[[f64; 4]; TERMS]> = LazyLock::new(|| {
     let mut terms = [[0.0; 4]; TERMS];
     let (mut square, mut harmonic) = (1.0, 0.0);
@@ -52,13 +53,13 @@ static LARGE_SERIES: LazyLock<[[f64; 2]; CHEBYSHEV]> = LazyLock::new(|| {
     })
 });
 
-/// K₀(x) and K₁(x) of x > 0.
+/// Returns K₀(x) and K₁(x) for x > 0.
 #[must_use]
 pub fn k0_k1(x: f64) -> [f64; 2] {
     if x > LARGE { large(x).map(|scaled| (-x).exp() * scaled) } else { small(x) }
 }
 
-/// eˣ K₀(x) and eˣ K₁(x) of x > 0, which do not vanish for large x.
+/// Returns eˣ K₀(x) and eˣ K₁(x) for x > 0, which do not underflow for large x.
 #[must_use]
 pub fn scaled_k0_k1(x: f64) -> [f64; 2] {
     if x > LARGE { large(x) } else { small(x).map(|value| x.exp() * value) }
@@ -77,7 +78,7 @@ fn large(x: f64) -> [f64; 2] {
     [factor * (0.5 * u * a0 - b0 + c0), factor * (0.5 * u * a1 - b1 + c1)]
 }
 
-/// K₀(x) and K₁(x) times eˣ.
+/// eˣ K₀(x) and eˣ K₁(x) by the trapezoidal rule.
 fn integral(x: f64) -> [f64; 2] {
     let (mut k0, mut k1) = (0.5, 0.5);
     let length = STEP * (LARGE / x).sqrt();
@@ -127,7 +128,8 @@ mod tests {
         }
     }
 
-    /// On both sides of where the methods meet; and the series against what it is made of.
+    /// On both sides of the limit between the methods, and the Chebyshev series against its
+    /// integral.
     #[test]
     fn both_methods_agree() {
         for x in [2.0, 2.000_1, 2.7, 4.4, 9.0, 33.0, 400.0] {
@@ -146,7 +148,7 @@ mod tests {
                 pairs.into_iter().all(|(k, scaled)| (k * x.exp() / scaled - 1.0).abs() < 1e-14)
             );
         }
-        // √(π/2x) (1 − 1/8x), (1 + 3/8x) of large x.
+        // √(π/2x) (1 − 1/8x), (1 + 3/8x) for large x.
         let x: f64 = 1e6;
         let leading = (0.5 * PI / x).sqrt();
         for (value, first) in scaled_k0_k1(x).into_iter().zip([-0.125, 0.375]) {

@@ -2,19 +2,19 @@
 //!
 //! out(i, j) = Σ_{i', j'} A(i − i', j − j') in(i', j'), over all elements of the grid, without
 //! periodic images. The grid is padded to P_x × P_y with P ≥ 2n − 1, where the cyclic convolution
-//! equals the free one: with the transform f̂(k, l) = Σ f(i, j) e^{−2πi(ik/P_x + jl/P_y)}, the
-//! result is the inverse transform of Â f̂, whose factor 1/(P_x P_y) is kept in [`Spectrum`].
-//! P_x is even and both have the prime factors 2, 3 and 5 only.
+//! equals the free one. With the transform f̂(k, l) = Σ f(i, j) e^{−2πi(ik/P_x + jl/P_y)}, the
+//! result is the inverse transform of Â f̂. Its factor 1/(P_x P_y) is included in [`Spectrum`]. P_x
+//! is even, and both sizes have only the prime factors 2, 3 and 5.
 //!
-//! Rows along x go through real transforms, which leave P_x/2 + 1 columns. Of the rows only the ny
-//! inside the grid are ever transformed or stored: columns are gathered some at a time, padded,
-//! transformed, multiplied by Â, transformed back and cut to ny values while they are in the cache.
-//! Nothing is allocated after the construction, except by building a [`Spectrum`], on one thread.
-//! Rows, and blocks of columns, of large grids are shared among threads ([`crate::team`]).
+//! Rows along x use real transforms, which leave P_x/2 + 1 columns. Only the ny rows inside the
+//! grid are transformed and stored. Columns are processed in blocks while in the cache: gathered,
+//! padded, transformed, multiplied by Â, transformed back and cut to ny values. After construction
+//! nothing is allocated on one thread, except when building a [`Spectrum`]. On large grids, threads
+//! share rows and blocks of columns ([`crate::team`]).
 //!
-//! Kernels are transformed in double precision. Where seven digits are enough, as within Krylov
-//! iterations, a spectrum is rounded to single precision ([`Spectrum::rounded`]) and applied to fields of
-//! it, in half the time.
+//! Kernels are transformed in double precision. Where seven digits suffice, as within Krylov
+//! iterations, a spectrum is rounded to single precision ([`Spectrum::rounded`]) and applied to
+//! single-precision fields in half the time.
 
 use crate::team::Team;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -23,26 +23,26 @@ use rustfft::{Fft, FftPlanner, num_complex::Complex};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Columns, and rows, transformed at a time: one or two lines of the cache are read whole.
+/// Number of columns or rows transformed at a time: fills one or two cache lines.
 const BLOCK: usize = 8;
 
-/// A complex number of the half spectrum.
+/// Complex number in double precision.
 pub type Complex64 = Complex<f64>;
 
 /// Transform of a kernel, or any other factor in Fourier space, on the padded grid.
 ///
-/// Valid for every [`Convolution`] of the same nx and ny.
+/// Valid for every [`Convolution`] with the same nx, ny and padding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum<T = f64> {
-    /// Â(k, l)/(P_x P_y), column after column: index k·P_y + l, k ≤ P_x/2.
+    /// Â(k, l)/(P_x P_y), column by column: index k·P_y + l, k ≤ P_x/2.
     values: Vec<Complex<T>>,
     /// P_x P_y.
     size: f64,
 }
 
 impl Spectrum {
-    /// A spectrum made of others of the same grid, wave by wave; for instance the inverse of a
-    /// symmetric 2 × 2 tensor of kernels. `function` maps the values Â(k, l) [unit of the kernel].
+    /// Combines spectra of the same grid wave by wave, for instance to invert a symmetric 2 × 2
+    /// tensor of kernels. `function` maps the values Â(k, l) [unit of the kernel].
     #[must_use]
     pub fn combine<const N: usize>(
         spectra: [&Self; N],
@@ -54,13 +54,13 @@ impl Spectrum {
         Self { values: (0..len).map(value).collect(), size }
     }
 
-    /// Same as [`Spectrum::combine`] of one spectrum.
+    /// Maps a single spectrum wave by wave, like [`Spectrum::combine`].
     #[must_use]
     pub fn map(&self, function: impl Fn(Complex64) -> Complex64) -> Self {
         Self::combine([self], |[value]| function(value))
     }
 
-    /// Single precision, of the spectrum times a factor.
+    /// Returns the spectrum times a factor, in single precision.
     #[must_use]
     pub fn rounded(&self, factor: f64) -> Spectrum<f32> {
         let single = |value: &Complex64| {
@@ -70,7 +70,7 @@ impl Spectrum {
         Spectrum { values: self.values.iter().map(single).collect(), size: self.size }
     }
 
-    /// The values Â(k, l), in no specified order.
+    /// Returns the values Â(k, l), in unspecified order.
     pub fn values(&self) -> impl Iterator<Item = Complex64> + '_ {
         self.values.iter().map(|value| value * self.size)
     }
@@ -79,7 +79,7 @@ impl Spectrum {
 /// A sum of convolutions in Fourier space, see [`Convolution::add`].
 #[derive(Clone, Debug)]
 pub struct SpectralSum<T = f64> {
-    /// Column after column, as those of a [`Spectrum`].
+    /// Values column by column, as in a [`Spectrum`].
     values: Vec<Complex<T>>,
 }
 
@@ -93,9 +93,9 @@ pub struct Convolution<T = f64> {
     rows_inverse: Arc<dyn ComplexToReal<T>>,
     columns_forward: Arc<dyn Fft<T>>,
     columns_inverse: Arc<dyn Fft<T>>,
-    /// Transformed rows, ny × (P_x/2 + 1), one for each component.
+    /// Transformed rows, ny × (P_x/2 + 1), for each component.
     rows: [Vec<Complex<T>>; 2],
-    /// Columns transformed back, (P_x/2 + 1) × ny, one for each component.
+    /// Columns after the inverse transform, (P_x/2 + 1) × ny, for each component.
     columns: [Vec<Complex<T>>; 2],
     team: Team<Workspace<T>>,
 }
@@ -105,9 +105,9 @@ pub struct Convolution<T = f64> {
 struct Workspace<T> {
     row: Vec<T>,
     scratch: Vec<Complex<T>>,
-    /// Up to BLOCK rows transformed.
+    /// Up to BLOCK transformed rows.
     rows: Vec<Complex<T>>,
-    /// Up to BLOCK columns, P_y each, one for each component.
+    /// Up to BLOCK columns of P_y values, for each component.
     block: [Vec<Complex<T>>; 2],
 }
 
@@ -119,21 +119,21 @@ impl<T> std::fmt::Debug for Convolution<T> {
 }
 
 impl<T: FftNum> Convolution<T> {
-    /// Plans the transforms for nx × ny elements, padded so that there are no periodic images.
+    /// Plans the transforms for nx × ny elements, with enough padding to exclude periodic images.
     ///
     /// # Panics
-    /// If a count is zero.
+    /// Panics if a count is zero.
     #[must_use]
     pub fn new(nx: usize, ny: usize) -> Self {
         assert!(nx > 0 && ny > 0, "a grid of {nx} x {ny} elements is empty");
         Self::padded(nx, ny, 2 * smooth_size(nx), smooth_size(2 * ny - 1))
     }
 
-    /// Plans the transforms for nx × ny elements with padding by a tenth only: cheaper, and wrong
-    /// by the periodic images. For preconditioners.
+    /// Plans the transforms for nx × ny elements with padding by only a tenth. This is cheaper but
+    /// has errors from periodic images; meant for preconditioners.
     ///
     /// # Panics
-    /// If a count is zero.
+    /// Panics if a count is zero.
     #[must_use]
     pub fn barely_padded(nx: usize, ny: usize) -> Self {
         assert!(nx > 0 && ny > 0, "a grid of {nx} x {ny} elements is empty");
@@ -141,10 +141,10 @@ impl<T: FftNum> Convolution<T> {
         Self::padded(nx, ny, 2 * smooth_size(more(nx).div_ceil(2)), smooth_size(more(ny)))
     }
 
-    /// Plans the transforms for nx × ny elements that repeat without end: no padding.
+    /// Plans the transforms for nx × ny elements that repeat periodically, without padding.
     ///
     /// # Panics
-    /// If ny is zero, or nx odd or zero.
+    /// Panics if ny is zero, or if nx is odd or zero.
     #[must_use]
     pub fn cyclic(nx: usize, ny: usize) -> Self {
         let even = nx > 0 && nx.is_multiple_of(2);
@@ -190,22 +190,22 @@ impl<T: FftNum> Convolution<T> {
         }
     }
 
-    /// Elements along x and along y.
+    /// Returns the numbers of elements along x and y.
     #[must_use]
     pub fn shape(&self) -> (usize, usize) {
         (self.nx, self.ny)
     }
 
-    /// Elements of the padded grid along x and along y.
+    /// Returns the numbers of elements of the padded grid along x and y.
     #[must_use]
     pub fn padded_shape(&self) -> (usize, usize) {
         (self.padded_x, self.padded_y)
     }
 
-    /// Convolution of `input` with a kernel; both fields have nx·ny values.
+    /// Computes the convolution of `input` with a kernel; both fields have nx·ny values.
     ///
     /// # Panics
-    /// If a field or the spectrum belongs to another grid.
+    /// Panics if a field or the spectrum belongs to another grid.
     pub fn apply(&mut self, kernel: &Spectrum<T>, input: &[T], output: &mut [T]) {
         self.check(&[kernel], &[input], &[output]);
         self.rows_in(0, input);
@@ -217,10 +217,10 @@ impl<T: FftNum> Convolution<T> {
         self.rows_out(0, output);
     }
 
-    /// Sum of the convolutions of two fields, each with its own kernel.
+    /// Computes the sum of the convolutions of two fields, each with its own kernel.
     ///
     /// # Panics
-    /// If a field or a spectrum belongs to another grid.
+    /// Panics if a field or a spectrum belongs to another grid.
     pub fn apply_sum(&mut self, kernels: [&Spectrum<T>; 2], input: [&[T]; 2], output: &mut [T]) {
         self.check(&kernels, &input, &[output]);
         self.rows_in(0, input[0]);
@@ -234,17 +234,17 @@ impl<T: FftNum> Convolution<T> {
         self.rows_out(0, output);
     }
 
-    /// Begins a sum of convolutions of any number of fields, each with its own kernel.
+    /// Returns an empty sum of convolutions, for any number of fields with kernels of their own.
     #[must_use]
     pub fn empty_sum(&self) -> SpectralSum<T> {
         let len = self.columns() * self.padded_y;
         SpectralSum { values: vec![Complex::new(T::zero(), T::zero()); len] }
     }
 
-    /// Adds the convolution of a field with a kernel to a sum, with no transform back.
+    /// Adds the convolution of a field with a kernel to a sum that stays in Fourier space.
     ///
     /// # Panics
-    /// If the field, the spectrum or the sum belongs to another grid.
+    /// Panics if the field, the spectrum or the sum belongs to another grid.
     pub fn add(&mut self, kernel: &Spectrum<T>, input: &[T], sum: &mut SpectralSum<T>) {
         self.check(&[kernel], &[input], &[]);
         assert_eq!(sum.values.len(), kernel.values.len(), "the sum is not of this grid");
@@ -268,7 +268,7 @@ impl<T: FftNum> Convolution<T> {
     /// Transforms a sum back to a field.
     ///
     /// # Panics
-    /// If the sum or the field belongs to another grid.
+    /// Panics if the sum or the field belongs to another grid.
     pub fn finish(&mut self, sum: &SpectralSum<T>, output: &mut [T]) {
         self.check(&[], &[], &[output]);
         assert_eq!(sum.values.len(), self.columns() * self.padded_y, "the sum is not of this grid");
@@ -278,10 +278,11 @@ impl<T: FftNum> Convolution<T> {
         self.rows_out(0, output);
     }
 
-    /// Convolution of a vector field with a tensor of kernels, out_r = Σ_c kernels[r][c] ∗ in_c.
+    /// Computes the convolution of a vector field with a tensor of kernels, out_r = Σ_c
+    /// kernels[r][c] ∗ in_c.
     ///
     /// # Panics
-    /// If a field or a spectrum belongs to another grid.
+    /// Panics if a field or a spectrum belongs to another grid.
     pub fn apply_tensor(
         &mut self,
         kernels: &[[&Spectrum<T>; 2]; 2],
@@ -322,7 +323,7 @@ impl<T: FftNum> Convolution<T> {
         );
     }
 
-    /// Multiply-adds of the transforms of so many lines of a length, roughly.
+    /// Approximate number of multiply-adds to transform `lines` lines of a length.
     fn operations(lines: usize, length: usize) -> u64 {
         2 * lines as u64 * length as u64 * u64::from(length.ilog2() + 1)
     }
@@ -345,9 +346,9 @@ impl<T: FftNum> Convolution<T> {
         });
     }
 
-    /// Blocks of columns: those that come `into` are padded and transformed, `multiply` changes
-    /// them, of the indices of their waves in a [`Spectrum`], and those that go `out` are
-    /// transformed back and cut.
+    /// Processes blocks of columns. Components marked in `into` are padded and transformed.
+    /// `multiply` modifies them, given the range of their indices in a [`Spectrum`]. Components
+    /// marked in `out` are transformed back and cut.
     fn through(
         &mut self,
         into: [bool; 2],
@@ -399,7 +400,7 @@ impl<T: FftNum> Convolution<T> {
             }
             let rows = work.rows.chunks_exact_mut(len);
             for (transformed, values) in rows.zip(values.chunks_exact_mut(nx)) {
-                // Zero but for rounding; the plan insists on it.
+                // Zero within rounding; the plan requires exact zeros.
                 transformed[0].im = T::zero();
                 transformed[len - 1].im = T::zero();
                 rows_inverse
@@ -412,7 +413,7 @@ impl<T: FftNum> Convolution<T> {
     }
 }
 
-/// Copies columns, of transformed rows of length `len`, from `first` on, and pads them.
+/// Copies columns, starting at `first`, out of transformed rows of length `len`, and pads them.
 fn gather<T: FftNum>(
     rows: &[Complex<T>],
     [len, ny, padded]: [usize; 3],
@@ -431,9 +432,9 @@ fn gather<T: FftNum>(
 }
 
 impl Convolution<f64> {
-    /// Transform of a kernel: `kernel(di, dj)` is the effect at an element on that of another,
-    /// di and dj being the target's index minus the source's. Called for |di| < nx, |dj| < ny, and at
-    /// most half the padded grid.
+    /// Returns the transform of a kernel. `kernel(di, dj)` is the effect of one element on another;
+    /// di and dj are the target's index minus the source's. The kernel is called for |di| < nx,
+    /// |dj| < ny, limited to half the padded grid.
     #[must_use]
     pub fn spectrum(&mut self, kernel: impl Fn(i32, i32) -> f64) -> Spectrum {
         let columns = self.columns();
@@ -462,8 +463,9 @@ impl Convolution<f64> {
         Spectrum { values, size }
     }
 
-    /// A factor for every wave e^{2πi(ik/P_x + jl/P_y)}: `factor(k, l)`, called for 0 ≤ k ≤ P_x/2 and
-    /// |l| ≤ P_y/2. Real fields need the conjugate of it at (−k, −l).
+    /// Returns a factor for every wave e^{2πi(ik/P_x + jl/P_y)}: `factor(k, l)`, called for 0 ≤ k ≤
+    /// P_x/2 and |l| ≤ P_y/2. For real fields, the factor at (−k, −l) must be its complex
+    /// conjugate.
     #[must_use]
     pub fn factors(&self, factor: impl Fn(i32, i32) -> Complex64) -> Spectrum {
         let size = (self.padded_x * self.padded_y) as f64;
@@ -476,7 +478,7 @@ impl Convolution<f64> {
     }
 }
 
-/// Smallest number from `least` on with the prime factors 2, 3 and 5 only.
+/// Returns the smallest number of at least `least` with only the prime factors 2, 3 and 5.
 #[must_use]
 pub fn smooth_size(least: usize) -> usize {
     let smooth = |size: &usize| {
@@ -491,17 +493,17 @@ pub fn smooth_size(least: usize) -> usize {
     (least.max(1)..).find(smooth).expect("the next power of two is one")
 }
 
-/// A count of elements as a signed offset.
+/// Converts a count of elements to a signed offset.
 fn offset(count: usize) -> i32 {
     i32::try_from(count).expect("a grid in memory has fewer elements a side")
 }
 
-/// Offset of an index on a cyclic grid, the nearest to zero.
+/// Returns the offset of an index on a cyclic grid that is nearest to zero.
 pub(crate) fn signed(index: usize, size: usize) -> i32 {
     if index <= size / 2 { offset(index) } else { -offset(size - index) }
 }
 
-/// Index of an offset on a cyclic grid.
+/// Returns the index of an offset on a cyclic grid.
 fn wrapped(offset: i32, size: usize) -> usize {
     let size = i64::try_from(size).expect("a grid in memory has fewer elements a side");
     usize::try_from(i64::from(offset).rem_euclid(size)).expect("a remainder is not negative")

@@ -1,18 +1,18 @@
 //! Restart-free, right-preconditioned GMRES for a few iterations on a tall vector.
 //!
-//! Solves A x = b approximately: over the Krylov space of A P, with P any approximation of A⁻¹, the
-//! x is chosen that minimises ‖b − A x‖₂. The preconditioned directions are kept (the flexible
-//! form), so that P is applied once an iteration. Arnoldi by modified Gram–Schmidt, the least
-//! squares by Givens rotations. The memory is kept from one solve to the next.
+//! Solves A x = b approximately: in the Krylov space of A P, with any approximation P of A⁻¹, finds
+//! the x that minimises ‖b − A x‖₂. The preconditioned directions are stored (flexible GMRES), so
+//! that P is applied once per iteration. Orthogonalisation is by modified Gram–Schmidt (Arnoldi),
+//! the least-squares solution by Givens rotations. Working memory is reused between solves.
 //!
 //! Source: Saad, *Iterative Methods for Sparse Linear Systems* (2003), algorithms 6.9 and 9.6.
 
 use crate::vector::{add_scaled, dot, norm};
 
-/// Largest dimension of the Krylov space.
+/// Maximum dimension of the Krylov space.
 const MOST_STEPS: usize = 40;
 
-/// Working memory.
+/// Working memory of the solver.
 #[derive(Debug, Default)]
 pub struct Gmres {
     /// Orthonormal basis.
@@ -28,23 +28,23 @@ pub struct Gmres {
 /// Result of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Achieved {
-    /// Iterations, that is, products with the operator.
+    /// Number of iterations, that is, of products with the operator.
     pub steps: usize,
-    /// ‖b − A x‖ over ‖b‖.
+    /// Relative residual ‖b − A x‖/‖b‖.
     pub reduction: f64,
 }
 
-/// An operator and its preconditioner. The operator may take more unknowns than it has equations, where
-/// the preconditioner answers with those alone that meet the others (a constraint preconditioner).
+/// An operator and its preconditioner. The operator may have more unknowns than equations, if every
+/// result of the preconditioner satisfies the remaining equations (constraint preconditioner).
 pub trait Preconditioned {
-    /// out = A x.
+    /// Computes out = A x.
     fn operate(&mut self, x: &[f64], out: &mut [f64]);
-    /// out ≈ A⁻¹ x.
+    /// Computes out ≈ A⁻¹ x.
     fn precondition(&mut self, x: &[f64], out: &mut [f64]);
 }
 
 impl Gmres {
-    /// Solves A x = b to ‖b − A x‖ ≤ `reduction` ‖b‖, or as far as the memory reaches; x starts
+    /// Solves A x = b to ‖b − A x‖ ≤ `reduction` ‖b‖, or until the Krylov space is full; x starts
     /// from zero.
     pub fn solve(
         &mut self,
@@ -74,7 +74,7 @@ impl Gmres {
         Achieved { steps, reduction: self.target[steps].abs() / scale }
     }
 
-    /// One Arnoldi step; the norm of the new direction.
+    /// Performs one Arnoldi step; returns the norm of the new direction.
     fn expand(
         &mut self,
         system: &mut dyn Preconditioned,
@@ -103,7 +103,7 @@ impl Gmres {
         length
     }
 
-    /// Turns the new column of the Hessenberg matrix upper triangular.
+    /// Reduces the new column of the Hessenberg matrix to upper triangular form.
     fn rotate(&mut self, step: usize, below: f64) {
         let column = &mut self.factor[step];
         for (row, (cos, sin)) in self.rotations.iter().enumerate() {
@@ -122,7 +122,7 @@ impl Gmres {
         self.target.push(-sin * last);
     }
 
-    /// x = Σ y_i z_i with the solution y of the triangular system.
+    /// Computes x = Σ y_i z_i with the solution y of the triangular system.
     fn combine(&mut self, steps: usize, x: &mut [f64]) {
         for row in (0..steps).rev() {
             let mut value = self.target[row];
@@ -139,7 +139,7 @@ impl Gmres {
     }
 }
 
-/// The vector with this index, made when it is first asked for.
+/// Returns the vector with this index, created on first use.
 fn slot(vectors: &mut Vec<Vec<f64>>, index: usize) -> &mut Vec<f64> {
     while vectors.len() <= index {
         vectors.push(Vec::new());
@@ -185,7 +185,7 @@ mod tests {
             let rest: Vec<f64> = product.iter().zip(&right).map(|(a, b)| b - a).collect();
             let found = norm(&rest) / norm(&right);
             assert!(found <= reduction * (1.0 + 1e-3), "{found} > {reduction}");
-            // Rounding of the recurrence against the true residual.
+            // Rounding of the recurrence compared with the true residual.
             assert!((found - achieved.reduction).abs() < 1e-13);
         }
     }

@@ -4,14 +4,14 @@
 //! | module | what |
 //! |---|---|
 //! | [`bessel`] | modified Bessel functions of the second kind |
-//! | [`convolution`] | sums of a kernel over a grid by Fourier transforms |
+//! | [`convolution`] | convolution of fields on a grid with a kernel, by Fourier transforms |
 //! | [`gmres`] | Krylov solver for a few iterations on tall vectors |
 //! | [`quadrature`] | integrals of functions over an interval |
-//! | [`rows`] | the same of kernels that vary across x |
+//! | [`rows`] | convolution along x with kernels that vary across the rows |
 //! | [`search`] | maximum and root of a function of one variable |
-//! | [`team`] | independent pieces of work, on several threads |
+//! | [`team`] | parallel computation of independent pieces of work |
 //! | [`vector`] | sums and products of long vectors |
-//! | [`waves`] | fields that repeat without end, as sums of waves |
+//! | [`waves`] | periodic fields as sums of waves |
 
 pub mod bessel;
 pub mod convolution;

@@ -1,24 +1,24 @@
-//! Integrals over an interval: Gauss–Legendre quadrature, and Simpson's rule to compare with.
+//! Integrals over an interval: Gauss–Legendre quadrature, and Simpson's rule for comparison.
 //!
-//! The rule of N points integrates polynomials of degree 2N − 1 exactly; for a function analytic
-//! inside the ellipse with foci at the ends of the interval and semi-axis sum ϱ (the interval
-//! taken as [−1, 1]) the error falls like ϱ^(−2N). Nodes and weights come from Newton's iteration
+//! The rule of N points integrates polynomials of degree 2N − 1 exactly. For a function that is
+//! analytic inside an ellipse, the error falls like ϱ^(−2N); with the interval as [−1, 1], the foci
+//! are its ends and ϱ is the sum of the semi-axes. Nodes and weights come from Newton's iteration
 //! on the Legendre polynomials (Davis & Rabinowitz, Methods of Numerical Integration, 2.7).
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-// Nodes, rising, and weights on [−1, 1], rounded to the nearest doubles: for loops that evaluate a
-// rule millions of times.
+// Tables of increasing nodes and weights on [−1, 1], rounded to the nearest doubles, for loops that
+// evaluate a rule millions of times.
 
-/// The rule of 3 points.
+/// Rule of 3 points.
 pub const GAUSS_3: [(f64, f64); 3] = [
     (-0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
     (0.0, 0.888_888_888_888_888_8),
     (0.774_596_669_241_483_4, 0.555_555_555_555_555_6),
 ];
 
-/// The rule of 4 points.
+/// Rule of 4 points.
 pub const GAUSS_4: [(f64, f64); 4] = [
     (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
     (-0.339_981_043_584_856_26, 0.652_145_154_862_546_1),
@@ -26,7 +26,7 @@ pub const GAUSS_4: [(f64, f64); 4] = [
     (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
 ];
 
-/// The rule of 5 points.
+/// Rule of 5 points.
 pub const GAUSS_5: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -35,7 +35,7 @@ pub const GAUSS_5: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
 
-/// The rule of 7 points.
+/// Rule of 7 points.
 pub const GAUSS_7: [(f64, f64); 7] = [
     (-0.949_107_912_342_758_5, 0.129_484_966_168_869_7),
     (-0.741_531_185_599_394_5, 0.279_705_391_489_276_64),
@@ -46,7 +46,7 @@ pub const GAUSS_7: [(f64, f64); 7] = [
     (0.949_107_912_342_758_5, 0.129_484_966_168_869_7),
 ];
 
-/// The rule of 8 points.
+/// Rule of 8 points.
 pub const GAUSS_8: [(f64, f64); 8] = [
     (-0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
     (-0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
@@ -58,7 +58,7 @@ pub const GAUSS_8: [(f64, f64); 8] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// The rule of 10 points.
+/// Rule of 10 points.
 pub const GAUSS_10: [(f64, f64); 10] = [
     (-0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
     (-0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
@@ -72,7 +72,7 @@ pub const GAUSS_10: [(f64, f64); 10] = [
     (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
 ];
 
-/// The rule of 16 points.
+/// Rule of 16 points.
 pub const GAUSS_16: [(f64, f64); 16] = [
     (-0.989_400_934_991_649_9, 0.027_152_459_411_754_096),
     (-0.944_575_023_073_232_6, 0.062_253_523_938_647_894),
@@ -92,10 +92,10 @@ pub const GAUSS_16: [(f64, f64); 16] = [
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_096),
 ];
 
-/// Points of the longest rule.
+/// Number of points of the longest rule.
 pub const POINTS: usize = 12;
 
-/// The rules of 0 to [`POINTS`] points.
+/// Rules of 0 to [`POINTS`] points.
 static RULES: LazyLock<Vec<Vec<(f64, f64)>>> =
     LazyLock::new(|| (0..=POINTS).map(|n| (0..n).map(|i| node(i, n)).collect()).collect());
 
@@ -111,7 +111,7 @@ fn node(i: usize, points: usize) -> (f64, f64) {
     (x, 2.0 / ((1.0 - x * x) * dp * dp))
 }
 
-/// The Legendre polynomial of a degree and its derivative.
+/// Legendre polynomial of a degree, and its derivative.
 fn legendre(x: f64, degree: usize) -> (f64, f64) {
     let (mut before, mut p) = (1.0, x);
     for k in 1..degree {
@@ -121,24 +121,25 @@ fn legendre(x: f64, degree: usize) -> (f64, f64) {
     (p, degree as f64 * (x * p - before) / (x * x - 1.0))
 }
 
-/// Points and weights of the longest rule on [from, to].
+/// Returns points and weights of the longest rule on [from, to].
 pub fn points(from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> {
     points_of(POINTS, from, to)
 }
 
-/// Points and weights of the rule of so many points on [from, to], at most [`POINTS`].
+/// Returns points and weights of the rule of `count` points on [from, to]; at most [`POINTS`].
 pub fn points_of(count: usize, from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     RULES[count].iter().map(move |(x, weight)| (middle + half * x, half * weight))
 }
 
-/// Integral of `f` over [from, to].
+/// Returns the integral of `f` over [from, to], by the longest rule.
 pub fn integrate(from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     points(from, to).map(|(x, weight)| weight * f(x)).sum()
 }
 
-/// ∫ over [from, to] by Simpson's rule after the substitution s(3 − s²)/2, which flattens both ends
-/// and thus turns roots there into smooth functions. Relative error below 1e-10 for such functions.
+/// Returns the integral over [from, to] by Simpson's rule after the substitution s(3 − s²)/2. The
+/// substitution flattens both ends, so that square roots there become smooth. The relative error is
+/// below 1e-10 for such functions.
 #[must_use]
 pub fn simpson(from: f64, to: f64, function: impl Fn(f64) -> f64) -> f64 {
     let (middle, half, intervals) = (0.5 * (from + to), 0.5 * (to - from), 4000);

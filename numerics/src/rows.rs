@@ -1,10 +1,11 @@
-//! Products with kernels that depend on the distance along x, but on both places across it.
+//! Convolution with kernels that depend on the distance along x and on both positions across x.
 //!
-//! out(i, t) = Σ_{i', q} A(i − i'; t, q) in(i', q) on a grid of nx × ny elements, nothing beyond it. Rows go through
-//! real Fourier transforms along x, padded to 2 nx, where the sum over i' is a product; the sum over the rows q is made
-//! wave by wave. Kernels are even or odd along x, so that their transforms are real, or imaginary.
+//! out(i, t) = Σ_{i', q} A(i − i'; t, q) in(i', q) on a grid of nx × ny elements, with zero input
+//! outside. Rows are transformed along x by real Fourier transforms, padded to 2 nx, where the sum
+//! over i' becomes a product. The sum over the rows q is computed wave by wave. Kernels are even or
+//! odd along x, so that their transforms are real or imaginary.
 //!
-//! A product takes ny² nx operations, beside nx log nx of each row.
+//! A product takes ny² nx operations, plus nx log nx per row.
 
 use crate::convolution::{Complex64, smooth_size};
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -13,21 +14,21 @@ use std::sync::Arc;
 /// Parity of a kernel in the distance along x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// It stays.
+    /// A(−i) = A(i).
     Even,
-    /// Its sign changes; it is zero at no distance.
+    /// A(−i) = −A(i), zero at i = 0.
     Odd,
 }
 
-/// Transform of a kernel for the grid of a [`Rows`].
+/// Transform of a kernel, for the grid of a [`Rows`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernel {
     parity: Parity,
-    /// Real or imaginary part over the padded length: t, q, then the wave.
+    /// Real or imaginary part over the padded length, ordered by t, then q, then wave.
     values: Vec<f64>,
 }
 
-/// Plans and working memory on one grid.
+/// Plans and working memory for one grid.
 pub struct Rows {
     nx: usize,
     ny: usize,
@@ -51,7 +52,7 @@ impl Rows {
     /// Plans the transforms for nx × ny elements.
     ///
     /// # Panics
-    /// If a count is zero.
+    /// Panics if a count is zero.
     #[must_use]
     pub fn new(nx: usize, ny: usize) -> Self {
         assert!(nx > 0 && ny > 0, "a grid of {nx} x {ny} elements is empty");
@@ -74,14 +75,14 @@ impl Rows {
         }
     }
 
-    /// Elements along x and along y.
+    /// Returns the numbers of elements along x and y.
     #[must_use]
     pub fn shape(&self) -> (usize, usize) {
         (self.nx, self.ny)
     }
 
-    /// Transform of the kernel `kernel(i, t, q)`: the effect on row t of row q at a distance of i ≥ 0 elements, target
-    /// minus source.
+    /// Returns the transform of the kernel `kernel(i, t, q)`: the effect of row q on row t at a
+    /// distance of i ≥ 0 elements, target minus source.
     #[must_use]
     pub fn kernel(
         &mut self,
@@ -113,10 +114,10 @@ impl Rows {
         Kernel { parity, values }
     }
 
-    /// Sum of the products of kernels with fields of nx·ny values.
+    /// Computes the sum of the convolutions of fields of nx·ny values, each with its kernel.
     ///
     /// # Panics
-    /// If a field or a kernel belongs to another grid.
+    /// Panics if a field or a kernel belongs to another grid.
     pub fn apply(&mut self, terms: &[(&Kernel, &[f64])], output: &mut [f64]) {
         let (nx, ny, waves) = (self.nx, self.ny, self.padded / 2 + 1);
         assert_eq!(output.len(), nx * ny, "a field is not of the grid of {nx} x {ny} elements");
@@ -147,7 +148,7 @@ impl Rows {
             self.input = input;
         }
         for (row, values) in self.output.chunks_exact_mut(waves).zip(output.chunks_exact_mut(nx)) {
-            // Zero but for rounding; the plan insists on it.
+            // Zero within rounding; the plan requires exact zeros.
             (row[0].im, row[waves - 1].im) = (0.0, 0.0);
             self.inverse
                 .process_with_scratch(row, &mut self.row, &mut self.scratch)
@@ -156,7 +157,7 @@ impl Rows {
         }
     }
 
-    /// Transforms `row`, which it destroys.
+    /// Transforms `row`, whose content is destroyed.
     fn transform(&mut self, transformed: &mut [Complex64]) {
         self.forward
             .process_with_scratch(&mut self.row, transformed, &mut self.scratch)
@@ -168,7 +169,7 @@ impl Rows {
 mod tests {
     use super::*;
 
-    /// Against the sum itself, of an even and an odd kernel.
+    /// Compares with the direct sum, for an even and an odd kernel.
     #[test]
     fn products_are_the_sums() {
         let (nx, ny) = (7, 4);

@@ -1,10 +1,10 @@
 //! Maximum and root of a function of one variable.
 
-/// Place and value of the maximum of a function with one maximum in [low, high], by golden
-/// section (Kiefer 1953).
+/// Returns position and value of the maximum of a function with a single maximum in [low, high], by
+/// golden-section search (Kiefer 1953).
 ///
-/// The place is found to about the square root of the rounding error of `f`, relative to the
-/// scale on which `f` varies: closer, values no longer differ.
+/// The position has an error of about the square root of the rounding error of `f`, relative to the
+/// scale on which `f` varies, because closer values of `f` cannot be distinguished.
 pub fn maximum(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> (f64, f64) {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     const STEPS: u32 = 44; // GOLDEN^44 = 6e-10
@@ -24,8 +24,9 @@ pub fn maximum(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> (f64, f64
     if f_left < f_right { (right, f_right) } else { (left, f_left) }
 }
 
-/// The place in [0, ∞) where a decreasing function with `f(0) > 0` changes sign, to rounding: bracketed by
-/// doubling from `scale`, then as [`root_in_bracket`]. `None` if it keeps its sign over 2^60 scales.
+/// Returns the point in [0, ∞) where a decreasing function with `f(0) > 0` changes sign, to
+/// rounding. Brackets the root by doubling from `scale`, then uses [`root_in_bracket`]. Returns
+/// `None` if `f` keeps its sign up to 2^60 scales.
 pub fn root_of_decreasing(scale: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
     let at = |x: f64| (x, f(x));
     let (mut other, mut newest) = (at(0.0), at(scale));
@@ -40,14 +41,16 @@ pub fn root_of_decreasing(scale: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
     root_in_bracket([other, newest], f)
 }
 
-/// The place between two others where a function changes sign, to rounding. `None` if it has the same
-/// sign at both.
+/// Returns the point between two ends where a function changes sign, to rounding. Returns `None` if
+/// the function has the same sign at both ends.
 pub fn root_between(ends: [f64; 2], f: impl Fn(f64) -> f64) -> Option<f64> {
     root_in_bracket(ends.map(|x| (x, f(x))), f)
 }
 
-/// The same between places with known values: by inverse parabolas, and halves where those are not safe
-/// (Chandrupatla, Advances in Engineering Software 28 (1997) 145–149).
+/// Returns the point between two ends with known values where a function changes sign, to rounding.
+/// Uses inverse quadratic interpolation where safe, otherwise bisection (Chandrupatla, Advances in
+/// Engineering Software 28 (1997) 145–149). Returns `None` for equal signs at both ends, or for
+/// NaN.
 pub fn root_in_bracket(ends: [(f64, f64); 2], f: impl Fn(f64) -> f64) -> Option<f64> {
     const STEPS: u32 = 200;
     if let Some((place, _)) = ends.into_iter().find(|(_, value)| *value == 0.0) {
@@ -63,10 +66,10 @@ pub fn root_in_bracket(ends: [(f64, f64); 2], f: impl Fn(f64) -> f64) -> Option<
         let place = newest.0 + share * (other.0 - newest.0);
         let next = (place, f(place));
         if !known(next) {
-            // Values that are no numbers bracket nothing.
+            // NaN brackets no root.
             return None;
         }
-        // The root lies between the newest place and the other one; the last is on the same side as either.
+        // The root lies between `newest` and `other`; `last` is the point before.
         let last;
         if (next.1 > 0.0) == (newest.1 > 0.0) {
             last = newest;
@@ -86,8 +89,8 @@ pub fn root_in_bracket(ends: [(f64, f64); 2], f: impl Fn(f64) -> f64) -> Option<
     Some(newest.0)
 }
 
-/// Way from `newest` towards `other` at which the inverse parabola through the three is zero, as a part of
-/// it; half of it where that parabola is not monotone between them.
+/// Returns the zero of the inverse parabola through three points, as a fraction of the way from
+/// `newest` to `other`; 0.5 if the parabola is not monotone between them.
 fn interpolated(newest: (f64, f64), other: (f64, f64), last: (f64, f64)) -> f64 {
     let place = (newest.0 - other.0) / (last.0 - other.0);
     let value = (newest.1 - other.1) / (last.1 - other.1);
@@ -104,7 +107,8 @@ mod tests {
     use super::*;
     use std::cell::Cell;
 
-    /// Roots at and near both ends, of a function that is flat at one of them, of one that is infinite at both, and none.
+    /// Roots at and near both ends, a function flat at one end, one infinite at both ends, and one
+    /// without a root.
     #[test]
     fn roots_stay_in_their_bracket() {
         for root in [0.0, 1e-12, 1e-3, 0.5, 0.999, 1.0 - 1e-9, 1.0] {
@@ -126,7 +130,7 @@ mod tests {
     #[test]
     fn maximum_of_a_parabola() {
         let (x, value) = maximum(-1.0, 2.0, |x| 3.0 - (x - 0.3) * (x - 0.3));
-        // Place: square root of the rounding error of f.
+        // Position: square root of the rounding error of f.
         assert!((x - 0.3).abs() < 1e-7 && (value - 3.0).abs() < 1e-14, "{x} {value}");
     }
 
@@ -148,7 +152,7 @@ mod tests {
         let root = root_of_decreasing(1.0, |x| (2.0 - x).powi(9)).unwrap();
         assert!((root - 2.0).abs() < 1e-12, "{root}");
         assert_eq!(root_of_decreasing(1.0, |_| 1.0), None);
-        // Values that are no numbers beyond a place, or everywhere, are no roots.
+        // NaN beyond a point, or everywhere, is not a root.
         for known in [0.5, -1.0] {
             let value = |x: f64| if x < known { 1.0 } else { f64::NAN };
             assert_eq!(root_of_decreasing(1.0, value), None);

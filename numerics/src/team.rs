@@ -1,40 +1,39 @@
 //! Independent pieces of work, computed on several threads.
 //!
-//! No piece depends on another one, and each is computed as on one thread, in memory of the
-//! thread's own: results are the same to the bit, whatever the number of threads and whoever takes
-//! which pieces.
+//! The pieces are independent, and each is computed as on one thread, in the thread's own memory.
+//! Results are therefore bit-identical, whatever the number of threads and the distribution of
+//! pieces.
 //!
-//! Threads are those of a pool that is started when it is first needed and stays. To hand out work
-//! costs some ten microseconds; a sweep gets no more threads than it has [`WORTH`] operations for
-//! each. Work within a piece of work has the threads that are left to it: half of them in [`both`],
-//! one in a sweep.
+//! The threads belong to a pool, which starts on first use and stays. Handing out work costs about
+//! ten microseconds, so a sweep uses at most one thread per [`WORTH`] operations. Nested work uses
+//! only the threads left to its piece: half of them in [`both`], one in a sweep.
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Rows that a thread takes at once.
+/// Number of rows that a thread takes at once.
 pub const ROWS: usize = 4;
 
-/// Multiply-adds that are worth a thread of their own: 0.15 ms.
+/// Number of multiply-adds that justify a thread of its own: 0.15 ms.
 pub const WORTH: u64 = 1_500_000;
 
-/// Threads that the process may compute on.
+/// Maximum number of computing threads of the process.
 static LIMIT: AtomicUsize = AtomicUsize::new(1);
 
-/// Sets how many threads the process may compute on, for teams that are made from now on.
+/// Sets the maximum number of computing threads of the process, for teams created from now on.
 pub fn limit(threads: usize) {
     LIMIT.store(threads.max(1), Ordering::Relaxed);
 }
 
-/// Threads that the process may compute on.
+/// Returns the maximum number of computing threads of the process.
 #[must_use]
 pub fn threads() -> usize {
     LIMIT.load(Ordering::Relaxed)
 }
 
-/// The pool of so many threads; `None` where the system does not start them.
+/// Returns the pool with this number of threads; `None` if the system cannot start them.
 fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
     static POOLS: Mutex<Vec<(usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -47,7 +46,8 @@ fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
 }
 
 thread_local! {
-    /// Threads that a piece of work may compute on, where others compute at the same time.
+    /// Number of threads that the current piece of work may use, while other pieces run in
+    /// parallel.
     static SHARE: Cell<usize> = const { Cell::new(usize::MAX) };
 }
 
@@ -59,7 +59,7 @@ fn with_share<T>(threads: usize, compute: impl FnOnce() -> T) -> T {
     value
 }
 
-/// Does two things, at the same time if there are two threads; each has half of them.
+/// Runs two closures, in parallel if there are two threads; each gets half of the threads.
 pub fn both<A: Send, B: Send>(
     threads: usize,
     one: impl FnOnce() -> A + Send,
@@ -76,18 +76,18 @@ pub fn both<A: Send, B: Send>(
     (of_one, of_other.expect("a scope ends when all of it has"))
 }
 
-/// Threads, as the working memory of each.
+/// A team of threads, represented by the working memory of each.
 #[derive(Debug)]
 pub struct Team<S>(Vec<S>);
 
 impl<S: Clone + Send> Team<S> {
-    /// As many threads, at least one, with copies of a scratch.
+    /// Returns a team of this many threads, at least one, each with a copy of `scratch`.
     #[must_use]
     pub fn new(threads: usize, scratch: S) -> Self {
         Self(vec![scratch; threads.max(1)])
     }
 
-    /// As many threads as the process has ([`limit`]), with copies of a scratch.
+    /// Returns a team with the threads of the process ([`limit`]), each with a copy of `scratch`.
     #[must_use]
     pub fn of_process(scratch: S) -> Self {
         Self::new(threads(), scratch)
@@ -95,7 +95,7 @@ impl<S: Clone + Send> Team<S> {
 }
 
 impl<S> From<Vec<S>> for Team<S> {
-    /// As many threads as there are scratches: one at least.
+    /// Returns a team with one thread per scratch; at least one is required.
     fn from(scratches: Vec<S>) -> Self {
         assert!(!scratches.is_empty(), "a team of no threads");
         Self(scratches)
@@ -103,7 +103,7 @@ impl<S> From<Vec<S>> for Team<S> {
 }
 
 impl<S> Team<S> {
-    /// The scratch of the first thread, to read.
+    /// Returns the scratch of the first thread, read-only.
     #[must_use]
     pub fn read(&self) -> &S {
         self.0.first().expect("there is at least one")
@@ -111,13 +111,13 @@ impl<S> Team<S> {
 }
 
 impl<S: Send> Team<S> {
-    /// The scratch of the first thread.
+    /// Returns the scratch of the first thread.
     pub fn first(&mut self) -> &mut S {
         self.0.first_mut().expect("there is at least one")
     }
 
-    /// Computes all items, which come to about so many operations, and adds up the work that `each`
-    /// reports. On one thread nothing is allocated.
+    /// Computes all items and returns the total work reported by `each`. `operations` estimates the
+    /// total number of operations. On one thread, nothing is allocated.
     pub fn sweep<T>(
         &mut self,
         operations: u64,
@@ -139,7 +139,7 @@ impl<S: Send> Team<S> {
                 }
             });
         };
-        // This thread computes until the others are awake, too.
+        // This thread computes while the others wake up.
         pool.in_place_scope(|scope| {
             for other in others {
                 scope.spawn(|_| compute(other));

@@ -1,9 +1,9 @@
-//! Sums and products of long vectors, the same to the bit on any machine.
+//! Sums and products of long vectors, bit-identical on all machines.
 //!
-//! They are inlined where they are called, so that a loop with the vector instructions of the processor
-//! has them, too.
+//! The functions are inlined at the call, so that a loop compiled for the processor's vector
+//! instructions also uses them here.
 
-/// Σ x_i y_i, in eight sums side by side.
+/// Returns Σ x_i y_i, accumulated in eight parallel sums.
 #[must_use]
 #[inline(always)]
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
@@ -18,14 +18,14 @@ pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     lanes.iter().sum::<f64>() + tail
 }
 
-/// √(Σ x_i²).
+/// Returns √(Σ x_i²).
 #[must_use]
 #[inline(always)]
 pub fn norm(x: &[f64]) -> f64 {
     dot(x, x).sqrt()
 }
 
-/// x_i + factor y_i in the place of x_i.
+/// Replaces x_i by x_i + factor y_i.
 #[inline(always)]
 pub fn add_scaled(x: &mut [f64], y: &[f64], factor: f64) {
     x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y);

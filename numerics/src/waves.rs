@@ -1,8 +1,8 @@
-//! Fields that repeat without end along x and y, as sums of waves.
+//! Periodic fields in x and y as sums of waves.
 //!
-//! A field on nx × ny elements is f(i, j) = Σ_{k,l} f̂(k, l) e^{2πi(ik/nx + jl/ny)}, |k| ≤ nx/2, |l| ≤ ny/2. It is real, so that
-//! the waves 0 ≤ k ≤ nx/2 are all that is stored, row after row of constant l. nx is even. Nothing is allocated after the
-//! construction.
+//! A field on nx × ny elements is f(i, j) = Σ_{k,l} f̂(k, l) e^{2πi(ik/nx + jl/ny)}, |k| ≤ nx/2,
+//! |l| ≤ ny/2. The field is real, so only the waves 0 ≤ k ≤ nx/2 are stored, row by row of constant
+//! l. nx is even. Nothing is allocated after construction.
 
 use crate::convolution::{Complex64, signed};
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -26,7 +26,7 @@ impl Waves {
     /// Plans the transforms of nx × ny elements.
     ///
     /// # Panics
-    /// If ny is zero, or nx odd or zero.
+    /// Panics if ny is zero, or if nx is odd or zero.
     #[must_use]
     pub fn new(nx: usize, ny: usize) -> Self {
         let even = nx > 0 && nx.is_multiple_of(2);
@@ -53,23 +53,23 @@ impl Waves {
         }
     }
 
-    /// Number of waves that are stored.
+    /// Returns the number of stored waves.
     #[must_use]
     pub fn count(&self) -> usize {
         self.half.len()
     }
 
-    /// The numbers (k, l) of a wave: how often it repeats along x and along y.
+    /// Returns the wave numbers (k, l): the numbers of periods along x and y.
     #[must_use]
     pub fn numbers(&self, wave: usize) -> (i32, i32) {
         let columns = self.nx / 2 + 1;
         (signed(wave % columns, self.nx), signed(wave / columns, self.ny))
     }
 
-    /// The waves f̂ of a field.
+    /// Computes the waves f̂ of a field.
     ///
     /// # Panics
-    /// If a length is not that of the grid.
+    /// Panics if a length differs from that of the grid.
     pub fn of(&mut self, field: &[f64], waves: &mut [Complex64]) {
         let columns = self.nx / 2 + 1;
         assert!(field.len() == self.nx * self.ny && waves.len() == self.count());
@@ -84,10 +84,10 @@ impl Waves {
         self.along_y(waves, &*forward);
     }
 
-    /// The field of some waves.
+    /// Computes the field of a set of waves.
     ///
     /// # Panics
-    /// If a length is not that of the grid.
+    /// Panics if a length differs from that of the grid.
     pub fn sum(&mut self, waves: &[Complex64], field: &mut [f64]) {
         let columns = self.nx / 2 + 1;
         assert!(field.len() == self.nx * self.ny && waves.len() == self.count());
@@ -96,7 +96,7 @@ impl Waves {
         let inverse = Arc::clone(&self.columns.1);
         self.along_y(&mut half, &*inverse);
         for (waves, values) in half.chunks_exact_mut(columns).zip(field.chunks_exact_mut(self.nx)) {
-            // Real but for rounding; the plan insists on it.
+            // Real within rounding; the plan requires exactly real values.
             waves[0].im = 0.0;
             waves[columns - 1].im = 0.0;
             let done = self.rows.1.process_with_scratch(waves, values, &mut self.scratch);
@@ -105,7 +105,7 @@ impl Waves {
         self.half = half;
     }
 
-    /// The sum of some waves at a place, in elements from the first one.
+    /// Returns the sum of waves at a point, given in elements from the first element.
     #[must_use]
     pub fn at(&self, waves: &[Complex64], i: f64, j: f64) -> f64 {
         let last = (self.nx / 2) as i32;
@@ -140,8 +140,8 @@ impl Waves {
 mod tests {
     use super::*;
 
-    /// Waves that are put in are found, and their sum is the field, at its elements and by hand between them.
-    /// Tolerance: rounding.
+    /// Given waves are recovered, and their sum equals the field, at elements and, by direct
+    /// summation, between them. Tolerance: rounding.
     #[test]
     fn there_and_back() {
         for (nx, ny) in [(8, 1), (8, 6), (6, 5), (2, 3)] {

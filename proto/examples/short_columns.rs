@@ -1,7 +1,8 @@
 //! A complete thermal solver in Rust: heat conduction normal to the surface, in strips.
 //!
-//! T(x) = 1/(β√(πV)) ∫ q/2 dx'/√(x' − x) upstream, q constant over elements, one half of the heat into each body; β is a body's
-//! effusivity, V the rolling speed (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
+//! T(x) = 1/(β√(πV)) ∫ q/2 dx'/√(x' − x) upstream, with q constant over elements and half of the
+//! heat flowing into each body; β is a body's effusivity, V the rolling speed (Carslaw & Jaeger,
+//! Conduction of Heat in Solids, 2.9).
 
 use proto::accuracy::Accuracy;
 use proto::bodies::{self, Bodies, LOWER, UPPER};
@@ -103,7 +104,7 @@ impl Solver for ShortColumns {
             Ok::<_, Refusal>(1.0 / product.sqrt())
         };
         let scale = [scale(UPPER)?, scale(LOWER)?];
-        // Not known while planning.
+        // The grid is unknown while planning.
         let Some(grid) = configuration.input_grid(FRICTION_POWER.name) else {
             return Ok(Setup::new(Layout::default(), |_| unreachable!("built with a grid")));
         };
@@ -144,7 +145,7 @@ impl Solver for ShortColumns {
     }
 }
 
-/// A model that runs: what it has solved, and what of that was accepted.
+/// A running model, with trial and accepted state.
 struct Running {
     bodies: Bodies,
     /// ∫ dx'/(2√(x' − x)) over the element itself, the next one upstream, and so on [√m].
@@ -152,7 +153,7 @@ struct Running {
     scale: [f64; 2],
     columns: usize,
     grid: Grid,
-    /// The sum over the elements upstream, of which each body has its multiple [W/m^1.5].
+    /// Sum over the elements upstream [W/m^1.5]; each body's rise is a multiple of this sum.
     trial: Vec<f64>,
     accepted: Vec<f64>,
 }

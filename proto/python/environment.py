@@ -1,11 +1,11 @@
-"""Makes `target/python-env`, with this package in it, and prints the path of its interpreter.
+"""Creates `target/python-env` with this package, and prints the path of its interpreter.
 
     python3 proto/python/environment.py [--test]
 
-`--test` adds what the tests need, pytest and a VTK reader. The environment is made once and brought
-up to date when the package has changed; concurrent calls wait for each other. Where `venv` has no
-`ensurepip` (a bare Debian), the packages go into a folder and the interpreter printed is a wrapper that
-looks there. `COSIM_PYTHON` names an interpreter that is ready and is printed as it is.
+`--test` adds the test requirements, pytest and a VTK reader. The environment is created once and
+updated when the package has changed; concurrent calls wait for each other. If `venv` lacks
+`ensurepip` (a bare Debian), the packages go into a folder, and the printed interpreter is a wrapper
+that uses this folder. If `COSIM_PYTHON` names an interpreter, that path is printed as it is.
 """
 
 import fcntl
@@ -29,7 +29,7 @@ ADVICE = (
 
 
 def main() -> None:
-    """Make or refresh the environment."""
+    """Create or update the environment."""
     wanted = ".[test]" if "--test" in sys.argv[1:] else "."
     ready = os.environ.get("COSIM_PYTHON")
     if ready:
@@ -39,7 +39,7 @@ def main() -> None:
     with (TARGET / "python-env.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         state = fingerprint()
-        # What has pytest too serves all.
+        # An environment with the test requirements serves all purposes.
         stamps = [FOLDER / f"stamp{kind}" for kind in (wanted, ".[test]")]
         if not any(stamp.exists() and stamp.read_text() == state for stamp in stamps):
             make(wanted)
@@ -48,7 +48,7 @@ def main() -> None:
 
 
 def fingerprint() -> str:
-    """What the environment was made from."""
+    """Return a hash of the inputs of the environment."""
     digest = hashlib.sha256(sys.version.encode())
     for path in [PACKAGE / "pyproject.toml", *sorted(PACKAGE.glob("src/**/*.py"))]:
         digest.update(path.name.encode() + path.read_bytes())
@@ -56,7 +56,7 @@ def fingerprint() -> str:
 
 
 def make(wanted: str) -> None:
-    """Install the package and what it needs; ends the process with advice where that fails."""
+    """Install the package and its requirements; exit with advice on failure."""
     try:
         if (FOLDER / "packages").exists() or not (PYTHON.exists() or make_venv()):
             install_into_folder(wanted)
@@ -68,14 +68,14 @@ def make(wanted: str) -> None:
 
 
 def make_venv() -> bool:
-    """A virtual environment; false where this Python cannot make one."""
+    """Create a virtual environment; return false if this Python cannot."""
     shutil.rmtree(FOLDER, ignore_errors=True)
     done = subprocess.run([sys.executable, "-m", "venv", FOLDER], check=False, capture_output=True)
     return done.returncode == 0
 
 
 def install_into_folder(wanted: str) -> None:
-    """Packages in a folder, and a wrapper that looks there."""
+    """Install packages into a folder, and write a wrapper that uses this folder."""
     shutil.rmtree(FOLDER, ignore_errors=True)
     packages = FOLDER / "packages"
     packages.mkdir(parents=True)
@@ -87,7 +87,7 @@ def install_into_folder(wanted: str) -> None:
 
 
 def pip(command: list[str | Path], *what: str) -> None:
-    """Run pip; its words go to standard error."""
+    """Run pip, with its output on standard error."""
     options = ["install", "--quiet", "--disable-pip-version-check"]
     subprocess.run([*command, *options, *what], check=True, stdout=sys.stderr)
 

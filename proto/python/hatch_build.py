@@ -1,10 +1,10 @@
-"""Puts what a release has into the wheel, where COSIM_EXECUTABLES names the folder of what is built.
+"""Adds the executables of a release to the wheel, if COSIM_EXECUTABLES names the build folder.
 
     cargo build --release --workspace --features tests/complete
     COSIM_EXECUTABLES=$PWD/target/release pip wheel --no-deps ./proto/python -w dist
 
-Such a wheel is of a platform, and has a command `coordinator`; without them it is of any, and finds the executables
-elsewhere. They are listed in `release/programs` of the sources.
+Such a wheel is specific to a platform and has a command `coordinator`. A wheel without executables
+is portable and finds them elsewhere. The file `release/programs` lists the executables.
 """
 
 import os
@@ -19,12 +19,12 @@ BUILD = "cargo build --release --workspace --features tests/complete"
 
 
 class Executables(BuildHookInterface[Any]):
-    """The hook of this package's `pyproject.toml`."""
+    """Build hook of this package's `pyproject.toml`."""
 
     PLUGIN_NAME = "custom"
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Add the executables; of an editable installation and of sources none."""
+        """Add the executables, except to editable installations and source distributions."""
         folder = os.environ.get("COSIM_EXECUTABLES")
         if not folder or version == "editable" or self.target_name != "wheel":
             return

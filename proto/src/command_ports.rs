@@ -1,33 +1,33 @@
-//! The ports of a participant besides those of its fields: commands, replies, progress, bells.
+//! Ports of a participant for commands, replies, progress and doorbells.
 
 use crate::message::{Command, ProgressReport, Reply};
 use crate::run_dir::RunInfo;
 use crate::transport::{Doorbell, Endpoint, Receiver, Ringer, Sender, TransportError};
 use std::sync::Arc;
 
-/// What a participant has opened when it has joined a run.
+/// Ports that a participant opens when it joins a run.
 #[derive(Debug)]
 pub struct CommandPorts {
-    /// Commands to it.
+    /// Commands to the participant.
     pub commands: Receiver<Command>,
-    /// Its replies.
+    /// Replies of the participant.
     pub replies: Sender<Reply>,
-    /// How far it is.
+    /// Progress reports of the participant.
     pub reports: ProgressReports,
-    /// The coordinator's bell.
+    /// Doorbell of the coordinator.
     pub coordinator: Ringer,
-    /// Its own bell.
+    /// Doorbell of the participant.
     pub doorbell: Doorbell,
-    // Last: ports close before the node that they belong to.
-    /// Where further ports are opened.
+    // Last: ports must close before their node.
+    /// Endpoint that opens further ports.
     pub endpoint: Arc<Endpoint>,
 }
 
 impl CommandPorts {
-    /// Joins a run as the participant of this role, and tells the coordinator.
+    /// Joins a run in this role and notifies the coordinator.
     ///
     /// # Errors
-    /// The shared memory of the run is not there, or cannot be used.
+    /// Fails if the shared memory of the run does not exist or cannot be used.
     pub fn open(run: &RunInfo, role: &str) -> Result<Self, TransportError> {
         let endpoint = Arc::new(Endpoint::open(run)?);
         let doorbell = endpoint.doorbell(role)?;
@@ -40,15 +40,15 @@ impl CommandPorts {
     }
 }
 
-/// Sends how far a participant is. The topic is opened with the first report: most participants
-/// have answered before there is one.
+/// Sends progress reports. The topic is opened with the first report, because most participants
+/// reply before they have one.
 #[derive(Debug)]
 pub struct ProgressReports {
-    // Before the endpoint, which it belongs to.
+    // Before the endpoint: ports must close before their node.
     sender: Option<Sender<ProgressReport>>,
     endpoint: Arc<Endpoint>,
     role: String,
-    /// The last report that has reached the coordinator.
+    /// Latest report that has reached the coordinator.
     received: Option<ProgressReport>,
 }
 
@@ -57,11 +57,11 @@ impl ProgressReports {
         Self { sender: None, endpoint, role: role.to_owned(), received: None }
     }
 
-    /// Sends the newest report unless the coordinator has it. It opens its side of the topic at a
-    /// heartbeat, so that this is called with each of them.
+    /// Sends the newest report unless the coordinator has it. Call this with every heartbeat: the
+    /// coordinator opens the topic at a heartbeat.
     ///
     /// # Errors
-    /// The shared memory of the run cannot be used.
+    /// Fails if the shared memory of the run cannot be used.
     pub fn send(&mut self, newest: Option<ProgressReport>) -> Result<(), TransportError> {
         let Some(report) = newest.filter(|_| newest != self.received) else { return Ok(()) };
         let sender = match &self.sender {

@@ -1,23 +1,23 @@
-//! How coordinator and participants exchange what the crate [`contract`] describes.
+//! Exchange between coordinator and participants, as described by the crate [`contract`].
 //!
-//! A *participant* is any executable that describes itself with `--describe`, joins a run with
-//! `--join RUN --role ROLE`, and answers the commands of [`message`]. Its modules of the contract are
-//! re-exported here, so that a participant depends on one crate.
+//! A *participant* is an executable that describes itself with `--describe`, joins a run with
+//! `--join RUN --role ROLE`, and answers the commands of [`message`]. The modules of the contract
+//! are re-exported, so that a participant depends on one crate.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`model`] | the trait that every model implements |
-//! | [`participant`] | the state machine that serves any [`model::Setup`] |
-//! | [`command_ports`] | what a participant opens when it joins: commands, replies, progress, bells |
-//! | [`progress`] | how far long work is, for the heartbeat |
-//! | [`state`] | pieces of a state on their way to and from a file |
-//! | [`transport`] | the only module that knows iceoryx2 |
-//! | [`run_dir`] | isolation of a run on the machine, and removal of what dead runs left |
-//! | [`recording`] | what was exchanged in a run, in one file |
-//! | [`logging`] | what is logged: the directives of `RUST_LOG` |
-//! | [`binary`] | the binary form of what only this project reads back |
+//! | [`model`] | trait of all models |
+//! | [`participant`] | state machine that serves a [`model::Setup`] |
+//! | [`command_ports`] | ports of a participant: commands, replies, progress, doorbells |
+//! | [`progress`] | progress of long work, for the heartbeat |
+//! | [`state`] | reading and writing a state piece by piece |
+//! | [`transport`] | shared-memory services; the only module that uses iceoryx2 |
+//! | [`run_dir`] | isolation of a run on the machine, and removal of the remains of dead runs |
+//! | [`recording`] | recording of all messages of a run, in one file |
+//! | [`logging`] | log filter from `RUST_LOG` |
+//! | [`binary`] | binary form of data that only this project reads |
 //!
-//! Invariants held here are listed in `docs/ARCHITECTURE.md`.
+//! The invariants are listed in `docs/ARCHITECTURE.md`.
 
 pub use contract::{
     PROTOCOL_VERSION, accuracy, advice, bodies, configuration, description, diagram, field, figure,
@@ -28,6 +28,7 @@ pub use grids::state;
 
 pub mod binary;
 pub mod command_ports;
+pub mod lock_file;
 pub mod logging;
 pub mod model;
 pub mod participant;

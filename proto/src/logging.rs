@@ -1,20 +1,20 @@
-//! What is logged: the directives of `RUST_LOG`.
+//! Log filter from the directives of `RUST_LOG`.
 
 use tracing_subscriber::filter::{LevelFilter, ParseError, Targets};
 
-/// The events that `RUST_LOG` asks for by its directives `LEVEL`, `TARGET` and `TARGET=LEVEL`, with
-/// commas between them; those of the level `default` if it has none, or one that is neither.
+/// Returns the filter from `RUST_LOG`: directives `LEVEL`, `TARGET` and `TARGET=LEVEL`, separated
+/// by commas. If the variable is empty or invalid, events of the level `default` are logged.
 #[must_use]
 pub fn wanted(default: LevelFilter) -> Targets {
     let directives = directives().and_then(Result::ok);
     directives.unwrap_or_else(|| Targets::new().with_default(default))
 }
 
-/// Why `RUST_LOG` is not followed, if it is not.
+/// Explains why `RUST_LOG` is ignored, if it is.
 #[must_use]
 pub fn ignored() -> Option<String> {
     let error = directives()?.err()?;
-    Some(format!("RUST_LOG is ignored: {error}; write LEVEL or TARGET=LEVEL, with commas between"))
+    Some(format!("RUST_LOG is ignored: {error}; write LEVEL or TARGET=LEVEL, separated by commas"))
 }
 
 fn directives() -> Option<Result<Targets, String>> {
@@ -23,7 +23,7 @@ fn directives() -> Option<Result<Targets, String>> {
 }
 
 fn parse(text: &str) -> Result<Targets, String> {
-    // Such a directive would be taken for a target of this name.
+    // Otherwise such a directive would be parsed as a target name.
     if text.contains('[') {
         return Err("spans and fields are not filtered".to_owned());
     }

@@ -1,8 +1,8 @@
-//! Solvers and models: the traits that a participant implements.
+//! Traits of solvers and models, implemented by participants.
 //!
-//! A solver crate offers a [`Solver`]. `configure` turns a configuration into a cheap [`Setup`]
-//! that knows grids and cost but has allocated nothing; `build` turns that into the [`Model`]
-//! that runs. The split is what lets a plan be made without starting anything.
+//! A solver crate provides a [`Solver`]. `configure` turns a configuration into a cheap [`Setup`],
+//! which knows grids and cost but has allocated nothing. `build` turns the setup into the [`Model`]
+//! that runs. Because of this split, a plan can be made without starting anything.
 
 pub use contract::step::{Step, StepReport};
 
@@ -14,31 +14,30 @@ use crate::grid::Grid;
 use crate::progress::Progress;
 use std::io::{self, Read, Write};
 
-/// A participant's program: describes itself and sets up models.
+/// Program of a participant: describes itself and configures models.
 pub trait Solver {
-    /// Description of its models, effects, keys and fields.
+    /// Returns the description of models, effects, keys and fields.
     fn description(&self) -> Description;
-    /// Checks a configuration and prepares a model; cheap, allocates no field.
+    /// Checks a configuration and prepares a model. Cheap; allocates no fields.
     fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal>;
-    /// Advice on its effects in a scene; empty unless the description says that it advises.
+    /// Returns advice on the effects in a scene; empty unless the description announces advice.
     fn advise(&self, _scene: &Scene) -> Opinion {
         Opinion::default()
     }
 }
 
-/// A checked configuration, from which a model is built.
+/// A checked configuration, ready to build its model.
 pub struct Setup {
     layout: Layout,
     build: Build,
 }
 
-/// Builds a model.
 type Build = Box<dyn FnOnce(&Progress) -> Result<Box<dyn Model>, Refusal>>;
 
 impl Setup {
-    /// Takes the layout of a configuration and what builds its model: `build` allocates everything
-    /// that the model needs, so that nothing is allocated in a steady step. A build that takes long
-    /// reports its progress; a model whose solves do keeps a clone.
+    /// Returns a setup with this layout and a function that builds the model. `build` allocates all
+    /// memory of the model, so that steady steps allocate nothing. It reports the progress of a
+    /// long build; a model with long solves keeps a clone of the [`Progress`].
     pub fn new(
         layout: Layout,
         build: impl FnOnce(&Progress) -> Result<Box<dyn Model>, Refusal> + 'static,
@@ -46,8 +45,8 @@ impl Setup {
         Self { layout, build: Box::new(build) }
     }
 
-    /// Grids, of volumes the announced ones ([`Grid::announced`]), placement of the fields and
-    /// expected cost.
+    /// Returns the grids, the placement of the fields and the expected cost. Volumes are announced
+    /// only ([`Grid::announced`]).
     #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.layout
@@ -56,7 +55,7 @@ impl Setup {
     /// Builds the model.
     ///
     /// # Errors
-    /// A case that turns out to have no model only now.
+    /// Fails if the case is found to be unsolvable only while building.
     pub fn build(self, progress: &Progress) -> Result<Box<dyn Model>, Refusal> {
         (self.build)(progress)
     }
@@ -64,35 +63,36 @@ impl Setup {
 
 /// Inputs of a solve, read in place.
 pub trait Inputs: Sync {
-    /// Values of a field, component-major, with its grid; `None` when no active effect needs it.
+    /// Returns the values of a field, component-major, with its grid; `None` if no active effect
+    /// needs the field.
     fn get(&self, field: &FieldSpec) -> Option<InputField<'_>>;
 
-    /// Values of a field at the start of the window, component-major, as long as those of
-    /// [`Inputs::get`]; within the window the field goes in a straight line from these to those.
-    /// `None` for a field that does not vary within a window.
+    /// Returns the values of a field at the start of the window, component-major, with the same
+    /// length as those of [`Inputs::get`]. Within the window the field varies linearly from these
+    /// values to those of [`Inputs::get`]. `None` for a field that is constant within a window.
     fn start(&self, _field: &FieldSpec) -> Option<&[f64]> {
         None
     }
 }
 
-/// One input.
+/// Values of an input and their grid.
 #[derive(Clone, Copy, Debug)]
 pub struct InputField<'a> {
     /// `components * points` values, component-major.
     pub values: &'a [f64],
-    /// Where they live: the grid of this very sample, if it is one that moves.
+    /// Grid of the values; for a moving grid, in the revision of this sample.
     pub grid: &'a Grid,
 }
 
-/// Outputs of a solve, written where consumers will read them.
+/// Outputs of a solve, written directly into shared memory.
 pub trait Outputs {
-    /// The place for a field's values, component-major; `None` when nobody needs the field. Every
-    /// value must be written; the place holds old data before, and marks in some of it, by which an
-    /// output that was not written is noticed.
+    /// Returns the buffer for the values of a field, component-major; `None` if nobody needs the
+    /// field. Every value must be written. The buffer holds old data and some marks, by which
+    /// unwritten outputs are detected.
     fn get(&mut self, field: &FieldSpec) -> Option<&mut [f64]>;
 }
 
-/// Why a solve failed.
+/// Reason for the failure of a solve.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// An input holds a NaN or an infinity.
@@ -105,13 +105,13 @@ pub enum StepError {
         /// The value.
         value: f64,
     },
-    /// An input that the model cannot do without is missing.
+    /// A required input is missing.
     #[error("input `{field}` is missing")]
     MissingInput {
         /// Name of the field.
         field: String,
     },
-    /// The model has no solution, or its solver did not find it.
+    /// The model has no solution, or the solver did not find one.
     #[error("{0}")]
     NoSolution(String),
 }
@@ -130,10 +130,10 @@ impl From<io::Error> for StateError {
     }
 }
 
-/// A model that runs. `solve` always starts from the last accepted state, so a window may be
-/// solved any number of times; only `accept` moves on.
+/// A running model. `solve` always starts from the last accepted state, so a window may be solved
+/// any number of times; only `accept` advances the state.
 pub trait Model {
-    /// Solves one window from the accepted state with the given inputs, writes the outputs.
+    /// Solves one window from the accepted state with the given inputs and writes the outputs.
     fn solve(
         &mut self,
         step: &Step,
@@ -141,14 +141,14 @@ pub trait Model {
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError>;
 
-    /// Writes the outputs that hold before the first solve.
+    /// Writes the initial outputs, before the first solve.
     fn first_outputs(&mut self, outputs: &mut dyn Outputs);
 
-    /// Whether the last solve may become the accepted state. An answer that is good for an iteration
-    /// on its way only is refused here, which ends the run.
+    /// Checks whether the last solve may become the accepted state. A model refuses a solution here
+    /// that is good enough for an iteration but not for acceptance; the run then ends.
     ///
     /// # Errors
-    /// Why it may not.
+    /// Fails with the reason why the solution is unacceptable.
     fn acceptable(&self) -> Result<(), StepError> {
         Ok(())
     }
@@ -156,38 +156,39 @@ pub trait Model {
     /// Makes the last solve the accepted state.
     fn accept(&mut self);
 
-    /// The grids of the layout that may move, as they are in the accepted state, and the volumes, with
-    /// their geometry from the building on. One that has changed has a higher revision. They change with [`Model::accept`] and [`Model::restore`]
-    /// alone, so that geometry is constant through the iterations of a window. Quadrilaterals and
-    /// volumes keep their elements; a structured grid may grow.
+    /// Returns the moving grids of the layout in the accepted state, and the volumes, with their
+    /// geometry from construction on. A changed grid has a higher revision. Grids change only in
+    /// [`Model::accept`] and [`Model::restore`], so that the geometry is constant through the
+    /// iterations of a window. Quadrilaterals and volumes keep their elements; a structured grid
+    /// may grow.
     fn moved_grids(&self) -> &[Grid] {
         &[]
     }
 
-    /// Writes the observed fields of the window that was accepted last, on the grids that it was
-    /// solved on: where `accept` has moved them to holds from the next window on.
+    /// Writes the observed fields of the last accepted window, on the grids of its solve. Grids
+    /// moved by `accept` take effect from the next window on.
     fn observe(&mut self, outputs: &mut dyn Outputs);
 
-    /// The part of `summary.json` that is this model's: an object of sections, whose keys are
-    /// merged over the participants (`{"contact": {...}}`, `{"temperature": {...}}`).
+    /// Returns this model's part of `summary.json`: an object of sections, whose keys are merged
+    /// over the participants (`{"contact": {...}}`, `{"temperature": {...}}`).
     fn summary(&self) -> serde_json::Value;
 
-    /// Writes the accepted state, piece by piece: it need not be in memory twice.
+    /// Writes the accepted state piece by piece, to avoid a second copy in memory.
     ///
     /// # Errors
-    /// Those of `into`.
+    /// Fails if writing to `into` fails.
     fn save(&self, into: &mut dyn Write) -> io::Result<()>;
 
-    /// Reads back what [`Model::save`] wrote; a run continues from it bit-identically. The caller sees
-    /// that all of it has been read.
+    /// Reads back the output of [`Model::save`]; the run then continues bit-identically. The caller
+    /// checks that all bytes have been read.
     ///
     /// # Errors
-    /// A state that does not fit, or ends too early; the run then ends.
+    /// Fails for a state that does not fit or ends too early; the run then ends.
     fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError>;
 }
 
-/// Finds the first value that is not finite: one pass that a compiler vectorises, and a search
-/// only when there is something to find.
+/// Returns the index of the first value that is not finite. A vectorised pass looks for any such
+/// value; only then a search locates it.
 #[must_use]
 pub fn first_non_finite(values: &[f64]) -> Option<usize> {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;

@@ -1,5 +1,6 @@
-//! The participant's side of a run: command line, heartbeat, and the state machine that serves
-//! any [`Solver`].
+//! The participant's side of a run: command line, heartbeat, and the state machine that serves a
+//! [`Solver`]. A solver takes part as a process ([`main`]), or on a thread of a host program
+//! ([`take_part`]).
 //!
 //! ```text
 //! PROGRAM --describe                      print the description as JSON
@@ -10,9 +11,13 @@
 
 mod error;
 mod geometry;
+mod host;
 mod ports;
 mod pulse;
 mod server;
+
+pub use error::JoinError;
+pub use host::{Host, Stop};
 
 use crate::advice::Scene;
 use crate::configuration::{Configuration, Estimate};
@@ -36,29 +41,30 @@ use tracing_subscriber::util::SubscriberInitExt as _;
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
-    /// Print what this program can do as JSON.
+    /// Print a description of this program as JSON.
     #[arg(long, group = "action")]
     describe: bool,
-    /// Read a configuration from standard input, print grids and expected cost as JSON.
+    /// Read a configuration from standard input and print grids and expected cost as JSON.
     #[arg(long, group = "action")]
     estimate: bool,
-    /// Read a scene from standard input, print what there is to say of each effect in it as JSON.
+    /// Read a scene from standard input and print advice on its effects as JSON.
     #[arg(long, group = "action")]
     advise: bool,
     /// Take part in the run with this folder.
     #[arg(long, group = "action", value_name = "RUN_FOLDER", requires = "role")]
     join: Option<PathBuf>,
-    /// The role to play in the run.
+    /// Role to play in the run.
     #[arg(long)]
     role: Option<String>,
 }
 
-/// The whole `main` of a participant.
+/// Complete `main` function of a participant.
 pub fn main(solver: &dyn Solver) -> ExitCode {
     ExitCode::from(main_from(std::env::args_os(), solver))
 }
 
-/// [`main`] for a program that is not Rust: the arguments, the program's name first; the exit code.
+/// Variant of [`main`] for programs in other languages. The arguments begin with the program name;
+/// returns the exit code.
 pub fn main_from(arguments: impl IntoIterator<Item = OsString>, solver: &dyn Solver) -> u8 {
     prepare_process();
     let lines = tracing_subscriber::fmt::layer()
@@ -66,7 +72,7 @@ pub fn main_from(arguments: impl IntoIterator<Item = OsString>, solver: &dyn Sol
         .with_ansi(false)
         .without_time()
         .with_filter(wanted(LevelFilter::WARN));
-    // A host that has a subscriber of its own keeps it.
+    // A host program's own subscriber stays in place.
     let _ = tracing_subscriber::registry().with(lines).try_init();
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
@@ -89,16 +95,12 @@ fn act(arguments: &Arguments, solver: &dyn Solver) -> Result<(), Box<dyn Error>>
         print_json(&solver.description())
     } else if arguments.estimate {
         let configuration: Configuration = serde_json::from_reader(std::io::stdin().lock())?;
-        let admitted = solver.description().admit(&configuration);
-        print_json(&match admitted.and_then(|()| solver.configure(&configuration)) {
-            Ok(setup) => Estimate::Layout(setup.layout().clone()),
-            Err(refusal) => Estimate::Refused(refusal),
-        })
+        print_json(&estimate(solver, &configuration))
     } else if arguments.advise {
         let scene: Scene = serde_json::from_reader(std::io::stdin().lock())?;
         print_json(&solver.advise(&scene))
     } else if let (Some(folder), Some(role)) = (&arguments.join, &arguments.role) {
-        take_part(folder, role, solver)
+        Ok(take_part(folder, role, solver, Host::Process)?)
     } else {
         Err("nothing to do; started by hand, a participant needs --describe, --estimate or \
              --join RUN_FOLDER --role ROLE"
@@ -113,20 +115,41 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn take_part(folder: &Path, role: &str, solver: &dyn Solver) -> Result<(), Box<dyn Error>> {
+/// Returns the layout of a configuration, or the reason why the solver refuses it.
+pub fn estimate(solver: &dyn Solver, configuration: &Configuration) -> Estimate {
+    let admitted = solver.description().admit(configuration);
+    match admitted.and_then(|()| solver.configure(configuration)) {
+        Ok(setup) => Estimate::Layout(setup.layout().clone()),
+        Err(refusal) => Estimate::Refused(refusal),
+    }
+}
+
+/// Joins the run with this folder in a role, and serves until the coordinator ends the run or the
+/// host is asked to stop.
+///
+/// # Errors
+/// Fails if the run cannot be joined or its shared memory cannot be used.
+pub fn take_part(
+    folder: &Path,
+    role: &str,
+    solver: &dyn Solver,
+    host: Host,
+) -> Result<(), JoinError> {
     let run = RunDir::join(folder, role)?;
     let info = run.info().clone();
     let watch = run.watch()?;
     let index = info.roles.iter().position(|r| r == role).unwrap_or_default();
-    // Declared before the server: whatever ends the process, its ports close before the run's
-    // folder is left and perhaps removed.
+    // Declared before the server: the ports must close before the participant leaves the run's
+    // folder, which may then be removed.
     let run = Arc::new(Mutex::new(Some(run)));
-    let (mut server, voice) = server::Server::open(&info, role, index, solver)?;
-    let pulse = pulse::Pulse::start(voice, watch, Arc::clone(&run))?;
+    let (mut server, voice) = server::Server::open(&info, role, index, solver, host.clone())?;
+    let pulse = pulse::Heartbeat::start(voice, watch, Arc::clone(&run), host.clone())?;
     let outcome = server.serve();
     drop(pulse);
     outcome?;
-    // Ports are left to the last member of the run, which removes all that the run has made.
-    std::mem::forget(server);
+    // The last member of the run removes the ports of this process with everything else.
+    if let Host::Process = host {
+        std::mem::forget(server);
+    }
     Ok(())
 }

@@ -1,31 +1,31 @@
-//! How far long work is, from the model that does it to the heart that reports it.
+//! Progress of long work, from the model to the heartbeat.
 
 use crate::message::{Label, ProgressReport};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Where a model says how far it is. Clones are the same place; any thread may report, as often as it
-/// likes: nothing is allocated and nobody is waited for but a copy of a few words.
+/// Progress of a model. Clones share the report; any thread may report as often as needed. A report
+/// allocates nothing and only copies a few words under a lock.
 ///
-/// The heartbeat carries the newest report. Whenever it differs from the one before, the coordinator
-/// gives the command that is worked on its whole deadline again.
+/// The heartbeat carries the newest report. Whenever the report changes, the coordinator restarts
+/// the deadline of the current command.
 #[derive(Clone, Debug, Default)]
 pub struct Progress(Arc<Mutex<ProgressReport>>);
 
 impl Progress {
-    /// `done` of `of` is done, in any measure; `of` is 0 if nobody knows. `what` is being done, in
-    /// an ASCII word of at most 31 letters ("factorising").
+    /// Reports that `done` of `of` units of work are done; `of` is 0 if unknown. `what` names the
+    /// activity in one ASCII word of at most 31 letters ("factorising").
     pub fn report(&self, done: u64, of: u64, what: &str) {
         let what = Label::new(what);
         let mut now = self.lock();
         *now = ProgressReport { done, of, what, ..*now };
     }
 
-    /// Work on the command with this number begins.
+    /// Begins the command with this number.
     pub(crate) fn begin(&self, sequence: u64) {
         *self.lock() = ProgressReport { sequence, ..ProgressReport::default() };
     }
 
-    /// The newest report on the command that is worked on; `None` if the model said nothing.
+    /// Returns the newest report on the current command; `None` if the model has not reported.
     #[must_use]
     pub fn newest(&self) -> Option<ProgressReport> {
         let now = *self.lock();

@@ -1,27 +1,28 @@
-//! Recordings: everything that was exchanged in a run, in one file.
+//! Recordings: all messages of a run, in one file.
 //!
-//! The container is [MCAP](https://mcap.dev), which many tools read: chunks with an index and a
-//! CRC-32 each, uncompressed or zstd. What is inside:
+//! The container is [MCAP](https://mcap.dev), which many tools read. Its chunks have an index and a
+//! CRC-32 each, and are uncompressed or compressed with zstd. Content:
 //!
 //! | record | name | content |
 //! |---|---|---|
-//! | attachment | `head.json` | [`Head`]: versions, participants and what they say of themselves |
-//! | attachment | `case.toml`, `plan.txt` | the case as run, and what was planned from it |
-//! | attachment | `files/KEY` | a file that the case names with this key |
-//! | channel | `control` | an [`Event`] a message, bincode 2 (standard configuration) |
-//! | channel | `field/ROLE/NAME`, ... | a sample a message, under the name of its service: schema [`FIELD_SCHEMA`] |
-//! | channel | `state/ROLE` | a participant's state as it saved it; of use to that participant alone |
+//! | attachment | `head.json` | [`Head`]: versions and descriptions of the participants |
+//! | attachment | `case.toml`, `plan.txt` | the case as run, and its plan |
+//! | attachment | `files/KEY` | the file that the case names with this key |
+//! | channel | `control` | one [`Event`] per message, bincode 2 (standard configuration) |
+//! | channel | `field/ROLE/NAME`, ... | one sample per message, see [`FIELD_SCHEMA`] |
+//! | channel | `state/ROLE` | saved state of a participant, readable only by this participant |
 //!
-//! Messages stand in the order in which they were exchanged; `log_time` counts nanoseconds from the
-//! start of the recording and rises strictly. There is no calendar time, no path, no name of a
-//! machine or person in a recording.
+//! Messages are in the order of their exchange. `log_time` counts nanoseconds from the start of the
+//! recording and increases strictly. A recording contains no calendar time, no path, and no name of
+//! a machine or person.
 //!
-//! **Files from elsewhere.** Names obey the rule of names on the wire, grids are checked like those of
-//! a participant, and what a reader has to hold is limited in sum; a file that breaks this is damaged.
+//! **Files from elsewhere.** Names obey the same rule as in messages, and grids are checked like
+//! those of a participant. The total memory of a reader is limited. A file that violates a rule is
+//! damaged.
 //!
-//! **Cut files.** A recording is written chunk by chunk, each in one go. [`Recording`] reads from
-//! front to back and needs neither index nor footer: a file that was cut, wherever, reads up to the
-//! cut ([`Recording::end`] tells which it was).
+//! **Truncated files.** Each chunk is written at once. [`Recording`] reads from front to back and
+//! needs neither index nor footer, so a truncated file is readable up to the cut.
+//! [`Recording::end`] tells whether the file is complete.
 
 mod admit;
 mod event;
@@ -38,20 +39,20 @@ pub use writer::{Compression, RecordingWriter};
 use crate::description::Description;
 use serde::{Deserialize, Serialize};
 
-/// Version of what stands inside the container. Raised whenever a layout below changes.
+/// Version of the content of the container; raised when a layout below changes.
 pub const FORMAT: u32 = 1;
 /// Profile in the container's header.
 pub const PROFILE: &str = "cosim";
 /// Name of the channel of [`Event`]s.
 pub const CONTROL: &str = "control";
-/// Begins the name of a channel of states.
+/// Prefix of channels of states.
 pub const STATE: &str = "state/";
-/// Begins the name of an attached file of the case.
+/// Prefix of attached files of the case.
 pub const FILES: &str = "files/";
-/// Longest message [byte]: samples up to 128 million doubles.
+/// Maximum length of a message [byte]: samples of up to 128 million doubles.
 pub const LONGEST_RECORD: usize = 1 << 30;
 
-/// Schema of the channels of fields, as foreign tools find it in the file.
+/// Schema of the channels of fields, readable by other tools.
 pub const FIELD_SCHEMA: &str = "\
 One sample of a field. Little-endian; offsets in bytes.
   0  u32 protocol      version of the participant contract
@@ -72,35 +73,35 @@ One sample of a field. Little-endian; offsets in bytes.
 The grids stand as JSON in the replies to Configure on the channel `control`.
 ";
 
-/// What a recording is of.
+/// Head of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Head {
     /// [`FORMAT`] of the writer.
     pub format: u32,
     /// [`crate::PROTOCOL_VERSION`] of the run.
     pub protocol: u32,
-    /// Name and version of the program that wrote it.
+    /// Name and version of the program that wrote the recording.
     pub writer: String,
     /// Short name of the case.
     pub case: String,
     /// Coupling scheme.
     pub scheme: String,
-    /// How the next iterate was chosen.
+    /// Acceleration method of the coupling iterations.
     pub acceleration: String,
-    /// The participants; [`Event`]s name them by their index here.
+    /// Participants; an [`Event`] refers to a participant by its index in this list.
     pub participants: Vec<Participant>,
-    /// Keys of the case that name a file, with the name of the attachment that holds it.
+    /// Keys of the case that name a file, with the attachment of each.
     pub files: Vec<CaseFile>,
 }
 
 /// A participant of a recorded run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Participant {
-    /// Role it played.
+    /// Role of the participant.
     pub role: String,
-    /// File name of its program.
+    /// File name of the program.
     pub program: String,
-    /// What it said of itself.
+    /// Description of the participant.
     pub description: Description,
 }
 
@@ -109,29 +110,29 @@ pub struct Participant {
 pub struct CaseFile {
     /// Dotted key of the case.
     pub key: String,
-    /// Name of the attachment; in recorded configurations it stands in the place of the path.
+    /// Name of the attachment, which replaces the path in recorded configurations.
     pub attachment: String,
 }
 
-/// What is wrong with a recording.
+/// Error of reading or writing a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// It cannot be read or written.
+    /// The file cannot be read or written.
     #[error("{0}")]
     Io(#[from] std::io::Error),
-    /// The container is not one, or is damaged.
+    /// The container is damaged, or the file is not a container.
     #[error("the recording is damaged: {0}")]
     Container(mcap::McapError),
-    /// What stands in the container does not fit the format.
+    /// The content of the container violates the format.
     #[error("the recording is damaged: {0}")]
     Content(String),
-    /// Written by a program that is too new or too old.
+    /// The program that wrote the recording is too new or too old.
     #[error("the recording has format {found}; this program reads format {FORMAT}")]
     Format {
-        /// Its format.
+        /// Format of the recording.
         found: u32,
     },
-    /// Cut before the head was complete.
+    /// The file is truncated before the end of the head.
     #[error(
         "the recording is truncated before its header is complete: nothing can be read from \
              it"

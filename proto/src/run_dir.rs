@@ -1,28 +1,28 @@
-//! Isolation of a run on the machine, and removal of everything it leaves there.
+//! Isolation of a run on the machine, and removal of all its files.
 //!
-//! Every run has a folder of its own under the runtime folder, and a prefix of its own for its
-//! shared-memory files. Two advisory locks in the folder say which processes are alive; the kernel
-//! drops them when a process ends, however it ends:
+//! Every run has its own folder under the runtime folder, and its own prefix of shared-memory
+//! files. Advisory locks in the folder show which processes are alive. The kernel releases them
+//! when a process ends for any reason:
 //!
 //! - `coordinator.lock` is held exclusively by the coordinator for the whole run. A participant
-//!   that can take it knows that the coordinator is dead.
-//! - `participant-ROLE.lock` is held exclusively by the participant that plays the role, so that
-//!   the coordinator knows when one is gone that it has not started itself.
-//! - `members.lock` is held shared by everybody in the run. The process that can take it
-//!   exclusively is the
-//!   last one, and removes the folder and every shared-memory file with the run's prefix.
+//!   that can take this lock knows that the coordinator is dead.
+//! - `participant-ROLE.lock` is held exclusively by the participant in this role. By this lock the
+//!   coordinator notices the end of a participant that was started by someone else.
+//! - `members.lock` is held shared by all members of the run. The process that can take this lock
+//!   exclusively is the last one; it removes the folder and every shared-memory file with the run's
+//!   prefix.
 //!
-//! A coordinator that starts removes, by the same rule, what earlier runs left whose processes
-//! were all killed. The runtime folder itself is the matter of [`runtime`].
+//! By the same rule, a starting coordinator removes the remains of runs whose processes were all
+//! killed. The module [`runtime`] manages the runtime folder itself.
 
 mod locks;
 mod runtime;
 
+use crate::lock_file::LockFile;
 use locks::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE};
 use runtime::{
     RuntimeFolder, SHARED_MEMORY, belong_together, prefix_of, remove_first_files, remove_run, user,
 };
-use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::io;
@@ -31,16 +31,16 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use runtime::close_to_others;
 
-/// What a participant has to know to join: the content of `run.json` in the run's folder.
+/// Information that a participant needs to join: the content of `run.json` in the run's folder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RunInfo {
     /// [`crate::PROTOCOL_VERSION`] of the coordinator.
     pub protocol: u32,
-    /// Folder of the run; the root path of all its services.
+    /// Folder of the run; the root path of its services.
     pub folder: PathBuf,
-    /// Prefix of all its shared-memory files.
+    /// Prefix of the shared-memory files.
     pub prefix: String,
-    /// Roles of the participants; the index numbers their heartbeats.
+    /// Roles of the participants; heartbeats carry the index of the role.
     pub roles: Vec<String>,
 }
 
@@ -48,14 +48,14 @@ pub struct RunInfo {
 #[derive(Debug)]
 pub struct RunDir {
     info: RunInfo,
-    members: File,
-    /// The lock that nobody shares: the coordinator's, or the participant's own.
-    own: File,
+    members: LockFile,
+    /// Exclusive lock: the coordinator's, or the participant's own.
+    own: LockFile,
 }
 
 impl RunInfo {
-    /// Reads the run of a folder: it is ours, and its prefix is that of its own shared memory, which
-    /// the last to leave removes.
+    /// Reads `run.json` of a folder. Checks that the folder is ours and that the prefix belongs to
+    /// the run, because the last member removes the files with this prefix.
     fn read(folder: &Path) -> io::Result<Self> {
         let no_run = |error: io::Error| {
             io::Error::new(error.kind(), format!("no run at {}: {error}", folder.display()))
@@ -72,7 +72,7 @@ impl RunInfo {
         let same = (here.dev(), here.ino()) == (named.dev(), named.ino());
         if !same || !belong_together(&info.folder, &info.prefix) {
             return Err(io::Error::other(format!(
-                "{} is not that of a run: folder {} and prefix {:?} do not belong to it",
+                "{} does not describe its run: folder {} and prefix {:?} do not belong to it",
                 folder.join(RUN_FILE).display(),
                 info.folder.display(),
                 info.prefix
@@ -83,7 +83,7 @@ impl RunInfo {
 }
 
 impl RunDir {
-    /// Creates the folder of a new run and takes its locks.
+    /// Creates the folder of a new run and takes the coordinator's locks.
     pub fn create(roles: &[String]) -> io::Result<Self> {
         let runtime = RuntimeFolder::open()?;
         runtime.remove_dead_runs();
@@ -101,10 +101,10 @@ impl RunDir {
         nursery: &Path,
         roles: &[String],
     ) -> io::Result<Self> {
-        let coordinator = File::create(nursery.join(COORDINATOR_LOCK))?;
-        let members = File::create(nursery.join(MEMBERS_LOCK))?;
-        flock(&coordinator, FlockOperation::NonBlockingLockExclusive)?;
-        flock(&members, FlockOperation::NonBlockingLockShared)?;
+        let coordinator = LockFile::from(File::create(nursery.join(COORDINATOR_LOCK))?);
+        let members = LockFile::from(File::create(nursery.join(MEMBERS_LOCK))?);
+        coordinator.try_lock()?;
+        members.try_lock_shared()?;
         let folder = runtime.path().join(id);
         let info = RunInfo {
             protocol: crate::PROTOCOL_VERSION,
@@ -113,12 +113,13 @@ impl RunDir {
             roles: roles.to_vec(),
         };
         fs::write(nursery.join(RUN_FILE), serde_json::to_vec_pretty(&info)?)?;
-        // Only a locked folder ever bears its final name, so that nobody takes it for a dead one.
+        // A folder gets its final name only after it is locked, so that no process takes it for a
+        // dead run.
         fs::rename(nursery, &folder)?;
         Ok(Self { info, members, own: coordinator })
     }
 
-    /// Joins a run as the participant that plays this role.
+    /// Joins a run in this role.
     pub fn join(folder: &Path, role: &str) -> io::Result<Self> {
         let info = RunInfo::read(folder)?;
         if info.protocol != crate::PROTOCOL_VERSION {
@@ -127,14 +128,14 @@ impl RunDir {
                 "the coordinator speaks protocol {theirs}, this program {ours}"
             )));
         }
-        let members = File::open(folder.join(MEMBERS_LOCK))?;
-        flock(&members, FlockOperation::NonBlockingLockShared)?;
+        let members = LockFile::from(File::open(folder.join(MEMBERS_LOCK))?);
+        members.try_lock_shared()?;
         if !info.roles.iter().any(|known| known == role) {
             let known = info.roles.join(", ");
             return Err(io::Error::other(format!("the run has no role `{role}`; it has {known}")));
         }
-        let own = File::create(info.folder.join(participant_lock(role)))?;
-        flock(&own, FlockOperation::NonBlockingLockExclusive).map_err(|_| {
+        let own = LockFile::from(File::create(info.folder.join(participant_lock(role)))?);
+        own.try_lock().map_err(|_| {
             io::Error::other(format!(
                 "another process plays the role `{role}` in this run; of several that are started as \
                  one participant (MPI ranks) only one joins (docs/write-a-solver.md)"
@@ -143,27 +144,27 @@ impl RunDir {
         Ok(Self { info, members, own })
     }
 
-    /// The participant has joined and is gone: its lock is there and free.
+    /// Returns true if the participant has joined and left: its lock exists and is free.
     #[must_use]
     pub fn has_left(&self, role: &str) -> bool {
         File::open(self.info.folder.join(participant_lock(role)))
-            .is_ok_and(|lock| flock(&lock, FlockOperation::NonBlockingLockShared).is_ok())
+            .is_ok_and(|lock| LockFile::from(lock).try_lock_shared().is_ok())
     }
 
-    /// What the run is.
+    /// Returns the information about the run.
     #[must_use]
     pub fn info(&self) -> &RunInfo {
         &self.info
     }
 
-    /// A watch on the coordinator for another thread.
+    /// Returns a watch on the coordinator, for another thread.
     pub fn watch(&self) -> io::Result<CoordinatorWatch> {
         Ok(CoordinatorWatch { lock: File::open(self.info.folder.join(COORDINATOR_LOCK))? })
     }
 
     fn release(&self) {
         for lock in [&self.own, &self.members] {
-            let _ = flock(lock, FlockOperation::Unlock);
+            let _ = lock.unlock();
         }
     }
 }
@@ -172,7 +173,7 @@ impl RunDir {
 impl Drop for RunDir {
     fn drop(&mut self) {
         self.release();
-        if flock(&self.members, FlockOperation::NonBlockingLockExclusive).is_ok() {
+        if self.members.try_lock().is_ok() {
             remove_run(&self.info.folder, &self.info.prefix);
         }
     }
@@ -182,19 +183,19 @@ fn participant_lock(role: &str) -> String {
     format!("participant-{role}.lock")
 }
 
-/// Tells whether the coordinator of a run still lives.
+/// Watch on the coordinator of a run.
 #[derive(Debug)]
 pub struct CoordinatorWatch {
     lock: File,
 }
 
 impl CoordinatorWatch {
-    /// The coordinator holds its lock.
+    /// Returns true if the coordinator holds its lock.
     #[must_use]
     pub fn is_alive(&self) -> bool {
-        match flock(&self.lock, FlockOperation::NonBlockingLockShared) {
+        match self.lock.try_lock_shared() {
             Ok(()) => {
-                let _ = flock(&self.lock, FlockOperation::Unlock);
+                let _ = self.lock.unlock();
                 false
             }
             Err(_) => true,
@@ -202,14 +203,14 @@ impl CoordinatorWatch {
     }
 }
 
-/// Free shared memory [byte]; `u64::MAX` where it cannot be known.
+/// Returns the free shared memory [byte]; `u64::MAX` if unknown.
 #[must_use]
 pub fn free_shared_memory() -> u64 {
     rustix::fs::statvfs(SHARED_MEMORY).map_or(u64::MAX, |s| s.f_bavail.saturating_mul(s.f_frsize))
 }
 
-/// Largest resident memory of this process so far, or since it was last forgotten [byte]; 0 where it
-/// cannot be known.
+/// Returns the peak resident memory of this process since its start or the last reset [byte]; 0 if
+/// unknown.
 #[must_use]
 pub fn peak_resident_memory() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -218,12 +219,12 @@ pub fn peak_resident_memory() -> u64 {
     kib.unwrap_or(0) * 1024
 }
 
-/// Lets [`peak_resident_memory`] begin anew, where the system can (`proc_pid_clear_refs(5)`).
+/// Resets [`peak_resident_memory`], if the system supports it (`proc_pid_clear_refs(5)`).
 pub fn forget_peak_resident_memory() {
     let _ = fs::write("/proc/self/clear_refs", "5");
 }
 
-/// Processor seconds of this process so far, in itself and in the kernel.
+/// Returns the user and system processor time of this process so far [s].
 #[must_use]
 pub fn processor_seconds() -> f64 {
     let spent = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
@@ -269,7 +270,7 @@ mod tests {
         let (folder, prefix) = (run.info().folder.clone(), run.info().prefix.clone());
         let file = Path::new(SHARED_MEMORY).join(format!("{prefix}left"));
         fs::write(&file, b"x").unwrap();
-        // As if killed: the locks are released by the kernel and nothing is removed.
+        // Like a killed process: the kernel releases the locks, and nothing is removed.
         run.release();
         std::mem::forget(run);
         assert!(folder.exists());
@@ -283,7 +284,7 @@ mod tests {
         assert!(error.to_string().contains("/nonexistent/run"));
     }
 
-    /// The last to leave would remove what a foreign `run.json` names.
+    /// The last member would remove the files named by a foreign `run.json`.
     #[test]
     fn a_run_that_names_what_is_not_its_own_is_not_joined() {
         let run = RunDir::create(&["mech".to_owned()]).unwrap();
@@ -299,7 +300,8 @@ mod tests {
         fs::write(info.folder.join(RUN_FILE), serde_json::to_vec(&info).unwrap()).unwrap();
     }
 
-    /// No file of a run may be opened by another user, who could stop those that join.
+    /// No other user may open a file of a run, because this would let that user block joining
+    /// processes.
     #[test]
     fn the_shared_memory_of_a_run_is_closed_to_others() {
         let run = RunDir::create(&["mech".to_owned()]).unwrap();
@@ -315,7 +317,7 @@ mod tests {
             let mode = file.metadata().unwrap().mode() & 0o777;
             assert_eq!(mode & 0o077, 0, "{file:?}: {mode:o}");
         }
-        // A process that joins finds the same count of nodes, and what is there opens.
+        // A joining process finds the same count of nodes and can open the existing services.
         let second = crate::transport::Endpoint::open(run.info()).unwrap();
         second.ringer("coordinator").unwrap().ring().unwrap();
     }

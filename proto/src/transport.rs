@@ -1,23 +1,22 @@
-//! Shared-memory services of a run: the only module that knows iceoryx2.
+//! Shared-memory services of a run: the only module that uses iceoryx2.
 //!
-//! Per participant there is a command topic and a reply topic (fixed header, JSON bytes behind
-//! it) and per field one topic (`[f64]` behind a [`FieldHeader`]). Every process has one doorbell,
-//! an event service, on which messages and heartbeats ring. How far a participant is with long work
-//! has a topic of its own, on which the newest report replaces one that was not read.
+//! Each participant has a command topic and a reply topic (fixed header, followed by JSON bytes).
+//! Each field has one topic (`[f64]` behind a [`FieldHeader`]). Every process has one doorbell, an
+//! event service for messages and heartbeats. Progress reports of a participant have a topic of
+//! their own, on which the newest report replaces an unread one.
 //!
-//! Nothing else is lost silently: overflow is off, the queues are longer than anything the protocol
-//! sends without an answer, and a send that does not reach the expected number of receivers is an
-//! error. Nothing waits without a deadline.
+//! Nothing else is lost silently. Overflow is off, queues are longer than any sequence of messages
+//! without a reply, and a send that misses a receiver is an error. Every wait has a deadline.
 //!
-//! **Connecting.** iceoryx2 counts a subscriber a moment before a publisher can deliver to it. So a
-//! participant opens all its field ports first, and nothing is published before all have said that
-//! theirs are open; and the first message on a topic that is used before that, a command topic, is
-//! sent again until it is delivered.
+//! **Connecting.** iceoryx2 counts a subscriber a moment before a publisher can deliver to it.
+//! Therefore a participant opens all its field ports first, and nothing is published before all
+//! participants have reported that theirs are open. Command topics are used before that, so their
+//! first message is resent until delivered.
 //!
-//! **Waiting.** A waiting process first polls its queue and yields the processor between polls,
-//! for at most [`POLL`], and only then sleeps on its doorbell. Waking a sleeping process on an idle
-//! core costs tens of microseconds on a virtual machine, which is most of the time of a small
-//! exchange; polling without yielding would take the processor from the peer that works.
+//! **Waiting.** A waiting process first polls its queue and yields the processor between polls, for
+//! at most [`POLL`]. Only then does it sleep on its doorbell. Waking a sleeping process on an idle
+//! core of a virtual machine costs tens of microseconds, which dominates a small exchange. Polling
+//! without yielding would take the processor from the working peer.
 
 use crate::message::{Command, FieldHeader, MOST_PARTICIPANTS, ProgressReport, Reply};
 use crate::run_dir::{RunInfo, close_to_others};
@@ -36,46 +35,49 @@ use std::cell::Cell;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The thread-safe variant: the heartbeat rings from a thread of its own.
+/// Thread-safe variant: the heartbeat has a thread of its own.
 type Ipc = ipc_threadsafe::Service;
 
-/// How long a waiting process polls before it sleeps.
+/// Longest time that a waiting process polls before it sleeps.
 pub const POLL: Duration = Duration::from_micros(100);
-/// Samples a subscriber's queue holds; the protocol never has more than two messages in flight.
+/// Capacity of a subscriber's queue [samples]; the protocol never has more than two messages in
+/// flight.
 const QUEUE: usize = 4;
-/// Samples a subscriber may hold: the one in use and the one that replaces it.
+/// Number of samples a subscriber may hold: the current one and its replacement.
 const BORROWED: usize = 2;
-/// Members of a run, and subscribers to one topic: its participants, the coordinator, and what records.
+/// Maximum number of members of a run, and of subscribers to a topic: participants, coordinator and
+/// recorder.
 const MAX_MEMBERS: usize = MOST_PARTICIPANTS + 4;
-/// Samples in a field's segment: one being written, and two that readers may hold.
+/// Number of samples in a field's segment: one being written, and two that readers may hold.
 pub const FIELD_SLOTS: u64 = 4;
-/// Values to which a field may grow: a segment of this size fills the memory of any machine.
+/// Maximum number of values of a growing field: a segment of this size exceeds the memory of any
+/// machine.
 const MOST_VALUES: u64 = 1 << 32;
-/// Least room of a field's first segment [values], one page.
+/// Minimum size of a field's first segment [values]: one page.
 const LEAST_ROOM: usize = 512;
-/// A send that cannot be delivered is retried for this long.
+/// Time after which an undeliverable send fails.
 const DELIVERY: Duration = Duration::from_secs(5);
-/// Places in the table of open files: enough for several sets of participants at a time.
+/// Size of the table of open files: enough for several sets of participants at a time.
 const OPEN_FILES: i32 = 1024;
-/// Event id of a message; the heartbeats of participant `i` ring with `BEATS` ids of its own.
+/// Event id of a message; the heartbeats of participant `i` use `BEATS` ids of their own.
 const MESSAGE: usize = 0;
-/// Kinds of heartbeat: busy, and idle after the last of `ANSWERS` commands in turn.
+/// Number of heartbeat kinds: busy, and idle after a command with one of `ANSWERS` numbers.
 const BEATS: usize = 1 + ANSWERS as usize;
-/// A heartbeat names the last command that was answered by its number modulo this; two commands at
-/// most are on their way to a participant.
+/// A heartbeat contains the number of the last answered command modulo this value; at most two
+/// commands are in flight to a participant.
 const ANSWERS: u64 = 4;
 
 /// A fixed header of the contract.
 ///
 /// # Safety
-/// The type is `#[repr(C)]`, self-contained, without pointers, and valid with every bit pattern; the
-/// tests of [`crate::message`] pin its layout.
+/// The type must be `#[repr(C)]`, free of pointers, and valid for every bit pattern. The tests of
+/// [`crate::message`] pin its layout.
 pub unsafe trait Header: std::fmt::Debug + Copy + Default + 'static {
-    /// Name of the layout, which both sides compare.
+    /// Name of the layout, compared by both sides.
     const LAYOUT: &'static str;
 }
 
-// SAFETY: what the trait asks for, see `message`.
+// SAFETY: the types of `message` satisfy the requirements of the trait.
 unsafe impl Header for Command {
     const LAYOUT: &'static str = "cosim.Command.v1";
 }
@@ -93,21 +95,21 @@ unsafe impl Header for ProgressReport {
     const LAYOUT: &'static str = "cosim.ProgressReport.v1";
 }
 
-/// What becomes of samples that are not received in time.
+/// Handling of samples that are not received in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Queue {
-    /// Every one is kept; there is room for all that the protocol has in flight.
+    /// All samples are kept; the queue has room for everything the protocol has in flight.
     Every,
-    /// The newest one is kept.
+    /// Only the newest sample is kept.
     Newest,
 }
 
-/// A header in a sample: iceoryx2 asks for a trait of its own.
+/// A header in a sample, wrapped to implement the trait that iceoryx2 requires.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(transparent)]
 struct Wire<H>(H);
 
-// SAFETY: a transparent wrapper of what `Header` promises.
+// SAFETY: a transparent wrapper of a `Header`, which makes the same promises.
 unsafe impl<H: Header> ZeroCopySend for Wire<H> {
     unsafe fn type_name() -> &'static str {
         H::LAYOUT
@@ -122,7 +124,7 @@ pub enum TransportError {
     Open {
         /// Name of the service.
         service: String,
-        /// What iceoryx2 says.
+        /// Message of iceoryx2.
         cause: String,
     },
     /// A sample could not be loaned, sent or received.
@@ -130,20 +132,20 @@ pub enum TransportError {
     Exchange {
         /// Name of the service.
         service: String,
-        /// What iceoryx2 says.
+        /// Message of iceoryx2.
         cause: String,
     },
-    /// A sample did not reach everybody.
+    /// A sample did not reach all receivers.
     #[error("a sample of `{service}` reached {reached} of {expected} receivers")]
     NotDelivered {
         /// Name of the service.
         service: String,
-        /// Receivers reached.
+        /// Number of receivers reached.
         reached: usize,
-        /// Receivers there have to be.
+        /// Number of receivers required.
         expected: usize,
     },
-    /// The other side did not come in time.
+    /// No peer joined before the deadline.
     #[error("nobody joined `{service}` within {seconds:.0} s")]
     NobodyJoined {
         /// Name of the service.
@@ -153,17 +155,18 @@ pub enum TransportError {
     },
 }
 
-/// Slots of the first segment of a field that may grow. iceoryx2 loses one slot to alignment whenever it moves a field to a larger
-/// segment, and ends the topic after 254 segments, so that a field without spare slots needs a segment a
-/// sample. There is a spare one for every doubling up to [`MOST_VALUES`]. Memory is taken by slots that are
-/// used, and the lowest free one is used first: spare slots take none.
+/// Number of slots in the first segment of a growing field. iceoryx2 loses one slot to alignment
+/// whenever a field moves to a larger segment, and ends the topic after 254 segments. Without spare
+/// slots, a field would need a new segment for each sample. There is one spare slot for every
+/// doubling up to [`MOST_VALUES`]. Only used slots take memory, and the lowest free slot is used
+/// first, so spare slots take none.
 fn growing_slots(room: usize) -> usize {
     let doublings = MOST_VALUES.ilog2().saturating_sub(room.ilog2());
     FIELD_SLOTS as usize + doublings as usize
 }
 
 impl TransportError {
-    /// Advice for a field that could not be sent to `receivers`.
+    /// Returns advice to the user for a field that could not be sent to `receivers`.
     #[must_use]
     pub fn advice(&self, receivers: &str) -> String {
         match self {
@@ -189,36 +192,37 @@ fn exchange_error(service: &str, cause: impl std::fmt::Debug) -> TransportError 
     TransportError::Exchange { service: service.to_owned(), cause: format!("{cause:?}") }
 }
 
-/// Prepares a process for the services of a run. Only a program's `main` calls it, before it starts
-/// threads: both settings belong to the whole process.
+/// Prepares a process for the services of a run. Call it only in `main`, before threads are
+/// started, because both settings affect the whole process.
 ///
-/// - iceoryx2 writes nothing to standard error: whatever it has to say comes as an error.
-/// - The kernel's table of open files has room for the ports of a run. To extend the table of a
-///   process with threads, the kernel waits 10 to 25 ms until no thread reads the old one; ports
-///   need more than the 64 places with which a table begins.
+/// - iceoryx2 writes nothing to standard error; its messages are returned as errors.
+/// - The kernel's table of open files gets room for the ports of a run. An initial table has 64
+///   places, fewer than the ports need. If a process with threads extends its table later, the
+///   kernel waits 10 to 25 ms until no thread reads the old one.
 pub fn prepare_process() {
     set_log_level(LogLevel::Fatal);
-    // A copy of an open file, closed at once. Where the limit of open files is lower, it does nothing.
+    // Duplicates a descriptor and closes it at once; without effect if the limit of open files is
+    // lower.
     let _ = rustix::io::fcntl_dupfd_cloexec(std::io::stderr(), OPEN_FILES - 1);
 }
 
-/// A process's membership in the shared-memory services of a run.
+/// Membership of a process in the shared-memory services of a run.
 ///
-/// Ports of fields stay open after their [`FieldReader`] or [`FieldWriter`] is dropped: opening one
-/// takes as long as a small solve, and the next run of the same participants needs most of them
-/// again. [`Endpoint::close_unused`] closes those that nobody uses.
+/// Ports of fields stay open after their [`FieldReader`] or [`FieldWriter`] is dropped. Opening a
+/// port takes as long as a small solve, and the next run of the same participants needs most of
+/// them again. [`Endpoint::close_unused`] closes the unused ones.
 #[derive(Debug)]
 pub struct Endpoint {
-    // Before the node, which ports belong to.
+    // Before the node: ports must close before their node.
     readers: Mutex<Vec<Arc<ReaderPort>>>,
     writers: Mutex<Vec<Arc<WriterPort>>>,
     node: Node<Ipc>,
-    /// Version of the contract that the run is of; an attribute of its services.
+    /// Version of the contract in the run; an attribute of its services.
     protocol: u32,
 }
 
 impl Endpoint {
-    /// Opens the run's services for this process, under the run's own root and prefix.
+    /// Opens the run's services for this process, under the run's own root path and prefix.
     pub fn open(run: &RunInfo) -> Result<Self, TransportError> {
         let config = isolated_config(run).map_err(|e| open_error(&run.prefix, e))?;
         let node = NodeBuilder::new()
@@ -282,32 +286,32 @@ impl Endpoint {
         Ok(Receiver { subscriber, topic, name })
     }
 
-    /// Coordinator: the way to send commands to a participant.
+    /// Opens the sender of commands to a participant, for the coordinator.
     pub fn command_sender(&self, role: &str) -> Result<Sender<Command>, TransportError> {
         self.sender(format!("command/{role}"), Queue::Every)
     }
 
-    /// Participant: the way to receive its commands.
+    /// Opens the receiver of commands, for a participant.
     pub fn command_receiver(&self, role: &str) -> Result<Receiver<Command>, TransportError> {
         self.receiver(format!("command/{role}"), Queue::Every)
     }
 
-    /// Participant: the way to send its replies.
+    /// Opens the sender of replies, for a participant.
     pub fn reply_sender(&self, role: &str) -> Result<Sender<Reply>, TransportError> {
         self.sender(format!("reply/{role}"), Queue::Every)
     }
 
-    /// Coordinator: the way to receive a participant's replies.
+    /// Opens the receiver of a participant's replies, for the coordinator.
     pub fn reply_receiver(&self, role: &str) -> Result<Receiver<Reply>, TransportError> {
         self.receiver(format!("reply/{role}"), Queue::Every)
     }
 
-    /// Participant: the way to say how far it is.
+    /// Opens the sender of progress reports, for a participant.
     pub fn progress_sender(&self, role: &str) -> Result<Sender<ProgressReport>, TransportError> {
         self.sender(format!("progress/{role}"), Queue::Newest)
     }
 
-    /// Coordinator: the way to learn how far a participant is.
+    /// Opens the receiver of a participant's progress reports, for the coordinator.
     pub fn progress_receiver(
         &self,
         role: &str,
@@ -315,8 +319,8 @@ impl Endpoint {
         self.receiver(format!("progress/{role}"), Queue::Newest)
     }
 
-    /// A writer of a field's topic with room for samples of `values` doubles. A larger sample moves the field to a
-    /// new segment, twice as large or more.
+    /// Opens a writer for a field, with room for samples of `values` doubles. A larger sample moves
+    /// the field to a new segment of at least twice the size.
     pub fn field_writer(
         &self,
         service: &str,
@@ -327,7 +331,7 @@ impl Endpoint {
         self.field_writer_with(service, (room, growing_slots(room)), subscribers)
     }
 
-    /// A writer of a field whose samples all have `values` doubles: it reserves fewer slots.
+    /// Opens a writer for a field whose samples all have `values` doubles; reserves fewer slots.
     pub fn fixed_field_writer(
         &self,
         service: &str,
@@ -351,7 +355,7 @@ impl Endpoint {
             if fits(&writers[at]) {
                 return Ok(FieldWriter { port: Arc::clone(&writers[at]), subscribers });
             }
-            // A topic has one writer.
+            // A topic has a single writer.
             writers.remove(at);
         }
         let topic = self.topic::<f64, FieldHeader>(service, Queue::Every)?;
@@ -370,14 +374,14 @@ impl Endpoint {
         Ok(FieldWriter { port, subscribers })
     }
 
-    /// A reader of a field's topic, which has nothing to read yet.
+    /// Opens a reader for a field; its queue is empty.
     pub fn field_reader(&self, service: &str) -> Result<FieldReader, TransportError> {
         let mut readers = lock(&self.readers);
         let is_free =
             |port: &&Arc<ReaderPort>| port.name == service && Arc::strong_count(port) == 1;
         if let Some(port) = readers.iter().find(is_free) {
             let reader = FieldReader { port: Arc::clone(port) };
-            // Samples of an earlier run that nobody has taken.
+            // Discards unread samples of an earlier run.
             while reader.receive()?.is_some() {}
             return Ok(reader);
         }
@@ -388,8 +392,8 @@ impl Endpoint {
         Ok(FieldReader { port })
     }
 
-    /// Closes the ports of fields that nobody has. A writer counts its readers: the ports of an
-    /// earlier run are closed before the next one's are waited for.
+    /// Closes unused ports of fields. Writers count their readers, so ports of an earlier run must
+    /// be closed before the next run waits for its readers.
     pub fn close_unused(&self) {
         lock(&self.readers).retain(|port| Arc::strong_count(port) > 1);
         lock(&self.writers).retain(|port| Arc::strong_count(port) > 1);
@@ -402,7 +406,7 @@ impl Endpoint {
             .event()
             .max_listeners(1)
             .max_notifiers(2 * MAX_MEMBERS)
-            // A heart may be a process of its own.
+            // A heartbeat may come from a process of its own.
             .max_nodes(2 * MAX_MEMBERS + 1)
             .event_id_max_value(BEATS * MAX_MEMBERS)
             .disable_deadline()
@@ -413,7 +417,7 @@ impl Endpoint {
             .map_err(|e| open_error(name, e))
     }
 
-    /// The doorbell of this process.
+    /// Opens the doorbell of this process.
     pub fn doorbell(&self, name: &str) -> Result<Doorbell, TransportError> {
         let name = format!("bell/{name}");
         let bell = self.bell(&name)?;
@@ -421,7 +425,7 @@ impl Endpoint {
         Ok(Doorbell { listener, _bell: bell, name })
     }
 
-    /// The means to ring another process's doorbell.
+    /// Opens a ringer for another process's doorbell.
     pub fn ringer(&self, name: &str) -> Result<Ringer, TransportError> {
         let name = format!("bell/{name}");
         let bell = self.bell(&name)?;
@@ -434,7 +438,7 @@ fn isolated_config(run: &RunInfo) -> Result<Config, SemanticStringError> {
     let mut config = Config::default();
     config.global.prefix = FileName::new(run.prefix.as_bytes())?;
     config.global.set_root_path(&Path::new(run.folder.as_os_str().as_encoded_bytes())?);
-    // A run's folder is removed as a whole (`run_dir`), so nobody has to look for dead nodes.
+    // `run_dir` removes a run's folder as a whole, so no process has to look for dead nodes.
     config.global.service.cleanup_dead_nodes_on_open = false;
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;
@@ -456,7 +460,7 @@ fn retry_then_fail(info: &iceoryx2::port::BackpressureInfo) -> BackpressureActio
     }
 }
 
-/// Polls, yielding the processor in between, until `ready` or the deadline.
+/// Polls until `ready` or the deadline, yielding the processor in between.
 fn until(deadline: Instant, mut ready: impl FnMut() -> bool) -> bool {
     let start = Instant::now();
     while !ready() {
@@ -473,25 +477,25 @@ fn until(deadline: Instant, mut ready: impl FnMut() -> bool) -> bool {
     true
 }
 
-/// Sends messages: a fixed header and bytes. One sender and one receiver a topic.
+/// Sends messages with a fixed header and bytes. Each topic has one sender and one receiver.
 #[derive(Debug)]
 pub struct Sender<H: Header> {
     publisher: Publisher<Ipc, [u8], Wire<H>>,
     topic: TopicFactory<Ipc, [u8], Wire<H>>,
     name: String,
-    /// A message has been delivered.
+    /// True after the first delivery.
     connected: Cell<bool>,
 }
 
 impl<H: Header> Sender<H> {
-    /// The receiver has joined.
+    /// Returns true if the receiver has joined.
     #[must_use]
     pub fn is_heard(&self) -> bool {
         self.topic.dynamic_config().number_of_subscribers() > 0
     }
 
-    /// Sends one message; it has reached the receiver's queue when this returns. The first one is
-    /// sent again while the receiver is counted but cannot be delivered to yet.
+    /// Sends a message; it is in the receiver's queue when this returns. The first message is
+    /// resent while the receiver is counted but cannot be delivered to yet.
     pub fn send(&self, header: &H, body: &[u8]) -> Result<(), TransportError> {
         let deadline = Instant::now() + DELIVERY;
         let mut reached = self.try_send(header, body)?;
@@ -507,12 +511,13 @@ impl<H: Header> Sender<H> {
         Err(TransportError::NotDelivered { service: self.name.clone(), reached, expected: 1 })
     }
 
-    /// Sends a header without bytes; whether there is a receiver that it reached.
+    /// Sends a header without bytes; returns true if it reached a receiver.
     pub fn offer(&self, header: &H) -> Result<bool, TransportError> {
         Ok(self.try_send(header, &[])? > 0)
     }
 
-    /// Connects to the receiver if there is one, and sends; the number of receivers reached.
+    /// Connects to the receiver if there is one, and sends; returns the number of receivers
+    /// reached.
     fn try_send(&self, header: &H, body: &[u8]) -> Result<usize, TransportError> {
         let mut sample = self
             .publisher
@@ -523,7 +528,7 @@ impl<H: Header> Sender<H> {
     }
 }
 
-/// Receives messages in the order they were sent.
+/// Receives messages in the order of sending.
 #[derive(Debug)]
 pub struct Receiver<H: Header> {
     subscriber: Subscriber<Ipc, [u8], Wire<H>>,
@@ -536,13 +541,13 @@ pub struct Receiver<H: Header> {
 pub struct Message<H: Header>(Sample<Ipc, [u8], Wire<H>>);
 
 impl<H: Header> Message<H> {
-    /// The fixed header.
+    /// Returns the fixed header.
     #[must_use]
     pub fn header(&self) -> &H {
         &self.0.user_header().0
     }
 
-    /// The bytes behind it.
+    /// Returns the bytes behind the header.
     #[must_use]
     pub fn body(&self) -> &[u8] {
         self.0.payload()
@@ -550,13 +555,13 @@ impl<H: Header> Message<H> {
 }
 
 impl<H: Header> Receiver<H> {
-    /// The sender has joined.
+    /// Returns true if the sender has joined.
     #[must_use]
     pub fn is_served(&self) -> bool {
         self.topic.dynamic_config().number_of_publishers() > 0
     }
 
-    /// The next message, if one has come.
+    /// Returns the next message, if one has arrived.
     pub fn receive(&self) -> Result<Option<Message<H>>, TransportError> {
         let sample = self.subscriber.receive().map_err(|e| exchange_error(&self.name, e))?;
         Ok(sample.map(Message))
@@ -573,7 +578,7 @@ struct WriterPort {
     publisher: Publisher<Ipc, [f64], Wire<FieldHeader>>,
     topic: TopicFactory<Ipc, [f64], Wire<FieldHeader>>,
     name: String,
-    /// Values of a sample in its first segment, and slots there.
+    /// Size of a sample in the first segment [values], and the number of slots there.
     room: usize,
     slots: usize,
 }
@@ -585,12 +590,12 @@ pub struct FieldWriter {
     subscribers: usize,
 }
 
-/// A place in shared memory to write a field's values into.
+/// Buffer in shared memory for the values of a field.
 #[derive(Debug)]
 pub struct FieldLoan(SampleMut<Ipc, [f64], Wire<FieldHeader>>);
 
 impl FieldLoan {
-    /// The values; they hold old data until written.
+    /// Returns the values; they hold old data until written.
     #[must_use]
     pub fn values(&mut self) -> &mut [f64] {
         self.0.payload_mut()
@@ -598,7 +603,7 @@ impl FieldLoan {
 }
 
 impl FieldWriter {
-    /// Waits until all that have to receive the field are there.
+    /// Waits until all required subscribers have joined.
     pub fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
         let start = Instant::now();
         let there = || self.port.topic.dynamic_config().number_of_subscribers() >= self.subscribers;
@@ -615,15 +620,15 @@ impl FieldWriter {
         })
     }
 
-    /// A place for `values` doubles.
+    /// Returns a buffer for `values` doubles.
     pub fn loan(&self, values: usize) -> Result<FieldLoan, TransportError> {
         let sample = self
             .port
             .publisher
             .loan_slice_uninit(values)
             .map_err(|e| exchange_error(&self.port.name, e))?;
-        // SAFETY: the segment is mapped memory that the kernel zeroed and only doubles were
-        // written to; every bit pattern is a valid f64.
+        // SAFETY: the segment is mapped memory, zeroed by the kernel, to which only doubles were
+        // written; every bit pattern is a valid f64.
         Ok(FieldLoan(unsafe { sample.assume_init() }))
     }
 
@@ -661,13 +666,13 @@ pub struct FieldReader {
 pub struct FieldSample(Sample<Ipc, [f64], Wire<FieldHeader>>);
 
 impl FieldSample {
-    /// The label.
+    /// Returns the label.
     #[must_use]
     pub fn header(&self) -> &FieldHeader {
         &self.0.user_header().0
     }
 
-    /// The values, component-major.
+    /// Returns the values, component-major.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         self.0.payload()
@@ -675,13 +680,13 @@ impl FieldSample {
 }
 
 impl FieldReader {
-    /// Connects to the writer as it is now: what it sends from here on is received even if it has
-    /// left by then. [`FieldReader::receive`] does so too.
+    /// Connects to the current writer, so that later samples are received even if the writer has
+    /// left by then. [`FieldReader::receive`] also connects.
     pub fn connect(&self) -> Result<(), TransportError> {
         self.port.subscriber.update_connections().map_err(|e| exchange_error(&self.port.name, e))
     }
 
-    /// The next sample, if one has come.
+    /// Returns the next sample, if one has arrived.
     pub fn receive(&self) -> Result<Option<FieldSample>, TransportError> {
         let sample =
             self.port.subscriber.receive().map_err(|e| exchange_error(&self.port.name, e))?;
@@ -689,7 +694,7 @@ impl FieldReader {
     }
 }
 
-/// Where a process sleeps until something comes for it.
+/// Event on which a process sleeps until a message or heartbeat arrives.
 #[derive(Debug)]
 pub struct Doorbell {
     listener: Listener<Ipc>,
@@ -698,12 +703,12 @@ pub struct Doorbell {
 }
 
 impl Doorbell {
-    /// Longest sleep before `poll` is asked again whatever rings.
+    /// Longest sleep between two polls.
     pub const NAP: Duration = Duration::from_millis(20);
 
-    /// Polls until `poll` gives a value or an error; asks it at least every [`Doorbell::NAP`].
-    /// `beat` receives the index of every participant whose heart has beaten meanwhile, and what
-    /// the heartbeat said. The deadline is the poller's business.
+    /// Polls until `poll` returns a value or an error, at least every [`Doorbell::NAP`]. `beat`
+    /// receives each heartbeat in the meantime, with the index of its participant. `poll` is
+    /// responsible for the deadline.
     pub fn wait<T, E: From<TransportError>>(
         &self,
         mut poll: impl FnMut() -> Result<Option<T>, E>,
@@ -724,7 +729,7 @@ impl Doorbell {
                 }
             };
             match self.listener.timed_wait(ring, Self::NAP) {
-                // A signal that the process handles ends the nap; the poller knows what it means.
+                // A handled signal ends the sleep; `poll` decides what to do.
                 Ok(_) | Err(ListenerWaitError::InterruptSignal) => {}
                 Err(error) => return Err(E::from(exchange_error(&self.name, error))),
             }
@@ -732,20 +737,20 @@ impl Doorbell {
     }
 }
 
-/// What a heartbeat says of its participant.
+/// Content of a heartbeat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beat {
-    /// It is working on a command.
+    /// The participant is working on a command.
     Busy,
-    /// It waits for a command, and has sent every reply that it owed.
+    /// The participant waits for a command and has sent all due replies.
     Idle {
-        /// Sequence number of the last command it has dealt with, modulo [`ANSWERS`].
+        /// Sequence number of the last command answered, modulo [`ANSWERS`].
         answered: u64,
     },
 }
 
 impl Beat {
-    /// Idle after the command with this number.
+    /// Returns the heartbeat of a participant that is idle after the command with this number.
     #[must_use]
     pub fn idle_after(command: u64) -> Self {
         Self::Idle { answered: command % ANSWERS }
@@ -777,12 +782,12 @@ pub struct Ringer {
 }
 
 impl Ringer {
-    /// A message has been sent.
+    /// Signals that a message has been sent.
     pub fn ring(&self) -> Result<(), TransportError> {
         self.notify(MESSAGE)
     }
 
-    /// The heart of participant `index` has beaten.
+    /// Sends a heartbeat of participant `index`.
     pub fn beat(&self, index: usize, beat: Beat) -> Result<(), TransportError> {
         self.notify(beat.event(index))
     }
@@ -812,7 +817,7 @@ mod tests {
         writer.publish(loan, &FieldHeader::default())
     }
 
-    /// The next run has the ports of the one before, and nothing of what was sent in it.
+    /// The next run reuses the ports of the previous run, without its unread samples.
     #[test]
     fn ports_stay_open_until_nobody_wants_them() {
         let run = RunDir::create(&["one".to_owned()]).unwrap();
@@ -841,7 +846,8 @@ mod tests {
         });
     }
 
-    /// A much smaller field does not hold the memory of a larger one, nor has a larger one too little.
+    /// A smaller field does not keep the memory of a much larger one, and a larger field gets
+    /// enough room.
     #[test]
     fn a_field_of_another_size_gets_a_segment_of_its_own() {
         let run = RunDir::create(&["one".to_owned()]).unwrap();
@@ -855,7 +861,7 @@ mod tests {
         });
     }
 
-    /// Every doubling from any room costs one slot, and as many are left as there were.
+    /// Every doubling from any size costs one slot, and the original number of slots remains.
     #[test]
     fn every_doubling_has_a_spare_slot() {
         for room in [LEAST_ROOM, 5000, 1 << 20, (1 << 31) - 1, 1 << 31] {
@@ -865,7 +871,7 @@ mod tests {
         }
     }
 
-    /// An exhausted memory is not blamed on a receiver.
+    /// Exhausted memory is not blamed on a receiver.
     #[test]
     fn advice_names_the_receiver_only_if_a_sample_did_not_arrive() {
         let service = "field/a/b".to_owned();

@@ -1,13 +1,12 @@
-//! What coupling costs: coordinator and two trivial participants, three real processes, one field
-//! each way.
+//! Cost of the coupling: coordinator and two toy participants, three processes, one field each way.
 //!
-//! `columns/m/n` is the table of n values and m secant columns. Without columns it is a window of an
-//! explicit scheme: two solves, four control messages, two fields of n doubles, the finiteness check
-//! of both, and the acceptance. With columns it is an iteration of `iqn-ils`, of a window of ten,
-//! with the iterate sent and the residual measured; so many columns have been learned before.
-//! `columns/fresh` forgets each window: nine columns at its end. The time of the participants, which
-//! copy the field once and multiply it once, is included. `accelerator` is the choice of the iterate
-//! alone, with the same columns.
+//! `columns/m/n` is the table over field size n and number of secant columns m. Without columns it
+//! times a window of an explicit scheme: two solves, four control messages, two fields of n
+//! doubles, the check of both for finite values, and the acceptance. With columns it times one of
+//! ten iterations of `iqn-ils`, including the iterate and the residual, after m columns have been
+//! filled. `columns/fresh` discards the columns after each window, which ends with nine. The time
+//! of the participants is included; they copy the field once and multiply it once. `accelerator`
+//! times the computation of the iterate alone, with the same columns.
 
 use case::RawCase;
 use coupling::settings::{Acceleration, Implicit};
@@ -23,10 +22,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
-/// Iterations of a window.
+/// Iterations per window.
 const ITERATIONS: u32 = 10;
 
-/// The participants lie where cargo puts executables, one folder above the bench's own.
+/// Cargo puts executables one folder above the one of the bench.
 fn program(name: &str) -> String {
     let bench = std::env::current_exe().expect("a running program has a path");
     let folder = bench.parent().and_then(|deps| deps.parent()).expect("target/PROFILE/deps");
@@ -52,8 +51,8 @@ fn explicit(points: usize) -> Planned {
     ))
 }
 
-/// Ten iterations a window, whatever the residual. Columns of as many earlier windows are reused as
-/// fill `columns`; with none of them each window begins anew.
+/// Ten iterations per window, regardless of the residual. Columns of enough earlier windows are
+/// reused to fill `columns`; if zero, each window starts without columns.
 fn implicit(points: usize, columns: u32) -> Planned {
     let (relay, operator) = (program("toy-relay"), program("toy-operator"));
     let (reuse, most) = (columns.div_ceil(ITERATIONS - 1), columns.max(ITERATIONS));
@@ -71,7 +70,7 @@ fn step(window: u64) -> Step {
     Step { window, iteration: 1, start: window as f64, end: window as f64 + 1.0 }
 }
 
-/// Solves windows, and accepts them.
+/// Solves and accepts windows.
 fn windows(session: &mut Session, coupling: &mut Coupling, from: &mut u64, count: u64) {
     for _ in 0..count {
         coupling.solve_window(session, &step(*from)).expect("the window is solved");
@@ -80,7 +79,7 @@ fn windows(session: &mut Session, coupling: &mut Coupling, from: &mut u64, count
     }
 }
 
-/// The table n × columns.
+/// Table of n × columns.
 fn columns(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("columns");
     group.measurement_time(Duration::from_secs(2)).sample_size(10);
@@ -98,7 +97,7 @@ fn columns(criterion: &mut Criterion) {
                 Some(_) => (Coupling::implicit(&plan.implicit, false, &session), ITERATIONS),
             };
             let mut window = 0;
-            // Until as many columns are there as ever will be.
+            // Runs until the number of columns no longer grows.
             let before = columns.map_or(1, |m| u64::from(m / (ITERATIONS - 1)) + 2);
             windows(&mut session, &mut coupling, &mut window, before);
             group.bench_function(BenchmarkId::new(name, points), |bencher| {
@@ -114,12 +113,12 @@ fn columns(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// A window of the explicit scheme with its recording; the file is on the disk of the target folder. Few
-/// windows a measurement, so that the disk is not filled: the time is that of a window.
+/// Window of the explicit scheme with a recording; the file is on the disk of the target folder.
+/// Few windows a measurement, to limit the disk space; the time is that of a window.
 fn recording(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("recording");
     group.measurement_time(Duration::from_secs(2)).sample_size(10);
-    // The processes are started anew for each measurement, which takes longer than a window.
+    // The processes restart for each measurement, which takes longer than a window.
     group.warm_up_time(Duration::from_millis(100));
     let folder = std::env::current_exe().expect("a running program has a path");
     let path = folder.with_file_name("bench-recording.mcap");
@@ -129,7 +128,7 @@ fn recording(criterion: &mut Criterion) {
         for points in SIZES {
             let plan = explicit(points).plan;
             let most = (200_000_000 / points as u64).clamp(20, 20_000) / 8;
-            // Two fields of `points` doubles a window.
+            // Two fields of `points` doubles per window.
             group.throughput(Throughput::Bytes(16 * points as u64));
             group.bench_function(BenchmarkId::new(name, points), |bencher| {
                 bencher.iter_custom(|count| {
@@ -157,8 +156,8 @@ fn recording(criterion: &mut Criterion) {
     let _ = std::fs::remove_file(&path);
 }
 
-/// An accelerator alone, on x ↦ Λx + b, where b is another vector in every window: columns of earlier
-/// windows stay independent.
+/// Accelerator without processes, on x ↦ Λx + b. The vector b changes in every window, so that
+/// columns of earlier windows stay independent.
 struct Alone {
     accelerator: Box<dyn accelerate::Accelerator>,
     sent: Vec<f64>,
@@ -168,7 +167,7 @@ struct Alone {
 
 impl Alone {
     fn new(settings: &Implicit, points: usize) -> Self {
-        // Multiply and shift twice: numbers without pattern.
+        // Pseudo-random numbers by two rounds of multiplication and shift.
         let mix = |x: u64| (x ^ (x >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let number = |i: usize| mix(mix(i as u64 + 1)) as f64 / u64::MAX as f64;
         Self {
@@ -179,7 +178,7 @@ impl Alone {
         }
     }
 
-    /// One window of ten iterations.
+    /// Performs a window of ten iterations.
     fn window(&mut self) {
         let Self { accelerator, sent, returned, right } = self;
         let size = sent.len() as f64;
@@ -229,9 +228,9 @@ fn accelerator(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// A least-squares solution by faer's QR factorisation of all columns, made anew as every iteration
-/// would need it: what the accelerators' Gram matrix stands against (`accelerator/iqn-ils`, whose
-/// time also holds the update of the iterate).
+/// Least-squares solution by faer's QR factorisation of all columns, computed anew as in every
+/// iteration. Reference for the Gram matrix of the accelerators (`accelerator/iqn-ils`, whose time
+/// also contains the update of the iterate).
 fn factorisation(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("faer_qr");
     group.measurement_time(Duration::from_secs(3)).sample_size(10);

@@ -1,4 +1,4 @@
-//! Running the coordinator with a watchdog, and looking at what it leaves behind.
+//! Runs the coordinator under a watchdog and inspects its results and leftovers.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -22,50 +22,51 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// No test may take longer; generous, because it only ends what hangs.
+/// Maximum duration of a run or a wait. Generous, because it serves only to end processes that
+/// hang.
 const WATCHDOG: Duration = Duration::from_secs(400);
 
-/// The path of a shipped case.
+/// Returns the path of a shipped case.
 pub fn case(name: &str) -> String {
     root().join("cases").join(name).display().to_string()
 }
 
-/// A text for people without its breaks of lines and columns: one space between words.
+/// Replaces line breaks and runs of spaces by single spaces.
 pub fn flat(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// `--set` before each of these settings.
+/// Puts `--set` before each setting.
 pub fn sets<'a>(settings: &[&'a str]) -> Vec<&'a str> {
     settings.iter().flat_map(|set| ["--set", set]).collect()
 }
 
-/// Runs a shipped case with these settings, and demands success; the place and the summary.
+/// Runs a shipped case with these settings and asserts success. Returns the place and the summary.
 pub fn completed(name: &str, settings: &[&str]) -> (Place, Value) {
     let place = Place::new();
     let summary = place.summary(&case(name), &sets(settings));
     (place, summary)
 }
 
-/// A place to run in: folders of its own.
+/// Isolated folders for runs: a runtime folder and a result folder.
 #[derive(Debug)]
 pub struct Place {
     runtime: Arc<TempDir>,
     out: TempDir,
 }
 
-/// What a finished coordinator left.
+/// Outcome of a finished coordinator.
 #[derive(Debug)]
 pub struct Ended {
-    /// Exit code, unless a signal has ended it.
+    /// Exit code; `None` if a signal ended the process.
     pub code: Option<i32>,
-    /// All of its standard output.
+    /// Complete standard output.
     pub stdout: String,
-    /// All of its standard error.
+    /// Complete standard error.
     pub stderr: String,
 }
 
-/// A coordinator that runs.
+/// Running coordinator.
 #[derive(Debug)]
 pub struct Running<'a> {
     place: &'a Place,
@@ -73,25 +74,25 @@ pub struct Running<'a> {
 }
 
 impl Place {
-    /// A place of its own.
+    /// Creates new folders.
     #[expect(clippy::new_without_default, reason = "a place is made, not defaulted")]
     pub fn new() -> Self {
-        // Sockets need a short path, and the folder has to lie in memory as the default one does.
+        // Sockets need a short path. The folder must lie in memory, like the default one.
         let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
         Self { runtime: Arc::new(runtime), out: tempfile::tempdir().unwrap() }
     }
 
-    /// A place with results of its own, whose runs share a runtime folder with this one's.
+    /// Creates a place with its own result folder that shares the runtime folder of this one.
     pub fn neighbour(&self) -> Self {
         Self { runtime: Arc::clone(&self.runtime), out: tempfile::tempdir().unwrap() }
     }
 
-    /// The result directory of [`Place::run`].
+    /// Result folder of [`Place::run`].
     pub fn out(&self) -> PathBuf {
         self.out.path().join("out")
     }
 
-    /// The folder of the runs, in the one that the environment names.
+    /// Folder of the runs, below the one in `COSIM_RUNTIME_DIR`.
     pub fn runtime(&self) -> PathBuf {
         self.runtime.path().join(format!("cosim-{}", rustix::process::geteuid().as_raw()))
     }
@@ -101,12 +102,12 @@ impl Place {
         self.launch(self.command(arguments))
     }
 
-    /// The coordinator with these arguments, to be changed before it is launched.
+    /// Command that runs the coordinator with these arguments; pass it to [`Place::launch`].
     pub fn command(&self, arguments: &[&str]) -> Command {
         self.becoming(Command::new(programs().join("coordinator")), arguments)
     }
 
-    /// A program that becomes the coordinator with these arguments.
+    /// Configures a program that becomes the coordinator, with these arguments.
     pub fn becoming(&self, mut program: Command, arguments: &[&str]) -> Command {
         program
             .args(arguments)
@@ -119,14 +120,14 @@ impl Place {
         program
     }
 
-    /// Starts a program that becomes the coordinator, with its runs in a folder of the caller's choice.
+    /// Starts a program that becomes the coordinator, with a given runtime folder.
     pub fn start_in(&self, runtime: &Path, program: Command, arguments: &[&str]) -> Running<'_> {
         let mut command = self.becoming(program, arguments);
         command.env("COSIM_RUNTIME_DIR", runtime);
         self.launch(command)
     }
 
-    /// Starts a command of [`Place::command`] or [`Place::becoming`].
+    /// Starts a command from [`Place::command`] or [`Place::becoming`].
     pub fn launch(&self, mut command: Command) -> Running<'_> {
         hear_signals(&mut command);
         Running { place: self, child: Some(command.spawn().unwrap()) }
@@ -145,7 +146,7 @@ impl Place {
         self.start_run(case, more).wait()
     }
 
-    /// Runs, and demands success; the summary.
+    /// Runs a case, asserts success and returns the summary.
     pub fn summary(&self, case: &str, more: &[&str]) -> Value {
         let ended = self.run(case, more);
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
@@ -157,23 +158,23 @@ impl Place {
         summary
     }
 
-    /// `summary.json` of [`Place::run`].
+    /// Reads `summary.json` of [`Place::run`].
     pub fn read_summary(&self) -> Value {
         serde_json::from_str(&std::fs::read_to_string(self.out().join("summary.json")).unwrap())
             .unwrap()
     }
 
-    /// A table of the results, by its path in the result directory.
+    /// Reads a table of the results, by its path in the result folder.
     pub fn table(&self, file: &str) -> Table {
         Table::read(&self.out().join(file))
     }
 
-    /// The values of a field of one component in an image in `fields`.
+    /// Reads a field with one component from an image in `fields`.
     pub fn field(&self, file: &str, name: &str) -> Vec<f64> {
         field(&self.out().join("fields").join(file), name)
     }
 
-    /// The events of `log.jsonl` so far.
+    /// Reads the events in `log.jsonl` so far.
     pub fn log(&self) -> Vec<Value> {
         let text = std::fs::read_to_string(self.out().join("log.jsonl")).unwrap_or_default();
         text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect()
@@ -184,25 +185,25 @@ impl Place {
         self.log().into_iter().filter(is).map(|event| event["fields"].clone()).collect()
     }
 
-    /// Waits until something stands in the log.
+    /// Waits until the log contains a message.
     pub fn wait_for_log(&self, message: &str) {
         wait_until(&format!("`{message}` in the log"), || !self.logged(message).is_empty());
     }
 
-    /// The `folder` or the `prefix` of the run that was created first, by what the coordinator logged.
+    /// Returns the `folder` or the `prefix` of the first run, as logged by the coordinator.
     pub fn created(&self, key: &str) -> String {
         let runs = self.logged("run created");
         runs.first().expect("a run was created")[key].as_str().unwrap().to_owned()
     }
 
-    /// The process of a participant, by what the coordinator logged.
+    /// Returns the process of a participant, as logged by the coordinator.
     pub fn pid_of(&self, role: &str) -> Pid {
         let started = self.logged("participant started");
         let of_role = started.iter().find(|event| event["role"] == role).unwrap();
         Pid::from_raw(of_role["pid"].as_i64().unwrap() as i32).unwrap()
     }
 
-    /// No process, no run folder, no shared-memory file of any run that was started here.
+    /// Asserts that the runs of this place leave no process, no run folder and no shared memory.
     pub fn assert_nothing_left(&self) {
         let pids = self.logged("participant started");
         for pid in pids.iter().map(|event| event["pid"].as_i64().unwrap()) {
@@ -219,8 +220,8 @@ impl Place {
     }
 }
 
-/// A shell that puts the tests into the background, or `nohup`, lets them ignore signals; what they
-/// start would ignore these, too, and wait for ever to be ended by one.
+/// Restores the default signal handlers. A background shell or `nohup` makes the tests ignore
+/// signals; child processes would inherit that and hang.
 fn hear_signals(command: &mut Command) {
     let signals = [libc::SIGHUP, libc::SIGINT, libc::SIGQUIT, libc::SIGTERM];
     // SAFETY: between fork and exec, `signal` is async-signal-safe and touches no memory.
@@ -239,14 +240,14 @@ fn shared_memory_files() -> impl Iterator<Item = String> {
     entries.filter_map(|entry| entry.file_name().into_string().ok())
 }
 
-/// The process exists and is more than an entry that nobody has collected yet.
+/// True if the process exists and is not a zombie.
 fn is_running(pid: i64) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
     let state = stat.rsplit(") ").next().and_then(|rest| rest.chars().next());
     state.is_some_and(|state| state != 'Z')
 }
 
-/// Waits, up to the watchdog's patience.
+/// Waits until `done` returns true, at most for the time of the watchdog.
 pub fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
     let deadline = Instant::now() + WATCHDOG;
     while !done() {
@@ -256,17 +257,17 @@ pub fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
 }
 
 impl Running<'_> {
-    /// The coordinator's process.
+    /// Process of the coordinator.
     pub fn pid(&self) -> Pid {
         Pid::from_raw(self.child.as_ref().unwrap().id() as i32).unwrap()
     }
 
-    /// Sends it a signal.
+    /// Sends a signal to the coordinator.
     pub fn signal(&self, signal: Signal) {
         kill_process(self.pid(), signal).unwrap();
     }
 
-    /// Waits, up to the watchdog's patience, until it has ended.
+    /// Waits until the coordinator has ended, at most for the time of the watchdog.
     pub fn wait(mut self) -> Ended {
         let child = self.child.as_mut().unwrap();
         let out = child.stdout.take().map(read_all);
@@ -301,7 +302,7 @@ fn read_all(mut pipe: impl std::io::Read + Send + 'static) -> JoinHandle<String>
     })
 }
 
-/// A test that fails does not leave its coordinator running; its participants follow it.
+/// Kills the coordinator of a failed test; its participants end with it.
 impl Drop for Running<'_> {
     fn drop(&mut self) {
         if let Some(child) = &mut self.child

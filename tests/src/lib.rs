@@ -1,5 +1,5 @@
-//! Small participants for system tests and benches, which compute almost nothing and can be told to
-//! misbehave, and the harness of the tests that run them.
+//! Toy participants for system tests and benches, and the test harness. The participants compute
+//! almost nothing and misbehave on request.
 
 pub mod harness;
 pub mod linear;

@@ -1,6 +1,6 @@
-//! A participant that works long and says how far it is. It plays `right` beside [`crate::toy`]'s
-//! `left`: it builds and solves for as long as it is told, in so many steps of progress, which may stop
-//! at one of them. Its model `once` cannot go back: each solve moves on.
+//! Participant with long work that reports its progress. It plays `right` beside `left` of
+//! [`crate::toy`]. Building and solving take a given time, in steps of progress, and may hang at a
+//! given step. The model `once` cannot rewind: each solve advances its state.
 
 use crate::toy::{LEFT_VALUE, RIGHT_VALUE};
 use proto::accuracy::Accuracy;
@@ -15,13 +15,12 @@ use proto::state::read_bytes;
 use std::io::{self, Read, Write};
 use std::time::Duration;
 
-/// Its only role.
 const ROLE: &str = "right";
 
-/// The model that cannot go back.
+/// Model that cannot rewind.
 const ONCE: &str = "once";
 
-/// The program.
+/// Participant with long work.
 #[derive(Clone, Copy, Debug)]
 pub struct Long;
 
@@ -113,7 +112,7 @@ struct Pace {
 }
 
 impl Pace {
-    /// Works for so long.
+    /// Works for `time`.
     fn work(self, time: Duration, what: &str, progress: &Progress) {
         if time.is_zero() {
             return;

@@ -1,16 +1,16 @@
-//! Two participants that heat one lumped capacity: `source` sends a flux that falls as the `body`
-//! it heats gets warmer,
+//! Two participants that heat a lumped capacity: `source` sends a flux that decreases as the
+//! temperature of `body` rises,
 //!
 //! C ϑ′ = F(t) A (1 − gϑ) − kϑ, ϑ(0) = 0,
 //!
-//! with F = `flux_before` up to `step_at` and `flux_after` from then on. Both pieces have the closed
+//! with F = `flux_before` up to `step_at` and `flux_after` afterwards. Both pieces have the closed
 //! form ϑ = ϑ_∞ + (ϑ_0 − ϑ_∞) exp(−(FAg + k) t/C), ϑ_∞ = FA/(FAg + k).
 //!
-//! The source sends the mean of its flux over the window, from `substeps` midpoints at which it
-//! takes the temperature as it varies within the window. The body takes `substeps` steps of the
-//! trapezoidal rule. Both keep their own books of heat. With `body.points` the body has a grid of
-//! so many elements on the same surface, on which it wants the flux. The model `split` is the same
-//! problem with the flux sent as two fields.
+//! The source sends the mean of its flux over the window, from `substeps` midpoints; there it uses
+//! the temperature as it varies within the window. The body takes `substeps` steps of the
+//! trapezoidal rule. Both record their own heat. `body.points` gives the body its own grid with
+//! this number of elements on the same surface; it receives the flux on that grid. The model
+//! `split` is the same problem with the flux sent as two fields.
 
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
@@ -24,7 +24,7 @@ use proto::params::Params;
 use proto::state::{read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
-/// What `source` sends \[W/m²\].
+/// Flux sent by `source` \[W/m²\].
 pub const SOURCE_FLUX: FieldSpec = FieldSpec {
     name: "source_flux",
     unit: "W/m2",
@@ -33,10 +33,10 @@ pub const SOURCE_FLUX: FieldSpec = FieldSpec {
     body: Body::Interface,
     meaning: "mean over the window of the flux into the body",
 };
-/// The rest of it in the model `split` \[W/m²\].
+/// Second part of the flux in the model `split` \[W/m²\].
 pub const SECOND_FLUX: FieldSpec =
     FieldSpec { name: "second_flux", meaning: "the rest of the flux into the body", ..SOURCE_FLUX };
-/// What `body` sends \[K\].
+/// Temperature sent by `body` \[K\].
 pub const BODY_TEMPERATURE: FieldSpec = FieldSpec {
     name: "body_temperature",
     unit: "K",
@@ -46,7 +46,7 @@ pub const BODY_TEMPERATURE: FieldSpec = FieldSpec {
     meaning: "temperature rise at the end of the window",
 };
 
-/// The fields that carry the flux, with the part that each has of it.
+/// Returns the fields that carry the flux, with the share of each.
 fn fluxes(model: &str) -> &'static [(FieldSpec, f64)] {
     match model {
         "split" => &[(SOURCE_FLUX, 0.75), (SECOND_FLUX, 0.25)],
@@ -54,22 +54,21 @@ fn fluxes(model: &str) -> &'static [(FieldSpec, f64)] {
     }
 }
 
-/// Elements of the surface.
+/// Number of elements of the surface.
 const POINTS: usize = 4;
-/// What a flux is said to be before the first window \[W/m²\]: only who solves at the same time as
-/// the source uses it.
+/// Flux before the first window \[W/m²\]; used only if both participants solve in parallel.
 const FIRST_FLUX: f64 = 0.5;
-/// Side of an element \[m\]: the surface has 1 m².
+/// Side of an element \[m\]; the surface has 1 m².
 const SIDE: f64 = 0.5;
 
-/// The surface cut into so many elements along x.
+/// Surface divided into `points` elements along x.
 fn surface(points: usize) -> Grid {
     let length = POINTS as f64 * SIDE / points as f64;
     let first = 0.5 * (length - SIDE);
     Grid::structured("surface", Structured::contact_plane(first, 0.0, length, SIDE, points, 1))
 }
 
-/// The constants of the problem.
+/// Constants of the problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Problem {
     /// C \[J/K\].
@@ -87,7 +86,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// ϑ(t) \[K\].
+    /// Exact ϑ(t) \[K\].
     #[must_use]
     pub fn temperature(&self, t: f64) -> f64 {
         let piece = |flux: f64, from: f64, t: f64| {
@@ -98,7 +97,7 @@ impl Problem {
         if t <= self.step_at { before } else { piece(self.flux_after, before, t - self.step_at) }
     }
 
-    /// ϑ_∞ under a flux \[K\].
+    /// Limit ϑ_∞ under a flux \[K\].
     fn limit(&self, flux: f64) -> f64 {
         flux / (flux * self.gain + self.loss)
     }
@@ -109,7 +108,7 @@ impl Problem {
         before * self.flux_before + (1.0 - before) * self.flux_after
     }
 
-    /// Largest temperature that the problem can come near \[K\].
+    /// Larger of the two limits ϑ_∞ \[K\], used to scale errors.
     fn scale(&self) -> f64 {
         self.limit(self.flux_before).max(self.limit(self.flux_after))
     }
@@ -141,7 +140,7 @@ impl Problem {
     }
 }
 
-/// One of the two.
+/// Participant of the lumped pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lumped {
     /// Sends the flux.
@@ -272,22 +271,23 @@ struct LumpedSetup {
     substeps: u32,
     announce: bool,
     fluxes: &'static [(FieldSpec, f64)],
-    /// Part of the heat received that is reported; `None` for no report.
+    /// Share of the received heat that is reported; `None` for no report.
     reported: Option<f64>,
 }
 
-/// Where the model is, and what has gone through it.
+/// State of the model, with its record of heat.
 #[derive(Clone, Copy, Debug, Default)]
 struct Books {
-    /// ϑ \[K\]; the body's.
+    /// ϑ \[K\], for the body.
     temperature: f64,
-    /// Heat sent or received \[J\].
+    /// Heat sent or received in total \[J\].
     heat: f64,
-    /// Of that, in the last window \[J\].
+    /// Heat sent or received in the last window \[J\].
     in_window: f64,
-    /// Heat lost to the surroundings \[J\]; the body's.
+    /// Heat lost to the surroundings \[J\], for the body.
     lost: f64,
-    /// Largest error of ϑ at the end of an accepted window, over the largest ϑ_∞; the body's.
+    /// Largest error of ϑ at the end of an accepted window, relative to the largest ϑ_∞, for the
+    /// body.
     error: f64,
 }
 
@@ -298,7 +298,8 @@ struct LumpedModel {
 }
 
 impl LumpedModel {
-    /// The mean flux over the window \[W/m²\], with the temperature going from one value to another.
+    /// Mean flux over the window \[W/m²\], while the temperature varies linearly between two
+    /// values.
     fn mean_flux(&self, step: &Step, from: f64, to: f64) -> f64 {
         let LumpedSetup { problem, substeps, .. } = &self.setup;
         let length = step.duration() / f64::from(*substeps);
@@ -311,7 +312,7 @@ impl LumpedModel {
         (0..*substeps).map(of).sum::<f64>() / f64::from(*substeps)
     }
 
-    /// Steps of the trapezoidal rule under a constant power \[W\].
+    /// Advances the body by the trapezoidal rule under a constant power \[W\].
     fn heat_up(&self, step: &Step, power: f64) -> Books {
         let LumpedSetup { problem: Problem { capacity, loss, .. }, substeps, .. } = self.setup;
         let length = step.duration() / f64::from(substeps);
@@ -346,7 +347,8 @@ impl Model for LumpedModel {
                 let from = inputs.start(&BODY_TEMPERATURE).map_or(to, |start| start[0]);
                 let flux = self.mean_flux(step, from, to);
                 for (field, part) in self.setup.fluxes {
-                    // Uneven, so that its integral is more than one value times the area.
+                    // Non-uniform, so that the integral differs from any single value times the
+                    // area.
                     let sent = outputs.get(field).ok_or_else(|| missing(field))?;
                     for (index, value) in sent.iter_mut().enumerate() {
                         *value = part * flux * (0.7 + 0.2 * index as f64);

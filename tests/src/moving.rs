@@ -1,7 +1,7 @@
-//! Two participants of which one has a grid that moves: `mover` sends a heat flux from its `patch`,
-//! `plate`, whose grid stays, answers with its temperature, which the mover wants on the patch.
+//! Two participants, one with a moving grid: `mover` sends a heat flux from its `patch`; `plate`,
+//! whose grid is fixed, answers with its temperature, which the mover receives on the patch.
 //!
-//! When m windows have been accepted the patch has made s = ⌊m/every⌋ steps of one of these motions,
+//! After m accepted windows the patch has made s = ⌊m/every⌋ steps of one of these motions:
 //!
 //! | motion | patch after s steps |
 //! |---|---|
@@ -10,13 +10,13 @@
 //! | `grow` | s more columns of elements |
 //! | `stretch` | vertices at x₀ + (x − x₀)(1 + 0.05 s), y + 0.02 s sin 3x; unstructured |
 //!
-//! With P the power received [kW] and g the gain, 0 if not given,
+//! The fields depend on the received power P [kW] and the gain g, 0 by default:
 //!
 //! q(x, y) = 1000 (1 + x + y/2)(1 − gT) W/m²,   T(x, y) = (2 + sin 1.3x cos 0.9y)(1 + gP) K.
 //!
-//! Without gain each checks what it hears against these laws where the grid says that it hears it,
-//! and puts the largest error of an accepted window into the summary. The mover insists that its
-//! input comes on the patch as it is.
+//! If the gain is zero, each participant compares its input with these laws at the elements of the
+//! given grid. The summary contains the largest error of an accepted window. The mover requires
+//! that its input is on the current patch.
 
 mod participant;
 
@@ -24,21 +24,21 @@ pub use participant::{MOVING_FLUX, Moving};
 
 use proto::grid::{Grid, Quadrilaterals, Structured};
 
-/// Name of the grid that moves.
+/// Name of the moving grid.
 pub const PATCH: &str = "patch";
-/// Motions, as words of `mover.motion`.
+/// Motions, as values of `mover.motion`.
 pub const MOTIONS: &[&str] = &["none", "translate", "grow", "stretch"];
 
 /// Side of an element of the patch at rest \[m\].
 const SIDE: f64 = 0.05;
 /// Lower corner of the patch at rest \[m\].
 const CORNER: [f64; 2] = [0.3, 0.4];
-/// Elements of the patch at rest.
+/// Numbers of elements of the patch at rest.
 const COUNTS: [usize; 2] = [24, 16];
-/// The plate \[m\].
+/// Dimensions of the plate \[m\].
 const PLATE: [f64; 2] = [4.0, 2.0];
 
-/// The patch after so many steps of a motion; its revision is one more than these.
+/// Patch after a number of steps of a motion; its revision is one more than `steps`.
 #[must_use]
 pub fn patch(motion: &str, steps: u64) -> Grid {
     let s = steps as f64;
@@ -66,7 +66,7 @@ pub fn patch(motion: &str, steps: u64) -> Grid {
     Grid { revision: if motion == "none" { 1 } else { 1 + steps }, ..grid }
 }
 
-/// The grid of the plate with so many elements along x, a whole number of squares.
+/// Grid of the plate with `resolution` elements along x; the elements are as square as possible.
 #[must_use]
 pub fn plate(resolution: usize) -> Grid {
     let h = PLATE[0] / resolution as f64;
@@ -76,13 +76,13 @@ pub fn plate(resolution: usize) -> Grid {
     Grid::structured("plate", shape)
 }
 
-/// q without gain \[W/m²\].
+/// Heat flux q without gain \[W/m²\].
 #[must_use]
 pub fn flux([x, y, _]: [f64; 3]) -> f64 {
     1000.0 * (1.0 + x + 0.5 * y)
 }
 
-/// T without gain \[K\].
+/// Temperature T without gain \[K\].
 #[must_use]
 pub fn temperature([x, y, _]: [f64; 3]) -> f64 {
     2.0 + (1.3 * x).sin() * (0.9 * y).cos()

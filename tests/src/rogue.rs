@@ -1,5 +1,5 @@
-//! The participant `left` without [`proto::participant`]: every message by hand, so that it can
-//! break the contract in ways that the library does not allow.
+//! Participant `left` written without [`proto::participant`]: it sends every message itself, so
+//! that it can break the protocol in ways the library does not allow.
 
 use crate::toy::{LEFT_VALUE, Toy};
 use proto::configuration::{Configuration, FieldOnGrid, Layout};
@@ -17,7 +17,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Describes itself like `left`, and joins as a rogue.
+/// Describes itself like `left`, and joins a run as the rogue.
 pub fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().collect();
     match arguments.iter().position(|a| a == "--join").and_then(|at| arguments.get(at + 1)) {
@@ -29,7 +29,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Faults of a participant whose grid moves with every window.
+/// Faults of a participant whose grid moves in every window.
 const MOVING: &[&str] = &[
     "old-revision",
     "falling",
@@ -47,7 +47,7 @@ struct Field {
     inputs: Vec<FieldReader>,
     header: FieldHeader,
     grid: Grid,
-    /// Where the grid's geometry goes, and the label of the newest.
+    /// Port of the grid's geometry, with the header of the last one sent.
     geometry: Option<(FieldWriter, FieldHeader)>,
 }
 
@@ -85,7 +85,8 @@ fn take_part(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     }
 }
 
-/// As if the reply to a command had been sent: until the run is over, but not for ever.
+/// Sends heartbeats as if the reply to a command had been sent, until the run ends, for at most 60
+/// s.
 fn be_idle(coordinator: &Ringer, command: u64) -> Result<(), Box<dyn std::error::Error>> {
     for _ in 0..1200 {
         coordinator.beat(0, Beat::idle_after(command))?;
@@ -166,7 +167,7 @@ impl Rogue {
         Ok(Vec::new())
     }
 
-    /// What it says of its grids.
+    /// Returns the layout, with the fault applied.
     fn layout(&self, honest: &Layout) -> Layout {
         let mut layout = honest.clone();
         if MOVING.contains(&self.fault.as_str()) {
@@ -186,7 +187,7 @@ impl Rogue {
         layout
     }
 
-    /// Moves the grid by one along x, and says so; wrongly in the window of the fault.
+    /// Moves the grid by 1 along x and publishes the geometry; wrongly in the window of the fault.
     fn move_grid(&mut self, command: &Command) -> Result<(), Box<dyn std::error::Error>> {
         let at = |fault: &str| self.is_at(command, fault);
         let (falls, other, repeats) = (at("falling"), at("other-grid"), at("repeated"));

@@ -1,6 +1,6 @@
-//! Two trivial participants, `left` and `right`, that exchange one scalar field each way: what one
-//! sends is what it received plus one. Window `w` (from 1) of a serial run leaves `2w - 1` in the
-//! left field and `2w` in the right one.
+//! Two toy participants, `left` and `right`, that exchange one scalar field each way: each sends
+//! the received values plus one. Window `w` (from 1) of a serial run gives `2w - 1` in the left
+//! field and `2w` in the right one.
 
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
@@ -14,13 +14,13 @@ use proto::state::read_bytes;
 use std::io::{self, Read, Write};
 use std::time::Duration;
 
-/// What `left` sends.
+/// Field sent by `left`.
 pub const LEFT_VALUE: FieldSpec = field("left_value");
-/// What `right` sends.
+/// Field sent by `right`.
 pub const RIGHT_VALUE: FieldSpec = field("right_value");
 
-/// Ways to misbehave, as words of `ROLE.fault`; in the window `ROLE.fault_window`.
-/// What comes after `exit-at-start` only [`crate::rogue`] can do.
+/// Ways to misbehave, as values of `ROLE.fault`, in the window `ROLE.fault_window`. Only
+/// [`crate::rogue`] supports the entries after `exit-at-start`.
 pub const FAULTS: &[&str] = &[
     "none",
     "not-finite",
@@ -73,28 +73,28 @@ const fn field(name: &'static str) -> FieldSpec {
     }
 }
 
-/// One of the two.
+/// Toy participant.
 #[derive(Clone, Copy, Debug)]
 pub struct Toy {
-    /// Role it plays.
+    /// Role of the participant.
     pub role: &'static str,
-    /// What it sends.
+    /// Field it sends.
     pub sends: FieldSpec,
-    /// What it receives.
+    /// Field it receives.
     pub receives: FieldSpec,
-    /// Version of the contract that it claims to speak.
+    /// Version of the protocol it claims.
     pub protocol: u32,
 }
 
 impl Toy {
-    /// The first of the two.
+    /// First participant.
     pub const LEFT: Toy = Toy {
         role: "left",
         sends: LEFT_VALUE,
         receives: RIGHT_VALUE,
         protocol: proto::PROTOCOL_VERSION,
     };
-    /// The second of the two.
+    /// Second participant.
     pub const RIGHT: Toy =
         Toy { role: "right", sends: RIGHT_VALUE, receives: LEFT_VALUE, ..Self::LEFT };
 
@@ -240,7 +240,7 @@ impl Model for ToyModel {
             () if at("half-written") => sent.len() / 2,
             () => sent.len(),
         };
-        // One that is longer than what it receives counts on from nothing.
+        // If the sent field is longer than the received one, the rest counts from zero.
         let received = received.values.iter().chain(std::iter::repeat(&0.0));
         for (sent, received) in sent.iter_mut().zip(received).take(written) {
             *sent = received + 1.0;

@@ -1,15 +1,15 @@
-//! A participant whose fields are on a volume: a block that heats up, and may swell.
+//! Participant with fields on a volume: a block that heats up and may swell.
 //!
-//! With n elements along it the block has n × ⌈n/2⌉ × ⌈n/4⌉ hexahedra: a million for n = 200. With u, v,
-//! w from 0 to 1 along its edges and g(u) = u(1 + u)/2, its vertices stand at
+//! A block with n elements along its length has n × ⌈n/2⌉ × ⌈n/4⌉ hexahedra, a million for n = 200.
+//! With u, v, w from 0 to 1 along the edges and g(u) = u(1 + u)/2, the vertices are at
 //!
 //! | hexahedra | vertices \[m\] |
 //! |---|---|
 //! | `rectilinear` | x = 2 g(u), y = g(v), z = g(w)/2 |
-//! | `structured`, `unstructured` | a bend of the radius r = 1 + g(v): x = r sin g(u), y = r cos g(u), z = g(w)/2 |
+//! | `structured`, `unstructured` | a bend of radius r = 1 + g(v): x = r sin g(u), y = r cos g(u), z = g(w)/2 |
 //!
-//! times 1 + s/100 after s windows if it swells. When m windows have been accepted its temperature is
-//! T = (1 + m)(2 + sin 1.3x cos 0.9y + z) K.
+//! times 1 + s/100 after s windows of swelling. After m accepted windows the temperature is T = (1
+//! + m)(2 + sin 1.3x cos 0.9y + z) K.
 
 mod participant;
 
@@ -19,16 +19,16 @@ use proto::grid::{Grid, Hexahedra, Volume};
 
 /// Name of the volume.
 pub const BLOCK: &str = "block";
-/// Kinds of elements, as words of `volume.hexahedra`.
+/// Kinds of elements, as values of `volume.hexahedra`.
 pub const KINDS: &[&str] = &["rectilinear", "structured", "unstructured"];
 
-/// Elements along the edges of a block of this length.
+/// Numbers of elements along the edges of a block with `n` elements along its length.
 #[must_use]
 pub fn counts(n: usize) -> [usize; 3] {
     [n, n.div_ceil(2), n.div_ceil(4)]
 }
 
-/// The elements of a block.
+/// Elements of a block.
 #[must_use]
 pub fn hexahedra(kind: &str, n: usize) -> Hexahedra {
     let [ni, nj, nk] = counts(n);
@@ -42,7 +42,7 @@ pub fn hexahedra(kind: &str, n: usize) -> Hexahedra {
     }
 }
 
-/// The block after so many windows of swelling; its revision is one more than these.
+/// Block after a number of windows of swelling; its revision is one more than `swollen`.
 #[must_use]
 pub fn block(kind: &str, n: usize, swollen: u64) -> Grid {
     let counts @ [ni, nj, nk] = counts(n);
@@ -74,7 +74,7 @@ pub fn block(kind: &str, n: usize, swollen: u64) -> Grid {
     Grid { revision: 1 + swollen, ..Grid::volume(BLOCK, shape) }
 }
 
-/// The corners of every element, in VTK's order.
+/// Vertices of every element, in the order of VTK.
 fn elements([ni, nj, nk]: [usize; 3]) -> Vec<[u32; 8]> {
     let index = |i: usize, j: usize, k: usize| ((k * (nj + 1) + j) * (ni + 1) + i) as u32;
     let face =
@@ -87,7 +87,7 @@ fn elements([ni, nj, nk]: [usize; 3]) -> Vec<[u32; 8]> {
     rows.flat_map(|(j, k)| (0..ni).map(move |i| element(i, j, k))).collect()
 }
 
-/// T when so many windows have been accepted \[K\].
+/// Temperature T after a number of accepted windows \[K\].
 #[must_use]
 pub fn temperature([x, y, z]: [f64; 3], windows: u64) -> f64 {
     (1.0 + windows as f64) * (2.0 + (1.3 * x).sin() * (0.9 * y).cos() + z)

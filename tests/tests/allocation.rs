@@ -1,7 +1,7 @@
 //! Invariant 8: a steady step of the coupling loop does not allocate.
 //!
-//! The thread-safe variant of iceoryx2 makes one small handle on the heap for every sample that is
-//! loaned. These are counted exactly, and nothing else may come on top.
+//! The thread-safe variant of iceoryx2 allocates one small handle for every loaned sample. These
+//! allocations are counted exactly; no others are allowed.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails by panicking")]
 
@@ -15,37 +15,37 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use tests::harness::programs;
 
-/// Commands that the coordinator sends in a window of one pass: two solves, two acceptances.
+/// Commands sent by the coordinator in a window without iteration: two solves, two acceptances.
 const LOANS: u64 = 4;
-/// What it sends in an iteration of an implicit scheme: two commands, one iterate.
+/// Samples sent in an iteration of an implicit scheme: two commands, one iterate.
 const LOANS_PER_ITERATION: u64 = 3;
 
-/// One more for each field that it maps besides.
+/// One more for each mapped field.
 const LOANS_PER_ITERATION_WITH_MAPPINGS: u64 = 4;
 
-/// Windows, of which the first ones may open connections and fill what an accelerator remembers. No
-/// more than that: each hop between processes waits for the scheduler on a busy machine, some
-/// milliseconds, and a window of four iterations has eighteen.
+/// Total number of windows, and the number of first ones that are not judged: they may open
+/// connections and fill the accelerator's history. The total is small, because each hop between
+/// processes takes milliseconds on a busy machine, and a window of four iterations has eighteen.
 const WINDOWS: u64 = 16;
 const FIRST: usize = 10;
 
-/// Counts the allocations of the thread that asks.
+/// Counts the allocations of the current thread.
 struct Counting;
 
 thread_local! {
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: everything is passed on to the system's allocator.
+// SAFETY: all calls are passed on to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's contract is the system's.
+        // SAFETY: the contract of the caller is that of the system's allocator.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's contract is the system's.
+        // SAFETY: the contract of the caller is that of the system's allocator.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -75,7 +75,7 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
         let before = COUNT.get();
         let step = Step { window, iteration: 1, start: window as f64, end: window as f64 + 1.0 };
         coupling.solve_window(&mut session, &step).unwrap();
-        let heat = session.heat_balance();
+        let heat = session.balance();
         session.accept(&step, Observed::Nobody).unwrap();
         counted.push(COUNT.get() - before);
         assert_eq!(heat.sent, None, "the fields are not conservative");
@@ -84,7 +84,7 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
     assert_steady(&counted, LOANS, "a window each");
 }
 
-/// A test for each accelerator.
+/// Defines a test for each accelerator.
 macro_rules! a_steady_iteration_does_not_allocate {
     ($($name:ident: $acceleration:literal;)+) => {
         $(
@@ -105,13 +105,13 @@ a_steady_iteration_does_not_allocate! {
     an_iqn_imvj_iteration_does_not_allocate: "iqn-imvj";
 }
 
-/// Both fields are mapped: the iterate to the relay's grid, its answer back.
+/// Both fields are mapped: the iterate to the grid of the relay, the answer back.
 #[test]
 fn a_steady_iteration_with_mappings_does_not_allocate() {
     iterate("iqn-ils", 137, LOANS_PER_ITERATION_WITH_MAPPINGS);
 }
 
-/// Windows of four iterations, after the first of which what the accelerator remembers is full.
+/// Windows of four iterations; the accelerator's history is full after the first one.
 fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
     let (relay, operator) = (program("toy-relay"), program("toy-operator"));
     let case = format!(
@@ -144,9 +144,9 @@ fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
     assert_steady(&counted, loans, acceleration);
 }
 
-/// All windows but the first ones allocate as often as they borrow places for fields. In one window
-/// the topic of progress may be opened besides: with the first heartbeat that comes during a
-/// command, which on a busy machine may be any.
+/// Asserts that every window after the first ones allocates once per loaned sample. One window may
+/// differ: the first heartbeat during a command opens the topic of progress, which on a busy
+/// machine may happen in any window.
 fn assert_steady(counted: &[u64], loans: u64, of: &str) {
     let others = counted[FIRST..].iter().filter(|count| **count != loans).count();
     assert!(others <= 1, "{of}: {counted:?}");

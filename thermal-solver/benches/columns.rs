@@ -1,5 +1,6 @@
-//! Time of model `columns`: the two ways of the steady convolution over the length of a row, which
-//! is where `CROSSOVER` comes from; whole steady solves for both bodies; windows in transient motion.
+//! Run time of model `columns`: both methods of the steady convolution over the length of a row,
+//! from which `CROSSOVER` follows; complete steady solves for both bodies; windows in transient
+//! motion.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
@@ -48,7 +49,7 @@ fn steady(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// A window after the grid has been crossed, first iteration and acceptance included.
+/// A window after the material has crossed the grid, with first iteration and acceptance.
 fn transient(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("transient");
     group.sample_size(10);
@@ -74,7 +75,7 @@ fn transient(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Solves on one thread and on two: where a second one pays.
+/// Solves on one thread and on two, to show where a second thread pays.
 fn threads(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("threads");
     group.sample_size(20);

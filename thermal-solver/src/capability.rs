@@ -27,13 +27,13 @@ impl Capability {
     #[must_use]
     pub fn lack(self) -> &'static str {
         match self {
-            Self::Exchange => "lets no heat flow between the surfaces",
-            Self::Gaps => "does not know of gaps between the surfaces",
-            Self::Potentials => "does not find potentials",
+            Self::Exchange => "does not exchange heat between the surfaces",
+            Self::Gaps => "does not support gaps between the surfaces",
+            Self::Potentials => "does not compute potentials",
             Self::EarlierPassages => "does not add up the rises of earlier passages",
-            Self::RiseIntegrals => "does not integrate the rise over the depth",
-            Self::VaryingProperties => "has properties that do not depend on the temperature",
-            Self::FreeSurfaces => "loses no heat through free surfaces",
+            Self::RiseIntegrals => "does not integrate the rise over depth",
+            Self::VaryingProperties => "supports only properties that do not depend on temperature",
+            Self::FreeSurfaces => "does not lose heat through free surfaces",
             Self::Volumes => "has no elements",
         }
     }

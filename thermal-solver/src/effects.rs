@@ -134,7 +134,10 @@ pub fn renamed() -> Vec<Renamed> {
 ///
 /// # Errors
 /// A value that is missing or out of range; a table that cannot be read.
-pub fn natures(given: &Configuration, scene: &Scene) -> Result<[BodyProperties; 2], Refusal> {
+pub fn body_properties(
+    given: &Configuration,
+    scene: &Scene,
+) -> Result<[BodyProperties; 2], Refusal> {
     let case = &given.case;
     let mut surroundings = Surroundings::default();
     if given.has_effect(convection::NAME) {
@@ -149,7 +152,7 @@ pub fn natures(given: &Configuration, scene: &Scene) -> Result<[BodyProperties; 
     }
     let (materials, initial) = (&scene.materials, &scene.initial_temperatures);
     let bodies = points.into_iter().zip(materials.iter().zip(initial));
-    let natures: Vec<BodyProperties> = bodies
+    let body_properties: Vec<BodyProperties> = bodies
         .map(|(points, (material, initial))| BodyProperties {
             material: *material,
             points,
@@ -158,7 +161,7 @@ pub fn natures(given: &Configuration, scene: &Scene) -> Result<[BodyProperties; 
             surroundings,
         })
         .collect();
-    Ok(natures.try_into().expect("two bodies"))
+    Ok(body_properties.try_into().expect("two bodies"))
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         .within(STRIPS, ["y_from_m", "y_to_m"], "y_m", PATCHES);
     vec![
         figure("max_rise_k", "K", "temperature rise", "")
-            .expected_below(700.0, "steel transforms at about 1000 K, and its properties are others by then (effects.temperature_material)")
+            .expected_below(700.0, "steel transforms at about 1000 K, and its properties have changed by then (effects.temperature_material)")
             .style(Style::Signed)
             .rank(1)
             .headline(),

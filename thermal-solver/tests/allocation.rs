@@ -1,4 +1,4 @@
-//! No allocation in a step: counted by the allocator, on this thread only.
+//! A step allocates nothing: counted by the allocator, on this thread only.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -17,7 +17,7 @@ thread_local! {
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: every call goes on to the system's allocator unchanged.
+// SAFETY: every call is passed to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.set(COUNT.get() + 1);
@@ -34,7 +34,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations of `steps` accepted windows after `before` others.
+/// Returns the allocations of `steps` accepted windows after `before` others.
 fn allocations(run: &mut Run, before: usize, steps: usize, duration: f64) -> u64 {
     run.given.flux = Some(vec![1e8; run.grid().points()]);
     let step = Step { end: duration, ..Step::STEADY };
@@ -53,7 +53,7 @@ fn allocations(run: &mut Run, before: usize, steps: usize, duration: f64) -> u64
 
 #[test]
 fn steady_steps_do_not_allocate() {
-    // Below and above the crossover to Fourier space.
+    // Below and above the crossover to Fourier transforms.
     for columns in [41, 321] {
         let grid = Structured::contact_plane(-8e-3, -1e-3, 2e-4, 2e-4, columns, 11);
         for model in ["ertz-knothe", "columns", "moving-source", "fe"] {

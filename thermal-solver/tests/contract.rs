@@ -1,4 +1,4 @@
-//! The contract: descriptions, layouts, refusals, errors, work.
+//! Behaviour through the contract: descriptions, layouts, refusals, errors, work.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -42,7 +42,7 @@ fn layout_places_the_fields_and_sections_only_when_asked() {
         assert_eq!((section.ni, section.nj), (40, 33));
         assert_eq!(section.centre(7, 0), grid.centre(7, 2), "y = 0 is the third row");
         let depth = 4.0 * (2.0 * DIFFUSIVITY * 4e-3 / SPEED).sqrt();
-        // Rounding.
+        // Tolerance: rounding.
         assert!((sign * section.centre(0, 32)[2] / depth - 1.0).abs() < 1e-14);
     }
     given.observed.clear();
@@ -51,7 +51,7 @@ fn layout_places_the_fields_and_sections_only_when_asked() {
     assert!(layout.memory_bytes > 0 && layout.solve_seconds > 0.0);
 }
 
-/// Sections lie where most heat is expected, or where the case wants them.
+/// Sections lie where most heat is expected, or where the case puts them.
 #[test]
 fn sections_go_through_the_peak_or_where_asked() {
     let grid = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 40);
@@ -63,7 +63,7 @@ fn sections_go_through_the_peak_or_where_asked() {
         ((section.centre(0, 0)[1] + 1e-3) / 5e-4).round() as usize
     };
     assert_eq!(row_of(&given), 2);
-    // A grid beside y = 0 has its section through the middle.
+    // A grid without y = 0 has its section through the middle.
     let beside = Structured::contact_plane(-4e-3, 9e-3, 2e-4, 5e-4, 40, 41);
     assert_eq!(row_of(&configuration("columns", Mode::Steady, beside, steel())), 40);
     given.inputs[0].peak = Some([0.0, 14.2e-3, 0.0]);
@@ -72,7 +72,7 @@ fn sections_go_through_the_peak_or_where_asked() {
     assert_eq!(row_of(&given), 10);
 }
 
-/// Two heated strips, cold between them, have a hottest place each; one has none of its own.
+/// Two heated strips with a cold gap have a hottest place each; a single strip is not listed.
 #[test]
 fn every_heated_strip_has_its_hottest_place() {
     let grid = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 9);
@@ -99,7 +99,7 @@ fn every_heated_strip_has_its_hottest_place() {
     }
 }
 
-/// The patch of the heat flux, cut into as many elements as asked for.
+/// The patch of the heat flux, divided into the requested number of elements.
 #[test]
 fn resolution_gives_a_grid_of_its_own() {
     let arriving = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 4);
@@ -125,7 +125,7 @@ fn resolution_gives_a_grid_of_its_own() {
     }
     let section = layout.grid_of("lower_section_temperature").unwrap().points();
     assert_eq!(section, 55 * 33);
-    // Elements are square, so that the same number along x is another grid.
+    // Elements are square, so the same number along x gives another grid.
     assert!(asked("columns", 40).input_grid("friction_power").is_some());
     let square = Structured { step_j: [0.0, 2e-4, 0.0], nj: 10, ..arriving };
     let mut case = steel();
@@ -135,7 +135,7 @@ fn resolution_gives_a_grid_of_its_own() {
     assert_eq!((layout.inputs.len(), layout.grids[0].as_structured()), (0, Some(&square)));
 }
 
-/// Heat is conducted on a grid that stays: where the flux's own moves, that is its first one.
+/// Heat is conducted on a fixed grid. If the grid of the flux moves, its first position is used.
 #[test]
 fn the_first_grid_is_kept_of_one_that_moves() {
     let arriving = Structured::contact_plane(-4e-3, -1e-3, 2e-4, 5e-4, 40, 4);
@@ -152,7 +152,8 @@ fn the_first_grid_is_kept_of_one_that_moves() {
     }
 }
 
-/// Bodies of different initial temperatures exchange heat, which this model leaves out, and says so.
+/// Bodies of different initial temperatures exchange heat. The model neglects this heat and says
+/// so.
 #[test]
 fn different_initial_temperatures_are_remarked_on() {
     let remarks = |wheel: f64| {
@@ -275,7 +276,7 @@ fn summary_names_the_hottest_row() {
         let mut run = Run::steady(model, grid);
         run.advance(&flux, 0.0);
         for body in ["rail", "wheel"] {
-            // Rounding of the row's place.
+            // Tolerance: rounding of the row's position.
             assert!((run.summary(body, "y_m").unwrap() - 2e-3).abs() < 1e-15);
             let place = run.summary(body, "x_m").unwrap() / SEMI_AXIS;
             assert!((place + 0.65).abs() < 0.01, "{place}");
@@ -288,13 +289,13 @@ fn work_is_counted_exactly() {
     let grid = Structured::contact_plane(0.0, 0.0, 1e-4, 1e-4, 24, 3);
     let mut flux = vec![1.0; 72];
     flux[24..48].fill(0.0);
-    // Two warm rows; three blocks of eight see 25, 17 and 9 pairs of weights.
+    // Two warm rows; three blocks of eight use 25, 17 and 9 pairs of weights.
     let mut run = Run::steady("columns", grid);
     assert_eq!(run.solve(&flux, 0.0).work, 2 * (25 + 17 + 9) * 16);
     // One value of the closed form at every point of a warm row, for both bodies.
     let mut run = Run::steady("ertz-knothe", grid);
     assert_eq!(run.solve(&flux, 0.0).work, 2 * 24);
-    // In Fourier space: three transforms of length 486, and four products a coefficient.
+    // By Fourier transforms: three of length 486, and four products for each coefficient.
     let grid = Structured::contact_plane(0.0, 0.0, 1e-4, 1e-4, 241, 1);
     let mut run = Run::steady("columns", grid);
     assert_eq!(run.solve(&[1.0; 241], 0.0).work, 3 * 486 * 9 + 8 * 244);

@@ -1,4 +1,4 @@
-//! What the thermal side estimates of a scene before it is run, against what its models find in it.
+//! Estimates for a scene before a run, against the results of the models.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -17,12 +17,12 @@ use thermal_solver::ThermalSolver;
 /// Friction power [W].
 const POWER: f64 = 2e3;
 
-/// What is said of a scene whose contact is an ellipse.
+/// Returns the advice on a scene with an elliptic contact.
 fn opinion(case: &Value, axes: [f64; 2]) -> Opinion {
     opinion_at(POWER, case, axes)
 }
 
-/// The same with another friction power [W].
+/// Returns the advice for another friction power [W].
 fn opinion_at(power: f64, case: &Value, [a, b]: [f64; 2]) -> Opinion {
     let known = [
         ("contact.friction_power_w", power),
@@ -34,12 +34,13 @@ fn opinion_at(power: f64, case: &Value, [a, b]: [f64; 2]) -> Opinion {
     ThermalSolver.advise(&Scene { case: Params(case.clone()), mode: Mode::Steady, known })
 }
 
-/// A model's answer under q₀ √(1 − x²/a² − y²/b²) of the same power, some elements to the smaller semi-axis.
+/// Solves a model under q₀ √(1 − x²/a² − y²/b²) of the same power, with 24 elements to the smaller
+/// semi-axis.
 fn solved(model: &str, case: &Value, axes: [f64; 2], speed: f64) -> Run {
     solved_at(POWER, model, case, axes, speed)
 }
 
-/// The same with another friction power [W].
+/// Solves with another friction power [W].
 fn solved_at(power: f64, model: &str, case: &Value, [a, b]: [f64; 2], speed: f64) -> Run {
     let per_axis = 24.0;
     let sides = [a / per_axis, b / per_axis];
@@ -67,7 +68,7 @@ fn solved_at(power: f64, model: &str, case: &Value, [a, b]: [f64; 2], speed: f64
     run
 }
 
-/// A case at a speed, at rest at 0.
+/// A case at a speed; 0 is at rest.
 fn at(speed: f64) -> Value {
     let mut case = steel();
     case["motion"]["speed"] = json!(speed);
@@ -76,9 +77,10 @@ fn at(speed: f64) -> Value {
 
 const RISE: &str = "temperature.rail.max_rise_k";
 
-/// Ellipses at rest and slow and fast: at rest the closed form, (q₀b/2λ) K(k), to the grid; fast that of heat straight down, to 1/Pe;
-/// between the two what is between them, to a tenth, and to a quarter where heat goes sideways out of an ellipse that is six times as long
-/// as wide.
+/// Ellipses at rest, slow and fast. At rest the reference is the closed form, (q₀b/2λ) K(k), to the
+/// error of the grid. At high speed the reference is conduction normal to the surface, to 1/Pe.
+/// Between both limits the tolerance is a tenth, and a quarter where heat flows sideways out of an
+/// ellipse six times as long as wide.
 #[test]
 fn the_rise_is_that_of_the_models() {
     for axes in [[4e-3, 4e-3], [8e-3, 4e-3], [2e-3, 6e-3], [6e-3, 1e-3]] {
@@ -96,8 +98,8 @@ fn the_rise_is_that_of_the_models() {
     }
 }
 
-/// What effects change of the largest rise, by what they say and by what a run with and without them finds: of the same sign, and within a
-/// factor of two where it is more than a per cent.
+/// Estimated changes of the largest rise by effects, against runs with and without each effect.
+/// Both have the same sign, and agree within a factor of two where the change exceeds a per cent.
 #[test]
 fn what_effects_change_is_what_they_say() {
     let axes = [6e-3, 4e-3];
@@ -136,12 +138,12 @@ fn what_effects_change_is_what_they_say() {
     }
 }
 
-/// The advice on an effect.
+/// Returns the advice on an effect.
 fn advice_on(effect: &str, opinion: &Opinion) -> Advice {
     opinion.advice.iter().find(|advice| advice.effect == effect).unwrap().clone()
 }
 
-/// A number of an advice whose name begins so.
+/// Returns a number of an advice by the beginning of its name.
 fn number(advice: &Advice, name: &str) -> f64 {
     advice.numbers.iter().find(|number| number.name.starts_with(name)).unwrap().value
 }
@@ -153,10 +155,10 @@ fn with_effect(speed: f64, effect: &str, law: Value) -> Value {
     case
 }
 
-/// A body that gives off heat as a whole, and passages before over the same place, of the wheel or
-/// of the rail: within a fifth of what a run finds. What the whole body adds is exact, P/(hA), over
-/// a rise that is estimated to a tenth; what passages have left is that of a Gaussian across
-/// instead of the ellipse's parabola, to a tenth as well.
+/// Heat loss of a whole body, and earlier passages over the same place of the wheel or of the rail,
+/// within a fifth of the result of a run. The rise of the whole body is exact, P/(hA), relative to
+/// a rise that is estimated to a tenth. Earlier passages leave a Gaussian across instead of the
+/// ellipse's parabola, to a tenth as well.
 #[test]
 fn what_earlier_passages_leave_is_what_is_said() {
     let axes = [6e-3, 4e-3];
@@ -190,11 +192,11 @@ fn what_earlier_passages_leave_is_what_is_said() {
     }
 }
 
-/// Properties over temperature, from fast to slow and for several tables, against what a run with
-/// and without them finds: within a fifth, as the estimate is of the first order in the change of
-/// the properties, or within half a per cent of the rise. The latent heat of a narrow peak is of no
-/// first order: within a factor of two. Without a table the case is advised of carbon steel's (EN
-/// 1993-1-2), which is one of the tables.
+/// Properties over temperature, from fast to slow and for several tables, against a run with and
+/// without the effect. The tolerance is a fifth, because the estimate is of first order in the
+/// change of the properties, or half a per cent of the rise. For the latent heat of a narrow peak,
+/// which is not of first order, it is a factor of two. Without a table the advice uses carbon steel
+/// (EN 1993-1-2), which is one of the tables.
 #[test]
 fn what_a_material_over_temperature_changes_is_what_is_said() {
     let axes = [6e-3, 4e-3];
@@ -214,7 +216,7 @@ fn what_a_material_over_temperature_changes_is_what_is_said() {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(lines.as_bytes()).unwrap();
         let mut case = with_effect(speed, "temperature_material", json!({"beyond": "hold"}));
-        // As is said for the constant properties: those of the cold body.
+        // The constant properties are those at the initial temperature, as the advice assumes.
         let [conductivity, specific_heat] =
             if name == "steel" { [53.334, 439.8] } else { [50.0, 420.0] };
         case["materials"]["steel"]["conductivity"] = json!(conductivity);
@@ -242,10 +244,11 @@ fn what_a_material_over_temperature_changes_is_what_is_said() {
 const STEEL: &str = "233.15 54 425\n273.15 54 425\n293.15 53.334 439.8\n373.15 50.67 487.62\n473.15 47.34 529.76\n\
                      573.15 44.01 564.74\n673.15 40.68 605.88\n773.15 37.35 666.5\n873.15 34.02 759.92\n";
 
-/// White etching layers form where they are said to: with heat for an estimated 0.85 and 1.15 of
-/// the temperature of transformation, which the estimate of a rise knows to a tenth, and where the
-/// rate of heating shifts it or that of cooling is too slow. The margins are apart by a tenth of
-/// the rise, and by what a factor of three in the rate of heating shifts.
+/// White etching layers form where the advice says so. The heat is chosen for an estimated 0.85 and
+/// 1.15 of the transformation temperature, since the estimated rise has an error of a tenth. Other
+/// cases have a start temperature shifted by the heating rate, or a cooling rate that is too slow.
+/// The margins differ by a tenth of the rise, and by the shift for a factor of three in the heating
+/// rate.
 #[test]
 fn white_etching_layers_form_where_they_are_said_to() {
     let axes = [4e-3, 4e-3];
@@ -272,16 +275,17 @@ fn white_etching_layers_form_where_they_are_said_to() {
             assert_eq!(said.matters(), depth > 0.0, "{speed} {shift} {critical} {part}");
             let margin = layer["temperature_margin_k"].as_f64().unwrap();
             let highest = 293.15 + opinion_at(power, &case, axes).known[RISE];
-            let expected = highest - highest / number(&said, "highest temperature over that");
+            let expected =
+                highest - highest / number(&said, "highest temperature over the transformation");
             let tolerance = 0.1 * (start - 293.15) + 0.5 * shift;
             assert!((margin - expected).abs() < tolerance, "{speed} {margin} {expected}");
         }
     }
 }
 
-/// The height by which heat raises the surfaces, and with it the depth of the heat that softens:
-/// within 15 % of what the model's integral over the depth has at most, which a fitted factor
-/// leaves, from depths of a fiftieth of the contact to half of it.
+/// Estimated height by which heat raises the surfaces, which also gives the heated depth for
+/// softening. The tolerance is 15 % of the largest rise integral of the model, the error of a
+/// fitted factor, for depths from a fiftieth of the contact to half of it.
 #[test]
 fn the_height_of_a_warm_surface_is_what_is_said() {
     for axes in [[6e-3, 4e-3], [2e-3, 6e-3], [4e-3, 4e-3], [5e-3, 2e-3]] {
@@ -302,10 +306,10 @@ fn the_height_of_a_warm_surface_is_what_is_said() {
     }
 }
 
-/// Bodies that are hot as a whole press by Hertz's power of their modulus, (2/(1/s₁ + 1/s₂))^{2/3}
-/// with the shares s that they keep (EN 1993-1-2: 0.7 at 400 °C), whatever a flash adds in a skin:
-/// a hundredth at most, a tenth of the modulus in a tenth of the width. A cold scene is not
-/// softened.
+/// Bodies that are hot as a whole change the pressure by Hertz's power of their modulus,
+/// (2/(1/s₁ + 1/s₂))^{2/3} with the retained shares s (EN 1993-1-2: 0.7 at 400 °C). The flash in a
+/// skin adds a hundredth at most: a tenth of the modulus in a tenth of the width. A cold scene is
+/// not softened.
 #[test]
 fn hot_bodies_are_softened_as_a_whole() {
     let axes = [6e-3, 4e-3];

@@ -1,4 +1,4 @@
-//! The rise over the depth, through the contract: in time and at last, of both models that know it.
+//! Rise integrals through the contract: in time and steady, for both models that compute them.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -19,7 +19,8 @@ fn case() -> Value {
     case
 }
 
-/// From one and a half semi-axes behind to ahead, a square that is heated in the middle.
+/// A grid from one and a half semi-axes behind to one and a half ahead, with a heated square in the
+/// middle.
 fn heated() -> (Structured, Vec<f64>) {
     let h = SEMI_AXIS / 8.0;
     let grid = Structured::contact_plane(-12.0 * h, -8.0 * h, h, h, 25, 17);
@@ -32,8 +33,9 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Windows of half an element, until the heated material has left the grid, end in the steady integrals. Tolerance: what was
-/// forgotten with material that has left, which is the depth of the heat over the length of the grid.
+/// Windows of half an element, continued until the heated material has left the grid, end in the
+/// steady integrals. Tolerance: the dropped material that has left the grid, of the order of the
+/// heated depth over the length of the grid.
 #[test]
 fn windows_end_in_the_steady_integral() {
     let (grid, flux) = heated();
@@ -53,7 +55,8 @@ fn windows_end_in_the_steady_integral() {
     }
 }
 
-/// Of one flux both models have one integral: columns hand over that of half-spaces too. Rounding.
+/// Both models give the same integral for the same flux: columns use the integral of half-spaces
+/// too. Tolerance: rounding.
 #[test]
 fn both_models_have_one_integral() {
     let (grid, flux) = heated();
@@ -67,7 +70,9 @@ fn both_models_have_one_integral() {
     assert!(apart < 1e-9 * largest(&exact), "{apart:e}");
 }
 
-/// Finite elements have it of what their nodes hold. Tolerance: jumps of the flux at the sides of its elements, and heat far behind the grid; in the middle a tenth of a percent, and windows of half an element in time one.
+/// Finite elements integrate the heat of their nodes. Tolerance: 0.1 % in the middle, from jumps of
+/// the flux at the sides of its elements and heat far behind the grid; 1 % for windows of half an
+/// element in time.
 #[test]
 fn finite_elements_have_the_same_integral() {
     let (grid, flux) = heated();
@@ -90,7 +95,7 @@ fn finite_elements_have_the_same_integral() {
     }
 }
 
-/// A state that was saved goes on with the same integrals, to the bit.
+/// A restored state continues with bit-identical integrals.
 #[test]
 fn a_restored_state_has_the_same_integrals() {
     let (grid, flux) = heated();
@@ -112,7 +117,7 @@ fn a_restored_state_has_the_same_integrals() {
     }
 }
 
-/// A body that is heated at one place for ever rises for ever.
+/// The surface of a body that is heated at one place for ever rises without limit.
 #[test]
 fn a_body_at_rest_has_no_steady_height() {
     let mut case = case();

@@ -1,5 +1,5 @@
-//! `fe` through the contract: its accuracy in time and in steady motion, its solvers against each other, properties
-//! over temperature.
+//! Model `fe` through the contract: accuracy in time and in steady motion, solvers against each
+//! other, properties over temperature.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -26,20 +26,20 @@ const B: f64 = 6.01e-3;
 /// Flux into a body in the middle of the ellipse [W/m²].
 const PEAK: f64 = 1.9e8;
 
-/// Elements of this length, from 4.3 semi-axes behind the contact to 1.25 in front of it, in so many rows over 1.25 semi-axes
-/// on either side.
+/// Elements of this length, from 4.3 semi-axes behind the contact to 1.25 in front of it, in `rows`
+/// rows over 1.25 semi-axes on either side.
 fn plane(h: f64, rows: usize) -> Structured {
     let (width, columns) = (2.5 * B / (rows - 1) as f64, (0.044 / h).round() as usize);
     let from = 1.25 * SEMI_AXIS - (columns - 1) as f64 * h;
     Structured::contact_plane(from, -1.25 * B, h, width, columns, rows)
 }
 
-/// A hundred and ten columns of 0.4 mm.
+/// A grid of 110 columns of 0.4 mm.
 fn coarse() -> Structured {
     plane(0.4e-3, 36)
 }
 
-/// Element means of twice the flux into a body, which takes half of it.
+/// Returns element means of twice the flux into a body, because each body takes half.
 fn heat(grid: &Structured) -> Vec<f64> {
     let place = |k: usize| (k as f64 - 15.5) / 32.0;
     let mean = |at: usize| {
@@ -53,9 +53,10 @@ fn heat(grid: &Structured) -> Vec<f64> {
     (0..grid.points()).map(mean).collect()
 }
 
-/// Straight down, the exact rise under the ellipse: the mean of `places` places across each element. An element receives
-/// the mean of the flux across it, and its rise is the mean; at the rim, where an ellipse ends between two rows,
-/// that is not the rise of its middle.
+/// Returns the exact rise under the ellipse with conduction normal to the surface, as the mean of
+/// `places` places across each element. An element receives the mean of the flux across it, and its
+/// rise is the mean. At the rim, where an ellipse ends between two rows, the mean differs from the
+/// rise at the middle of the element.
 fn exact(grid: &Structured, places: usize) -> Vec<f64> {
     let at = |x: f64, y: f64| {
         let part = (1.0 - (y / B).powi(2)).max(0.0).sqrt();
@@ -80,7 +81,7 @@ fn with(more: Value) -> Value {
     case
 }
 
-/// Errors over the exact rise: L2, largest, of the peak.
+/// Returns the errors relative to the exact rise: L2, largest, of the peak.
 fn errors(found: &[f64], exact: &[f64]) -> [f64; 3] {
     let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
     let l2 = squares(&mut found.iter().zip(exact).map(|(a, b)| a - b))
@@ -88,8 +89,8 @@ fn errors(found: &[f64], exact: &[f64]) -> [f64; 3] {
     [l2, difference(found, exact), largest(found) / largest(exact) - 1.0]
 }
 
-/// A hundred steps of an element each from cold: L2 below 0.2 % of the exact rises, and nothing colder than
-/// at first. The peak of the exact solution in between is 261.872 K.
+/// A hundred steps of an element each from the cold state: L2 below 0.2 % of the exact rises, and
+/// no rise below zero. The peak of the exact solution between elements is 261.872 K.
 #[test]
 fn the_papers_ellipse_in_a_hundred_steps() {
     let grid = coarse();
@@ -112,7 +113,7 @@ fn the_papers_ellipse_in_a_hundred_steps() {
             run.summary("rail", "max_rise_k").unwrap(),
             run.summary("rail", "x_m").unwrap() / SEMI_AXIS
         );
-        // 0.2 % was asked for; the others lag by steps of an element.
+        // Target: 0.2 %; the other schemes lag by steps of an element.
         let aim = [("crank-nicolson", 2e-3), ("bdf2", 2.5e-3), ("backward-euler", 1.1e-2)];
         assert!(aim.iter().any(|(of, aim)| *of == scheme && l2 < *aim), "{scheme} {l2}");
         let coldest = run.rail().iter().fold(0.0_f64, |least, rise| least.min(*rise));
@@ -120,7 +121,8 @@ fn the_papers_ellipse_in_a_hundred_steps() {
     }
 }
 
-/// T λ/(q₀ a) of the hottest place under the ellipse at Pe = V a/2κ. Tolerance: 0.1 %, of elements of a/40.
+/// T λ/(q₀ a) at the hottest place under the ellipse at Pe = V a/2κ. Tolerance: 0.1 %, from
+/// elements of a/40.
 #[test]
 fn any_speed_down_to_rest() {
     let side = SEMI_AXIS / 40.0;
@@ -140,7 +142,7 @@ fn any_speed_down_to_rest() {
         case["bodies"]["wheel"]["surface_speed"] = json!(speed);
         case["bodies"]["rail"]["surface_speed"] = json!(speed);
         if speed == 0.0 {
-            // Something must move for the scene; the wheel alone does.
+            // A scene needs motion; only the wheel moves.
             case["bodies"]["wheel"]["surface_speed"] = json!(1.0);
         }
         let mut run = Run::new("fe", Mode::Steady, grid, case);
@@ -150,13 +152,13 @@ fn any_speed_down_to_rest() {
         let at = run.summary("rail", "x_m").unwrap() / SEMI_AXIS;
         println!("Pe {peclet}: {found:.6} ({expected}) at x/a {at:.4} ({place})");
         assert!((found / expected - 1.0).abs() < 1e-3, "{peclet}: {found} {expected}");
-        // Half an element, since the maximum is flat.
+        // Half an element, because the maximum is flat.
         assert!((at - place).abs() < 0.5 / 40.0, "{peclet}: {at} {place}");
     }
 }
 
-/// Modes, iterations and elimination solve the same equations; a window that is no whole number of elements, two
-/// speeds. Tolerance: of the iterations.
+/// Modes, iterations and elimination solve the same equations; a window that is not a whole number
+/// of elements, two speeds. Tolerance: that of the iterations.
 #[test]
 fn three_solvers_agree() {
     let grid = Structured::contact_plane(-9e-3, -2e-3, 1e-3, 5e-4, 18, 9);
@@ -184,7 +186,7 @@ fn three_solvers_agree() {
     }
 }
 
-/// Steady, the march downstream is what the exact march along is, within the steps of the former.
+/// The steady march downstream agrees with the exact march along, within the error of its steps.
 #[test]
 fn marching_downstream_is_the_steady_state() {
     let grid = coarse();
@@ -197,7 +199,7 @@ fn marching_downstream_is_the_steady_state() {
         run.advance(&heat, f64::INFINITY);
         run
     };
-    // The second is slow enough for conduction along to be 0.2 % of the peak.
+    // The second speed is low enough for conduction along to be 0.2 % of the peak.
     for speed in [SPEED, 1.6] {
         let [modes, iterative, direct] = ["auto", "iterative", "direct"].map(|s| of(s, speed));
         assert!(difference(direct.rail(), iterative.rail()) < 1e-8);
@@ -213,7 +215,7 @@ fn marching_downstream_is_the_steady_state() {
     assert!(refused.contains("march downstream"), "{refused}");
 }
 
-/// A table of properties in a file, and a case with it.
+/// Writes a table of properties to a file, and returns a case that uses the table.
 fn tabled(lines: &str, more: Value) -> (tempfile::NamedTempFile, Value) {
     let mut file = tempfile::NamedTempFile::new().unwrap();
     file.write_all(lines.as_bytes()).unwrap();
@@ -223,9 +225,10 @@ fn tabled(lines: &str, more: Value) -> (tempfile::NamedTempFile, Value) {
     (file, case)
 }
 
-/// λ and c that fall by 5e-4 of themselves a kelvin leave κ as it is: by Kirchhoff's transform the rise T is
-/// T + γT²/2 = θ with the rise θ of constant properties. 261.872 K becomes 281.71 K, to 0.1 % on this mesh; and the rises of
-/// the mesh's own constant properties become these, to the steps of the table; steady and in time.
+/// λ and c that fall by 5e-4 of their value per kelvin leave κ constant. By Kirchhoff's transform
+/// the rise T satisfies T + γT²/2 = θ with the rise θ of constant properties. 261.872 K becomes
+/// 281.71 K, to 0.1 % on this mesh. The rises on the mesh with constant properties transform in the
+/// same way, to the steps of the table; steady and in time.
 #[test]
 fn kirchhoffs_transform() {
     let transformed = |rise: f64| (1.0 - (1.0 - 1e-3 * rise).sqrt()) / 5e-4;
@@ -254,8 +257,8 @@ fn kirchhoffs_transform() {
     }
 }
 
-/// Tables of steel whose heat capacity or conductivity changes 24 times within a kelvin, on the way
-/// to the hottest place.
+/// Tables of steel whose heat capacity or conductivity changes 24-fold within a kelvin, below the
+/// largest rise.
 fn tables_with_steps() -> [(&'static str, &'static str); 4] {
     [
         ("capacity rises", "200 50 419.5\n400 50 419.5\n401 50 10068\n2000 50 10068\n"),
@@ -268,9 +271,9 @@ fn tables_with_steps() -> [(&'static str, &'static str); 4] {
     ]
 }
 
-/// Steps of the properties over temperature, steady and in time: iterations and elimination find
+/// Steps of the properties over temperature, steady and in time: iterations and elimination give
 /// the same rises. Tolerance: the residual, over the flattest part of a heat capacity that changes
-/// 24 times.
+/// 24-fold.
 #[test]
 fn steps_of_the_properties_under_a_contact() {
     let grid = Structured::contact_plane(-9e-3, -2e-3, 1e-3, 5e-4, 18, 9);
@@ -289,11 +292,11 @@ fn steps_of_the_properties_under_a_contact() {
     }
 }
 
-/// Material that passes steadily under an even flux carries away what it has received: below the
-/// middle row, where nothing goes sideways, Σ H dz = q x/V at the distance x behind the leading
-/// edge, for steps of the properties as for none. H is the integral of the table's heat capacity.
-/// Tolerance: sweeps that settle at 1e-7, and conduction along, which is a flux of κ/V² (d²/dx²) of
-/// the heat, nothing where heat grows evenly but next to the leading edge.
+/// Material that passes steadily under a uniform flux carries away the heat that it has received.
+/// Below the middle row, where no heat flows sideways, Σ H dz = q x/V at the distance x behind the
+/// leading edge, with or without steps of the properties. H is the integral of the table's heat
+/// capacity. Tolerance: sweeps that settle at 1e-7, and conduction along, a flux of κ/V² (d²/dx²)
+/// of the heat, which vanishes where heat grows uniformly, except next to the leading edge.
 #[test]
 fn passing_material_carries_away_what_it_has_received() {
     let grid = Structured::contact_plane(-9e-3, -9e-3, 1e-3, 5e-4, 18, 37);
@@ -334,20 +337,20 @@ fn passing_material_carries_away_what_it_has_received() {
     }
 }
 
-/// Faces of the layers of a volume.
+/// Returns the faces of the layers of a volume.
 fn volume_faces(volume: &Grid) -> Vec<f64> {
-    let Shape::Volume(volume) = &volume.shape else { panic!("it is a volume") };
+    let Shape::Volume(volume) = &volume.shape else { panic!("the grid is not a volume") };
     volume.axes().unwrap()[2].to_vec()
 }
 
-/// A line of a table.
+/// Parses a row of a table.
 fn point_of(line: &str) -> Point {
     let numbers: Vec<f64> = line.split_whitespace().map(|number| number.parse().unwrap()).collect();
     Point { temperature: numbers[0], conductivity: numbers[1], capacity: 7850.0 * numbers[2] }
 }
 
 /// Layers so thin that rounding exceeds the tolerance of the equations: the message names the
-/// layers, and in time the step, and either solves it.
+/// layers and, in time, the step. Either change solves the case.
 #[test]
 fn layers_that_are_too_thin_are_refused_with_what_helps() {
     let grid = Structured::contact_plane(-2e-3, -5e-4, 1e-3, 5e-4, 4, 3);
@@ -367,9 +370,10 @@ fn layers_that_are_too_thin_are_refused_with_what_helps() {
     try_with(Mode::Transient, 1e-12, 2e-9).unwrap();
 }
 
-/// The peak under an ellipse of heat straight down, and what is below it, over the layers: with nodes and faces that
-/// stagger, and with halves of the layers for the nodes' shares; below, of second order in ln r, a tenth of its square at
-/// most. On 2000 elements along, which leave 1e-7.
+/// Error of the peak under an ellipse with conduction normal to the surface, and of the rises
+/// below, over the layers: with staggered nodes and faces, and with half layers as the widths of
+/// the nodes. Below the surface the error is of second order in ln r, at most a tenth of its
+/// square. On 2000 elements along, which have an error of 1e-7.
 #[test]
 fn layers_that_stagger() {
     let (h, columns) = (2.0 * SEMI_AXIS / 2000.0, 2002);
@@ -418,8 +422,8 @@ fn layers_that_stagger() {
     }
 }
 
-/// A table of one line is constant properties; one that ends below the peak is refused, or clamped if the case
-/// says so.
+/// A table of one row means constant properties. A table that ends below the peak is refused, or
+/// clamped if the case says so.
 #[test]
 fn what_a_table_says_beyond_its_lines() {
     let grid = coarse();
@@ -445,8 +449,8 @@ fn what_a_table_says_beyond_its_lines() {
     assert!(refusal.key == "materials.steel.thermal_table", "{refusal:?}");
 }
 
-/// Air and what is round it take heat from the wake, more of it the more they may, and none from a contact
-/// whose elements are all heated.
+/// Air and surroundings take heat from the wake, more for larger coefficients, and none from a
+/// contact whose elements are all heated.
 #[test]
 fn free_surfaces_cool() {
     let grid = coarse();
@@ -464,10 +468,11 @@ fn free_surfaces_cool() {
     assert!(found.windows(2).all(|pair| pair[0] > 1.01 * pair[1]), "{found:?}");
 }
 
-/// Surroundings that are warmer or colder than a body that nothing else heats: behind the leading edge of the mesh, where
-/// it begins to be free, its surface has been exposed for t = x/V, and has come nearer to them by
-/// 1 − e^{s²} erfc(s) of the difference, s = h√(κt)/λ (Carslaw & Jaeger, 2.7), steady by either solver and in time, for
-/// any difference alike. Tolerance: steps and layers.
+/// Surroundings that are warmer or colder than a body without other heat. Behind the leading edge
+/// of the mesh, where the surface becomes free, it has been exposed for t = x/V. Its temperature
+/// has approached the surroundings by 1 − e^{s²} erfc(s) of the difference, s = h√(κt)/λ (Carslaw &
+/// Jaeger, 2.7), steady by either solver and in time, for any difference. Tolerance: steps and
+/// layers.
 #[test]
 fn surroundings_of_another_temperature_warm_a_cold_body() {
     let grid = coarse();
@@ -489,7 +494,7 @@ fn surroundings_of_another_temperature_warm_a_cold_body() {
             run.advance(&none, duration);
             run.rail()[row] / difference
         };
-        // In a window all of the mesh has been exposed for its length.
+        // A window exposes the whole mesh for its duration.
         let time = match mode {
             Mode::Steady => (grid.x(grid.ni - 1) + 0.5 * grid.dx() - grid.x(0)) / speed,
             Mode::Transient => 1e-2,
@@ -508,14 +513,14 @@ fn surroundings_of_another_temperature_warm_a_cold_body() {
         let found = [100.0, 1e-3, -1e-3, 1e-5].map(of);
         println!("{mode:?} {solver}: {found:?}, {exact}");
         assert!((found[0] / exact - 1.0).abs() < 0.02, "{mode:?} {solver} {found:?} {exact}");
-        // What the residual leaves.
+        // Tolerance: the residual.
         let apart = found.map(|one| (one / found[0] - 1.0).abs()).into_iter().fold(0.0, f64::max);
         assert!(apart < 1e-6, "{mode:?} {solver} {found:?}");
     }
 }
 
-/// Every element of both bodies is written out: the uppermost layer is the surface, the volume is the mesh's, and with no
-/// effect of that name there is no such grid. Steady and in time, in modes and node by node.
+/// Every element of both bodies is written: the uppermost layer is the surface, the volume is that
+/// of the mesh. Without the effect the grid does not exist. Steady and in time, modal and nodal.
 #[test]
 fn every_element_is_written_out() {
     let grid = Structured::contact_plane(-9e-3, -2e-3, 1e-3, 5e-4, 18, 9);
@@ -555,7 +560,7 @@ fn every_element_is_written_out() {
     }
 }
 
-/// Layers of nodes of a volume, whose elements are counted along, across and in depth.
+/// Returns the number of layers of a volume, whose elements are counted along, across and in depth.
 fn layers(volume: &Grid) -> usize {
     let centre = |element: usize| volume.centre(element)[2];
     let mut depths: Vec<f64> = (0..volume.points()).map(centre).collect();
@@ -564,9 +569,10 @@ fn layers(volume: &Grid) -> usize {
     depths.len()
 }
 
-/// A body that is in the contact for the n-th time: far behind a contact the rise is that of heat along lines across the
-/// motion, Q'/(β√(πVx)) of each, spread across over √(4κx/V) since. Tolerance: their extent along, and the
-/// layers where heat goes, deep after a thousand passages.
+/// A body in the contact for the n-th time. Far behind a contact the rise is that of heat along
+/// lines across the motion, Q'/(β√(πVx)) of each line, spread across over √(4κx/V) since.
+/// Tolerance: the extent of the lines along, and the layers where heat goes, deep after a thousand
+/// passages.
 #[test]
 fn earlier_passages_are_still_warm() {
     let grid = coarse();
@@ -606,9 +612,11 @@ fn earlier_passages_are_still_warm() {
     }
 }
 
-/// A sheet under an even flux, in all four ways to solve: straight down through a thickness d, after t behind the leading edge,
-/// an insulated back leaves q d/λ (Fo + 1/3 − 2/π² Σ e^{−n²π²Fo}/n²), one that is held q d/λ (1 − 8/π² Σ e^{−n²π²Fo/4}/n²)
-/// over odd n, with Fo = κt/d². Tolerance: layers, steps, and the flux of the first element, which begins at zero.
+/// A sheet under a uniform flux, with all four solvers. With conduction normal to the surface
+/// through a thickness d, after t behind the leading edge, an insulated back gives q d/λ
+/// (Fo + 1/3 − 2/π² Σ e^{−n²π²Fo}/n²), a held back q d/λ (1 − 8/π² Σ e^{−n²π²Fo/4}/n²) over odd n,
+/// with Fo = κt/d². Tolerance: layers, steps, and the flux of the first element, which begins at
+/// zero.
 #[test]
 fn sheets_are_heated_through() {
     let grid = coarse();

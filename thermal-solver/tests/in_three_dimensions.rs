@@ -1,5 +1,5 @@
-//! The models in three dimensions through the contract: the paper's case, what flows between the surfaces, their
-//! states.
+//! The three-dimensional models through the contract: the paper's case, heat flow between the
+//! surfaces, saved states.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -15,10 +15,10 @@ use thermal_solver::ThermalSolver;
 
 const B: f64 = 6.01e-3;
 
-/// The models of this kind.
+/// The three-dimensional models of a single contact.
 const MODELS: [&str; 2] = ["moving-source", "fe"];
 
-/// An element and more all round the ellipse, square elements.
+/// A grid of square elements that extends beyond the ellipse by more than an element on each side.
 fn plane(per_semi_axis: usize) -> Structured {
     let side = SEMI_AXIS / per_semi_axis as f64;
     let (half_x, half_y) = (per_semi_axis + 1, (B / side).ceil() as usize + 1);
@@ -45,8 +45,8 @@ fn figure(run: &Run, body: &str, key: &str) -> f64 {
     run.model.summary()["temperature"][body][key].as_f64().unwrap()
 }
 
-/// 1.9e8 W/m² at the centre into each body at 38.889 m/s: 261.850 K by an independent quadrature of the
-/// kernel in three dimensions. Tolerance: the grid, of which half the elements leave 4 times the error.
+/// 1.9e8 W/m² at the centre into each body at 38.889 m/s: 261.850 K by an independent quadrature of
+/// the three-dimensional kernel. Tolerance: the grid; half as many elements have 4 times the error.
 #[test]
 fn the_papers_ellipse() {
     for model in MODELS {
@@ -64,7 +64,7 @@ fn the_papers_ellipse() {
     }
 }
 
-/// A case with another material below, and how the surfaces share the heat, with what lets it flow between them.
+/// A case with another material below, and the heat partition or conductance of the contact.
 fn case(partition: &Value, conductivity: f64) -> Value {
     let (mut case, mut partition) = (steel(), partition.clone());
     if let Some(law) = partition.as_object_mut().unwrap().remove("contact_conductance") {
@@ -95,7 +95,7 @@ fn shared(model: &str, partition: &Value, conductivity: f64, speeds: [f64; 2]) -
     let report = run.try_solve(&flux, f64::INFINITY).unwrap();
     run.model.accept();
     let sent: f64 = flux.iter().sum::<f64>() * grid.element_area();
-    // The interface neither makes nor loses heat; rounding of sums.
+    // The interface creates and destroys no heat. Tolerance: rounding of sums.
     let heat = report.heat_received.unwrap();
     assert!((heat / sent - 1.0).abs() < 1e-12, "{heat} of {sent}");
     Shared { run, heat }
@@ -108,8 +108,9 @@ impl Shared {
     }
 }
 
-/// With `continuity` both surfaces have one temperature wherever they rub, for equal bodies, for
-/// conductivities of 1 to 1000 either way, for a body at rest. Tolerance: what the iteration is asked for.
+/// Partition `continuity`: both surfaces have equal temperatures wherever there is friction, for
+/// equal bodies, for conductivity ratios of 1 to 1000 either way, and for a body at rest.
+/// Tolerance: that of the iteration.
 #[test]
 fn surfaces_that_touch_have_one_temperature() {
     let continuity = json!({"partition": "continuity"});
@@ -129,8 +130,8 @@ fn surfaces_that_touch_have_one_temperature() {
     }
 }
 
-/// At high speed continuity is the split by effusivity, and equal bodies share alike at any speed.
-/// Tolerance: heat that goes sideways, 1/Pe.
+/// At high speed continuity agrees with the split by effusivity, and equal bodies have equal shares
+/// at any speed. Tolerance: heat that flows sideways, 1/Pe.
 #[test]
 fn continuity_is_the_split_by_effusivity_at_high_speed() {
     let speeds = [20.0, 45.0];
@@ -150,7 +151,8 @@ fn continuity_is_the_split_by_effusivity_at_high_speed() {
     }
 }
 
-/// A conductance lies between halves and one temperature, and what flows follows from the difference.
+/// A conductance lies between equal shares and equal temperatures, and the exchanged flux follows
+/// from the difference.
 #[test]
 fn a_conductance_lies_between() {
     let speeds = [0.2, 2.0];
@@ -163,14 +165,14 @@ fn a_conductance_lies_between() {
         let by = |h: f64| wheel(json!({"contact_conductance": {"conductance": h}}));
         let found = [1e-3, 1e3, 1e5, 1e7, 1e13].map(by);
         assert!(found.windows(2).all(|pair| pair[0] > pair[1]), "{model} {found:?}");
-        // Of the iteration.
+        // Tolerance: that of the iteration.
         assert!((found[0] / halves - 1.0).abs() < 1e-6, "{model} {found:?} {halves}");
         assert!((found[4] / one - 1.0).abs() < 1e-5, "{model} {found:?} {one}");
     }
 }
 
-/// What flows between the bodies is the same by both models, which discretise it independently. Tolerance:
-/// elements of twelve a semi-axis.
+/// Both models give the same heat flow between the bodies, with independent discretisations.
+/// Tolerance: twelve elements a semi-axis.
 #[test]
 fn both_models_let_the_same_flow() {
     for (partition, speeds) in [("continuity", [0.0, 2.0]), ("continuity", [0.4, 2.0])] {
@@ -184,9 +186,10 @@ fn both_models_let_the_same_flow() {
     }
 }
 
-/// In time too, whatever the windows are in elements, slow and fast, under a flux that comes and goes: bodies whose nodes
-/// pass the elements of the contact at their own speeds. Tolerance: what the models differ by where one share goes to each
-/// body everywhere, which is of steps in time, a tenth of that, and hats two elements wide.
+/// Heat flow in time, for any windows in elements, slow and fast, under a varying flux: nodes of
+/// each body pass the elements of the contact at the body's speed. Tolerance: 1.1 times the
+/// difference of the models with equal shares, which is due to time steps, and hats two elements
+/// wide.
 #[test]
 fn both_models_let_the_same_flow_in_time() {
     let conductance = json!({"contact_conductance": {"conductance": 1e5}});
@@ -206,7 +209,7 @@ fn both_models_let_the_same_flow_in_time() {
             let now: Vec<f64> = flux.iter().map(|q| part * q).collect();
             let report = run.advance(&now, passage * grid.dx() / speeds[1]);
             let sent = now.iter().sum::<f64>() * grid.element_area();
-            // The interface neither makes nor loses heat; rounding of sums.
+            // The interface creates and destroys no heat. Tolerance: rounding of sums.
             assert!((report.heat_received.unwrap() / sent - 1.0).abs() < 1e-12);
         }
         ["wheel", "rail"].map(|body| figure(&run, body, "max_rise_k"))
@@ -230,7 +233,8 @@ fn both_models_let_the_same_flow_in_time() {
     }
 }
 
-/// Surfaces under a pressure that touch beyond where they rub, in the rear half of the contact.
+/// Surfaces under a pressure, in contact beyond the region with friction, which is the rear half of
+/// the contact.
 fn pressed(model: &str, law: &Value, pressure: impl Fn(f64) -> f64) -> Run {
     let grid = plane(12);
     let mut case = case(&json!({"contact_conductance": law}), 20.0);
@@ -249,8 +253,9 @@ fn pressed(model: &str, law: &Value, pressure: impl Fn(f64) -> f64) -> Run {
     run
 }
 
-/// By pressure: one that is the same everywhere conducts as a constant does; a high conductance leaves one temperature wherever
-/// there is pressure, with friction or without. Tolerance: what the iteration is asked for.
+/// Conductance by pressure: a uniform pressure conducts like a constant. A high conductance gives
+/// equal temperatures wherever there is pressure, with or without friction. Tolerance: that of the
+/// iteration.
 #[test]
 fn a_conductance_by_pressure() {
     let even = |part: f64| if part > 0.0 { 2e8 } else { 0.0 };
@@ -273,7 +278,7 @@ fn a_conductance_by_pressure() {
         println!("{model}: {apart:.1e} of {warmest:.0} K");
         assert!(apart < 1e-5 * warmest, "{model} {apart:e}");
 
-        // The pressure of an ellipse, which ends in nothing.
+        // The pressure of an ellipse, which falls to zero at the edge.
         let rough =
             pressed(model, &json!({"conductance": 1e5, "hardness": 2e9}), |part| 1e9 * part);
         let halves =
@@ -284,8 +289,9 @@ fn a_conductance_by_pressure() {
     }
 }
 
-/// After a hot window one without friction: what flows between surfaces that are pressed goes on, and in the end leaves them at one
-/// temperature nearly. Tolerance: what is left of the difference after ten times the hot window, without conductance twenty times as much.
+/// After a hot window follows a window without friction. Heat still flows between surfaces under
+/// pressure, and finally leaves them at nearly equal temperatures. Tolerance: the difference left
+/// after ten times the hot window; without conductance it is twenty times as large.
 #[test]
 fn heat_goes_on_without_friction() {
     let grid = plane(6);
@@ -317,10 +323,10 @@ fn heat_goes_on_without_friction() {
     }
 }
 
-/// Bodies of different temperature that roll on each other: what flows without friction is the limit of what flows with
-/// little of it, whether the surfaces share a temperature or a conductance lies between them, bodies alike and not, steady and in
-/// time; and the friction heat alone is what a solve reports to have received, however small it is. Tolerances: that of the
-/// iteration; rounding of the friction heat.
+/// Bodies of different temperature that roll on each other. The heat flow without friction is the
+/// limit of little friction, for equal temperatures and for a conductance, for equal and different
+/// bodies, steady and in time. A solve reports the friction heat alone as received, however small
+/// it is. Tolerances: that of the iteration; rounding of the friction heat.
 #[test]
 fn no_friction_is_the_limit_of_little() {
     let grid = plane(8);
@@ -357,7 +363,7 @@ fn no_friction_is_the_limit_of_little() {
                 assert!(largest(&apart) < 1e-6, "{model} {mode:?} {law} {friction}: {apart:?}");
             }
             if mode == Mode::Steady && conductivity == 50.0 && law["partition"] == "continuity" {
-                // Bodies alike meet in the middle.
+                // Equal bodies meet in the middle.
                 let pressure = ellipse(&grid, 1e9);
                 let touching = pressure.iter().zip(none.0.iter().zip(&none.1));
                 for (_, (rail, wheel)) in touching.filter(|(p, _)| **p > 0.0) {
@@ -395,7 +401,7 @@ fn models_with_one_share_refuse_what_flows_between() {
     assert_eq!(refusal.key, "effects.contact_conductance.hardness");
 }
 
-/// A restored model gives the summary and the sections of the saved one, to the bit.
+/// A restored model gives bit-identical summary and sections.
 #[test]
 fn a_state_is_whole() {
     for model in MODELS {
@@ -414,8 +420,8 @@ fn a_state_is_whole() {
     }
 }
 
-/// A disc at rest under a flux that is switched on: T = 2q√(κt)/λ (1/√π − ierfc(a/√(4κt))) in its middle
-/// (Carslaw & Jaeger, 10.5), whatever the windows are. Tolerance: elements that the edge cuts.
+/// A disc at rest under a flux that is switched on: T = 2q√(κt)/λ (1/√π − ierfc(a/√(4κt))) at its
+/// centre (Carslaw & Jaeger, 10.5), for any windows. Tolerance: elements cut by the edge.
 #[test]
 fn a_disc_that_is_switched_on() {
     let (n, q, radius) = (16, 1e7, 4e-3);
@@ -445,7 +451,7 @@ fn a_disc_that_is_switched_on() {
     }
 }
 
-/// A flux that lasts ends in the steady state. Tolerance: the quadrature of the ages, panel by panel.
+/// A lasting flux ends in the steady state. Tolerance: the quadrature of the ages, panel by panel.
 #[test]
 fn a_lasting_flux_ends_in_the_steady_state() {
     let grid = plane(8);
@@ -467,8 +473,8 @@ fn a_lasting_flux_ends_in_the_steady_state() {
     assert!((one.unwrap() / other.unwrap() - 1.0).abs() < 1e-7);
 }
 
-/// A flux that comes and goes at a speed at which heat goes straight down is what columns make of it.
-/// Tolerance: 2/Pe of the highest rise so far.
+/// A flux that rises and falls at a speed with conduction normal to the surface gives the rises of
+/// columns. Tolerance: 2/Pe of the highest rise so far.
 #[test]
 fn at_high_speed_it_is_columns_in_time_too() {
     let grid = plane(8);
@@ -494,8 +500,7 @@ fn at_high_speed_it_is_columns_in_time_too() {
     }
 }
 
-/// A model that is restored on the way goes on like the one that was saved, to the bit, whatever its scheme and its
-/// solver.
+/// A model restored during a run continues bit-identically, for any scheme and solver.
 #[test]
 fn a_restored_history_goes_on() {
     let of = [
@@ -543,13 +548,15 @@ fn a_restored_history_goes_on() {
     }
 }
 
-/// The same with an even number of elements along x.
+/// Extends a grid to an even number of elements along x.
 fn even(grid: Structured) -> Structured {
     Structured { ni: grid.ni + grid.ni % 2, ..grid }
 }
 
-/// A contact that repeats far away is one alone, until heat comes from the next: at the surface, below it, and what raises it but for
-/// its mean. Tolerance: the flux is a sum of waves in one model and of parabolas in the other, which meets its jumps otherwise.
+/// A contact that repeats at a large distance behaves like a single one until heat arrives from its
+/// neighbour: at the surface, below it, and in the rise integral except for its mean. Tolerance:
+/// the flux is a sum of waves in one model and of parabolas in the other, which represent jumps
+/// differently.
 #[test]
 fn far_neighbours_are_not_felt() {
     let grid = Structured::contact_plane(-16e-3, -16e-3, 0.5e-3, 0.5e-3, 64, 64);

@@ -1,4 +1,4 @@
-//! What earlier passages leave, and what a passage transforms.
+//! Rises left by earlier passages, and layers transformed by a passage.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -21,7 +21,7 @@ fn case(effect: &str, table: Value) -> Value {
     case
 }
 
-/// A plane of some rows, evenly heated on all of it but the first and last columns [W/m²].
+/// A plane of some rows with a uniform flux, except in the first and last columns [W/m²].
 fn heated(rows: usize, width: f64, flux: f64) -> (Structured, Vec<f64>) {
     let (columns, length) = (24, 1e-3);
     let plane = Structured::contact_plane(
@@ -37,7 +37,8 @@ fn heated(rows: usize, width: f64, flux: f64) -> (Structured, Vec<f64>) {
     (plane, (0..plane.points()).map(of).collect())
 }
 
-/// A passage that comes before the one before is over, and surfaces that earlier passages have raised.
+/// Refused are a passage that begins before the previous one is over, and surfaces raised by
+/// earlier passages.
 #[test]
 fn what_passages_have_no_answer_to_is_refused() {
     let (plane, flux) = heated(3, 1e-3, 1e8);
@@ -61,7 +62,8 @@ fn figure(run: &Run, pointer: &str) -> f64 {
         .unwrap_or_else(|| panic!("{pointer}: {summary}"))
 }
 
-/// A body that gives off G is warmer by the heat that goes into it over G, and by nothing else. Tolerance: rounding.
+/// A body with the heat loss G is warmer by its heat input over G, and unchanged otherwise.
+/// Tolerance: rounding.
 #[test]
 fn a_body_in_balance_gives_off_what_it_takes() {
     let (plane, flux) = heated(5, 1e-3, 1e8);
@@ -89,9 +91,10 @@ fn a_body_in_balance_gives_off_what_it_takes() {
     }
 }
 
-/// In the middle of a wide track what passages leave is Σ e/(β√(πt)); under a narrow one it spreads across as well, E/(2πλt) of
-/// the heat E along a metre. Tolerances: the tails of the Gaussian beyond the sides (4 of its standard deviations), and the width
-/// of the track, whose second moment is Δy²/12 of 2κt.
+/// Passages leave Σ e/(β√(πt)) in the middle of a wide track. Under a narrow track heat spreads
+/// across as well, E/(2πλt) of the heat E per metre. Tolerances: the tails of the Gaussian beyond
+/// the sides (4 of its standard deviations), and the width of the track, whose second moment is
+/// Δy²/12 of 2κt.
 #[test]
 fn passages_leave_what_conduction_leaves() {
     let (interval, passages) = (0.05, 3);
@@ -132,7 +135,8 @@ fn what_has_no_background_is_refused() {
     assert_eq!(refused(Mode::Transient, asked.clone()), "effects.bulk_heating");
 }
 
-/// Rise of a column at a depth, a time after an even flux set in that lasts a while, from its error functions (Carslaw & Jaeger, 2.9).
+/// Returns the rise of a column at a depth, a time after the start of a uniform flux of limited
+/// duration, by error functions (Carslaw & Jaeger, 2.9).
 fn pulse(flux: f64, lasts: f64, depth: f64, time: f64) -> f64 {
     let ierfc = |x: f64| (-x * x).exp() / PI.sqrt() - x * (1.0 - libm::erf(x));
     let of = |time: f64| match time > 0.0 {
@@ -145,8 +149,9 @@ fn pulse(flux: f64, lasts: f64, depth: f64, time: f64) -> f64 {
     of(time) - of(time - lasts)
 }
 
-/// Under an even flux: the layer that passes A_c1, and how fast, against the closed form of a column. Tolerances: an element of the way,
-/// within which the highest temperature at a depth stands, and over which rates are means; the law of cooling behind the grid.
+/// The layer that exceeds A_c1 under a uniform flux, and its rates, against the closed form of a
+/// column. Tolerances: an element of the path, within which the highest temperature at a depth
+/// lies, and over which rates are means; the law of cooling behind the grid.
 #[test]
 fn the_transformed_layer_is_that_of_a_heated_column() {
     let (columns, length, flux) = (400, 5e-5, 1.2e9);
@@ -169,7 +174,7 @@ fn the_transformed_layer_is_that_of_a_heated_column() {
     }
     // T = 2 q √(t/π)/β passes 400 K after this time.
     let crossing = PI * (400.0 * effusivity() / (2.0 * into)).powi(2);
-    // It passes 400 K again behind the grid.
+    // The surface passes 400 K again behind the grid.
     let surface = |time: f64| pulse(into, lasts, 0.0, time);
     let (mut warm, mut cold) = (lasts, 10.0 * lasts);
     for _ in 0..60 {
@@ -202,11 +207,11 @@ fn the_transformed_layer_is_that_of_a_heated_column() {
         assert!((depth / inside - 1.0).abs() < 0.01, "{model}: {depth} {inside}");
         assert_eq!(width, 3e-3);
         assert!((rate / (200.0 / crossing) - 1.0).abs() < 0.05, "{model}: {rate}");
-        // The parabolas of the flux overshoot at its jump: 15 % of it, in an element of two hundred.
+        // The parabolas of the flux overshoot at its jump, by 15 % in an element of two hundred.
         assert!((margin / (highest(0.0) - 400.0) - 1.0).abs() < 0.03, "{model}: {margin}");
         assert!((cooling / quench - 1.0).abs() < 0.05, "{model}: {cooling} {quench}");
     }
-    // A critical rate beyond that leaves pearlite.
+    // A critical rate above the cooling rate leaves pearlite.
     let slow = json!({"start_temperature": start, "critical_cooling_rate": 1e12});
     let mut run = Run::new("columns", Mode::Steady, plane, case("phase_transformation", slow));
     run.advance(&given, 0.0);

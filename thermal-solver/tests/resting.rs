@@ -1,4 +1,5 @@
-//! Bodies that rest: heat that flows because one is warmer, and a current through their contact.
+//! Bodies at rest: heat flow between bodies of different temperature, and an electric current
+//! through their contact.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -16,7 +17,7 @@ use thermal_solver::ThermalSolver;
 const RADIUS: f64 = 1e-3;
 const CONDUCTIVITY: f64 = 50.0;
 
-/// A circle of contact between bodies at rest.
+/// A circular contact between bodies at rest.
 fn rest(effects: &Value) -> Value {
     let mut case = steel();
     case["motion"]["speed"] = json!(0.0);
@@ -26,7 +27,7 @@ fn rest(effects: &Value) -> Value {
     case
 }
 
-/// The summary under a pressure on a circle, with so many elements to its radius.
+/// Returns the summary under a pressure on a circle with `per_radius` elements to its radius.
 fn pressed(model: &str, case: Value, per_radius: usize) -> Value {
     let h = RADIUS / per_radius as f64;
     let half = per_radius + 2;
@@ -75,8 +76,9 @@ fn number(summary: &Value, pointer: &str) -> f64 {
         .unwrap_or_else(|| panic!("{pointer}: {summary}"))
 }
 
-/// Errors of a circle of squares, whose rim is known to a part of a square: of first order in their size, so that two of them leave 0.1 %
-/// of the closed form.
+/// Checks the errors of a circle made of squares. The rim is known to a fraction of a square, so
+/// the error is of first order in their size, and extrapolation from two grids gives the closed
+/// form to 0.1 %.
 #[track_caller]
 fn assert_holms(errors: &[f64]) {
     let [coarse, middle, fine] = errors else { panic!("three grids") };
@@ -87,8 +89,8 @@ fn assert_holms(errors: &[f64]) {
     assert!((2.0 * fine - middle).abs() < 1e-3, "{errors:?}");
 }
 
-/// Perfect contact over a circle lets Q = 2λaΔT through, and both surfaces meet half-way; a conductance lets through less, and none
-/// nothing.
+/// Perfect contact over a circle conducts Q = 2λaΔT, and both surfaces meet half-way. A conductance
+/// reduces the flow, and zero conductance stops it.
 #[test]
 fn heat_through_a_circle_is_holms() {
     let flow = |conductance: f64, per_radius: usize| {
@@ -110,13 +112,14 @@ fn heat_through_a_circle_is_holms() {
     }
     println!("{errors:.6?}");
     assert_holms(&errors);
-    // One temperature by its name.
+    // Equal temperatures by the partition `continuity`.
     let mut case = rest(&json!({"friction_heat": {"partition": "continuity"}}));
     case["bodies"]["wheel"]["initial_temperature"] = json!(393.15);
     let summary = pressed("moving-source", case, 40);
     let up = number(&summary, "/temperature/rail/max_rise_k");
     assert!((up - 50.0).abs() < 1e-4, "{up}");
-    // Three resistances in a row, each with the flow that makes it least; no one flow does, so that there is a little less.
+    // Three resistances in series, each for its own flow of least resistance. No single flow is all
+    // three, so the true flow is slightly smaller.
     let film = 1e5;
     let (heat, _) = flow(film, 40);
     let even = 100.0
@@ -126,8 +129,9 @@ fn heat_through_a_circle_is_holms() {
     assert!(flow(1e-6, 20).0 < 1e-6 * exact);
 }
 
-/// Holm's resistance ρ/2a of a circle to 0.1 %, and Kohlrausch's rise V²/(8λρ) for that voltage, of which the solve knows nothing but
-/// the potential. Bodies of different materials share the voltage by their resistivities.
+/// Holm's resistance ρ/2a of a circle to 0.1 %, and Kohlrausch's rise V²/(8λρ) for that voltage, of
+/// which the solve uses only the potential. Bodies of different materials divide the voltage in
+/// proportion to their resistivities.
 #[test]
 fn a_current_meets_holms_resistance() {
     let resistivity = 1.7e-7;
@@ -157,7 +161,8 @@ fn a_current_meets_holms_resistance() {
         let own = number(&summary, &format!("/temperature/{body}/max_rise_k"));
         assert!((own / rise - 1.0).abs() < 1e-5, "{body}: {own} {rise}");
         assert!(number(&summary, &format!("/temperature/{body}/x_m")).abs() < 0.1 * RADIUS);
-        // On the axis the potential falls as 2/π atan(a/z), and the rise as 1 − (1 − φ)²: to 1/e at 2.995 a.
+        // On the axis the potential falls as 2/π atan(a/z), and the rise as 1 − (1 − φ)²: to 1/e at
+        // 2.995 a.
         let depth = number(&summary, &format!("/temperature/{body}/penetration_depth_m"));
         assert!((depth / (2.995 * RADIUS) - 1.0).abs() < 0.01, "{depth}");
     }
@@ -166,7 +171,7 @@ fn a_current_meets_holms_resistance() {
     assert!((both / (2.0 * exact) - 1.0).abs() < 1.2e-2, "{both} {exact}");
     let [wheel, rail] =
         ["wheel", "rail"].map(|body| number(&summary, &format!("/temperature/{body}/max_rise_k")));
-    assert!((wheel / rail - 1.0).abs() < 1e-4, "one temperature: {wheel} {rail}");
+    assert!((wheel / rail - 1.0).abs() < 1e-4, "equal temperatures: {wheel} {rail}");
 }
 
 #[test]
@@ -187,7 +192,7 @@ fn what_does_not_rest_is_refused() {
         both["effects"][effect] = table;
         key("moving-source", both)
     };
-    // What is not found together is not computed apart.
+    // Combinations that the model does not solve together are refused.
     assert_eq!(
         with("contact_conductance", json!({"conductance": 100.0})),
         Some("effects.contact_conductance".to_owned())

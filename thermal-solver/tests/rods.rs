@@ -16,7 +16,7 @@ const LENGTH: f64 = 0.02;
 const CONDUCTIVITY: f64 = 50.0;
 const FLUX: f64 = 1e6;
 
-/// The lower body is a rod, the upper one stays as warm as it is.
+/// The lower body is a rod; the upper body keeps its initial temperature.
 fn case() -> Value {
     let mut case = steel();
     case["bodies"]["rail"]["length"] = json!(LENGTH);
@@ -31,8 +31,9 @@ fn run(mode: Mode) -> Run {
     run
 }
 
-/// A flux that begins at once: 2q√(t/π)/β as long as the far end is not felt, qL/λ in the end, in windows of any length; the share
-/// of the body that does not warm is gone. Tolerances: waves that are left out, which decay in 1e-5 of L²/κ.
+/// A flux that begins at once: 2q√(t/π)/β until the far end has an influence, qL/λ finally, in
+/// windows of any length. The share of the body without a rise is lost. Tolerances: neglected
+/// modes, which decay within 1e-5 of L²/κ.
 #[test]
 fn a_rod_that_is_heated() {
     let unit = LENGTH * LENGTH / DIFFUSIVITY;
@@ -57,7 +58,7 @@ fn a_rod_that_is_heated() {
     assert!((rod.rail()[0] / steady - 1.0).abs() < 1e-14, "{}", rod.rail()[0]);
 }
 
-/// A rod that is restored on the way goes on like the one that was saved, to the bit.
+/// A rod restored during a run continues bit-identically.
 #[test]
 fn a_restored_rod_goes_on() {
     let window = |run: &mut Run, step: i32| {

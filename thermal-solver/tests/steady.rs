@@ -1,4 +1,4 @@
-//! Steady motion: the figures that the models have to meet, orders of convergence, invariances.
+//! Steady motion: reference values, orders of convergence, invariances.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -16,7 +16,7 @@ fn full_slip(grid: &Structured) -> Vec<f64> {
     ellipse_means(grid).iter().map(|mean| amplitude * mean).collect()
 }
 
-/// Rise of the peak in units of q₀/β √(a/(πV)), and its ξ.
+/// Returns the rise of the peak in units of q₀/β √(a/(πV)), and its ξ.
 fn ellipse_peak(per_semi_axis: usize) -> (f64, f64) {
     let grid = row(per_semi_axis, -1.5, 1.1);
     let mut run = Run::steady("columns", grid);
@@ -55,9 +55,9 @@ fn order_of_convergence_of_the_ellipse() {
         );
     }
     let order = |first: f64, last: f64| (first / last).log2() / 4.0;
-    // Expected 2.5: the flux sets in like a square root, and the first moment of the end element
-    // is wrong by O(h^2.5). The peak lies elsewhere in its element on each grid, so that the order
-    // is taken over all five.
+    // Expected order 2.5: the flux begins like a square root, and the first moment of the end
+    // element has an error of O(h^2.5). The peak lies elsewhere in its element on each grid, so the
+    // order is taken over all five.
     assert!(order(errors[0].0, errors[4].0) > 2.3, "{errors:?}");
     assert!(order(errors[0].1, errors[4].1) > 2.0, "{errors:?}");
 }
@@ -72,11 +72,12 @@ fn the_papers_case_full_slip() {
         let got = run.summary("rail", "max_rise_k").unwrap();
         let place = -run.summary("rail", "x_m").unwrap() / SEMI_AXIS;
         println!("{model} {got} {place} {:?}", run.summary("rail", "penetration_depth_m"));
-        // As many figures as are given.
+        // Tolerance: the digits of the reference.
         assert!((got - rise).abs() < 0.05, "{model}: {got}");
         assert!((place - xi).abs() < 5e-4, "{model}: {place}");
         let wheel = run.summary("wheel", "max_rise_k").unwrap();
-        // The wheel is faster by the sliding: cooler by the root of the speeds; rounding.
+        // The wheel is faster by the sliding speed, and cooler by the root of the ratio of speeds.
+        // Tolerance: rounding.
         assert!((wheel / got - 1.012_f64.powf(-0.5)).abs() < 1e-14);
     }
 }
@@ -92,7 +93,7 @@ fn the_papers_case_partial_slip() {
         let got = run.summary("rail", "max_rise_k").unwrap();
         let place = -run.summary("rail", "x_m").unwrap() / SEMI_AXIS;
         println!("{traction} {got} {place}");
-        // Required: 0.2 per cent and 0.005 of a; four figures are given of the rise.
+        // Required: 0.2 per cent and 0.005 of a; the reference rise has four digits.
         assert!((got / rise - 1.0).abs() < 2e-3, "{traction}: {got}");
         assert!((place - xi).abs() < 5e-3, "{traction}: {place}");
     }
@@ -107,8 +108,8 @@ fn closed_form_is_reproduced_everywhere() {
         .map(|i| polynomial::rise(0.5, SEMI_AXIS, effusivity(), SPEED, -grid.x(i) / SEMI_AXIS))
         .collect();
     println!("moments: {:e}", difference(run.rail(), &expected));
-    // The reconstructed ellipse's variance, and with it the semi-axis, is right to 2e-5; at the
-    // leading edge itself the rise goes like the root of that.
+    // The variance of the reconstructed ellipse, and with it the semi-axis, is accurate to 2e-5. At
+    // the leading edge the rise goes like the root of that error.
     assert!(difference(&run.rail()[..159], &expected[..159]) < 4e-5);
     assert!(difference(run.rail(), &expected) < 1e-3);
     let section = run.sections();
@@ -123,13 +124,13 @@ fn penetration_depth_is_near_the_scale() {
     let delta = scales::penetration_depth(SEMI_AXIS, scales::peclet(SPEED, SEMI_AXIS, DIFFUSIVITY));
     let depth = run.summary("rail", "penetration_depth_m").unwrap();
     println!("penetration {depth} delta {delta}");
-    // The same order; under the hottest point 1.65 a of heating lie behind.
+    // Same order of magnitude; material under the hottest point has been heated over 1.65 a.
     assert!(depth > 0.5 * delta && depth < 1.5 * delta, "{depth} {delta}");
 }
 
 #[test]
 fn uniform_flux_in_depth() {
-    // Edges of the heated stretch on element edges: 1.0125 a either side.
+    // Edges of the heated interval lie on element edges: 1.0125 a on either side.
     let grid = row(40, -3.0, 1.5);
     let heated = 40.5 / 40.0 * SEMI_AXIS;
     let flux = means(&grid, |x| x.clamp(-heated, heated));
@@ -153,14 +154,14 @@ fn uniform_flux_in_depth() {
         }
     }
     println!("uniform in depth: away {:e} near the jumps {:e}", worst[0], worst[1]);
-    // The flux is taken to be continuous: a jump is spread over two elements, which leaves an
-    // error of order sqrt(h) beside it and h^2 away from it.
+    // The reconstructed flux is continuous: a jump is spread over two elements. The error is of
+    // order √h beside the jump and h² away from it.
     assert!(worst[0] < 1e-3 && worst[1] < 0.05, "{worst:?}");
 }
 
 #[test]
 fn heat_passing_in_depth_is_the_heat_put_in() {
-    // rho c V times the integral of the rise over the depth is the flux put in upstream.
+    // ρcV times the integral of the rise over depth is the flux received upstream.
     let grid = row(20, -2.0, 1.2);
     let mut run = Run::steady("columns", grid);
     let flux = carter_means(&grid, 0.4);
@@ -176,7 +177,7 @@ fn heat_passing_in_depth_is_the_heat_put_in() {
     let stored = 7850.0 * 419.5 * SPEED * spacing * (inner + 0.5 * (profile[0] + profile[32]));
     let put_in = 0.5 * grid.dx() * flux.iter().sum::<f64>();
     println!("stored/put in {:e}", stored / put_in - 1.0);
-    // The trapezoidal rule over a profile like a Gaussian with a flat top, cut off at its tail.
+    // Trapezoidal rule over a profile like a Gaussian with a flat top, cut off at its tail.
     assert!((stored / put_in - 1.0).abs() < 1e-3);
 }
 
@@ -190,14 +191,14 @@ fn heat_received_is_the_heat_sent() {
         let report = run.solve(&flux, 0.0);
         let sent = run.given.grids[0].integrate(&flux);
         let error = report.heat_received.unwrap() / sent - 1.0;
-        // Rounding of blocked sums.
+        // Tolerance: rounding of blocked sums.
         assert!(error.abs() < 1e-14, "{model} {error:e}");
     }
 }
 
 #[test]
 fn scaling_of_units_and_of_the_flux() {
-    // A power of two in lengths and times: T scales by q sqrt(length/speed), bit by bit.
+    // Powers of two in lengths and times: T scales by q √(length/speed), bit by bit.
     let grid = row(20, -1.3, 1.2);
     let flux = carter_means(&grid, 0.5);
     let mut run = Run::steady("columns", grid);
@@ -242,19 +243,19 @@ fn effusivity_partition_joins_the_surfaces() {
         let mut run = Run::new(model, proto::configuration::Mode::Steady, grid, case.clone());
         run.given.speeds = vec![1.3 * SPEED, SPEED];
         run.advance(&full_slip(&grid), 0.0);
-        // Rounding of the shares.
+        // Tolerance: rounding of the shares.
         assert!(difference(run.wheel(), run.rail()) < 1e-14);
         let depths = ["wheel", "rail"].map(|b| run.summary(b, "penetration_depth_m").unwrap());
         let diffusivity = 30.0 / (7000.0 * 540.0);
         let expected = (diffusivity / 1.3 / DIFFUSIVITY).sqrt();
-        // Penetration goes like sqrt(kappa/V); each peak is placed to the root of rounding.
+        // Penetration goes like √(κ/V); each peak is located to the root of rounding.
         assert!((depths[0] / depths[1] / expected - 1.0).abs() < 1e-7);
     }
 }
 
 #[test]
 fn long_rows_take_the_same_values_as_short_ones() {
-    // The same flux on a row below the crossover to Fourier space and on one above it.
+    // The same flux on a row below the crossover to Fourier transforms and on a row above it.
     let (short, long) = (row(20, -1.2, 1.2), row(20, -1.2, 9.0));
     assert!(short.ni < CROSSOVER && long.ni > CROSSOVER);
     let flux = carter_means(&short, 0.58);
@@ -263,7 +264,7 @@ fn long_rows_take_the_same_values_as_short_ones() {
     let (mut a, mut b) = (Run::steady("columns", short), Run::steady("columns", long));
     a.solve(&flux, 0.0);
     b.solve(&padded, 0.0);
-    // Rounding of transforms; ahead of the heat exactly nothing.
+    // Tolerance: rounding of transforms; ahead of the heat the rise is exactly zero.
     assert!(difference(&b.rail()[..short.ni], a.rail()) < 1e-14);
     assert!(b.rail()[short.ni..].iter().all(|rise| *rise == 0.0));
 }

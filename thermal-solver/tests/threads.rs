@@ -1,4 +1,4 @@
-//! The number of threads changes nothing, to the bit.
+//! Results are bit-identical for any number of threads.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -8,7 +8,7 @@ use proto::configuration::Mode;
 use proto::grid::Structured;
 use support::{Run, steel};
 
-/// Rises of both bodies and the work of every window.
+/// Returns the rises of both bodies and the work of every window.
 fn answers(
     model: &str,
     threads: usize,
@@ -32,7 +32,7 @@ fn answers(
 
 #[test]
 fn results_are_the_same_on_any_number_of_threads() {
-    // Large enough for every sweep to be shared.
+    // Large enough for every sweep to run on several threads.
     let steady = Structured::contact_plane(-8e-3, -6e-3, 2e-5, 2e-5, 501, 403);
     let transient = Structured::contact_plane(-8e-3, -6e-3, 1e-4, 1e-4, 161, 121);
     for (mode, grid, windows) in [(Mode::Steady, steady, 1), (Mode::Transient, transient, 6)] {

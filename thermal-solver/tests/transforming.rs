@@ -1,4 +1,4 @@
-//! What transforms in the course of time, against closed forms of heated columns.
+//! Transformation in time, against closed forms of heated columns.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -15,7 +15,7 @@ use thermal_solver::ThermalSolver;
 const COLUMNS: usize = 400;
 const ELEMENT: f64 = 5e-5;
 const FLUX: f64 = 1.2e9;
-/// Rise at which steel transforms here [K].
+/// Rise at which the steel of these tests transforms [K].
 const RISE: f64 = 400.0;
 
 fn plane() -> Structured {
@@ -34,12 +34,13 @@ fn figures(run: &Run, body: &str) -> impl Fn(&str) -> Option<f64> + use<> {
     move |name: &str| summary[name].as_f64()
 }
 
-/// Flux of the elements.
+/// Returns the flux of the elements.
 fn along(of: impl Fn(usize) -> f64) -> Vec<f64> {
     (0..COLUMNS).map(of).collect()
 }
 
-/// Rise of a column at a depth, a time after an even flux set in that lasts a while (Carslaw & Jaeger, 2.9).
+/// Returns the rise of a column at a depth, a time after the start of a uniform flux of limited
+/// duration (Carslaw & Jaeger, 2.9).
 fn pulse(flux: f64, lasts: f64, depth: f64, time: f64) -> f64 {
     let ierfc = |x: f64| (-x * x).exp() / PI.sqrt() - x * (1.0 - libm::erf(x));
     let of = |time: f64| match time > 0.0 {
@@ -52,18 +53,18 @@ fn pulse(flux: f64, lasts: f64, depth: f64, time: f64) -> f64 {
     of(time) - of(time - lasts)
 }
 
-/// Time after which a column is as hot as needed under half of a flux [s].
+/// Returns the time after which a column reaches the required rise under half of a flux [s].
 fn crossing(flux: f64) -> f64 {
     PI * (RISE * effusivity() / flux).powi(2)
 }
 
-/// The highest rise at a depth, whenever it is [K].
+/// Returns the highest rise at a depth over all times [K].
 fn highest(lasts: f64, depth: f64) -> f64 {
     let at = |k: i32| pulse(0.5 * FLUX, lasts, depth, f64::from(k) * 1e-3 * lasts);
     (0..=40_000).map(at).fold(0.0, f64::max)
 }
 
-/// The largest depth that becomes as hot as needed, by bisection [m].
+/// Returns the largest depth that reaches the required rise, by bisection [m].
 fn depth_of(highest: impl Fn(f64) -> f64) -> f64 {
     let (mut inside, mut outside) = (0.0, 1e-2);
     for _ in 0..40 {
@@ -73,15 +74,16 @@ fn depth_of(highest: impl Fn(f64) -> f64) -> f64 {
     inside
 }
 
-/// An even flux over P that is on for a while D. Material is heated from when it comes to the flux, or the flux on, until it has passed
-/// or the flux is off; what is heated for longer than it takes to become as hot as needed, t*, is P + V(D − 2t*) long. Windows of
-/// some elements and of parts of one; tolerance: an element at both ends, and the way in a window in which the rise is no straight line.
+/// A uniform flux over the length P, switched on for the time D. Material is heated while it passes
+/// the flux and the flux is on. Material heated for longer than the time t* to the required rise
+/// has the length P + V(D − 2t*). Windows of several elements and of fractions of one. Tolerance:
+/// an element at both ends, and the motion in a window in which the rise is not linear.
 #[test]
 fn the_layer_of_a_passage_is_as_long_as_what_has_been_hot() {
     let heated = 100..300;
     let length = heated.len() as f64 * ELEMENT;
     let passing = length / SPEED;
-    assert!(crossing(FLUX) < 0.6 * passing, "it becomes hot enough under way");
+    assert!(crossing(FLUX) < 0.6 * passing, "the rise is reached before the material has passed");
     for elements in [0.37, 6.3] {
         let window = elements * ELEMENT / SPEED;
         let on = (3.0 * passing / window).round();
@@ -114,9 +116,10 @@ fn the_layer_of_a_passage_is_as_long_as_what_has_been_hot() {
     }
 }
 
-/// A wheel that is locked, under a flux that falls linearly to both sides: the layer is what the flux has made hot, so long and so deep as
-/// the closed form says; it is hot at the end of the slide, and quenched when it has cooled. The middle cools last and slowest: with a
-/// critical rate beyond that only the edges remain. Tolerance: elements at both ends of both edges; windows (rates).
+/// A locked wheel under a flux that falls linearly to both sides. The layer is the heated patch,
+/// with the length and depth of the closed form. It is hot at the end of the slide, and quenched
+/// after cooling. The middle cools last and slowest: with a critical rate above its rate only the
+/// edges remain. Tolerance: elements at both ends of both edges; windows (rates).
 #[test]
 fn the_layer_of_a_locked_wheel_is_the_patch_that_was_hot() {
     let (slide, window) = (4e-3, 2e-5);
@@ -125,7 +128,7 @@ fn the_layer_of_a_locked_wheel_is_the_patch_that_was_hot() {
     let of = |column: usize| FLUX * (1.0 - column.abs_diff(middle) as f64 / half).max(0.0);
     let needed = FLUX * (crossing(FLUX) / slide).sqrt();
     let length = 2.0 * half * ELEMENT * (1.0 - needed / FLUX);
-    // When a column under this part of the flux has cooled, and how fast it does.
+    // Time at which a column under this fraction of the flux has cooled, and its cooling rate.
     let cooled = |part: f64| {
         let surface = |time: f64| pulse(0.5 * part * FLUX, slide, 0.0, time);
         let (mut warm, mut cold) = (slide, 1e3 * slide);
@@ -157,7 +160,7 @@ fn the_layer_of_a_locked_wheel_is_the_patch_that_was_hot() {
             }
             run.advance(&flux, window);
         }
-        // The same from a state on the way.
+        // A run resumed from an intermediate state gives the same layer.
         let mut resumed = Run::new("columns", Mode::Transient, plane(), locked);
         resumed.given.speeds = vec![0.0, SPEED];
         resumed.model.restore(&mut state.as_slice()).unwrap();
@@ -191,7 +194,8 @@ fn the_layer_of_a_locked_wheel_is_the_patch_that_was_hot() {
     }
 }
 
-/// In a steady case the layer of what passes has no length; that of a body at rest is what is hot of it.
+/// Steady case: the layer of a moving body has no length; the layer of a body at rest has the
+/// length of its hot part.
 #[test]
 fn a_steady_layer_has_a_length_where_the_material_stays() {
     let flux = along(|column| if (100..300).contains(&column) { FLUX } else { 0.0 });
@@ -207,14 +211,14 @@ fn a_steady_layer_has_a_length_where_the_material_stays() {
     let wheel = figures(&run, "wheel");
     let hot = |row: &[f64]| row.iter().filter(|rise| **rise >= RISE).count();
     let longest = run.wheel().chunks_exact(COLUMNS).map(hot).max().unwrap();
-    assert!(longest > 200, "beyond the flux too: {longest}");
+    assert!(longest > 200, "the layer extends beyond the flux: {longest}");
     assert_eq!(wheel("length_m"), Some(longest as f64 * ELEMENT));
     assert_eq!(wheel("hot_length_m"), wheel("length_m"));
     assert!(wheel("depth_m").unwrap() > ELEMENT);
     assert_eq!(figures(&run, "rail")("length_m"), None);
 }
 
-/// Where contacts repeat a place that has passed comes again.
+/// Repeating contacts are refused in time, because a place that has passed returns.
 #[test]
 fn places_that_come_again_are_refused_in_time() {
     let given = configuration("periodic", Mode::Transient, plane(), case(json!({})));

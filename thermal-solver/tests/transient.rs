@@ -24,7 +24,7 @@ struct Window {
 }
 
 impl Window {
-    /// Irregular windows, not commensurate with the elements, the speed changing.
+    /// Irregular windows, not commensurate with the elements, at a varying speed.
     fn number(n: usize) -> Self {
         let wobble = |rate: f64| (rate * n as f64).sin();
         Self {
@@ -71,7 +71,8 @@ fn duhamel(windows: &[Window], x: f64, c: f64) -> f64 {
     0.5 * sum / (effusivity() * PI.sqrt())
 }
 
-/// Error on the surface and in depth after a number of windows, relative to the largest rise.
+/// Returns the error on the surface and in depth after a number of windows, relative to the largest
+/// rise.
 fn duhamel_error(per_semi_axis: usize) -> (f64, f64) {
     let grid = row(per_semi_axis, -1.5, 1.1);
     let mut run = Run::transient(grid);
@@ -103,8 +104,8 @@ fn agrees_with_duhamels_integral() {
             (pair[0].1 / pair[1].1).log2()
         );
     }
-    // Only the reconstruction in space is in error, by order 3.5 on a smooth flux (4 in depth);
-    // the third derivative of this one jumps, which is not seen yet.
+    // Only the reconstruction in space has an error, of order 3.5 for a smooth flux (4 in depth).
+    // The third derivative of this flux jumps, without effect on these grids.
     let order = |first: f64, last: f64| (first / last).log2() / 3.0;
     assert!(order(errors[0].0, errors[3].0) > 3.2, "{errors:?}");
     assert!(order(errors[0].1, errors[3].1) > 3.2, "{errors:?}");
@@ -117,7 +118,8 @@ fn cold_start_reaches_the_steady_field() {
     let flux = carter_means(&grid, 0.58);
     let mut steady = Run::steady("columns", grid);
     steady.advance(&flux, 0.0);
-    // 5 a in windows that are commensurate with nothing, long, or one that does it all.
+    // A distance of 5 a in windows that are commensurate with nothing, in long windows, or in a
+    // single one.
     for (count, part) in [(371, 1.0), (13, 1.0), (1, 1.0)] {
         let mut run = Run::transient(grid);
         let duration = part * 5.0 * SEMI_AXIS / SPEED / f64::from(count);
@@ -125,14 +127,14 @@ fn cold_start_reaches_the_steady_field() {
             run.advance(&flux, duration);
         }
         println!("{count}: {:e}", difference(run.rail(), steady.rail()));
-        // Required: 0.5 per cent. The grid is shorter than 5 a: nothing is left but rounding.
+        // Required: 0.5 per cent. The grid is shorter than 5 a, so only rounding remains.
         assert!(difference(run.rail(), steady.rail()) < 1e-13);
         let (got, expected) = (run.sections(), steady.sections());
         let of = |w: &Wanted| w.of(&field::UPPER_SECTION_TEMPERATURE).to_vec();
         assert!(difference(&of(&got), &of(&expected)) < 1e-13);
         for key in ["max_rise_k", "x_m", "penetration_depth_m"] {
             let (a, b) = (run.summary("rail", key).unwrap(), steady.summary("rail", key).unwrap());
-            // The place, and through it the depth, to the root of rounding.
+            // The position, and through it the depth, is accurate to the root of rounding.
             assert!((a / b - 1.0).abs() < 1e-7, "{key}: {a} {b}");
         }
     }
@@ -142,7 +144,7 @@ fn cold_start_reaches_the_steady_field() {
 fn uniform_flux_is_jaegers_whatever_the_windows() {
     let grid = Structured::contact_plane(0.0, 0.0, 2e-4, 1e-3, 16, 2);
     let flux = vec![4e7; grid.points()];
-    // Many shorter than an element's passing, and some longer.
+    // Many windows shorter than the passage of an element, and some longer.
     for (count, duration) in [(3000, 1e-9), (700, 3.3e-8), (3, 2.1e-5)] {
         let mut run = Run::transient(grid);
         for _ in 0..count {
@@ -150,7 +152,7 @@ fn uniform_flux_is_jaegers_whatever_the_windows() {
         }
         let time = f64::from(count) * duration;
         let expected = uniform::jaeger(2e7, effusivity(), time);
-        // Places that no material from outside the grid has reached, nor the end element's.
+        // Places that material from outside the grid, or from the end element, has not reached.
         let undisturbed = 14 - (SPEED * time / 2e-4).ceil() as usize;
         for rows in [run.rail(), run.wheel()] {
             for i in (0..undisturbed).flat_map(|i| [i, i + 16]) {
@@ -178,13 +180,14 @@ fn merging_tiny_windows_adds_little() {
     let error = run.rail()[0] / expected - 1.0;
     let claimed = 0.5 * slope * passing.powf(1.5) / (24.0 * effusivity() * PI.sqrt());
     println!("merging {error:e} of the rise, {:e} claimed", claimed / expected);
-    // The bound of the history's documentation, with the rise at four passings as the scale.
+    // Bound from the documentation of the history, with the rise at four passages of an element as
+    // the scale.
     assert!(error.abs() < claimed / expected, "{error:e}");
 }
 
 #[test]
 fn windows_shorter_than_an_element_against_long_ones() {
-    // The same hump, standing still, in windows of 1e-9 s and in one window.
+    // A hump at rest, in windows of 1e-9 s and in one window.
     let grid = row(10, -1.2, 1.1);
     let window = Window::number(3);
     let flux = window.means(&grid);
@@ -195,13 +198,13 @@ fn windows_shorter_than_an_element_against_long_ones() {
     }
     one.advance(&flux, 1e-9 * f64::from(count));
     println!("{:e}", difference(many.rail(), one.rail()));
-    // A flux that does not change is not changed by merging; rounding of many ages.
+    // Merging does not change a constant flux. Tolerance: rounding of many ages.
     assert!(difference(many.rail(), one.rail()) < 1e-10);
 }
 
 #[test]
 fn time_steps_converge_for_a_moving_flux() {
-    // A hump that grows and wanders; means over windows by quadrature in time.
+    // A hump that grows and moves; means over windows by quadrature in time.
     let grid = row(20, -1.2, 1.1);
     let total = 3.0 * SEMI_AXIS / SPEED;
     let at = |time: f64| Window {
@@ -231,8 +234,8 @@ fn time_steps_converge_for_a_moving_flux() {
         [20, 40, 80, 160].iter().map(|&n| difference(&run_in(n), &finest)).collect();
     println!("{errors:?}");
     for pair in errors.windows(2) {
-        // The flux is constant over a window: order 1.5, from the newest window, where the kernel
-        // 1/sqrt(age) weighs it unevenly.
+        // The flux is constant over a window: order 1.5, from the newest window, in which the
+        // kernel 1/√age varies.
         assert!((pair[0] / pair[1]).log2() > 1.35, "{errors:?}");
     }
 }
@@ -275,7 +278,7 @@ fn a_window_can_be_solved_again_and_only_accept_moves_on() {
         once.advance(&flux, window.duration);
         assert_eq!(often.rail(), once.rail());
     }
-    // Iterations after the first of a window spare the past.
+    // Iterations after the first of a window reuse the contribution of the past.
     assert!(works[5][1] < works[5][0] / 2, "{works:?}");
 }
 
@@ -350,8 +353,8 @@ proptest! {
             run.advance(flux, *duration);
             largest_mean = flux.iter().copied().fold(largest_mean, f64::max);
             time += duration;
-            // A parabola's Bernstein coefficients are at most three times its mean, and so is
-            // the flux: the rise is below that of three times the largest mean, everywhere.
+            // The Bernstein coefficients of a parabola, and hence the flux, are at most three times
+            // its mean: the rise is everywhere below that of three times the largest mean.
             let bound = 3.0 * uniform::jaeger(0.5 * largest_mean, effusivity(), time);
             for rise in run.rail().iter().chain(run.wheel()) {
                 prop_assert!(*rise >= 0.0 && *rise <= bound * (1.0 + 1e-12));
@@ -364,8 +367,8 @@ proptest! {
 
     #[test]
     fn rises_scale_with_the_flux_and_add_up_over_time(windows in rough_fluxes()) {
-        // Twice the flux is twice the rise, bit by bit; and the rise of all windows is the sum of
-        // the rises that each leaves alone, since only one acts at a time.
+        // Twice the flux gives twice the rise, bit by bit. The rise of all windows is the sum of
+        // the rises of single windows, since only one acts at a time.
         let grid = Structured::contact_plane(-1e-3, 0.0, 2e-4, 1e-3, 12, 1);
         let (mut all, mut double) = (Run::transient(grid), Run::transient(grid));
         let mut alone: Vec<Run> = windows.iter().map(|_| Run::transient(grid)).collect();
@@ -380,7 +383,7 @@ proptest! {
         for i in 0..grid.ni {
             let sum: f64 = alone.iter().map(|run| run.rail()[i]).sum();
             prop_assert_eq!(2.0 * all.rail()[i], double.rail()[i]);
-            // Rounding.
+            // Tolerance: rounding.
             prop_assert!((all.rail()[i] - sum).abs() <= 1e-12 * largest(all.rail()).max(sum));
         }
     }

@@ -1,5 +1,5 @@
-//! The archive that an FMU is. It comes from outside: names lead to nowhere else, and its content is
-//! limited while it is unpacked, whatever it claims.
+//! FMU archive. The file is untrusted: entries cannot be written outside the target folder, and the
+//! unpacked size is limited regardless of the size the archive states.
 
 use proto::input_file;
 use std::fs::{self, File};
@@ -7,14 +7,14 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use zip::ZipArchive;
 
-/// The largest model description [byte].
+/// Maximum length of a model description [byte].
 const LONGEST_TEXT: u64 = 64 << 20;
-/// The largest content [byte]: it is unpacked into memory.
+/// Maximum unpacked size [byte]; the target folder lies in memory.
 const LARGEST: u64 = 2 << 30;
-/// The most files.
+/// Maximum number of files.
 const MOST_FILES: usize = 20_000;
 
-/// An FMU that is open.
+/// Open FMU archive.
 #[derive(Debug)]
 pub struct Archive {
     path: PathBuf,
@@ -22,10 +22,10 @@ pub struct Archive {
 }
 
 impl Archive {
-    /// Opens a file.
+    /// Opens an FMU.
     ///
     /// # Errors
-    /// It is not there, no archive, or has too many files.
+    /// Fails if the file is missing, is not an archive, or holds too many files.
     pub fn open(path: &Path) -> Result<Self, String> {
         let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let file = input_file::open(path).map_err(|error| failed(&error))?;
@@ -38,10 +38,10 @@ impl Archive {
         }
     }
 
-    /// The text of a file in it.
+    /// Reads a text file of the archive.
     ///
     /// # Errors
-    /// It is not there, too long or no text.
+    /// Fails if the file is missing, too long or not UTF-8.
     pub fn text(&mut self, name: &str) -> Result<String, String> {
         let place = format!("{}: {name}", self.path.display());
         let file = self.zip.by_name(name).map_err(|error| format!("{place}: {error}"))?;
@@ -54,10 +54,11 @@ impl Archive {
         }
     }
 
-    /// Unpacks all of it into a folder that there is not yet.
+    /// Unpacks the archive into a new folder.
     ///
     /// # Errors
-    /// A name that leads out of the folder, a link, more than fits, the file system.
+    /// Fails if the folder exists, an entry is a link or leads out of the folder, the content is
+    /// too large, or a file cannot be written.
     pub fn unpack(&mut self, folder: &Path) -> Result<(), String> {
         self.unpack_up_to(folder, LARGEST)
     }
@@ -72,7 +73,7 @@ impl Archive {
         Ok(())
     }
 
-    /// Unpacks one file, of this many bytes at most; how many they are.
+    /// Unpacks one file of at most `most` bytes and returns its size.
     fn unpack_one(&mut self, index: usize, folder: &Path, most: u64) -> Result<u64, String> {
         let file = self.zip.by_index(index).map_err(|error| format!("file {index}: {error}"))?;
         let name = file.name().to_owned();
@@ -140,7 +141,7 @@ mod tests {
             let into = folder.path().join("in/to");
             fs::create_dir(folder.path().join("in")).unwrap();
             let said = Archive::open(&path).unwrap().unpack(&into);
-            // An absolute name is taken as one within the folder.
+            // An absolute name is treated as relative to the folder.
             assert!(name.starts_with('/') || said.unwrap_err().contains("leads out of"), "{name}");
             assert!(
                 !folder.path().join("in/evil").exists() && !folder.path().join("evil").exists()
@@ -158,7 +159,7 @@ mod tests {
         zip.finish().unwrap();
         let said = Archive::open(&path).unwrap().unpack(&folder.path().join("out")).unwrap_err();
         assert!(said.contains("is a link"), "{said}");
-        // Zeros that shrink to nothing, and how many they are is known only as they come.
+        // Zeros compress to almost nothing: the size is known only while unpacking.
         let zeros = vec![0; 1 << 20];
         let path = packed(&[("a", &zeros), ("b", &zeros)], folder.path());
         let mut archive = Archive::open(&path).unwrap();
@@ -170,7 +171,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
 
-        /// An archive of which any byte is another one.
+        /// An archive with one byte changed, and a few bytes cut off.
         #[test]
         fn any_bytes_are_unpacked_or_refused(at in 0_usize..400, byte: u8, cut in 0_usize..400) {
             let folder = tempfile::tempdir().unwrap();

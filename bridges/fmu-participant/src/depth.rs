@@ -1,10 +1,12 @@
-//! How deep elements of XML stand in each other, without a stack of them: a parser that goes down into them would need one.
+//! Nesting depth of XML elements, found without recursion. The XML parser recurses into elements,
+//! so that the depth is checked before parsing.
 
-/// What is no element, from where it begins to where it ends.
+/// Start and end marks of text that is not an element.
 const SKIPPED: [(&str, &str); 4] =
     [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("<!", ">")];
 
-/// The most elements that stand in each other, up to where the text is no XML any more.
+/// Returns the maximum nesting depth of elements, up to the first place where the text is no valid
+/// XML.
 #[must_use]
 pub fn deepest(text: &str) -> usize {
     let (mut depth, mut most) = (0_usize, 0);
@@ -30,7 +32,7 @@ pub fn deepest(text: &str) -> usize {
     most
 }
 
-/// The length of the tag that a text begins with; a `>` in quotes does not end it.
+/// Returns the length of the tag at the start of `text`. A `>` within quotes does not end the tag.
 fn tag_length(text: &str) -> usize {
     let mut quote = None;
     for (place, byte) in text.bytes().enumerate() {
@@ -67,7 +69,8 @@ mod tests {
     }
 
     proptest! {
-        /// No text that is XML is deeper than it is found to be; an empty element is not gone down into.
+        /// The depth found is an upper bound of the depth of any valid XML. An empty element adds
+        /// no depth.
         #[test]
         fn no_text_is_deeper_than_found(pieces in prop::collection::vec(
             prop::sample::select(vec!["<a>", "</a>", "<a/>", "<a x='>'>", "<!--", "-->", "<![CDATA[", "]]>", "x", "\"", "<?p", "?>"]),

@@ -1,7 +1,7 @@
-//! `modelDescription.xml` of FMI 2.0 and 3.0, as far as a participant needs it.
+//! `modelDescription.xml` of FMI 2.0 and 3.0: the parts a participant needs.
 //!
-//! The file comes from outside: it is XML without a document type, and what it claims is limited before
-//! anything is allocated.
+//! The file is untrusted: it must be XML without a document type, and sizes are checked before
+//! memory is allocated.
 
 use crate::depth::deepest;
 use crate::unit::{BASE, Unit};
@@ -9,14 +9,14 @@ use crate::variable::{Causality, Kind, Variable};
 use roxmltree::{Document, Node, ParsingOptions};
 use std::collections::BTreeMap;
 
-/// More elements, texts and attributes than this are refused.
+/// Maximum number of elements, texts and attributes.
 const MOST_NODES: u32 = 4_000_000;
-/// Elements that stand deeper in each other are refused.
+/// Maximum nesting depth of elements.
 const DEEPEST: usize = 200;
-/// Arrays with more values than this are refused.
+/// Maximum number of values of an array.
 pub const LARGEST_ARRAY: usize = 1 << 24;
 
-/// The version of the standard that an FMU follows.
+/// Version of the FMI standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
     /// FMI 2.0.
@@ -25,53 +25,54 @@ pub enum Version {
     Three,
 }
 
-/// What an FMU says of itself.
+/// Model description of an FMU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelDescription {
-    /// The standard that it follows.
+    /// Version of the standard.
     pub version: Version,
     /// Name of the model.
     pub name: String,
-    /// What it is, in words; may be empty.
+    /// Description of the model; may be empty.
     pub words: String,
     /// Version of the model; may be empty.
     pub model_version: String,
-    /// The program that made it; may be empty.
+    /// Program that generated the FMU; may be empty.
     pub tool: String,
-    /// What an instance is asked for with.
+    /// Token to pass when creating an instance.
     pub token: String,
-    /// File name of the library, without its ending.
+    /// File name of the library without extension.
     pub identifier: String,
-    /// A state can be kept and returned to.
+    /// True if a state can be saved and restored.
     pub keeps_states: bool,
-    /// A state can be turned into bytes and back.
+    /// True if a state can be serialised.
     pub serialises: bool,
-    /// Communication steps may differ in length.
+    /// True if communication steps may differ in length.
     pub varies_step: bool,
-    /// Its variables with numbers, in the order of the file.
+    /// Numeric variables, in the order of the file.
     pub variables: Vec<Variable>,
 }
 
 impl ModelDescription {
-    /// Reads the file.
+    /// Parses the text of the file.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// Fails if the text is not a model description for co-simulation of FMI 2.0 or 3.0, or exceeds
+    /// a limit.
     pub fn parse(text: &str) -> Result<Self, String> {
         if deepest(text) > DEEPEST {
-            return Err(format!("has elements more than {DEEPEST} deep in each other"));
+            return Err(format!("nests elements more than {DEEPEST} deep"));
         }
         let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES };
         let document = Document::parse_with_options(text, options)
-            .map_err(|error| format!("is no model description: {error}"))?;
+            .map_err(|error| format!("is not a model description: {error}"))?;
         let root = document.root_element();
         if !root.has_tag_name("fmiModelDescription") {
             let name = root.tag_name().name();
-            return Err(format!("is no model description, but `{name}`"));
+            return Err(format!("is not a model description: its root element is `{name}`"));
         }
         let version = version(root)?;
         let about = child(root, "CoSimulation").ok_or(
-            "is an FMU without co-simulation: one for model exchange needs a solver of its equations",
+            "has no co-simulation: an FMU for model exchange needs a solver for its equations",
         )?;
         let [keeps, serialises, token] = match version {
             Version::Two => ["canGetAndSetFMUstate", "canSerializeFMUstate", "guid"],
@@ -82,7 +83,7 @@ impl ModelDescription {
         let identifier = of(about, "modelIdentifier").to_owned();
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if identifier.is_empty() || !identifier.chars().all(plain) {
-            return Err(format!("has the model identifier {identifier:?}, which is no C name"));
+            return Err(format!("has the model identifier {identifier:?}, which is not a C name"));
         }
         let keeps_states = flag(about, keeps);
         Ok(Self {
@@ -100,7 +101,7 @@ impl ModelDescription {
         })
     }
 
-    /// The variable of this name.
+    /// Returns the variable with this name.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|variable| variable.name == name)
@@ -111,7 +112,7 @@ fn version(root: Node<'_, '_>) -> Result<Version, String> {
     match of(root, "fmiVersion") {
         "2.0" => Ok(Version::Two),
         three if three.starts_with("3.") => Ok(Version::Three),
-        other => Err(format!("follows FMI {other:?}, and 2.0 and 3.0 are known")),
+        other => Err(format!("follows FMI {other:?}; FMI 2.0 and 3.0 are supported")),
     }
 }
 
@@ -119,9 +120,9 @@ fn version(root: Node<'_, '_>) -> Result<Version, String> {
 struct Reader<'a> {
     version: Version,
     units: BTreeMap<&'a str, Unit>,
-    /// Declared types, whose attributes hold for variables that do not have their own.
+    /// Declared types. A variable inherits attributes it does not set itself.
     types: BTreeMap<&'a str, Node<'a, 'a>>,
-    /// Values of structural parameters, by reference: sizes of arrays.
+    /// Values of structural parameters by reference: sizes of arrays.
     sizes: BTreeMap<u32, usize>,
 }
 
@@ -151,7 +152,7 @@ impl<'a> Reader<'a> {
         Ok(variables)
     }
 
-    /// A variable whose values are numbers.
+    /// Reads a variable; `None` if its values are not numeric.
     fn variable(&self, node: Node<'a, 'a>) -> Result<Option<Variable>, String> {
         let (kind, typed) = match self.version {
             Version::Two => match node.children().find_map(|one| Some((two(one)?, one))) {
@@ -185,7 +186,7 @@ impl<'a> Reader<'a> {
         }))
     }
 
-    /// The number of its values.
+    /// Returns the number of values.
     fn size(&self, node: Node<'_, '_>) -> Result<usize, String> {
         let mut size: usize = 1;
         for dimension in node.children().filter(|one| one.has_tag_name("Dimension")) {
@@ -194,7 +195,7 @@ impl<'a> Reader<'a> {
                 Some(length) => length,
                 None => reference(dimension).ok().and_then(|of| self.sizes.get(&of).copied()),
             };
-            let length = length.ok_or("with a dimension whose length is not known")?;
+            let length = length.ok_or("with a dimension of unknown length")?;
             size = size
                 .checked_mul(length)
                 .filter(|size| *size <= LARGEST_ARRAY)
@@ -211,14 +212,14 @@ impl<'a> Reader<'a> {
             None => Unit::named(""),
             Some(name) => self.units.get(name).cloned().unwrap_or_else(|| Unit::named(name)),
         };
-        // A difference, such as a temperature rise in degrees Celsius.
+        // A difference has no offset, for example a temperature rise in degrees Celsius.
         if matches!(self.attribute(typed, "relativeQuantity"), Some("true" | "1")) {
             unit.offset = 0.0;
         }
         unit
     }
 
-    /// An attribute of a variable, or of its declared type.
+    /// Returns an attribute of a variable, or of its declared type.
     fn attribute(&self, typed: Node<'a, 'a>, key: &str) -> Option<&'a str> {
         let declared = || self.types.get(of(typed, "declaredType"))?.attribute(key);
         typed.attribute(key).or_else(declared)
@@ -240,7 +241,7 @@ fn unit_of(node: Node<'_, '_>) -> Unit {
     }
 }
 
-/// Values at the start: one, or those of an array with spaces between.
+/// Parses start values: one value, or an array separated by spaces.
 fn start(text: &str, kind: Kind) -> Result<Vec<f64>, String> {
     let value = |word: &str| {
         let value = match word {
@@ -251,7 +252,7 @@ fn start(text: &str, kind: Kind) -> Result<Vec<f64>, String> {
             }
         };
         match kind.range() {
-            // One of 64 bits is rounded, which nobody but a help text sees.
+            // A double rounds large 64-bit integers; only help texts show these values.
             Some([least, most]) if !kind.is_long() && !(least..=most).contains(&value) => {
                 Err(format!("that starts at {word}, which is not between {least} and {most}"))
             }
@@ -267,7 +268,7 @@ fn reference(node: Node<'_, '_>) -> Result<u32, String> {
     text.trim().parse().map_err(|_| format!("with the value reference {text:?}"))
 }
 
-/// The type of a variable of FMI 2.0, by the element inside it.
+/// Returns the type of a variable of FMI 2.0, given by the element inside the variable.
 fn two(node: Node<'_, '_>) -> Option<Kind> {
     match node.tag_name().name() {
         "Real" => Some(Kind::Float64),
@@ -277,7 +278,7 @@ fn two(node: Node<'_, '_>) -> Option<Kind> {
     }
 }
 
-/// The type of a variable of FMI 3.0, by its element.
+/// Returns the type of a variable of FMI 3.0, given by its element.
 fn three(node: Node<'_, '_>) -> Option<Kind> {
     Some(match node.tag_name().name() {
         "Float64" => Kind::Float64,
@@ -299,7 +300,7 @@ fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
     node.children().find(|one| one.has_tag_name(name))
 }
 
-/// The elements inside the child of this name.
+/// Iterates over the elements inside the child with this name.
 fn children<'a, 'i: 'a>(
     node: Node<'a, 'i>,
     name: &str,
@@ -367,7 +368,8 @@ mod tests {
         assert!(!g.settable && g.start == [-9.81]);
     }
 
-    /// FMI 2.0.4 §2.2.7 and 3.0 §2.4.5: the attributes of a declared type hold where the variable has none.
+    /// FMI 2.0.4 §2.2.7 and 3.0 §2.4.5: a variable inherits attributes of its declared type that it
+    /// does not set itself.
     #[test]
     fn attributes_of_a_declared_type_are_inherited() {
         let units = r#"<UnitDefinitions><Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit></UnitDefinitions>"#;
@@ -408,26 +410,26 @@ mod tests {
     fn what_is_wrong_is_named() {
         let wrong = |text: &str| ModelDescription::parse(text).unwrap_err();
         let said = wrong(&TWO.replace("CoSimulation", "ModelExchange"));
-        assert!(said.contains("without co-simulation"), "{said}");
+        assert!(said.contains("has no co-simulation"), "{said}");
         assert!(wrong(&TWO.replace("\"2.0\"", "\"1.0\"")).contains("follows FMI \"1.0\""));
-        assert!(wrong(&TWO.replace("\"ball\"", "\"../ball\"")).contains("no C name"));
+        assert!(wrong(&TWO.replace("\"ball\"", "\"../ball\"")).contains("not a C name"));
         assert!(wrong(&THREE.replace("start=\"2\"", "start=\"99999999999\"")).contains("`y` with"));
         assert!(wrong(&THREE.replace("start=\"3\"", "start=\"0\"")).contains("without values"));
         assert!(wrong(&THREE.replace("\"1 2 3\"", "\"1 2 x\"")).contains("`x` that starts at"));
         let said = wrong(&TWO.replace(r#"Real start="-9.81""#, r#"Integer start="3000000000""#));
         assert!(said.contains("`g` that starts at 3000000000, which is not between"), "{said}");
         let entity = format!("<!DOCTYPE a [<!ENTITY e 'x'>]>{TWO}");
-        assert!(wrong(&entity).contains("is no model description"));
+        assert!(wrong(&entity).contains("is not a model description"));
     }
 
-    /// Elements within elements, as deep as anybody likes.
+    /// Deeply nested elements do not overflow the stack.
     #[test]
     fn depth_is_no_danger() {
         let deep = "<a>".repeat(100_000);
         let said = ModelDescription::parse(&deep).unwrap_err();
         assert!(said.contains("more than 200 deep"), "{said}");
         let most = format!("{}{}", "<a>".repeat(DEEPEST), "</a>".repeat(DEEPEST));
-        assert!(ModelDescription::parse(&most).unwrap_err().contains("but `a`"));
+        assert!(ModelDescription::parse(&most).unwrap_err().contains("is `a`"));
     }
 
     proptest! {
@@ -436,7 +438,7 @@ mod tests {
             let _ = ModelDescription::parse(&text);
         }
 
-        /// A description of which any piece is another text.
+        /// A description with any piece replaced by other text.
         #[test]
         fn any_change_is_read_or_refused(two: bool, at in 0_usize..2000, cut in 0_usize..60, put in "[ -~]{0,30}") {
             let text = if two { TWO } else { THREE };

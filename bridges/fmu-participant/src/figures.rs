@@ -1,4 +1,4 @@
-//! Outputs of an FMU as figures of the summary: `ROLE.NAME`, an array of a few values element by element.
+//! Outputs of an FMU as figures of the summary: `ROLE.NAME`, small arrays element by element.
 
 use crate::description::ModelDescription;
 use crate::variable::{Causality, Variable};
@@ -6,25 +6,25 @@ use proto::figure::FigureSpec;
 use proto::text::one_line;
 use std::collections::BTreeSet;
 
-/// Arrays with more values than this are no figures.
+/// Maximum size of an array whose values become figures.
 const LARGEST: usize = 16;
-/// The most figures.
+/// Maximum number of figures.
 const MOST: usize = 500;
-/// So many of them, the first, stand on a line of the terminal.
+/// Number of figures shown on a line of the terminal; the first ones are shown.
 const SHOWN: usize = 8;
 
-/// A variable whose values are figures.
+/// Output variable whose values are figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
     /// The variable.
     pub variable: Variable,
-    /// The last part of the key of each value.
+    /// Last part of the key, for each value.
     pub words: Vec<String>,
-    /// They stand on a line of the terminal.
+    /// True if shown on a line of the terminal.
     pub shown: bool,
 }
 
-/// The outputs of an FMU that are figures.
+/// Returns the outputs of an FMU that are figures.
 #[must_use]
 pub fn figures(of: &ModelDescription) -> Vec<Figures> {
     let mut taken = BTreeSet::new();
@@ -47,7 +47,7 @@ pub fn figures(of: &ModelDescription) -> Vec<Figures> {
     figures
 }
 
-/// The word, or with a number behind it where that is taken.
+/// Returns `word`, with a number appended if already taken.
 fn free(word: String, taken: &mut BTreeSet<String>) -> String {
     let numbered = (2..).map(|number| format!("{word}_{number}"));
     let mut candidates = std::iter::once(word.clone()).chain(numbered);
@@ -57,7 +57,7 @@ fn free(word: String, taken: &mut BTreeSet<String>) -> String {
 }
 
 impl Figures {
-    /// What is said of them.
+    /// Describes the figures for the summary.
     pub fn specs(&self, role: &str) -> impl Iterator<Item = FigureSpec> {
         let Variable { name, words, unit, .. } = &self.variable;
         let (unit, said) = (unit.si(), if words.is_empty() { name } else { words });

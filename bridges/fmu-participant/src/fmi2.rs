@@ -1,7 +1,7 @@
-//! The functions of FMI 2.0 for co-simulation.
+//! Functions of FMI 2.0 for co-simulation.
 //!
-//! Modelica Association: *Functional Mock-up Interface for Model Exchange and Co-Simulation, version 2.0.4*
-//! (2022), chapters 2 and 4.
+//! Modelica Association: *Functional Mock-up Interface for Model Exchange and Co-Simulation,
+//! version 2.0.4* (2022), chapters 2 and 4.
 
 use crate::description::ModelDescription;
 use crate::instance::Instance;
@@ -29,7 +29,7 @@ type DoStep = unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int;
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
 
-/// `fmi2CallbackFunctions`; it stays where it is as long as the instance lives.
+/// `fmi2CallbackFunctions`. Its address must not change during the life of the instance.
 #[repr(C)]
 #[derive(Debug)]
 struct Callbacks {
@@ -45,7 +45,7 @@ unsafe extern "C" {
     fn free(memory: *mut c_void);
 }
 
-/// Functions of values of one type.
+/// Get and set functions of one type of value.
 #[derive(Debug)]
 struct Access<T> {
     set: (String, Set<T>),
@@ -55,29 +55,29 @@ struct Access<T> {
 impl<T> Access<T> {
     fn find(library: &Loaded, word: &str) -> Result<Self, String> {
         let [set, get] = ["Set", "Get"].map(|verb| format!("fmi2{verb}{word}"));
-        // SAFETY: FMI 2.0 gives these types to these names.
+        // SAFETY: FMI 2.0 gives functions with these names these types.
         let (setter, getter) = unsafe { (library.function(&set)?, library.function(&get)?) };
         Ok(Self { set: (set, setter), get: (get, getter) })
     }
 
     fn set(&self, instance: &mut Instance, reference: u32, value: &T) -> Result<(), Fault> {
         let (name, set) = &self.set;
-        // SAFETY: the instance lives, and there is one reference and one value.
+        // SAFETY: the instance lives; the call has one reference and one value.
         instance.call(name, |of| unsafe { set(of, &raw const reference, 1, value) })
     }
 
     fn get(&self, instance: &mut Instance, reference: u32, mut value: T) -> Result<T, Fault> {
         let (name, get) = &self.get;
-        // SAFETY: the instance lives, and there is one reference and one place.
+        // SAFETY: the instance lives; the call has one reference and room for one value.
         instance.call(name, |of| unsafe { get(of, &raw const reference, 1, &raw mut value) })?;
         Ok(value)
     }
 }
 
-/// An instance of FMI 2.0.
+/// Instance of FMI 2.0.
 #[derive(Debug)]
 pub struct Fmi2 {
-    // First: it ends before what it points to.
+    // First field, so that the instance is dropped before the callbacks it points to.
     instance: Instance,
     reals: Access<f64>,
     integers: Access<c_int>,
@@ -90,10 +90,10 @@ pub struct Fmi2 {
 }
 
 impl Fmi2 {
-    /// An instance of an FMU that is unpacked in this folder.
+    /// Creates an instance of the FMU unpacked in `folder`.
     ///
     /// # Errors
-    /// A function is missing; the FMU makes none.
+    /// Fails if a function is missing or the FMU creates no instance.
     pub fn new(folder: &Path, of: &ModelDescription, name: &str) -> Result<Self, String> {
         let library = Loaded::open(folder, of)?;
         let mut callbacks = Box::new(Callbacks {
@@ -106,7 +106,7 @@ impl Fmi2 {
         let reals = Access::find(&library, "Real")?;
         let integers = Access::find(&library, "Integer")?;
         let booleans = Access::find(&library, "Boolean")?;
-        // SAFETY: FMI 2.0 gives these types to these names.
+        // SAFETY: FMI 2.0 gives functions with these names these types.
         let (set_up, enter, exit, step, instantiate) = unsafe {
             (
                 library.function("fmi2SetupExperiment")?,
@@ -121,7 +121,8 @@ impl Fmi2 {
         let resources = text(&uri(&folder.join("resources")))?;
         let instance = Instance::new(&library, of, |health| {
             callbacks.environment = health.logger.environment();
-            // SAFETY: the texts live through the call, callbacks and logger as long as the instance.
+            // SAFETY: the texts live until the call returns; callbacks and logger live as long as
+            // the instance.
             unsafe {
                 instantiate(
                     name.as_ptr(),
@@ -148,12 +149,12 @@ impl Fmi2 {
     }
 }
 
-/// A text for C.
+/// Converts a text for C.
 pub(crate) fn text(text: &str) -> Result<CString, String> {
-    CString::new(text).map_err(|_| format!("the text {text:?} has a null in it"))
+    CString::new(text).map_err(|_| format!("the text {text:?} contains a null byte"))
 }
 
-/// A folder as the URI of a file.
+/// Converts a folder into a file URI.
 fn uri(folder: &Path) -> String {
     let mut uri = "file://".to_owned();
     for byte in folder.as_os_str().as_encoded_bytes() {
@@ -198,7 +199,8 @@ impl Slave for Fmi2 {
         Ok(())
     }
 
-    /// Steps may be taken back (`noSetFMUStatePriorToCurrentPoint` is false).
+    /// Takes a communication step. Later calls may return to an earlier state
+    /// (`noSetFMUStatePriorToCurrentPoint` is false).
     fn step(&mut self, start: f64, length: f64) -> Result<(), Fault> {
         let step = self.step;
         // SAFETY: the instance lives.

@@ -1,6 +1,7 @@
-//! The functions of FMI 3.0 for co-simulation, without events, clocks and intermediate updates.
+//! Functions of FMI 3.0 for co-simulation, without events, clocks and intermediate updates.
 //!
-//! Modelica Association: *Functional Mock-up Interface Specification, version 3.0* (2022), chapters 2 and 4.
+//! Modelica Association: *Functional Mock-up Interface Specification, version 3.0* (2022),
+//! chapters 2 and 4.
 
 use crate::description::ModelDescription;
 use crate::fmi2::text;
@@ -42,9 +43,9 @@ type DoStep = unsafe extern "C" fn(
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T, usize) -> c_int;
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T, usize) -> c_int;
 
-/// A type of values of FMI 3.0.
+/// Numeric type of FMI 3.0.
 trait Number: Copy + Default {
-    /// Its word in names of functions.
+    /// Name of the type in names of functions.
     const WORD: &str;
     fn of(value: f64) -> Self;
     fn number(self) -> f64;
@@ -69,7 +70,7 @@ numbers! {
     i32 = "Int32", u32 = "UInt32", i64 = "Int64", u64 = "UInt64"
 }
 
-/// `bool` of C, of which an FMU may write any byte.
+/// `bool` of C; an FMU may write any byte to it.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(transparent)]
 struct Flag(u8);
@@ -86,8 +87,8 @@ impl Number for Flag {
     }
 }
 
-/// Functions of values of one type, and memory for values on their way, so that a step allocates none. They may be missing
-/// where no variable of the FMU has the type.
+/// Get and set functions of one type of value, with a buffer so that a step does not allocate. A
+/// function may be missing if no variable of the FMU has the type.
 #[derive(Debug)]
 struct Access<T> {
     set: (String, Option<Set<T>>),
@@ -98,7 +99,7 @@ struct Access<T> {
 impl<T: Number> Access<T> {
     fn find(library: &Loaded) -> Self {
         let [set, get] = ["Set", "Get"].map(|verb| format!("fmi3{verb}{}", T::WORD));
-        // SAFETY: FMI 3.0 gives these types to these names.
+        // SAFETY: FMI 3.0 gives functions with these names these types.
         let (setter, getter) =
             unsafe { (library.function(&set).ok(), library.function(&get).ok()) };
         Self { set: (set, setter), get: (get, getter), way: Vec::new() }
@@ -109,7 +110,7 @@ impl<T: Number> Access<T> {
         let set = set.ok_or_else(|| missing(name))?;
         way.clear();
         way.extend(values.iter().map(|value| T::of(*value)));
-        // SAFETY: the instance lives, and there are as many values.
+        // SAFETY: the instance lives; the length of the list is passed.
         of.call(name, |of| unsafe { set(of, &raw const reference, 1, way.as_ptr(), way.len()) })
     }
 
@@ -119,7 +120,7 @@ impl<T: Number> Access<T> {
         way.clear();
         way.resize(values.len(), T::default());
         let (to, room) = (way.as_mut_ptr(), way.len());
-        // SAFETY: the instance lives, and there is room for as many values.
+        // SAFETY: the instance lives; the buffer has room for the number of values passed.
         of.call(name, |of| unsafe { get(of, &raw const reference, 1, to, room) })?;
         values.iter_mut().zip(way).for_each(|(value, found)| *value = found.number());
         Ok(())
@@ -130,7 +131,7 @@ fn missing(name: &str) -> Fault {
     Fault(format!("the FMU has no {name}"))
 }
 
-/// An instance of FMI 3.0.
+/// Instance of FMI 3.0.
 #[derive(Debug)]
 pub struct Fmi3 {
     instance: Instance,
@@ -140,7 +141,7 @@ pub struct Fmi3 {
     step: DoStep,
 }
 
-/// Functions of values of all types.
+/// Get and set functions of all types.
 #[derive(Debug)]
 struct Values {
     float64: Access<f64>,
@@ -175,14 +176,14 @@ impl Values {
 }
 
 impl Fmi3 {
-    /// An instance of an FMU that is unpacked in this folder.
+    /// Creates an instance of the FMU unpacked in `folder`.
     ///
     /// # Errors
-    /// A function is missing; the FMU makes none.
+    /// Fails if a function is missing or the FMU creates no instance.
     pub fn new(folder: &Path, of: &ModelDescription, name: &str) -> Result<Self, String> {
         let library = Loaded::open(folder, of)?;
         let values = Values::find(&library);
-        // SAFETY: FMI 3.0 gives these types to these names.
+        // SAFETY: FMI 3.0 gives functions with these names these types.
         let (enter, exit, step, instantiate) = unsafe {
             (
                 library.function("fmi3EnterInitializationMode")?,
@@ -195,7 +196,8 @@ impl Fmi3 {
         let resources: CString = text(&format!("{}/resources/", folder.display()))?;
         let instance = Instance::new(&library, of, |health| {
             let to = health.logger.environment();
-            // SAFETY: the texts live through the call, the logger as long as the instance.
+            // SAFETY: the texts live until the call returns; the logger lives as long as the
+            // instance.
             unsafe {
                 instantiate(
                     name.as_ptr(),
@@ -217,7 +219,7 @@ impl Fmi3 {
     }
 }
 
-/// Does the same with the functions of a variable's type.
+/// Calls a method of the [`Access`] of a variable's type.
 macro_rules! by_kind {
     ($kind:expr, $values:expr, $do:ident($($argument:expr),*)) => {
         match $kind {
@@ -259,11 +261,12 @@ impl Slave for Fmi3 {
         Ok(())
     }
 
-    /// Steps may be taken back (`noSetFMUStatePriorToCurrentPoint` is false).
+    /// Takes a communication step. Later calls may return to an earlier state
+    /// (`noSetFMUStatePriorToCurrentPoint` is false).
     fn step(&mut self, start: f64, length: f64) -> Result<(), Fault> {
         let ([mut event, mut terminate, mut early], mut last) = ([0_u8; 3], start);
         let step = self.step;
-        // SAFETY: the instance lives, and there is a place for everything.
+        // SAFETY: the instance lives; all pointers are valid.
         self.instance.call("fmi3DoStep", |of| unsafe {
             step(
                 of,
@@ -278,8 +281,8 @@ impl Slave for Fmi3 {
         })?;
         match (terminate, early) {
             (0, 0) => Ok(()),
-            (0, _) => Err(Fault(format!("fmi3DoStep has returned early, at {last} s"))),
-            _ => Err(Fault(format!("the FMU wants to end the simulation, at {last} s"))),
+            (0, _) => Err(Fault(format!("fmi3DoStep returned early at {last} s"))),
+            _ => Err(Fault(format!("the FMU requested the end of the simulation at {last} s"))),
         }
     }
 

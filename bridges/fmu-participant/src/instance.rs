@@ -1,4 +1,4 @@
-//! What instances of FMI 2.0 and 3.0 have alike: a library, states, an end.
+//! Parts common to instances of FMI 2.0 and 3.0: library, states, termination.
 
 use crate::description::{ModelDescription, Version};
 use crate::library::{Component, Loaded, States};
@@ -7,12 +7,12 @@ use crate::slave::{Fault, Health, Kept};
 type Terminate = unsafe extern "C" fn(Component) -> i32;
 type Free = unsafe extern "C" fn(Component);
 
-/// An instance, which ends with this.
+/// Instance of an FMU, freed on drop.
 #[derive(Debug)]
 pub struct Instance {
-    /// As functions of FMI name it.
+    /// Handle passed to functions of FMI.
     pub component: Component,
-    /// What it has said, and whether it can be used.
+    /// Log messages, and whether the instance is still usable.
     pub health: Health,
     states: Option<States>,
     terminate: Terminate,
@@ -21,10 +21,10 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Takes over an instance that `make` makes, which is given a place for messages.
+    /// Creates an instance by `make`, which receives the logger.
     ///
     /// # Errors
-    /// A function is missing; the FMU makes none.
+    /// Fails if a function is missing or the FMU creates no instance.
     pub fn new(
         library: &Loaded,
         of: &ModelDescription,
@@ -40,16 +40,16 @@ impl Instance {
         let health = Health::default();
         let component = make(&health);
         if component.is_null() {
-            let said = health.logger.take().unwrap_or_else(|| "it does not say why".to_owned());
-            return Err(format!("the FMU makes no instance: {said}"));
+            let said = health.logger.take().unwrap_or_else(|| "no reason given".to_owned());
+            return Err(format!("the FMU created no instance: {said}"));
         }
         Ok(Self { component, health, states, terminate, free, started: false })
     }
 
-    /// Calls a function of the instance, unless it is beyond use.
+    /// Calls a function of the instance, unless a fatal error occurred before.
     ///
     /// # Errors
-    /// What the function returns.
+    /// Fails if the function returns an error, or after a fatal error.
     pub fn call(
         &mut self,
         name: &str,
@@ -60,7 +60,7 @@ impl Instance {
         self.health.check(name, status)
     }
 
-    /// It has left its initialisation, and has to be terminated.
+    /// Marks the initialisation as complete: the instance must be terminated before it is freed.
     pub fn has_started(&mut self) {
         self.started = true;
     }
@@ -69,7 +69,7 @@ impl Instance {
         self.health.usable()?;
         match &self.states {
             Some(states) => Ok((states, self.component, &mut self.health)),
-            None => Err(Fault("the FMU keeps no states (canGetAndSetFMUstate)".to_owned())),
+            None => Err(Fault("the FMU cannot save states (canGetAndSetFMUstate)".to_owned())),
         }
     }
 
@@ -105,7 +105,7 @@ impl Drop for Instance {
         if self.health.fatal {
             return;
         }
-        // SAFETY: the instance lives, and nobody uses it after this.
+        // SAFETY: the instance lives and is not used afterwards.
         unsafe {
             if self.started {
                 (self.terminate)(self.component);

@@ -1,18 +1,18 @@
-//! An FMU of another program as a participant: FMI 2.0 and 3.0 for co-simulation.
+//! FMU of another program as a participant: FMI 2.0 and 3.0 for co-simulation.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`archive`] | the archive that an FMU is: limited, whatever it claims |
+//! | [`archive`] | FMU archive, unpacked within limits |
 //! | [`description`], [`depth`], [`variable`], [`unit`] | `modelDescription.xml` |
-//! | [`wiring`] | which variables give fields, and which receive them |
+//! | [`wiring`] | variables that give or receive fields |
 //! | [`figures`], [`start`] | outputs as figures; parameters as keys of the case |
-//! | [`placed`] | grids, and numbers of values |
-//! | [`library`], [`instance`], [`logger`] | the library inside, what FMI 2.0 and 3.0 have alike, and what it says |
-//! | [`slave`], [`fmi2`], [`fmi3`] | an instance, by the functions of either version |
-//! | [`solver`], [`model`] | the participant |
+//! | [`placed`] | grids and numbers of values |
+//! | [`library`], [`instance`], [`logger`] | library of the FMU, parts common to FMI 2.0 and 3.0, log messages |
+//! | [`slave`], [`fmi2`], [`fmi3`] | instance, by the functions of either version |
+//! | [`solver`], [`model`] | participant |
 //!
-//! An FMU is code of somebody else: it runs in this process, which is the participant's own, and what it spoils is this
-//! process alone. Of the file nothing is run before a run starts.
+//! The code of an FMU is foreign. It runs in this process, which serves one participant only, so
+//! that a crash affects no other process. No code of the FMU runs before the run starts.
 
 pub mod archive;
 pub mod depth;

@@ -1,4 +1,4 @@
-//! The library inside an FMU, and the functions that FMI 2.0 and 3.0 have alike but for their names.
+//! Library of an FMU, and the functions that differ between FMI 2.0 and 3.0 only in their names.
 
 use crate::description::{ModelDescription, Version};
 use crate::slave::{Fault, Health, Kept};
@@ -7,7 +7,7 @@ use std::ffi::c_void;
 use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 
-/// An instance, as functions of FMI name it.
+/// Handle of an instance, passed to functions of FMI.
 pub type Component = *mut c_void;
 
 type Keep = unsafe extern "C" fn(Component, *mut *mut c_void) -> i32;
@@ -16,7 +16,8 @@ type Size = unsafe extern "C" fn(Component, *mut c_void, *mut usize) -> i32;
 type Write = unsafe extern "C" fn(Component, *mut c_void, *mut u8, usize) -> i32;
 type Read = unsafe extern "C" fn(Component, *const u8, usize, *mut *mut c_void) -> i32;
 
-/// A library that is loaded, until the process ends: what an FMU has begun, such as a thread, may use its code to the end.
+/// Loaded library. It stays loaded until the process ends, because a thread started by the FMU may
+/// still use its code.
 #[derive(Debug)]
 pub struct Loaded {
     library: ManuallyDrop<Library>,
@@ -24,10 +25,10 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// Loads the library of an FMU that is unpacked in this folder.
+    /// Loads the library of the FMU unpacked in `folder`.
     ///
     /// # Errors
-    /// There is none for this machine, or the system cannot load it.
+    /// Fails if the FMU has no library for this machine or the system cannot load it.
     pub fn open(folder: &Path, of: &ModelDescription) -> Result<Self, String> {
         let (os, arch) = (std::env::consts::OS, std::env::consts::ARCH);
         let platform = match of.version {
@@ -39,40 +40,40 @@ impl Loaded {
         if !path.is_file() {
             return Err(format!("the FMU has no {inside}, the library for this machine"));
         }
-        // SAFETY: code of the FMU is run from here on: whoever names an FMU in a case trusts it, and this
-        // process has nothing that it could spoil.
+        // SAFETY: from here on, code of the FMU runs. A user who names an FMU in a case trusts it,
+        // and this process holds no data of others.
         let library = unsafe { Library::new(&path) };
         let library = library.map_err(|error| {
             format!(
-                "the library of the FMU cannot be loaded: {error}; where files of {} must not be executed, set \
-                 COSIM_RUNTIME_DIR to a folder where they may",
+                "the library of the FMU cannot be loaded: {error}; if files in {} must not be executed, set \
+                 COSIM_RUNTIME_DIR to a folder where files may be executed",
                 folder.display()
             )
         })?;
         Ok(Self { library: ManuallyDrop::new(library), path })
     }
 
-    /// A function of it.
+    /// Finds a function of the library.
     ///
     /// # Errors
-    /// There is none of this name.
+    /// Fails if the library has no function with this name.
     ///
     /// # Safety
-    /// `F` is its type.
+    /// `F` must be the type of the function.
     pub unsafe fn function<F: Copy>(&self, name: &str) -> Result<F, String> {
-        // SAFETY: as the caller promises.
+        // SAFETY: guaranteed by the caller.
         let found: Result<Symbol<'_, F>, _> = unsafe { self.library.get(name.as_bytes()) };
         found.map(|symbol| *symbol).map_err(|_| format!("{} has no {name}", self.path.display()))
     }
 }
 
-/// Functions of states.
+/// Functions that save and restore states.
 #[derive(Debug)]
 pub struct States {
     keep: (String, Keep),
     give_back: (String, Return),
     free: Keep,
-    /// To bytes and back, if the FMU can.
+    /// Functions that serialise states, if supported.
     bytes: Option<Bytes>,
 }
 
@@ -84,10 +85,10 @@ struct Bytes {
 }
 
 impl States {
-    /// Those of an FMU that says that it has them.
+    /// Finds the functions for states; `None` if the FMU cannot save states.
     ///
     /// # Errors
-    /// One is missing.
+    /// Fails if a function is missing.
     pub fn find(library: &Loaded, of: &ModelDescription) -> Result<Option<Self>, String> {
         if !of.keeps_states {
             return Ok(None);
@@ -111,7 +112,7 @@ impl States {
             ],
         };
         let [keep, give_back, free, size, write, read] = names.map(str::to_owned);
-        // SAFETY: both versions of FMI give these types to these names.
+        // SAFETY: both versions of FMI give functions with these names these types.
         unsafe {
             let bytes = match of.serialises {
                 false => None,
@@ -137,7 +138,7 @@ impl States {
         state: &mut Kept,
     ) -> Result<(), Fault> {
         let (name, keep) = &self.keep;
-        // SAFETY: the instance lives; the state is null or one of its own, which the function renews.
+        // SAFETY: the instance lives; the state is null or belongs to the instance and is updated.
         let status = unsafe { keep(of, &raw mut state.0) };
         health.check(name, status)
     }
@@ -149,14 +150,14 @@ impl States {
         state: &Kept,
     ) -> Result<(), Fault> {
         let (name, give_back) = &self.give_back;
-        // SAFETY: the instance lives, and the state is one of its own.
+        // SAFETY: the instance lives; the state belongs to it.
         let status = unsafe { give_back(of, state.0) };
         health.check(name, status)
     }
 
     pub(crate) fn free(&self, of: Component, state: &mut Kept) {
         if !state.0.is_null() {
-            // SAFETY: the instance lives, and the state is one of its own, which nobody uses any more.
+            // SAFETY: the instance lives; the state belongs to it and is not used afterwards.
             unsafe { (self.free)(of, &raw mut state.0) };
             state.0 = std::ptr::null_mut();
         }
@@ -165,7 +166,7 @@ impl States {
     fn as_bytes(&self) -> Result<&Bytes, Fault> {
         self.bytes.as_ref().ok_or_else(|| {
             Fault(
-                "the FMU cannot turn its state into bytes (canSerializeFMUstate): a run with it has no \
+                "the FMU cannot serialise its state (canSerializeFMUstate): a run with it has no \
                  checkpoints; remove output.checkpoint_every"
                     .to_owned(),
             )
@@ -180,11 +181,11 @@ impl States {
     ) -> Result<Vec<u8>, Fault> {
         let Bytes { size: (name, size), write: (of_write, write), .. } = self.as_bytes()?;
         let mut length = 0_usize;
-        // SAFETY: the instance lives, and the state is one of its own.
+        // SAFETY: the instance lives; the state belongs to it.
         let status = unsafe { size(of, state.0, &raw mut length) };
         health.check(name, status)?;
         let mut bytes = vec![0; length];
-        // SAFETY: the same, and there is room for as many bytes.
+        // SAFETY: as above; the buffer has room for `length` bytes.
         let status = unsafe { write(of, state.0, bytes.as_mut_ptr(), length) };
         health.check(of_write, status)?;
         Ok(bytes)
@@ -198,7 +199,7 @@ impl States {
         state: &mut Kept,
     ) -> Result<(), Fault> {
         let (name, read) = &self.as_bytes()?.read;
-        // SAFETY: the instance lives, and there are as many bytes.
+        // SAFETY: the instance lives; the length of the list is passed.
         let status = unsafe { read(of, bytes.as_ptr(), bytes.len(), &raw mut state.0) };
         health.check(name, status)
     }

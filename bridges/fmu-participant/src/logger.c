@@ -1,4 +1,4 @@
-/* The logger that an FMU 2.0 is given: its message is a format, with arguments. */
+/* Logger of FMI 2.0: its message is a format string, followed by arguments. */
 #include <stdarg.h>
 #include <stdio.h>
 

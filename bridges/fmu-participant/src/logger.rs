@@ -1,41 +1,42 @@
-//! What an FMU says: into the log, and the last of it into what a person is told when it fails.
+//! Log messages of an FMU. All go to the log; the last error message also goes into the error shown
+//! to the user.
 
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::sync::{Mutex, PoisonError};
 
-/// The longest message that is kept [byte].
+/// Maximum length of a stored message [character].
 const LONGEST: usize = 1000;
 
-/// Status of a function of FMI.
+/// Status returned by a function of FMI.
 pub type Status = c_int;
-/// It has done what it should.
+/// Success.
 pub const OK: Status = 0;
-/// The same, with a warning.
+/// Success with a warning.
 pub const WARNING: Status = 1;
-/// Nothing has changed.
+/// Call rejected, state unchanged.
 pub const DISCARD: Status = 2;
-/// The instance is unusable, as all others of this FMU.
+/// Fatal error: all instances of this FMU are unusable.
 pub const FATAL: Status = 4;
 
 unsafe extern "C" {
-    /// Formats a message of FMI 2.0, and passes it on to [`fmu_participant_logged`].
+    /// Formats a message of FMI 2.0 and passes it to [`fmu_participant_logged`].
     pub fn fmu_participant_log();
 }
 
-/// Keeps the last message of a failure. It stays where it is as long as the instance lives.
+/// Stores the last error message. The address must not change during the life of the instance.
 #[derive(Debug, Default)]
 pub struct Logger {
     last: Mutex<Option<String>>,
 }
 
 impl Logger {
-    /// What is passed to an FMU for the place of this logger.
+    /// Returns the pointer that identifies this logger to an FMU.
     #[must_use]
     pub fn environment(&self) -> *mut c_void {
         std::ptr::from_ref(self).cast_mut().cast()
     }
 
-    /// The last message of a failure since this was asked.
+    /// Takes the last error message since the previous call.
     #[must_use]
     pub fn take(&self) -> Option<String> {
         self.last.lock().unwrap_or_else(PoisonError::into_inner).take()
@@ -55,10 +56,11 @@ impl Logger {
     }
 }
 
-/// A message of an instance, formatted.
+/// Receives a formatted message of an instance.
 ///
 /// # Safety
-/// `environment` is that of a [`Logger`] that lives; `text` is null or a string that ends with a null.
+/// `environment` is null or points to a living [`Logger`]; `text` is null or a null-terminated
+/// string.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmu_participant_logged(
     environment: *mut c_void,
@@ -68,22 +70,22 @@ pub unsafe extern "C" fn fmu_participant_logged(
     if environment.is_null() || text.is_null() {
         return;
     }
-    // SAFETY: as the caller promises; a logger is only ever looked at.
+    // SAFETY: guaranteed by the caller; a logger is only read through shared references.
     let (logger, text) = unsafe { (&*environment.cast::<Logger>(), CStr::from_ptr(text)) };
     logger.told(status, &text.to_string_lossy());
 }
 
-/// The logger of FMI 3.0.
+/// Logger of FMI 3.0.
 ///
 /// # Safety
-/// As [`fmu_participant_logged`].
+/// Same as for [`fmu_participant_logged`].
 pub unsafe extern "C" fn log_message(
     environment: *mut c_void,
     status: Status,
     _category: *const c_char,
     text: *const c_char,
 ) {
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     unsafe { fmu_participant_logged(environment, status, text) };
 }
 
@@ -91,7 +93,7 @@ pub unsafe extern "C" fn log_message(
 mod tests {
     use super::*;
 
-    /// A caller in C, for which the logger has a variable number of arguments.
+    /// Type of the logger as seen from C, with a variable number of arguments.
     type Variadic =
         unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...);
 
@@ -113,7 +115,7 @@ mod tests {
         let logger = Logger::default();
         let tell = |status, text: &CStr| {
             let none = std::ptr::null();
-            // SAFETY: the logger lives, the text ends with a null.
+            // SAFETY: the logger lives; the text is null-terminated.
             unsafe { log_message(logger.environment(), status, none, text.as_ptr()) };
         };
         tell(WARNING, c"careful");

@@ -1,4 +1,4 @@
-//! The executable: its own arguments, then those of every participant.
+//! Executable: splits its own arguments from those common to all participants.
 
 use clap::Parser;
 use fmu_participant::solver::{Fmu, FmuSolver};
@@ -12,24 +12,25 @@ use std::process::ExitCode;
 /// In the case: vehicle.command = ["fmu-participant", "vehicle.fmu", "--role", "vehicle",
 /// "--wire", "Q -> load.normal_force", "--wire", "Fx, Fy, Fz <- contact_force"]
 ///
-/// "Q -> load.normal_force": an output gives a field, or the value of a key;
-/// "Fx, Fy, Fz <- contact_force": inputs receive a field, a component each; "P <- integral(friction_power)"
-/// and "T <- mean(lower_temperature)": its integral or mean over the surface.
+/// "Q -> load.normal_force": an output gives a field, or the value of a key. "Fx, Fy, Fz <-
+/// contact_force": inputs receive a field, one component each. "P <- integral(friction_power)" and
+/// "T <- mean(lower_temperature)": an input receives the integral or the mean over the surface.
 #[derive(Debug, Parser)]
 #[command(name = "fmu-participant", version, max_term_width = 100)]
 struct Own {
-    /// The FMU.
+    /// The FMU to run.
     #[arg(value_name = "FMU")]
     path: PathBuf,
-    /// Variables that give or receive a field; any number of times.
+    /// Variables that give or receive a field; may be repeated.
     #[arg(long = "wire", value_name = "WIRE")]
     wires: Vec<String>,
-    /// The role to play; absent: the file's name.
+    /// Role to play [default: name of the file].
     #[arg(long)]
     role: Option<String>,
 }
 
-/// Where the arguments of every participant begin.
+/// Options common to all participants; the arguments from the first one on belong to the
+/// participant.
 const CONTRACT: [&str; 4] = ["--describe", "--estimate", "--advise", "--join"];
 
 fn main() -> ExitCode {

@@ -1,7 +1,8 @@
-//! An FMU that runs: windows are its communication steps.
+//! Running FMU: each window is one communication step.
 //!
-//! A solve returns to the accepted state, if a step has been taken since, sets the inputs, which hold over the step, takes
-//! the step and reads the outputs. Where inputs vary within a window, the FMU is given their mean over it.
+//! A solve restores the accepted state if a step was taken since, sets the inputs, takes the step
+//! and reads the outputs. Inputs are constant over a step: an input that varies within the window
+//! is set to its mean.
 
 use crate::description::{ModelDescription, Version};
 use crate::figures::Figures;
@@ -20,61 +21,62 @@ use std::cell::RefCell;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// Relative difference of window lengths that is rounding: times are counted up from 0.
+/// Relative difference between window lengths that counts as rounding: times are sums starting from
+/// 0.
 const ROUNDING: f64 = 1e-9;
-/// The largest state that is read back [byte].
+/// Maximum size of a state that is read back [byte].
 const LARGEST_STATE: u64 = 1 << 36;
 
-/// What a model is made of.
+/// Parts of a model.
 pub struct Parts<'a> {
-    /// The role it plays.
+    /// Role of the participant.
     pub role: &'a str,
-    /// What the FMU says of itself.
+    /// Model description of the FMU.
     pub description: &'a ModelDescription,
-    /// Its figures.
+    /// Outputs that are figures.
     pub figures: &'a [Figures],
     /// Values of parameters, in the units of the FMU.
     pub starts: &'a [(Variable, Vec<f64>)],
-    /// What crosses.
+    /// Exchanged fields, with their grids.
     pub placed: Placed,
 }
 
-/// What was read of the FMU after a step.
+/// Values read from the FMU after a step.
 #[derive(Clone, Debug, Default)]
 struct Answer {
-    /// Values of each output that is asked for, in SI units.
+    /// Values of each requested output, in SI units.
     given: Vec<Vec<f64>>,
     /// Values of each variable that is a figure, in SI units.
     figures: Vec<Vec<f64>>,
 }
 
-/// The model that runs.
+/// Running FMU as a model.
 pub struct Running {
     role: String,
     slave: RefCell<Box<dyn Slave>>,
     placed: Placed,
     figures: Vec<Figures>,
-    /// The accepted state; `None` for an FMU that keeps none.
+    /// Accepted state; `None` if the FMU cannot save states.
     state: Option<Kept>,
-    /// The FMU has gone on from the accepted state.
+    /// True if the FMU has stepped beyond the accepted state.
     moved: bool,
-    /// Communication steps may differ in length.
+    /// True if communication steps may differ in length.
     varies_step: bool,
     /// Length of the first step [s].
     first_step: Option<f64>,
     trial: Answer,
     accepted: Answer,
-    /// The state of the last accepted step could not be kept.
+    /// Error of saving the last accepted state, reported by the next solve.
     late: Option<Fault>,
-    /// Values on their way to the FMU.
+    /// Buffer of values sent to the FMU.
     way: Vec<f64>,
 }
 
 impl Running {
-    /// Starts an FMU that is unpacked in this folder.
+    /// Starts the FMU unpacked in `folder`.
     ///
     /// # Errors
-    /// In words.
+    /// Fails if the FMU creates no instance, or a function of the FMU returns an error.
     pub fn new(folder: &Path, parts: Parts<'_>) -> Result<Self, String> {
         let Parts { role, description, figures, starts, placed } = parts;
         let mut slave: Box<dyn Slave> = match description.version {
@@ -110,14 +112,15 @@ impl Running {
         Ok(model)
     }
 
-    /// Goes back to the accepted state.
+    /// Restores the accepted state.
     fn go_back(&mut self) -> Result<(), StepError> {
         if !self.moved {
             return Ok(());
         }
         let Some(state) = &self.state else {
             return Err(StepError::NoSolution(
-                "the FMU cannot go back to solve a window again (canGetAndSetFMUstate)".to_owned(),
+                "the FMU cannot restore a state to solve a window again (canGetAndSetFMUstate)"
+                    .to_owned(),
             ));
         };
         self.slave.get_mut().return_to(state).map_err(failed)?;
@@ -125,18 +128,19 @@ impl Running {
         Ok(())
     }
 
-    /// Refuses a step of another length than the first one, of an FMU that has steps of one length.
+    /// Rejects a step whose length differs from the first one, if the FMU requires constant steps.
     fn check_length(&mut self, length: f64) -> Result<(), StepError> {
         let first = *self.first_step.get_or_insert(length);
         match self.varies_step || (length - first).abs() <= ROUNDING * first {
             true => Ok(()),
             false => Err(StepError::NoSolution(format!(
-                "the FMU takes steps of one length, {first} s, and none of {length} s (canHandleVariableCommunicationStepSize)"
+                "the FMU requires steps of constant length {first} s, got {length} s (canHandleVariableCommunicationStepSize)"
             ))),
         }
     }
 
-    /// Sets the inputs; the power received through densities, if there are any.
+    /// Sets the inputs. Returns the power received through densities [W]; `None` if no input is a
+    /// density.
     fn set(&mut self, inputs: &dyn Inputs) -> Result<Option<f64>, StepError> {
         let mut heat = None;
         for placed in &self.placed.takes {
@@ -173,7 +177,7 @@ impl Running {
                 if let Some(place) = first_non_finite(own) {
                     let (name, value) = (&variable.name, own[place]);
                     return Err(StepError::NoSolution(format!(
-                        "the FMU gives {value} for `{name}`"
+                        "the FMU returned {value} for `{name}`"
                     )));
                 }
                 rest = others;
@@ -211,7 +215,8 @@ fn in_si(variable: &Variable, values: &mut [f64]) {
     }
 }
 
-/// What an FMU is given of a field.
+/// Computes the values of a field for the FMU: all values, surface integral or mean. If the field
+/// has values at the start of the window, the mean of start and end is used.
 fn measure(
     measure: Measure,
     (values, start): (&[f64], Option<&[f64]>),
@@ -222,7 +227,7 @@ fn measure(
     into.clear();
     let points = values.len() / components;
     let area = match measure {
-        Measure::Mean => (0..points).map(|element| grid.area(element)).sum(),
+        Measure::Mean => grid.areas().iter().sum(),
         _ => 1.0,
     };
     let over = |values: &[f64]| grid.integrate(values) / area;
@@ -243,7 +248,7 @@ fn measure(
     }
 }
 
-/// Sets variables to values in SI units, one after the other.
+/// Sets variables one after the other to values in SI units.
 fn pass_on(
     slave: &mut dyn Slave,
     variables: &[Variable],
@@ -253,7 +258,9 @@ fn pass_on(
     let mut rest = values;
     for variable in variables {
         let Some((own, others)) = rest.split_at_mut_checked(variable.size) else {
-            return Err(StepError::NoSolution(format!("{found} values are too few for the FMU")));
+            return Err(StepError::NoSolution(format!(
+                "{found} values are fewer than the FMU expects"
+            )));
         };
         if !variable.unit.is_si() {
             own.iter_mut().for_each(|value| *value = variable.unit.in_own(*value));
@@ -263,7 +270,7 @@ fn pass_on(
     }
     match rest.len() {
         0 => Ok(()),
-        _ => Err(StepError::NoSolution(format!("{found} values are too many for the FMU"))),
+        _ => Err(StepError::NoSolution(format!("{found} values are more than the FMU expects"))),
     }
 }
 
@@ -316,7 +323,7 @@ impl Model for Running {
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         let cannot = || {
             io::Error::other(
-                "the FMU keeps no states (canGetAndSetFMUstate): a run with it has no checkpoints; remove output.checkpoint_every",
+                "the FMU cannot save states (canGetAndSetFMUstate): a run with it has no checkpoints; remove output.checkpoint_every",
             )
         };
         let state = self.state.as_ref().ok_or_else(cannot)?;
@@ -336,7 +343,7 @@ impl Model for Running {
             return Err(StateError("it is truncated".to_owned()));
         }
         let Some(state) = &mut self.state else {
-            return Err(StateError("the FMU keeps no states".to_owned()));
+            return Err(StateError("the FMU cannot save states".to_owned()));
         };
         let slave = self.slave.get_mut();
         let told = |fault: Fault| StateError(fault.to_string());

@@ -1,8 +1,9 @@
-//! Where the fields of an FMU live, and how many values its variables have of them.
+//! Grids of the fields of an FMU, and the numbers of values of its variables.
 //!
-//! An array of an FMU has no places. Those of its inputs are the elements of the grid that the field comes on, or of
-//! `[ROLE.grid]`, where the case has that; its outputs are on the same grid. A value of a key, and what a scalar gives where
-//! nothing comes from a surface, is on a grid of one point.
+//! An array of an FMU has no coordinates. An input array corresponds to the elements of the grid of
+//! the incoming field, or of `[ROLE.grid]` if the case has that table. Output arrays are on the
+//! same grid. The value of a key lives on a grid of one point; so does a scalar output if no input
+//! comes from a surface.
 
 use crate::wiring::{Give, Measure, Take, Wiring};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Refusal};
@@ -11,13 +12,13 @@ use proto::field::{FieldKind, Mapping};
 use proto::grid::{Grid, Structured};
 use proto::params::Params;
 
-/// Time of a step, a guess [s].
+/// Estimated time of a step [s].
 const SECONDS: f64 = 1e-5;
-/// Name of the grid of one point.
+/// Name of the grid with one point.
 const POINT: &str = "point";
-/// Name of the grid that the case gives.
+/// Name of the grid defined in the case.
 const OWN: &str = "fmu";
-/// The edges of that grid, and the numbers of its elements.
+/// Keys of the edges and element counts of the grid defined in the case, with their help texts.
 const EDGES: [(&str, &str); 4] = [
     ("x_from", "rear edge"),
     ("x_to", "front edge"),
@@ -26,39 +27,39 @@ const EDGES: [(&str, &str); 4] = [
 ];
 const COUNTS: [(&str, &str); 2] = [("nx", "elements along x"), ("ny", "elements along y")];
 
-/// An input that is placed.
+/// Input with its field.
 #[derive(Debug)]
 pub struct PlacedTake {
-    /// Its variables, and what they receive.
+    /// Variables, and the part of the field they receive.
     pub take: Take,
-    /// It is a density: its integral is the power that is received.
+    /// True for a density: its integral is the received power.
     pub conservative: bool,
-    /// Components of the field.
+    /// Number of components of the field.
     pub components: usize,
 }
 
-/// An output that is placed.
+/// Output with its field.
 #[derive(Debug)]
 pub struct PlacedGive {
-    /// Its variables, and what they give.
+    /// Variables, and the field they give.
     pub give: Give,
-    /// Every component is one value, the same everywhere.
+    /// True if every component is one value, uniform over the grid.
     pub uniform: bool,
 }
 
-/// All that crosses.
+/// All exchanged fields.
 #[derive(Debug, Default)]
 pub struct Placed {
     /// Inputs.
     pub takes: Vec<PlacedTake>,
-    /// Outputs that are asked for.
+    /// Requested outputs.
     pub gives: Vec<PlacedGive>,
 }
 
-/// Keys of the grid.
+/// Returns the keys of the grid.
 pub fn keys(role: &str) -> Vec<KeySpec> {
     let path = |name: &str| format!("{role}.grid.{name}");
-    let help = |words: &str| format!("{words} of the FMU's grid; absent: the grid of its inputs");
+    let help = |words: &str| format!("{words} of the FMU's grid; absent: the grid of the inputs");
     let edges = EDGES.map(|(name, words)| KeySpec::quantity(&path(name), "m", &help(words)));
     let counts = COUNTS.map(|(name, words)| {
         KeySpec::integer(&path(name), &help(words)).at_least(1.0).at_most(1e5)
@@ -78,11 +79,11 @@ fn own_grid(role: &str, case: &Params) -> Result<Option<Grid>, Refusal> {
     let [nx, ny] = COUNTS.map(|(name, _)| case.integer(&key(name)));
     let (nx, ny) = (nx?, ny?);
     if !(left < right && low < high && nx > 0 && ny > 0) {
-        let reason = "has no area, or no elements";
+        let reason = "has no area or no elements";
         return Err(Refusal::new(
             &table,
             reason,
-            "let x_from be below x_to, and y_from below y_to",
+            "set x_from below x_to, y_from below y_to, and nx and ny above 0",
         ));
     }
     let (dx, dy) = ((right - left) / nx as f64, (high - low) / ny as f64);
@@ -93,10 +94,11 @@ fn own_grid(role: &str, case: &Params) -> Result<Option<Grid>, Refusal> {
     )))
 }
 
-/// Places the wires; nothing is placed as long as the grid of an input is not known.
+/// Assigns grids to the wired variables. Returns no [`Placed`] while the grid of an input is
+/// unknown.
 ///
 /// # Errors
-/// Numbers of values that do not fit, an impossible grid.
+/// Fails if the number of values does not match a grid, or `[ROLE.grid]` is invalid.
 pub fn place(
     role: &str,
     wiring: &Wiring,
@@ -143,12 +145,12 @@ fn size(variables: &[crate::variable::Variable]) -> usize {
     variables.iter().map(|one| one.size).sum()
 }
 
-/// It receives more than one value of a component.
+/// True if the variables receive more than one value for each component.
 fn is_array(take: &Take, field: &FieldKind) -> bool {
     take.measure == Measure::Values && size(&take.variables) != field.components as usize
 }
 
-/// A field whose unit is called otherwise than that of the variables.
+/// Returns a remark if the name of the field's unit differs from the unit of the variables.
 fn remark(take: &Take, field: &FieldKind) -> Option<String> {
     let strange = take.variables.iter().find(|one| {
         let name = &one.unit.name;
@@ -165,6 +167,15 @@ fn remark(take: &Take, field: &FieldKind) -> Option<String> {
 
 fn taken(role: &str, take: &Take, input: &Input, grid: &Grid) -> Result<PlacedTake, Refusal> {
     let components = input.field.components as usize;
+    if take.measure != Measure::Values && !grid.has_areas() {
+        let name = &input.field.name;
+        let reason = format!(
+            "the FMU takes the integral or the mean of `{name}`, but the grid `{}` has no areas",
+            grid.name
+        );
+        let fix = format!("give the FMU a grid of its own in [{role}.grid], and wire `{name}`");
+        return Err(Refusal::new(&format!("{role}.command"), reason, fix));
+    }
     let expected = match take.measure {
         Measure::Values => components * grid.points(),
         Measure::Integral | Measure::Mean => components,

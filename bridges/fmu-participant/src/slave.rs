@@ -1,86 +1,86 @@
-//! An instance of an FMU for co-simulation, whichever version of FMI it follows.
+//! Instance of an FMU for co-simulation, independent of the FMI version.
 
 use crate::logger::{DISCARD, FATAL, Logger, OK, Status, WARNING};
 use crate::variable::Variable;
 use std::ffi::c_void;
 
-/// A function of FMI that has not done what it should.
+/// Error of a function of FMI.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Fault(pub String);
 
-/// A state of the FMU, which only it can read.
+/// State of the FMU, opaque to this program.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Kept(pub *mut c_void);
 
-/// What is done with an instance, in the order of the functions.
+/// Operations on an instance, in the order of use.
 pub trait Slave {
     /// Sets the values of a variable, in its own unit.
     ///
     /// # Errors
-    /// The FMU's words.
+    /// Fails if the FMU returns an error.
     fn set(&mut self, variable: &Variable, values: &[f64]) -> Result<(), Fault>;
 
     /// Reads the values of a variable, in its own unit.
     ///
     /// # Errors
-    /// The FMU's words.
+    /// Fails if the FMU returns an error.
     fn get(&mut self, variable: &Variable, values: &mut [f64]) -> Result<(), Fault>;
 
-    /// Ends the setting of parameters; time begins at 0.
+    /// Ends the initialisation, after the parameters are set. Time starts at 0.
     ///
     /// # Errors
-    /// The FMU's words.
+    /// Fails if the FMU returns an error.
     fn start(&mut self) -> Result<(), Fault>;
 
-    /// Steps from `start` [s] over `length` [s].
+    /// Takes a step from `start` [s] of length `length` [s].
     ///
     /// # Errors
-    /// The FMU's words; it wants to end, or has returned early.
+    /// Fails if the FMU returns an error, requests the end of the simulation, or returns early.
     fn step(&mut self, start: f64, length: f64) -> Result<(), Fault>;
 
-    /// Keeps the present state, in the place of an earlier one.
+    /// Saves the present state, replacing an earlier one.
     ///
     /// # Errors
-    /// The FMU's words.
+    /// Fails if the FMU returns an error.
     fn keep(&mut self, state: &mut Kept) -> Result<(), Fault>;
 
-    /// Returns to a state.
+    /// Restores a saved state.
     ///
     /// # Errors
-    /// The FMU's words.
+    /// Fails if the FMU returns an error.
     fn return_to(&mut self, state: &Kept) -> Result<(), Fault>;
 
-    /// A state as bytes.
+    /// Serialises a state.
     ///
     /// # Errors
-    /// The FMU's words.
+    /// Fails if the FMU returns an error.
     fn bytes(&mut self, state: &Kept) -> Result<Vec<u8>, Fault>;
 
-    /// A state from bytes, in the place of an earlier one.
+    /// Reads a serialised state, replacing an earlier one.
     ///
     /// # Errors
-    /// The FMU's words.
+    /// Fails if the FMU returns an error.
     fn read_bytes(&mut self, bytes: &[u8], state: &mut Kept) -> Result<(), Fault>;
 
     /// Frees a state.
     fn free(&mut self, state: &mut Kept);
 }
 
-/// Whether an instance can still be used, and what it has said.
+/// Usability of an instance, and its log.
 #[derive(Debug, Default)]
 pub struct Health {
-    /// Where it is told.
+    /// Receiver of log messages.
     pub logger: Box<Logger>,
-    /// No function may be called any more.
+    /// True after a fatal error: no function may be called.
     pub fatal: bool,
 }
 
 impl Health {
-    /// What a function has returned.
+    /// Checks the status returned by a function.
     ///
     /// # Errors
-    /// Neither fine nor fine with a warning.
+    /// Fails if the status is neither success nor success with a warning.
     pub fn check(&mut self, function: &str, status: Status) -> Result<(), Fault> {
         let what = match status {
             OK | WARNING => return Ok(()),
@@ -92,16 +92,16 @@ impl Health {
             _ => "fmiError",
         };
         let said = self.logger.take().map_or_else(String::new, |text| format!(": {text}"));
-        Err(Fault(format!("{function} has returned {what}{said}")))
+        Err(Fault(format!("{function} returned {what}{said}")))
     }
 
-    /// Refuses to use an instance after a fatal error.
+    /// Checks that the instance is usable.
     ///
     /// # Errors
-    /// There was one.
+    /// Fails after a fatal error.
     pub fn usable(&self) -> Result<(), Fault> {
         match self.fatal {
-            true => Err(Fault("the FMU has ended with a fatal error before".to_owned())),
+            true => Err(Fault("the FMU has failed with a fatal error before".to_owned())),
             false => Ok(()),
         }
     }

@@ -1,4 +1,4 @@
-//! An FMU as a solver: what it says of itself, and what it makes of a configuration.
+//! FMU as a solver: its description, and its setup for a configuration.
 
 use crate::archive::Archive;
 use crate::description::{ModelDescription, Version};
@@ -16,10 +16,10 @@ use proto::text::one_line;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Name of the one model.
+/// Name of the only model.
 const MODEL: &str = "co-simulation";
 
-/// An FMU that is read, and its wires.
+/// FMU with its wiring.
 #[derive(Debug)]
 pub struct Fmu {
     path: PathBuf,
@@ -30,10 +30,10 @@ pub struct Fmu {
 }
 
 impl Fmu {
-    /// Reads an FMU that plays a role.
+    /// Reads an FMU and its wires for a role.
     ///
     /// # Errors
-    /// What is wrong with the file or a wire.
+    /// Fails if the file or a wire is invalid.
     pub fn read(path: &Path, role: &str, wires: &[String]) -> Result<Self, String> {
         let text = Archive::open(path)?.text("modelDescription.xml")?;
         let description = ModelDescription::parse(&text)
@@ -76,16 +76,16 @@ impl Fmu {
     }
 }
 
-/// An FMU that answers what it is, or takes part in a run.
+/// Solver that describes an FMU, or runs it.
 #[derive(Debug)]
 pub struct FmuSolver {
     fmu: Rc<Fmu>,
-    /// The folder of the run, where it is unpacked.
+    /// Folder of the run, where the FMU is unpacked.
     folder: Option<PathBuf>,
 }
 
 impl FmuSolver {
-    /// With the folder of the run that it takes part in, if it does.
+    /// Creates a solver; `folder` is the folder of the run, if it takes part in one.
     #[must_use]
     pub fn new(fmu: Fmu, folder: Option<PathBuf>) -> Self {
         Self { fmu: Rc::new(fmu), folder }
@@ -129,13 +129,14 @@ impl Solver for FmuSolver {
             let Fmu { path, role, description, figures, .. } = &*fmu;
             let failed = |reason: String| {
                 let reason = format!("{}: {reason}", path.display());
-                let fix = "correct the FMU, or name another one";
+                let fix = "correct the FMU or name a different one";
                 Refusal::new(&format!("{role}.command"), reason, fix)
             };
-            let unknown = || failed("there is no run to unpack it for".to_owned());
+            let unknown =
+                || failed("an FMU is unpacked only for a run, and no run is given".to_owned());
             let folder = folder.ok_or_else(unknown)?;
             let placed =
-                placed.ok_or_else(|| failed("the grid of an input is not known".to_owned()))?;
+                placed.ok_or_else(|| failed("the grid of an input is unknown".to_owned()))?;
             Archive::open(path).and_then(|mut archive| archive.unpack(&folder)).map_err(failed)?;
             // The FMU receives the path of its resources, which must exist even if it has none.
             std::fs::create_dir_all(folder.join("resources"))

@@ -1,4 +1,5 @@
-//! Values that a case gives to an FMU before the start: `[ROLE.start]`, a key for every parameter.
+//! Parameters of an FMU that the case sets before the start: `[ROLE.start]`, with a key for every
+//! parameter.
 
 use crate::description::ModelDescription;
 use crate::variable::{Kind, Variable};
@@ -8,7 +9,8 @@ use proto::params::Params;
 use proto::text::one_line;
 use serde_json::Value;
 
-/// The parameters that a case can set: those whose name is a dotted key, and no table of other parameters.
+/// Iterates over the parameters a case can set. A parameter is left out if its name is not a dotted
+/// key, or is also a table of other parameters.
 fn parameters(of: &ModelDescription) -> impl Iterator<Item = &Variable> {
     let part = |part: &str| {
         !part.is_empty() && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
@@ -29,7 +31,7 @@ fn path(role: &str, name: &str) -> String {
     format!("{role}.start.{name}")
 }
 
-/// Their keys.
+/// Returns the keys of the parameters.
 pub fn keys(role: &str, of: &ModelDescription) -> Vec<KeySpec> {
     let key = |one: &Variable| {
         let path = path(role, &one.name);
@@ -55,16 +57,17 @@ pub fn keys(role: &str, of: &ModelDescription) -> Vec<KeySpec> {
             }
         };
         let spec = if one.size > 1 { spec.or_list() } else { spec };
-        // The FMU has no value of its own.
+        // The FMU has no start value.
         if one.start.iter().all(|start| start.is_finite()) { spec } else { spec.required() }
     };
     parameters(of).map(key).collect()
 }
 
-/// The values that a case gives, in the units of the FMU.
+/// Reads the values set by the case, in the units of the FMU.
 ///
 /// # Errors
-/// Another number of values than the parameter has, or integers that its type does not have.
+/// Fails if the number of values differs from the size of the parameter, or an integer is outside
+/// the range of its type.
 pub fn read(
     role: &str,
     of: &ModelDescription,
@@ -87,7 +90,7 @@ pub fn read(
                     let fix = format!("write a value from {least} to {most}");
                     return Err(Refusal::new(&key, reason, fix));
                 }
-                // What has no base unit is in the FMU's own.
+                // A value without base unit is already in the unit of the FMU.
                 let own = |value| match one.unit.base {
                     Some(_) => one.unit.in_own(value),
                     None => value,
@@ -135,7 +138,8 @@ mod tests {
         assert_eq!(keys[0].help, "k.primary; absent: 2 kN/m");
     }
 
-    /// Parameters of twice the number take about twice as long; every one compared with all others took more than 30 s.
+    /// Run time grows linearly with the number of parameters. Comparing all pairs of names took
+    /// more than 30 s.
     #[test]
     fn a_hundred_thousand_parameters_are_read_at_once() {
         let parameter = |n: u32| {

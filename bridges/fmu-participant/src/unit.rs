@@ -1,11 +1,11 @@
-//! Units of variables: what an FMU defines of them, and the way to SI and back.
+//! Units of variables as defined by the FMU, and their conversion to and from SI.
 //!
-//! FMI says of a unit its exponents over seven base units, a factor and an offset: in SI a value v is
-//! factor · v + offset.
+//! FMI defines a unit by exponents of the base units, a factor and an offset. A value v of the FMU
+//! equals factor · v + offset in SI units.
 
 use std::fmt::Write as _;
 
-/// Attributes of a `BaseUnit` that are exponents, and the symbols of the case.
+/// Exponent attributes of a `BaseUnit`, with the symbols used in a case.
 pub const BASE: [(&str, &str); 8] = [
     ("kg", "kg"),
     ("m", "m"),
@@ -17,10 +17,10 @@ pub const BASE: [(&str, &str); 8] = [
     ("rad", "rad"),
 ];
 
-/// Exponents over the base units.
+/// Exponents of the base units.
 pub type Exponents = [i32; BASE.len()];
 
-/// Units that people know by another name than that of their base units.
+/// Derived units with a common name.
 const DERIVED: [(&str, Exponents); 5] = [
     ("N", [1, 1, -2, 0, 0, 0, 0, 0]),
     ("Pa", [1, -1, -2, 0, 0, 0, 0, 0]),
@@ -29,39 +29,41 @@ const DERIVED: [(&str, Exponents); 5] = [
     ("N/m", [1, 0, -2, 0, 0, 0, 0, 0]),
 ];
 
-/// The unit of a variable.
+/// Unit of a variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
-    /// As the FMU calls it; empty for a variable without one.
+    /// Name in the FMU; empty for a variable without unit.
     pub name: String,
-    /// The SI unit as an expression of base units (`kg m/s2`); `None` where the FMU does not define it.
+    /// SI unit as an expression of base units (`kg m/s2`); `None` if the FMU does not define the
+    /// unit.
     pub base: Option<String>,
-    /// In SI a value is so many times as large.
+    /// Factor from a value of the FMU to SI.
     pub factor: f64,
-    /// What is added then.
+    /// Offset added after the factor.
     pub offset: f64,
 }
 
 impl Unit {
-    /// A unit that the FMU names and does not define; its values are taken as they are.
+    /// Creates a unit the FMU names without defining it; values are used unchanged.
     #[must_use]
     pub fn named(name: &str) -> Self {
         Self { name: name.to_owned(), base: None, factor: 1.0, offset: 0.0 }
     }
 
-    /// One that it defines.
+    /// Creates a unit the FMU defines.
     #[must_use]
     pub fn defined(name: &str, exponents: Exponents, factor: f64, offset: f64) -> Self {
         Self { name: name.to_owned(), base: Some(expression(exponents)), factor, offset }
     }
 
-    /// It is an SI unit, or passes for one.
+    /// True if values are in SI units, or are treated as such.
     #[must_use]
     pub fn is_si(&self) -> bool {
         self.factor == 1.0 && self.offset == 0.0
     }
 
-    /// The SI unit of a value that has crossed: its own name, where that is one.
+    /// Returns the SI unit of a converted value: the unit's own name if it is SI and fits a field
+    /// label.
     #[must_use]
     pub fn si(&self) -> &str {
         match &self.base {
@@ -71,25 +73,25 @@ impl Unit {
         }
     }
 
-    /// A value of the FMU in SI.
+    /// Converts a value of the FMU to SI.
     #[must_use]
     pub fn to_si(&self, value: f64) -> f64 {
         if self.is_si() { value } else { self.factor * value + self.offset }
     }
 
-    /// A value in SI as the FMU has it.
+    /// Converts a value in SI units to the unit of the FMU.
     #[must_use]
     pub fn in_own(&self, value: f64) -> f64 {
         if self.is_si() { value } else { (value - self.offset) / self.factor }
     }
 }
 
-/// A unit that fits the label of a field.
+/// True if the name fits the label of a field.
 fn fits(name: &str) -> bool {
     (1..16).contains(&name.len()) && name.chars().all(|c| c.is_ascii_graphic() || c == ' ')
 }
 
-/// `kg m/s2` for kg 1, m 1, s −2; `1` for a plain number.
+/// Formats exponents: `kg m/s2` for kg 1, m 1, s −2; `1` for a plain number.
 fn expression(exponents: Exponents) -> String {
     if let Some((name, _)) = DERIVED.iter().find(|(_, derived)| *derived == exponents) {
         return (*name).to_owned();

@@ -1,8 +1,8 @@
-//! A variable of an FMU, as its model description has it.
+//! Variable of an FMU, as in its model description.
 
 use crate::unit::Unit;
 
-/// The type of a variable's values. Texts and binaries, clocks and FMI 2.0's strings are none that cross.
+/// Type of the values of a variable. Strings, binaries and clocks are not exchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// FMI 2.0: `Real`.
@@ -21,32 +21,32 @@ pub enum Kind {
     Int32,
     /// FMI 3.0.
     UInt32,
-    /// FMI 3.0, `Enumeration` among them.
+    /// FMI 3.0, including `Enumeration`.
     Int64,
     /// FMI 3.0.
     UInt64,
-    /// True or false, as 1 or 0.
+    /// Boolean, exchanged as 1 or 0.
     Boolean,
 }
 
 impl Kind {
-    /// Values have a fraction.
+    /// True for real numbers.
     #[must_use]
     pub fn is_real(self) -> bool {
         matches!(self, Self::Float64 | Self::Float32)
     }
 
-    /// Values are integers of 64 bits, of which a double does not have all.
+    /// True for 64-bit integers; a double cannot represent all of them.
     #[must_use]
     pub fn is_long(self) -> bool {
         matches!(self, Self::Int64 | Self::UInt64)
     }
 
-    /// The least and the largest whole number that a value can be, of 64 bits those that a double has exactly; `None`
-    /// for a real number, and for true or false.
+    /// Returns the smallest and largest integer of the type; for 64 bits, the range a double
+    /// represents exactly. Returns `None` for real numbers and booleans.
     #[must_use]
     pub fn range(self) -> Option<[f64; 2]> {
-        /// 2⁵³: doubles beyond it leave out whole numbers.
+        /// 2⁵³: doubles beyond it skip integers.
         const EXACT: f64 = 9_007_199_254_740_992.0;
         Some(match self {
             Self::Float64 | Self::Float32 | Self::Boolean => return None,
@@ -62,44 +62,45 @@ impl Kind {
     }
 }
 
-/// What a variable is for.
+/// Purpose of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Causality {
     /// Set before the start.
     Parameter,
-    /// Set from outside.
+    /// Set from outside in every step.
     Input,
-    /// Given to the outside.
+    /// Read by others.
     Output,
-    /// Anything else: it can be looked at.
+    /// Any other variable; it can be read.
     Inner,
 }
 
-/// A variable.
+/// Numeric variable of an FMU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// Its name.
+    /// Name of the variable.
     pub name: String,
-    /// How functions of FMI name it.
+    /// Value reference, which identifies the variable to functions of FMI.
     pub reference: u32,
-    /// The type of its values.
+    /// Type of the values.
     pub kind: Kind,
-    /// Number of its values: 1 for a scalar.
+    /// Number of values: 1 for a scalar.
     pub size: usize,
-    /// What it is for.
+    /// Purpose of the variable.
     pub causality: Causality,
-    /// Of a parameter: it may be set before the start.
+    /// True for a parameter that may be set before the start.
     pub settable: bool,
-    /// Its values at the start, as far as the description has them, in its own unit.
+    /// Start values in the unit of the variable, as far as given.
     pub start: Vec<f64>,
-    /// Its unit.
+    /// Unit of the values.
     pub unit: Unit,
-    /// What it is, in words; may be empty.
+    /// Description; may be empty.
     pub words: String,
 }
 
 impl Variable {
-    /// A plain word for it, in keys of figures: what is no letter, digit or `_` becomes `_`.
+    /// Returns the name for keys of figures: `_` replaces every character except letters, digits
+    /// and `_`.
     #[must_use]
     pub fn word(&self) -> String {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };

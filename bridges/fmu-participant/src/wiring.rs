@@ -1,4 +1,4 @@
-//! Which variables of an FMU give fields, and which receive them, as the command line says it.
+//! Wires of an FMU, given on the command line: variables that give or receive fields.
 //!
 //! ```text
 //! Q -> load.normal_force                a variable gives a field, or the value of a key
@@ -15,56 +15,56 @@ use crate::variable::{Causality, Variable};
 use proto::field::{self, Body, FieldKind, FieldSpec, Mapping};
 use proto::grid::check_dotted;
 
-/// The most wires.
+/// Maximum number of wires.
 const MOST: usize = 64;
 
-/// What of a field is given to an FMU.
+/// Part of a field given to an FMU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// All its values.
+    /// All values.
     Values,
-    /// Its surface integral.
+    /// Surface integral.
     Integral,
-    /// Its mean over the surface.
+    /// Mean over the surface.
     Mean,
 }
 
 /// Variables that give a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Give {
-    /// The variables, in the order of the components.
+    /// Variables, in the order of the components.
     pub variables: Vec<Variable>,
-    /// What of the field stands in the description.
+    /// Description of the field.
     pub kind: FieldKind,
-    /// How the library knows the field.
+    /// Field as known to the protocol library.
     pub spec: FieldSpec,
 }
 
 /// Variables that receive a field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Take {
-    /// The variables, in the order of the components.
+    /// Variables, in the order of the components.
     pub variables: Vec<Variable>,
-    /// Name of the field.
+    /// Field.
     pub spec: FieldSpec,
-    /// What of it.
+    /// Part of the field they receive.
     pub measure: Measure,
 }
 
 /// All wires of an FMU.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wiring {
-    /// Fields that it gives.
+    /// Fields given by the FMU.
     pub gives: Vec<Give>,
-    /// Fields that it receives.
+    /// Fields received by the FMU.
     pub takes: Vec<Take>,
 }
 
 impl Wiring {
-    /// Reads wires, and finds their variables.
+    /// Parses wires and finds their variables.
     ///
     /// # Errors
-    /// The wire at fault, and what is wrong with it.
+    /// Fails if a wire is malformed, names an unknown variable, or sets a field or an input twice.
     pub fn read(wires: &[String], of: &ModelDescription) -> Result<Self, String> {
         let mut wiring = Self::default();
         if wires.len() > MOST {
@@ -76,7 +76,7 @@ impl Wiring {
         Ok(wiring)
     }
 
-    /// A variable with several values is wired.
+    /// True if a variable with several values is wired.
     #[must_use]
     pub fn has_arrays(&self) -> bool {
         let given = self.gives.iter().flat_map(|give| &give.variables);
@@ -110,7 +110,7 @@ impl Wiring {
         for (place, variable) in variables.iter().enumerate() {
             let name = &variable.name;
             if variable.causality != Causality::Input {
-                return Err(format!("sets `{name}`, which is no input of the FMU"));
+                return Err(format!("sets `{name}`, which is not an input of the FMU"));
             }
             let set = self.takes.iter().flat_map(|take| &take.variables);
             if set.chain(&variables[..place]).any(|other| other.name == *name) {
@@ -121,7 +121,7 @@ impl Wiring {
     }
 }
 
-/// A wire as it is written.
+/// Parsed wire, before its variables are found.
 #[derive(Clone, Debug, PartialEq)]
 struct Parsed {
     names: Vec<String>,
@@ -152,16 +152,18 @@ impl Parsed {
         let (measure, field) = measured(target);
         check_dotted("field", field)?;
         if gives && measure != Measure::Values {
-            return Err("gives a field: its values, and no integral or mean".to_owned());
+            return Err("gives a field: only its values, no integral or mean".to_owned());
         }
         if !gives && unit.is_some() {
-            return Err("receives a field, whose unit is known".to_owned());
+            return Err(
+                "receives a field: its unit is already defined, remove the [unit]".to_owned()
+            );
         }
         Ok(Self { names, gives, field: field.to_owned(), measure, unit })
     }
 }
 
-/// The parts between commas, but for those in brackets: `a[1,2], b`.
+/// Splits at commas outside of brackets: `a[1,2], b`.
 fn listed(names: &str) -> Vec<&str> {
     let mut depth = 0_usize;
     names
@@ -197,20 +199,20 @@ fn found(name: &str, of: &ModelDescription) -> Result<Variable, String> {
             listed += &format!(", and {more} more");
         }
         format!(
-            "names `{name}`, which is no variable of the FMU; its inputs and outputs are: {listed}"
+            "names `{name}`, which is not a variable of the FMU; its inputs and outputs are: {listed}"
         )
     })?;
     match variable.kind.is_real() {
         true => Ok(variable.clone()),
-        false => Err(format!("names `{name}`, whose values are no real numbers")),
+        false => Err(format!("names `{name}`, whose values are not real numbers")),
     }
 }
 
-/// The kind of a field that variables give.
+/// Returns the kind of a field given by variables.
 fn given(field: &str, variables: &[Variable], unit: Option<String>) -> Result<FieldKind, String> {
     if let Some(spec) = field::find(field) {
         return match unit.filter(|unit| unit != spec.unit) {
-            Some(unit) => Err(format!("gives `{field}` in {unit}, which is in {}", spec.unit)),
+            Some(unit) => Err(format!("gives `{field}` in {unit} instead of {}", spec.unit)),
             None => Ok(spec.kind()),
         };
     }
@@ -228,7 +230,7 @@ fn given(field: &str, variables: &[Variable], unit: Option<String>) -> Result<Fi
     })
 }
 
-/// The SI unit by the FMU's own names.
+/// Returns the common SI unit of the variables.
 fn own_unit(field: &str, variables: &[Variable]) -> Result<String, String> {
     let unit = variables[0].unit.si();
     match variables.iter().find(|other| other.unit.si() != unit) {
@@ -249,7 +251,7 @@ fn meaning(variables: &[Variable]) -> String {
     proto::text::one_line(&words.join(", ")).into_owned()
 }
 
-/// A field by its name and kind; names live as long as the process, and there are few.
+/// Creates a field spec. Its names are leaked: they are few and live as long as the process.
 fn spec(kind: &FieldKind) -> FieldSpec {
     FieldSpec {
         name: kind.name.clone().leak(),
@@ -261,7 +263,7 @@ fn spec(kind: &FieldKind) -> FieldSpec {
     }
 }
 
-/// A field that comes in, of which its producer says what it is.
+/// Creates the spec of a received field; the participant that gives it describes it.
 fn received(name: &str) -> FieldSpec {
     field::find(name).copied().unwrap_or_else(|| FieldSpec {
         name: name.to_owned().leak(),
@@ -331,11 +333,11 @@ mod tests {
         assert!(wrong("Q = load").contains("is not of the form"));
         assert!(wrong("Q -> x <- y").contains("is not of the form"));
         assert!(wrong("P -> load").contains("its inputs and outputs are: Q, R, Fx, Fy, k[1,2]"));
-        assert!(wrong("i -> load").contains("no real numbers"));
-        assert!(wrong("Q <- load").contains("no input"));
+        assert!(wrong("i -> load").contains("not real numbers"));
+        assert!(wrong("Q <- load").contains("not an input"));
         assert!(wrong("Q -> integral(load)").contains("no integral"));
         assert!(wrong("Q -> a b").contains("is not 1 to 31 letters"));
-        assert!(wrong("Q -> pressure [bar]").contains("which is in Pa"));
+        assert!(wrong("Q -> pressure [bar]").contains("instead of Pa"));
         assert!(wrong("Fx, Fx <- a").contains("`Fx` a second time"));
         let twice = read(&["Q -> a", "R -> a"]).unwrap_err();
         assert!(twice.contains("names `a` a second time"), "{twice}");

@@ -1,4 +1,4 @@
-//! The executable: what it says of an FMU, and what it refuses before anything of it is run.
+//! The executable describes an FMU, and rejects invalid input before any code of the FMU runs.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use zip::write::SimpleFileOptions;
 
-/// An FMU without a library: what it says of itself is all that is read.
+/// Packs an FMU without a library: only its description is read.
 fn fmu(folder: &Path, name: &str, description: &str) -> PathBuf {
     let path = folder.join(name);
     let mut zip = zip::ZipWriter::new(File::create(&path).unwrap());
@@ -32,7 +32,7 @@ fn ask(path: &Path, arguments: &[&str], input: &str) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // One that refuses reads nothing.
+    // A process that refuses its arguments does not read its input.
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
     child.wait_with_output().unwrap()
 }
@@ -73,7 +73,8 @@ fn it_says_what_the_fmu_is() {
     assert_eq!(without["models"][0]["rewinds"], json!(false));
 }
 
-/// The density of friction power, 24 x 16 elements, for a program in the place of the thermal solver.
+/// Configuration with the friction power density on 24 x 16 elements, for a program that replaces
+/// the thermal solver.
 fn configuration(case: &Value) -> Value {
     json!({
         "role": "thermal", "model": "co-simulation", "mode": "transient", "case": {"thermal": case},
@@ -132,7 +133,7 @@ fn what_cannot_be_is_refused_with_the_reason() {
     refused(
         &path,
         &["--wire", "P -> load", "--describe"],
-        "no variable of the FMU; its inputs and outputs are: Q, xi, Fx",
+        "not a variable of the FMU; its inputs and outputs are: Q, xi, Fx",
     );
     refused(&path, &[], "nothing to do");
     let none = folder.path().join("none.fmu");
@@ -140,5 +141,5 @@ fn what_cannot_be_is_refused_with_the_reason() {
     std::fs::write(&none, "no archive").unwrap();
     refused(&none, &["--describe"], "none.fmu");
     let other = fmu(folder.path(), "a.fmu", "<a/>");
-    refused(&other, &["--describe"], "a.fmu: modelDescription.xml is no model description");
+    refused(&other, &["--describe"], "a.fmu: modelDescription.xml is not a model description");
 }

@@ -1,4 +1,5 @@
-//! The coordinator that is driven: started from the resources of an FMU, asked line by line, ended.
+//! Connection to a driven coordinator: starts the process from the resources of an FMU, sends one
+//! request a line and ends the process.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -12,12 +13,12 @@ use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Version of the language that is spoken here.
+/// Version of the protocol of `coordinator drive`.
 const VERSION: u32 = 1;
-/// A coordinator that has been told to end, and has not by then, is ended.
+/// Grace period between asking the coordinator to end and killing the process.
 const LEAVE: Duration = Duration::from_secs(20);
 
-/// What is asked for; see `coordinator drive`.
+/// Request to the coordinator; see `coordinator drive`.
 #[derive(Debug, Serialize)]
 #[serde(tag = "do", rename_all = "kebab-case")]
 enum Request<'a> {
@@ -28,7 +29,7 @@ enum Request<'a> {
     Reset,
 }
 
-/// All that may be answered.
+/// Fields of every possible answer.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 struct Answer {
@@ -40,7 +41,7 @@ struct Answer {
 }
 
 impl Answer {
-    /// It is the first of a run, of a coordinator that speaks our version.
+    /// Checks for the first answer of a run, from a coordinator of our protocol version.
     fn is_ready(&self) -> Result<(), Fault> {
         match self.ready {
             Some(VERSION) => Ok(()),
@@ -51,20 +52,20 @@ impl Answer {
     }
 }
 
-/// Why something was not done.
+/// Failed request.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// In the words of the coordinator.
+    /// Error message of the coordinator.
     pub error: String,
-    /// Nothing more can be asked of it.
+    /// True if the coordinator accepts no further requests.
     pub ended: bool,
 }
 
-/// A coordinator that is driven.
+/// Running coordinator process.
 #[derive(Debug)]
 pub struct Coordinator {
     process: Child,
-    /// Closed to end it.
+    /// Socket to the standard input of the coordinator; closing it ends the coordinator.
     to: Option<UnixStream>,
     from: BufReader<ChildStdout>,
     outputs: usize,
@@ -75,11 +76,12 @@ fn ended(error: String) -> Fault {
 }
 
 impl Coordinator {
-    /// Starts one in a folder of resources, with options of `drive` and the executables there, and waits until its
-    /// first window can be asked for. A window gives so many outputs.
+    /// Starts a coordinator in a folder of resources and waits until it accepts a request for the
+    /// first window. `options` go to `coordinator drive`, `programs` are the executables in the
+    /// folder, and `outputs` is the number of outputs of a window.
     ///
     /// # Errors
-    /// It does not start, or refuses its case.
+    /// Fails if the process does not start or refuses its case.
     pub fn start(
         resources: &Path,
         (options, programs): (&[String], &[String]),
@@ -101,7 +103,7 @@ impl Coordinator {
             .stderr(Stdio::null())
             .process_group(0);
         let mut process = command.spawn().map_err(failed)?;
-        // Its end of the socket would stay open here with the command.
+        // The command holds the child's end of the socket, which must be closed in this process.
         drop(command);
         let from = process.stdout.take().expect("its standard output is a pipe");
         let mut this = Self { process, to: Some(ours), from: BufReader::new(from), outputs };
@@ -109,20 +111,20 @@ impl Coordinator {
         first.is_ready().map(|()| this)
     }
 
-    /// Begins the run again, with the same participants, and waits until its first window can be asked
-    /// for.
+    /// Restarts the run with the same participants and waits until the coordinator accepts a
+    /// request for the first window.
     ///
     /// # Errors
-    /// It does not start, or the run has ended.
+    /// Fails if the run does not restart or has ended.
     pub fn reset(&mut self) -> Result<(), Fault> {
         self.ask(&Request::Reset)?.is_ready()
     }
 
-    /// Solves the window up to a time [s] with these values of the live keys; the figures, NaN for
-    /// those that there are not.
+    /// Solves the window up to the time `end` [s] with the values `set` of the live keys. Returns
+    /// the outputs; NaN marks an output without a value.
     ///
     /// # Errors
-    /// The window has no answer, or the run has ended.
+    /// Fails if the window has no solution or the run has ended.
     pub fn step(&mut self, set: &BTreeMap<&str, f64>, end: f64) -> Result<Vec<f64>, Fault> {
         let answer = self.ask(&Request::Step { set, end })?;
         let figures = answer.figures.as_ref().and_then(serde_json::Value::as_array);
@@ -131,32 +133,36 @@ impl Coordinator {
             .unwrap_or_default();
         if figures.len() != self.outputs {
             let (found, expected) = (figures.len(), self.outputs);
-            return Err(ended(format!("{found} figures came, the FMU has {expected}")));
+            return Err(ended(format!(
+                "the coordinator returned {found} figures, the FMU has {expected}"
+            )));
         }
         Ok(figures)
     }
 
-    /// Keeps the state after the last window; its number.
+    /// Saves the state after the last window and returns the number of the state.
     ///
     /// # Errors
-    /// It cannot be kept, or the run has ended.
+    /// Fails if the coordinator cannot save the state or the run has ended.
     pub fn save(&mut self) -> Result<u64, Fault> {
         let answer = self.ask(&Request::Save)?;
-        answer.state.ok_or_else(|| ended("a state without a number".to_owned()))
+        answer
+            .state
+            .ok_or_else(|| ended("the coordinator returned a state without a number".to_owned()))
     }
 
-    /// Returns to a state.
+    /// Restores a saved state.
     ///
     /// # Errors
-    /// There is none of this number, or the run has ended.
+    /// Fails if no state has this number or the run has ended.
     pub fn restore(&mut self, state: u64) -> Result<(), Fault> {
         self.ask(&Request::Restore { state }).map(drop)
     }
 
-    /// Forgets a state.
+    /// Frees a saved state.
     ///
     /// # Errors
-    /// There is none of this number, or the run has ended.
+    /// Fails if no state has this number or the run has ended.
     pub fn free(&mut self, state: u64) -> Result<(), Fault> {
         self.ask(&Request::Free { state }).map(drop)
     }
@@ -169,7 +175,7 @@ impl Coordinator {
             match send(to, rest) {
                 Ok(sent) => rest = &rest[sent..],
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                // What it said before it ended is read below.
+                // `hear` reads the coordinator's last message.
                 Err(_) => break,
             }
         }
@@ -192,11 +198,11 @@ impl Coordinator {
 }
 
 impl Drop for Coordinator {
-    /// The end of its input ends it; what it has started ends with it.
+    /// Closes the input of the coordinator, which ends it and all processes it started.
     fn drop(&mut self) {
         self.to = None;
         let until = Instant::now() + LEAVE;
-        // An error says that the host has waited for it already.
+        // An error means that the host has already waited for the process.
         while matches!(self.process.try_wait(), Ok(None)) {
             if Instant::now() >= until {
                 let _ = self.process.kill();
@@ -208,15 +214,15 @@ impl Drop for Coordinator {
     }
 }
 
-/// Writes to a socket; one whose other end has gone raises no signal in the host.
+/// Writes to a socket. A closed connection raises no signal in the host.
 fn send(to: &UnixStream, bytes: &[u8]) -> io::Result<usize> {
     let (first, count) = (bytes.as_ptr().cast(), bytes.len());
-    // SAFETY: the bytes are there until the call returns.
+    // SAFETY: the bytes live until the call returns.
     let sent = unsafe { libc::send(to.as_raw_fd(), first, count, libc::MSG_NOSIGNAL) };
     usize::try_from(sent).map_err(|_| io::Error::last_os_error())
 }
 
-/// Tools that unpack an FMU may lose the bits that make a file executable.
+/// Restores the executable bit, which some tools drop when they unpack an FMU.
 fn make_executable(program: &Path) -> Result<(), String> {
     let named = |error: io::Error| format!("{}: {error}", program.display());
     let mode = fs::metadata(program).map_err(named)?.permissions().mode();

@@ -1,21 +1,22 @@
-//! A surrogate, evaluated in the process of the host.
+//! Evaluation of a surrogate in the process of the host.
 
 use super::manifest::{Manifest, SURROGATE};
 use std::path::Path;
-use surrogate::{Room, Surrogate};
+use surrogate::{Surrogate, Workspace};
 
-/// A surrogate with the room that an evaluation needs.
+/// Surrogate with the scratch buffers of an evaluation.
 #[derive(Debug)]
 pub struct Evaluator {
     surrogate: Surrogate,
-    room: Room,
+    room: Workspace,
 }
 
 impl Evaluator {
-    /// Reads the surrogate of a folder of resources.
+    /// Reads the surrogate from a folder of resources.
     ///
     /// # Errors
-    /// It is not there, is no surrogate, or not the one that the manifest is of; in words.
+    /// Fails if the file is missing or invalid, or if its keys and figures differ from the
+    /// manifest.
     pub fn read(resources: &Path, manifest: &Manifest) -> Result<Self, String> {
         let path = resources.join(SURROGATE);
         let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
@@ -26,17 +27,17 @@ impl Evaluator {
         if !keys.eq(manifest.inputs.iter().map(|input| &input.key))
             || !figures.eq(&manifest.outputs)
         {
-            return Err(named(&"its keys and figures are not the variables of this FMU"));
+            return Err(named(&"its keys and figures differ from the variables of this FMU"));
         }
         let room = surrogate.room();
         Ok(Self { surrogate, room })
     }
 
-    /// Writes the figures at a point \[SI\], which has the value of each key; NaN for all where there is no
-    /// answer.
+    /// Writes the figures at a point; `at` holds the value of each key in SI units. Writes NaN to
+    /// all figures if the point is refused.
     ///
     /// # Errors
-    /// The point is outside of the region that the surrogate was made in; in words.
+    /// Fails if the point lies outside the region the surrogate was built for.
     pub fn figures(&mut self, at: &[f64], figures: &mut [f64]) -> Result<(), String> {
         match self.surrogate.ask(at, &mut self.room) {
             Ok(found) => {

@@ -1,6 +1,8 @@
-//! The functions of model exchange, for an FMU without continuous states and events: outputs follow from the inputs.
+//! Functions of FMI 3.0 for model exchange. The FMU has no continuous states and no events: its
+//! outputs follow from the inputs.
 //!
-//! Modelica Association: *Functional Mock-up Interface Specification, version 3.0* (2022), chapter 3.
+//! Modelica Association: *Functional Mock-up Interface Specification, version 3.0* (2022),
+//! chapter 3.
 
 #![allow(non_snake_case, reason = "names of the standard")]
 #![allow(clippy::missing_safety_doc, reason = "the standard says what a host may pass")]
@@ -8,16 +10,16 @@
 use super::host::{Component, ERROR, Status, put, with};
 use super::instance::Instance;
 
-/// Does something with an instance for model exchange.
+/// Calls `act` with an instance that was made for model exchange.
 ///
 /// # Safety
-/// `instance` is null or an instance that a host has passed.
+/// `instance` is null or an instance passed by the host.
 unsafe fn exchanging(
     instance: *mut Component,
     function: &str,
     act: impl FnOnce(&mut Instance) -> Result<(), String>,
 ) -> Status {
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     let Some(exchange) = (unsafe { instance.as_ref() }).map(|component| component.exchange) else {
         return ERROR;
     };
@@ -25,15 +27,15 @@ unsafe fn exchanging(
         true => act(instance),
         false => Err(format!("{function} is for model exchange, this instance for co-simulation")),
     };
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     unsafe { with(instance, act) }
 }
 
-/// Functions that only change the mode, of which nothing depends here.
+/// Defines functions that change the mode. The outputs do not depend on the mode.
 macro_rules! modes {
     ($($name:ident)*) => {
         $(
-            /// Nothing depends on the mode.
+            /// Succeeds: the outputs do not depend on the mode.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name(instance: *mut Component) -> Status {
                 // SAFETY: the host passes its instance.
@@ -45,15 +47,15 @@ macro_rules! modes {
 
 modes! { fmi3EnterEventMode fmi3EnterContinuousTimeMode }
 
-/// Functions that count what there is none of.
+/// Defines functions that count states or event indicators; the count is 0.
 macro_rules! counts {
     ($($name:ident)*) => {
         $(
-            /// There are none.
+            /// Writes 0 to `count`.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name(instance: *mut Component, count: *mut usize) -> Status {
                 let none = |_: &mut Instance| {
-                    // SAFETY: the host passes a place, or null.
+                    // SAFETY: the host passes a valid pointer, or null.
                     unsafe { put([count], 0) };
                     Ok(())
                 };
@@ -66,11 +68,11 @@ macro_rules! counts {
 
 counts! { fmi3GetNumberOfEventIndicators fmi3GetNumberOfContinuousStates }
 
-/// Functions over lists that are empty.
+/// Defines functions that read or write a list of states or event indicators; the list is empty.
 macro_rules! lists {
     ($($name:ident)*) => {
         $(
-            /// The list is empty.
+            /// Succeeds if `count` is 0: the list is empty.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name(
                 instance: *mut Component,
@@ -79,7 +81,7 @@ macro_rules! lists {
             ) -> Status {
                 let none = |_: &mut Instance| match count {
                     0 => Ok(()),
-                    _ => Err(format!("{}: {count} of what there is none", stringify!($name))),
+                    _ => Err(format!("{}: {count} values for an empty list", stringify!($name))),
                 };
                 // SAFETY: the host passes its instance.
                 unsafe { exchanging(instance, stringify!($name), none) }
@@ -93,14 +95,14 @@ lists! {
     fmi3GetNominalsOfContinuousStates fmi3GetEventIndicators
 }
 
-/// The time now.
+/// Sets the present time [s].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetTime(instance: *mut Component, time: f64) -> Status {
     // SAFETY: the host passes its instance.
     unsafe { exchanging(instance, "fmi3SetTime", |instance| instance.set_time(time)) }
 }
 
-/// No discrete state changes, and no event comes.
+/// Reports that no discrete state changes and no event follows.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     instance: *mut Component,
@@ -113,7 +115,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
 ) -> Status {
     let flags = [update_needed, terminate, nominals_changed, values_changed, next_event_defined];
     let update = |_: &mut Instance| {
-        // SAFETY: the host passes places, or null.
+        // SAFETY: the host passes valid pointers, or null.
         unsafe { put(flags, false) };
         Ok(())
     };
@@ -121,7 +123,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     unsafe { exchanging(instance, "fmi3UpdateDiscreteStates", update) }
 }
 
-/// Nothing follows from a step of the host.
+/// Reports that the step of the integrator causes no event and does not end the simulation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     instance: *mut Component,
@@ -130,7 +132,7 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     terminate: *mut bool,
 ) -> Status {
     let done = |_: &mut Instance| {
-        // SAFETY: the host passes places, or null.
+        // SAFETY: the host passes valid pointers, or null.
         unsafe { put([enter_event_mode, terminate], false) };
         Ok(())
     };

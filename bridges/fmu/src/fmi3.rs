@@ -1,7 +1,9 @@
-//! The functions of FMI 3.0 that every FMU has: one of a case for co-simulation, one of a surrogate for model exchange
-//! (`exchange.rs`) too; without clocks and intermediate updates, in co-simulation without events.
+//! Functions of FMI 3.0 common to all FMUs. An FMU with a case supports co-simulation; an FMU with
+//! a surrogate also supports model exchange (`exchange.rs`). Clocks, intermediate updates and
+//! events in co-simulation are not supported.
 //!
-//! Modelica Association: *Functional Mock-up Interface Specification, version 3.0* (2022), chapters 2 and 4.
+//! Modelica Association: *Functional Mock-up Interface Specification, version 3.0* (2022),
+//! chapters 2 and 4.
 
 #![allow(non_snake_case, reason = "names of the standard")]
 #![allow(clippy::missing_safety_doc, reason = "the standard says what a host may pass")]
@@ -13,19 +15,19 @@ use std::ffi::{c_char, c_void};
 use std::path::Path;
 use std::sync::Mutex;
 
-/// The version of the standard.
+/// Returns the version of the standard.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
 }
 
-/// Messages are those of errors, which are always told.
+/// Succeeds without effect: only errors and warnings are logged, always.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3SetDebugLogging(_instance: *mut Component, _on: bool) -> Status {
     OK
 }
 
-/// An instance for co-simulation; null if there is none.
+/// Creates an instance for co-simulation; returns null on failure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     _name: *const c_char,
@@ -46,11 +48,11 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         logger.error("this FMU has no event mode and no intermediate update in co-simulation");
         return std::ptr::null_mut();
     }
-    // SAFETY: the host passes texts.
+    // SAFETY: the host passes null-terminated strings.
     unsafe { instantiate(token, resources, logger, false) }
 }
 
-/// An instance for model exchange; null if there is none.
+/// Creates an instance for model exchange; returns null on failure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     _name: *const c_char,
@@ -61,25 +63,25 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
     environment: *mut c_void,
     tell: LogMessage,
 ) -> *mut Component {
-    // SAFETY: the host passes texts.
+    // SAFETY: the host passes null-terminated strings.
     unsafe { instantiate(token, resources, Logger { environment, tell }, true) }
 }
 
 /// # Safety
-/// Both are null or strings that end with a null.
+/// `token` and `resources` are null or null-terminated strings.
 unsafe fn instantiate(
     token: *const c_char,
     resources: *const c_char,
     logger: Logger,
     exchange: bool,
 ) -> *mut Component {
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     let made = match unsafe { (text(token), text(resources)) } {
         (Some(token), Some(resources)) => Instance::new(Path::new(resources), token),
         _ => Err("the token, or the path of the resources, is missing".to_owned()),
     };
     let made = made.and_then(|instance| match exchange && !instance.is_algebraic() {
-        true => Err("this FMU has a case inside, and is for co-simulation alone".to_owned()),
+        true => Err("this FMU contains a case, which supports co-simulation only".to_owned()),
         false => Ok(instance),
     });
     match made {
@@ -94,22 +96,22 @@ unsafe fn instantiate(
     }
 }
 
-/// There is no instance of this kind.
+/// Returns null: scheduled execution is not supported.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3InstantiateScheduledExecution() -> *mut Component {
     std::ptr::null_mut()
 }
 
-/// Ends the run of an instance; what it has started ends with it.
+/// Frees an instance and ends its run with all processes it started.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeInstance(instance: *mut Component) {
     if !instance.is_null() {
-        // SAFETY: it was made by `instantiate`, and the host forgets it.
+        // SAFETY: `instantiate` made it, and the host no longer uses it.
         drop(unsafe { Box::from_raw(instance) });
     }
 }
 
-/// The start time of the simulation.
+/// Sets the start time of the simulation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3EnterInitializationMode(
     instance: *mut Component,
@@ -130,13 +132,13 @@ pub unsafe extern "C" fn fmi3ExitInitializationMode(instance: *mut Component) ->
     unsafe { with(instance, Instance::start) }
 }
 
-/// Nothing to do: the run ends with its instance, or with a reset.
+/// Succeeds without effect: the run ends when the instance is freed or reset.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3Terminate(_instance: *mut Component) -> Status {
     OK
 }
 
-/// A new run from the beginning.
+/// Resets the instance: the run starts again from the beginning.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3Reset(instance: *mut Component) -> Status {
     let reset = |instance: &mut Instance| {
@@ -147,7 +149,7 @@ pub unsafe extern "C" fn fmi3Reset(instance: *mut Component) -> Status {
     unsafe { with(instance, reset) }
 }
 
-/// Values of variables.
+/// Reads values of variables.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFloat64(
     instance: *mut Component,
@@ -167,7 +169,7 @@ pub unsafe extern "C" fn fmi3GetFloat64(
         for (place, reference) in references.iter().enumerate() {
             let value = instance.value(*reference);
             let value = value.ok_or_else(|| format!("there is no variable {reference}"))?;
-            // SAFETY: there is a place for every reference, as was checked.
+            // SAFETY: `values` has room for one value a reference, checked above.
             unsafe { values.add(place).write(value) };
         }
         Ok(remark)
@@ -176,7 +178,7 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     unsafe { with(instance, get) }
 }
 
-/// Values of inputs.
+/// Sets values of inputs.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFloat64(
     instance: *mut Component,
@@ -210,14 +212,14 @@ pub unsafe extern "C" fn fmi3DoStep(
     early: *mut bool,
     last: *mut f64,
 ) -> Status {
-    // SAFETY: the host passes places, or null.
+    // SAFETY: the host passes valid pointers, or null.
     unsafe {
         put([event_needed, terminate, early], false);
         put([last], start);
     }
     let step = |instance: &mut Instance| {
         let end = instance.step(start, duration)?;
-        // SAFETY: the host passes a place, or null.
+        // SAFETY: the host passes a valid pointer, or null.
         unsafe { put([last], end) };
         Ok::<_, Fault>(())
     };
@@ -225,7 +227,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     unsafe { with(instance, step) }
 }
 
-/// Keeps the state of an instance.
+/// Saves the state of an instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFMUState(
     instance: *mut Component,
@@ -233,7 +235,7 @@ pub unsafe extern "C" fn fmi3GetFMUState(
 ) -> Status {
     let get = |instance: &mut Instance| {
         let saved = instance.save()?;
-        // SAFETY: the place was looked at.
+        // SAFETY: `state` is not null, checked before the call.
         unsafe { keep(saved, state) };
         Ok::<_, Fault>(())
     };
@@ -244,12 +246,13 @@ pub unsafe extern "C" fn fmi3GetFMUState(
     unsafe { with(instance, get) }
 }
 
-/// Puts a state where a host wants it.
+/// Stores a state through a pointer of the host.
 ///
 /// # Safety
-/// The host passes a place; one that is not null holds a state of ours that is replaced.
+/// `place` is valid; if `*place` is not null, it holds a state made by this library, which is
+/// overwritten.
 unsafe fn keep(saved: State, place: *mut *mut State) {
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         match (*place).as_mut() {
             Some(old) => *old = saved,
@@ -258,16 +261,16 @@ unsafe fn keep(saved: State, place: *mut *mut State) {
     }
 }
 
-/// Returns to a state.
+/// Restores a saved state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFMUState(instance: *mut Component, state: *const State) -> Status {
-    // SAFETY: the host passes a state that `fmi3GetFMUState` gave.
+    // SAFETY: the host passes a state from `fmi3GetFMUState`.
     let Some(state) = (unsafe { state.as_ref() }) else { return ERROR };
     // SAFETY: the host passes its instance.
     unsafe { with(instance, |instance| instance.restore(state)) }
 }
 
-/// Forgets a state.
+/// Frees a saved state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeFMUState(
     instance: *mut Component,
@@ -275,7 +278,7 @@ pub unsafe extern "C" fn fmi3FreeFMUState(
 ) -> Status {
     let free = |_: &mut Instance| {
         if !state.is_null() {
-            // SAFETY: the host passes a place; what is in it was given by `fmi3GetFMUState`.
+            // SAFETY: the host passes a valid pointer to null or to a state from `fmi3GetFMUState`.
             unsafe {
                 if !(*state).is_null() {
                     drop(Box::from_raw(*state));
@@ -289,7 +292,7 @@ pub unsafe extern "C" fn fmi3FreeFMUState(
     unsafe { with(instance, free) }
 }
 
-/// How many bytes a state of a surrogate has.
+/// Writes the size [byte] of a serialised state of a surrogate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     instance: *mut Component,
@@ -297,7 +300,7 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     size: *mut usize,
 ) -> Status {
     let count = |bytes: &[u8]| {
-        // SAFETY: the host passes a place, or null.
+        // SAFETY: the host passes a valid pointer, or null.
         unsafe { put([size], bytes.len()) };
         Ok(())
     };
@@ -305,7 +308,7 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     unsafe { serialised(instance, state, count) }
 }
 
-/// Writes a state of a surrogate.
+/// Serialises a state of a surrogate.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SerializeFMUState(
     instance: *mut Component,
@@ -315,9 +318,9 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
 ) -> Status {
     let copy = |all: &[u8]| {
         if all.len() != size || bytes.is_null() {
-            return Err(format!("a state has {} bytes, there is a place for {size}", all.len()));
+            return Err(format!("a state has {} bytes, the buffer has {size}", all.len()));
         }
-        // SAFETY: there is a place for so many bytes, as the host says.
+        // SAFETY: the host guarantees room for `size` bytes.
         unsafe { bytes.copy_from_nonoverlapping(all.as_ptr(), size) };
         Ok(())
     };
@@ -325,27 +328,27 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
     unsafe { serialised(instance, state, copy) }
 }
 
-/// Does something with the bytes of a state.
+/// Calls `act` with the bytes of a serialised state.
 ///
 /// # Safety
-/// Both are null or what functions of this library gave.
+/// `instance` and `state` are null or were returned by functions of this library.
 unsafe fn serialised(
     instance: *mut Component,
     state: *const State,
     act: impl FnOnce(&[u8]) -> Result<(), String>,
 ) -> Status {
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     let state = unsafe { state.as_ref() };
     let bytes = |instance: &mut Instance| {
-        let state = state.ok_or_else(|| "there is no state".to_owned())?;
+        let state = state.ok_or_else(|| "the state is null".to_owned())?;
         let bytes = instance.serialised(state);
-        act(&bytes.ok_or_else(|| "states of a run are not serialised".to_owned())?)
+        act(&bytes.ok_or_else(|| "states of a run cannot be serialised".to_owned())?)
     };
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     unsafe { with(instance, bytes) }
 }
 
-/// Makes a state of bytes.
+/// Creates a state from its serialised bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DeserializeFMUState(
     instance: *mut Component,
@@ -354,9 +357,9 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
     state: *mut *mut State,
 ) -> Status {
     let read = |instance: &mut Instance| {
-        // SAFETY: the host passes so many bytes.
+        // SAFETY: the host passes `size` bytes.
         let saved = instance.deserialised(unsafe { list(bytes, size) })?;
-        // SAFETY: the place was looked at.
+        // SAFETY: `state` is not null, checked before the call.
         unsafe { keep(saved, state) };
         Ok::<_, String>(())
     };

@@ -1,4 +1,4 @@
-//! What a host passes, and what it is told.
+//! Data passed by the host, and messages to the host.
 
 use super::child::Fault;
 use super::instance::Instance;
@@ -6,41 +6,41 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::slice;
 use std::sync::Mutex;
 
-/// What a function has done: [`OK`], [`WARNING`] or [`ERROR`], as the standard numbers them.
+/// Result of a function: [`OK`], [`WARNING`] or [`ERROR`], numbered as in the standard.
 pub type Status = c_int;
-/// Done.
+/// Success.
 pub const OK: Status = 0;
-/// Done, with something that the host has been told.
+/// Success, with a warning sent to the host.
 pub const WARNING: Status = 1;
-/// Not done.
+/// Failure.
 pub const ERROR: Status = 3;
 
-/// Receives messages of an instance.
+/// Function of the host that receives log messages.
 pub type LogMessage =
     Option<unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char)>;
 
-/// An instance, and whom it tells what.
+/// Instance with the connection to its host.
 #[derive(Debug)]
 pub struct Component {
-    /// The instance. One call at a time has it: FMI forbids others, and they get an error.
+    /// The instance. FMI forbids concurrent calls; a second call gets an error.
     pub instance: Mutex<Instance>,
-    /// It is for model exchange.
+    /// True for model exchange, false for co-simulation.
     pub exchange: bool,
-    /// Whom it tells.
+    /// Receiver of messages.
     pub logger: Logger,
 }
 
-/// Who receives messages.
+/// Receiver of messages of an instance.
 #[derive(Clone, Copy, Debug)]
 pub struct Logger {
-    /// Handed back with every message.
+    /// Pointer that the host gets back with every message.
     pub environment: *mut c_void,
-    /// The function of the host.
+    /// Log function of the host.
     pub tell: LogMessage,
 }
 
 impl Logger {
-    /// Tells an error.
+    /// Sends an error message and returns [`ERROR`].
     pub fn error(self, message: &str) -> Status {
         self.say(ERROR, c"logStatusError", message)
     }
@@ -48,35 +48,36 @@ impl Logger {
     fn say(self, status: Status, category: &CStr, message: &str) -> Status {
         let text = CString::new(message.replace('\0', " ")).unwrap_or_default();
         if let Some(tell) = self.tell {
-            // SAFETY: the host gave this function for such calls; both texts live until it returns.
+            // SAFETY: the host provided this function for such calls; both texts live until it
+            // returns.
             unsafe { tell(self.environment, status, category.as_ptr(), text.as_ptr()) };
         }
         status
     }
 }
 
-/// The text that a host has passed.
+/// Reads a text passed by the host; `None` if null or not UTF-8.
 ///
 /// # Safety
-/// `text` is null or a string that ends with a null.
+/// `text` is null or a null-terminated string.
 pub unsafe fn text<'a>(text: *const c_char) -> Option<&'a str> {
     if text.is_null() {
         return None;
     }
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     unsafe { CStr::from_ptr(text) }.to_str().ok()
 }
 
-/// Does something with an instance that a host has passed.
+/// Calls `act` with an instance passed by the host, and reports warnings and errors to the host.
 ///
 /// # Safety
-/// `instance` is null or what `fmi3InstantiateCoSimulation` or `fmi3InstantiateModelExchange` gave, and is not freed
-/// before this returns.
+/// `instance` is null or was returned by `fmi3InstantiateCoSimulation` or
+/// `fmi3InstantiateModelExchange`, and is not freed before this function returns.
 pub unsafe fn with<D: Done, E: Message>(
     instance: *mut Component,
     act: impl FnOnce(&mut Instance) -> Result<D, E>,
 ) -> Status {
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     let Some(component) = (unsafe { instance.as_ref() }) else { return ERROR };
     let Ok(mut instance) = component.instance.try_lock() else {
         return component.logger.error("another call of this instance has not returned yet");
@@ -92,9 +93,9 @@ pub unsafe fn with<D: Done, E: Message>(
     }
 }
 
-/// What was done may leave a remark.
+/// Result of a successful call, which may carry a warning.
 pub trait Done {
-    /// The remark.
+    /// Returns the warning for the host.
     fn remark(self) -> Option<String>;
 }
 
@@ -110,9 +111,9 @@ impl Done for Option<String> {
     }
 }
 
-/// What a host is told.
+/// Error that can be reported to the host.
 pub trait Message {
-    /// In words.
+    /// Returns the error message for the host.
     fn message(&self) -> String;
 }
 
@@ -128,25 +129,25 @@ impl Message for Fault {
     }
 }
 
-/// A list that a host has passed, which may be null if it is empty.
+/// Returns a list passed by the host; the list may be null if empty.
 ///
 /// # Safety
-/// `first` is null or the first of `count` values.
+/// `first` is null or points to `count` values.
 pub unsafe fn list<'a, T>(first: *const T, count: usize) -> &'a [T] {
     if first.is_null() || count == 0 {
         return &[];
     }
-    // SAFETY: as the caller promises.
+    // SAFETY: guaranteed by the caller.
     unsafe { slice::from_raw_parts(first, count) }
 }
 
-/// Writes a value to each of some places that a host has passed, of which any may be null.
+/// Writes a value through every pointer that is not null.
 ///
 /// # Safety
-/// Each is null or a place for a value.
+/// Each pointer is null or valid for writes.
 pub unsafe fn put<T: Copy, const N: usize>(places: [*mut T; N], value: T) {
     for place in places.into_iter().filter(|place| !place.is_null()) {
-        // SAFETY: as the caller promises.
+        // SAFETY: guaranteed by the caller.
         unsafe { place.write(value) };
     }
 }

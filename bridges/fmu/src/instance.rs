@@ -1,4 +1,4 @@
-//! An instance: its variables, its windows, and its states.
+//! Instance of the FMU: variables, windows and states.
 
 use super::child::{Coordinator, Fault};
 use super::evaluator::Evaluator;
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What gives the outputs, with the values of all variables.
+/// Instance: the source of the outputs, with the values of all variables.
 #[derive(Debug)]
 pub struct Instance {
     resources: PathBuf,
@@ -16,60 +16,62 @@ pub struct Instance {
     values: Values,
 }
 
-/// The coordinator of a run, which its states refer to as well.
+/// Coordinator of a run, shared with the saved states of the run.
 type SharedCoordinator = Arc<Mutex<Coordinator>>;
 
 fn lock(coordinator: &Mutex<Coordinator>) -> MutexGuard<'_, Coordinator> {
     coordinator.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What gives the outputs.
+/// Source of the outputs.
 #[derive(Debug)]
 enum Source {
-    /// The run of a case; absent before it is started.
+    /// Run of a case; `None` before the start.
     Run(Option<SharedCoordinator>),
-    /// A surrogate, which has no state: outputs are those of the inputs at any time.
+    /// Surrogate. It has no state: the outputs depend on the inputs only, at any time.
     Surrogate(Box<Evaluator>),
 }
 
-/// The values of all variables.
+/// Values of all variables.
 #[derive(Clone, Debug, PartialEq)]
 struct Values {
     time: f64,
     inputs: Vec<f64>,
-    /// NaN for those that there are not, as before the first window of a run.
+    /// NaN marks an output without a value, as before the first window of a run.
     outputs: Vec<f64>,
-    /// The outputs have been computed: a window of a run has been solved, a surrogate was asked for these inputs.
+    /// True if the outputs are up to date: the window of a run is solved, or the surrogate was
+    /// evaluated at these inputs.
     known: bool,
 }
 
-/// A state of an instance, which can be returned to for as long as it is there.
+/// Saved state of an instance.
 #[derive(Debug)]
 pub struct State {
     values: Values,
-    /// The coordinator that keeps it, and its number there; absent: before the first window.
+    /// Coordinator that holds the state, and the number of the state there; `None` before the first
+    /// window.
     kept: Option<(SharedCoordinator, u64)>,
 }
 
 impl Drop for State {
     fn drop(&mut self) {
         if let Some((coordinator, number)) = &self.kept {
-            // Of a run that has ended all states are gone.
+            // A run that has ended has already lost its states.
             let _ = lock(coordinator).free(*number);
         }
     }
 }
 
 impl Instance {
-    /// An instance of the FMU with these resources and this token; nothing is started yet.
+    /// Creates an instance of the FMU with these resources and this token. Starts no process.
     ///
     /// # Errors
-    /// They are not those of an FMU of this library, or of another one; in words.
+    /// Fails if the resources are not those of an FMU of this library, or the token differs.
     pub fn new(resources: &Path, token: &str) -> Result<Self, String> {
         let manifest = Manifest::read(resources)?;
         if manifest.token != token {
             let of = &manifest.token;
-            return Err(format!("the FMU was asked for with the token {token}, and has {of}"));
+            return Err(format!("the host passed the token {token}, the FMU has the token {of}"));
         }
         let source = match &manifest.of {
             Of::Case { .. } => Source::Run(None),
@@ -79,16 +81,17 @@ impl Instance {
         Ok(Self { resources: resources.to_owned(), manifest, source, values })
     }
 
-    /// It has neither windows nor a state: outputs follow from the inputs alone.
+    /// True if the outputs follow from the inputs alone, without windows and states.
     #[must_use]
     pub fn is_algebraic(&self) -> bool {
         matches!(self.source, Source::Surrogate(_))
     }
 
-    /// A new run from the beginning: of the same processes, unless the run before has failed.
+    /// Starts again from the beginning. Keeps the processes of the run, unless the run has failed.
     pub fn reset(&mut self) {
         if let Source::Run(run) = &mut self.source {
-            // A state that is kept holds the run that it is of.
+            // Saved states need the coordinator that holds them, so that a shared coordinator is
+            // not reset.
             let again =
                 |run: &SharedCoordinator| Arc::strong_count(run) == 1 && lock(run).reset().is_ok();
             *run = run.take().filter(again);
@@ -99,7 +102,7 @@ impl Instance {
     /// Sets the time [s].
     ///
     /// # Errors
-    /// It is not finite.
+    /// Fails if the time is not finite.
     pub fn set_time(&mut self, time: f64) -> Result<(), String> {
         if !time.is_finite() {
             return Err(format!("the time is {time}, not a finite number"));
@@ -108,15 +111,15 @@ impl Instance {
         Ok(())
     }
 
-    /// Starts the run of a case, so that what is wrong with it comes to light before its first window.
+    /// Starts the run of a case, to detect errors before the first window.
     ///
     /// # Errors
-    /// It does not start.
+    /// Fails if the run does not start.
     pub fn start(&mut self) -> Result<(), Fault> {
         self.running().map(drop)
     }
 
-    /// The run of a case, which is started where there is none yet; `None` for a surrogate.
+    /// Returns the run of a case, started on the first call; `None` for a surrogate.
     fn running(&mut self) -> Result<Option<SharedCoordinator>, Fault> {
         let (Source::Run(run), Of::Case { options, programs }) =
             (&mut self.source, &self.manifest.of)
@@ -131,8 +134,8 @@ impl Instance {
         Ok(run.clone())
     }
 
-    /// Brings the outputs of a surrogate up to date with the inputs. Returns what there is to remark: the point is
-    /// outside of the surrogate, and all outputs are NaN. It is remarked once for a point.
+    /// Brings the outputs of a surrogate up to date with the inputs. If the point lies outside the
+    /// surrogate's region, all outputs become NaN and a warning is returned, once a point.
     pub fn refresh(&mut self) -> Option<String> {
         let Source::Surrogate(evaluator) = &mut self.source else { return None };
         let Values { inputs, outputs, known, .. } = &mut self.values;
@@ -143,13 +146,13 @@ impl Instance {
         Some(format!("{refused}; all outputs are NaN"))
     }
 
-    /// Whether a variable is an output.
+    /// True if the variable is an output.
     #[must_use]
     pub fn is_output(&self, reference: u32) -> bool {
         matches!(self.manifest.variable(reference), Some(Variable::Output(_)))
     }
 
-    /// The value of a variable; `None` if there is none of this reference.
+    /// Returns the value of a variable; `None` if no variable has this reference.
     #[must_use]
     pub fn value(&self, reference: u32) -> Option<f64> {
         let Values { time, inputs, outputs, .. } = &self.values;
@@ -160,10 +163,11 @@ impl Instance {
         })
     }
 
-    /// Gives the value of an input.
+    /// Sets the value of an input.
     ///
     /// # Errors
-    /// There is none of this reference, in words. Limits are judged with the window, or when an output is read.
+    /// Fails if no input has this reference. Limits are checked later: by the next window, or when
+    /// an output is read.
     pub fn set(&mut self, reference: u32, value: f64) -> Result<(), String> {
         match self.manifest.variable(reference) {
             Some(Variable::Input(place)) => {
@@ -171,19 +175,19 @@ impl Instance {
                 self.values.known &= !self.is_algebraic();
                 Ok(())
             }
-            Some(_) => Err(format!("the variable {reference} is no input")),
+            Some(_) => Err(format!("the variable {reference} is not an input")),
             None => Err(format!("there is no variable {reference}")),
         }
     }
 
-    /// Solves the window from the time of the instance to `start + duration` [s]; of a surrogate only the time changes.
-    /// Returns the new time.
+    /// Solves the window from the time of the instance to `start + duration` [s]; a surrogate
+    /// changes only its time. Returns the new time.
     ///
     /// # Errors
-    /// The times are not finite, the window has no answer, or the run has ended.
+    /// Fails if a time or an input is not finite, the window has no solution, or the run has ended.
     pub fn step(&mut self, start: f64, duration: f64) -> Result<f64, Fault> {
         let end = start + duration;
-        // The coordinator would take such an end, which JSON does not have, for one that is not given.
+        // JSON has no infinite numbers: the coordinator would treat such an end as absent.
         if !end.is_finite() {
             let error =
                 format!("a step of {duration} s at {start} s does not end at a finite time");
@@ -204,13 +208,13 @@ impl Instance {
         Ok(end)
     }
 
-    /// Keeps the state.
+    /// Saves the state.
     ///
     /// # Errors
-    /// It cannot be kept, or the run has ended.
+    /// Fails if the coordinator cannot save the state or the run has ended.
     pub fn save(&mut self) -> Result<State, Fault> {
         let values = self.values.clone();
-        // Before its first window a run has no state that another start would not give.
+        // Before its first window, a new start reproduces the state of a run.
         let kept = match &self.source {
             Source::Run(Some(coordinator)) if self.values.known => {
                 let number = lock(coordinator).save()?;
@@ -221,10 +225,10 @@ impl Instance {
         Ok(State { values, kept })
     }
 
-    /// Returns to a state.
+    /// Restores a saved state.
     ///
     /// # Errors
-    /// Its run has ended.
+    /// Fails if the run of the state has ended.
     pub fn restore(&mut self, state: &State) -> Result<(), Fault> {
         if let Source::Run(run) = &mut self.source {
             match &state.kept {
@@ -240,7 +244,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Bytes of a state of a surrogate: the time and the inputs, as little-endian doubles.
+    /// Serialises a state of a surrogate: the time and the inputs, as little-endian doubles.
+    /// Returns `None` for the run of a case.
     #[must_use]
     pub fn serialised(&self, state: &State) -> Option<Vec<u8>> {
         let Values { time, inputs, .. } = &state.values;
@@ -248,17 +253,17 @@ impl Instance {
         self.is_algebraic().then(|| bytes.collect())
     }
 
-    /// The state of such bytes.
+    /// Reads a serialised state.
     ///
     /// # Errors
-    /// It is the run of a case, or they are too many or too few; in words.
+    /// Fails for the run of a case, or if the number of bytes is wrong.
     pub fn deserialised(&self, bytes: &[u8]) -> Result<State, String> {
         let (values, rest) = bytes.as_chunks();
         let expected = 1 + self.manifest.inputs.len();
         if !self.is_algebraic() || !rest.is_empty() || values.len() != expected {
             let given = bytes.len();
             return Err(format!(
-                "{given} bytes are no state of this FMU, which has {}",
+                "{given} bytes are not a state of this FMU; expected {}",
                 8 * expected
             ));
         }
@@ -271,7 +276,7 @@ impl Instance {
 }
 
 impl Values {
-    /// Before the first window.
+    /// Values before the first window.
     fn first(manifest: &Manifest) -> Self {
         Self {
             time: 0.0,

@@ -1,18 +1,20 @@
-//! The library inside an FMU: functions of FMI 3.0, of a case for co-simulation over a coordinator that is driven
-//! (`coordinator drive`), of a surrogate for co-simulation and model exchange by evaluating it.
+//! Library inside an FMU, with the functions of FMI 3.0. A case runs by co-simulation in a driven
+//! coordinator (`coordinator drive`). A surrogate is evaluated directly, by co-simulation or model
+//! exchange.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`manifest`] | a case or a surrogate, which variables: `resources/fmu.json` |
-//! | [`child`] | the coordinator that is driven: started from the resources, asked, ended |
-//! | [`evaluator`] | the surrogate, and its figures at a point |
-//! | [`instance`] | an instance: its variables, windows and states |
-//! | [`fmi3`], [`exchange`], [`unsupported`] | the functions of FMI 3.0: those of all instances, those of model exchange, those of neither |
-//! | [`host`] | what a host passes, and what it is told |
+//! | [`manifest`] | `resources/fmu.json`: kind of the FMU (case or surrogate), list of variables |
+//! | [`child`] | driven coordinator: start from the resources, requests, end |
+//! | [`evaluator`] | evaluation of the surrogate at a point |
+//! | [`instance`] | instance: variables, windows and states |
+//! | [`fmi3`], [`exchange`], [`unsupported`] | functions of FMI 3.0: common, for model exchange only, unsupported |
+//! | [`host`] | data passed by the host, messages to the host |
 //!
-//! The host keeps its signals, its standard output and its children: the coordinator is in a process group
-//! of its own, what it prints is read here, and it is waited for by its own number alone. It is asked through
-//! a socket, on which a write to a process that has ended raises no signal.
+//! The library does not disturb the signals, the standard output and the children of the host. The
+//! coordinator runs in a process group of its own, this library reads its output, and waits for its
+//! process number only. Requests go through a socket, so that a write to an ended process raises no
+//! signal.
 
 pub mod child;
 pub mod evaluator;

@@ -1,71 +1,72 @@
-//! What `coordinator fmu` leaves beside the case or the surrogate: which variables there are, in the order of
-//! their value references.
+//! Manifest of an FMU, written by `coordinator fmu` beside the case or the surrogate: the
+//! variables, in the order of their value references.
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The file, in the resources of an FMU.
+/// Name of the manifest file, in the resources of an FMU.
 pub const FILE: &str = "fmu.json";
 
-/// The surrogate, in the resources of an FMU that has one.
+/// Name of the surrogate file, in the resources of an FMU with a surrogate.
 pub const SURROGATE: &str = "surrogate.json";
 
-/// The value reference of the time.
+/// Value reference of the time.
 pub const TIME: u32 = 0;
 
 /// Content of [`FILE`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
-    /// The token of the model description.
+    /// Token of the model description.
     pub token: String,
-    /// What gives the outputs.
+    /// Source of the outputs.
     pub of: Of,
-    /// Live keys of the case, or keys of the surrogate; their value references count from 1.
+    /// Live keys of the case, or keys of the surrogate. Value references count from 1.
     pub inputs: Vec<Input>,
-    /// Keys of the figures; their value references go on from those of the inputs.
+    /// Keys of the figures. Value references follow those of the inputs.
     pub outputs: Vec<String>,
 }
 
-/// What gives the outputs of an FMU.
+/// Source of the outputs of an FMU.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Of {
-    /// A case, which a coordinator runs.
+    /// Case, run by a coordinator.
     Case {
-        /// Options of `coordinator drive` behind the case, such as files of the case by their names here.
+        /// Options of `coordinator drive` after the case; files of the case are named relative to
+        /// the resources.
         options: Vec<String>,
-        /// Executables of the resources.
+        /// Executables in the resources.
         programs: Vec<String>,
     },
-    /// A surrogate, [`SURROGATE`], which is evaluated in the process of the host.
+    /// Surrogate [`SURROGATE`], evaluated in the process of the host.
     Surrogate,
 }
 
-/// A live key, or a key of a surrogate.
+/// Live key of a case, or key of a surrogate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Input {
-    /// The dotted key.
+    /// Dotted key.
     pub key: String,
-    /// Its first value, in SI units.
+    /// Initial value, in SI units.
     pub start: f64,
 }
 
-/// What a value reference means.
+/// Variable that belongs to a value reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable {
     /// The time.
     Time,
-    /// An input, by its place.
+    /// Input, with its index.
     Input(usize),
-    /// An output, by its place.
+    /// Output, with its index.
     Output(usize),
 }
 
 impl Manifest {
-    /// Reads the file of a folder of resources.
+    /// Reads the manifest from a folder of resources.
     ///
     /// # Errors
-    /// There is none, or it is not of this version; in words.
+    /// Fails if the file is missing or does not match this version.
     pub fn read(resources: &Path) -> Result<Self, String> {
         let path = resources.join(FILE);
         let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
@@ -73,7 +74,7 @@ impl Manifest {
         serde_json::from_slice(&text).map_err(|error| named(&error))
     }
 
-    /// What a value reference means.
+    /// Returns the variable of a value reference; `None` if there is none.
     #[must_use]
     pub fn variable(&self, reference: u32) -> Option<Variable> {
         let inputs = self.inputs.len();
@@ -88,13 +89,13 @@ impl Manifest {
         }
     }
 
-    /// The value reference of an input, by its place.
+    /// Returns the value reference of an input by its index.
     #[must_use]
     pub fn input_reference(&self, place: usize) -> u32 {
         u32::try_from(place + 1).unwrap_or(u32::MAX)
     }
 
-    /// The value reference of an output, by its place.
+    /// Returns the value reference of an output by its index.
     #[must_use]
     pub fn output_reference(&self, place: usize) -> u32 {
         u32::try_from(place + 1 + self.inputs.len()).unwrap_or(u32::MAX)

@@ -1,6 +1,7 @@
-//! Functions of FMI 3.0 for what no variable of such an FMU has: they say that they are not supported.
+//! Functions of FMI 3.0 that this FMU does not support. They return an error.
 //!
-//! Only the first argument is declared: the caller clears away the rest on all platforms that these FMUs are made for.
+//! Only the first argument is declared. On all platforms of these FMUs the caller removes the other
+//! arguments.
 
 #![allow(non_snake_case, reason = "names of the standard")]
 #![allow(clippy::missing_safety_doc, reason = "the standard says what a host may pass")]
@@ -8,11 +9,11 @@
 use super::host::{Component, Status, with};
 use super::instance::Instance;
 
-/// Functions that nothing of such an FMU needs.
+/// Defines unsupported functions.
 macro_rules! unsupported {
     ($($name:ident)*) => {
         $(
-            /// Not supported.
+            /// Not supported: returns an error.
             #[unsafe(no_mangle)]
             pub unsafe extern "C" fn $name(instance: *mut Component) -> Status {
                 let refuse = |_: &mut Instance| Err::<(), _>(concat!(stringify!($name), " is not supported").to_owned());

@@ -1,5 +1,5 @@
-//! The end beside the coordinator, for which it is a participant like any other: it asks the server
-//! whatever it is asked itself.
+//! Client side of the relay, beside the coordinator. To the coordinator it is an ordinary
+//! participant; it passes every request on to the server.
 
 mod connection;
 mod files;
@@ -14,28 +14,28 @@ use crate::key::Key;
 use crate::pack::Packing;
 use std::time::Duration;
 
-/// Settings of a client: the server, the key, and its patience.
+/// Settings of a client.
 #[derive(Debug)]
 pub struct Client {
     /// Address of the server: `HOST:PORT`.
     pub address: String,
-    /// The key that both ends have.
+    /// Key shared by both ends.
     pub key: Key,
-    /// How values are packed, both ways.
+    /// Packing of values, in both directions.
     pub packing: Packing,
-    /// Longest wait for the server to answer the call.
+    /// Maximum wait for the server to answer the connection.
     pub patience: Duration,
-    /// Without a sign of life for so long, the link is lost.
+    /// Silence of the server after which the link counts as lost.
     pub silence: Duration,
 }
 
-/// Reason why a client fails.
+/// Error of a client.
 #[derive(Debug, thiserror::Error)]
 #[error("{words}")]
 pub struct ClientError {
-    /// What to say of it.
+    /// Error message.
     pub words: String,
-    /// The exit code.
+    /// Exit code of the process.
     pub code: u8,
 }
 

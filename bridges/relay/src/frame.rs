@@ -1,13 +1,13 @@
-//! Messages between client and server, and their bytes.
+//! Messages between client and server, and their encoding.
 //!
-//! A message is the number of its kind, an entry of fixed layout, and bytes that go on to its end. Every
-//! message is checked as if anybody could have sent it.
+//! A message consists of the number of its kind, an entry of fixed layout, and a variable number of
+//! bytes. Every message is treated as untrusted.
 
 use crate::pack::Packing;
 use contract::message::{Command, FieldHeader, ProgressReport, Reply};
 use zerocopy::{Immutable, IntoBytes, KnownLayout, TryFromBytes};
 
-/// What a program is asked without a run.
+/// Request to a program outside of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Immutable, IntoBytes, KnownLayout, TryFromBytes)]
 #[repr(u8)]
 pub(crate) enum Question {
@@ -17,7 +17,7 @@ pub(crate) enum Question {
 }
 
 impl Question {
-    /// The option by which a program is asked.
+    /// Command-line option of the request.
     pub(crate) fn option(self) -> &'static str {
         match self {
             Self::Describe => "--describe",
@@ -27,46 +27,46 @@ impl Question {
     }
 }
 
-/// A message.
+/// Message.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Frame<'a> {
-    /// To the server: ask the program, with this on its standard input.
+    /// To the server: run the program with this standard input.
     Ask { question: Question, input: &'a [u8] },
-    /// To the client: what it has said; or, unless `code` is 0, why it has not.
+    /// To the client: the standard output of the program, or an error message if `code` is not 0.
     Answer { code: u8, said: &'a [u8] },
-    /// To the server: a piece of the file that the case names under this key; `ending` is that of its
-    /// name.
+    /// To the server: a piece of the file named by the case under `key`; `ending` is the file
+    /// extension.
     File { key: &'a str, ending: &'a str, last: bool, bytes: &'a [u8] },
-    /// To the server: start the program as a participant. Values are packed like this.
+    /// To the server: start the program as a participant, with this packing of values.
     Join { packing: Packing },
-    /// To the client: it has joined.
+    /// To the client: the participant has joined.
     Joined,
-    /// To the server: a command; without paths.
+    /// To the server: a command, with all paths removed.
     Command(Command, &'a [u8]),
-    /// To the client: the reply.
+    /// To the client: the reply to a command.
     Reply(Reply, &'a [u8]),
-    /// A sample of the topic with this number, one of inputs or one of outputs.
+    /// Sample of the topic with this number, counted separately for inputs and outputs.
     Sample { topic: u16, header: FieldHeader, packing: Packing, values: u64, bytes: &'a [u8] },
-    /// A piece of a state (part 0) or of what was sent last (the parts that follow).
+    /// Piece of a state (part 0) or of a saved output (parts from 1).
     State { part: u16, last: bool, bytes: &'a [u8] },
-    /// To the client: it is over, with this exit code, for this reason.
+    /// To the client: the run has ended, with exit code and reason.
     Ended { code: u8, words: &'a str },
-    /// The sender lives.
+    /// Sign of life of the sender.
     Alive,
-    /// To the client: the participant's heart has beaten.
+    /// To the client: heartbeat of the participant.
     Beat,
-    /// To the client: how far it is.
+    /// To the client: progress of the participant.
     Progress(ProgressReport),
-    /// The sender leaves, as was to be expected.
+    /// The sender closes the connection in order.
     Bye,
 }
 
-/// A message that is none.
+/// Invalid message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the other end sends what is no message of the relay")]
+#[error("the other end sent an invalid message")]
 pub(crate) struct Malformed;
 
-/// Lengths of the texts that follow it, key and ending.
+/// Lengths of key and extension, which follow the entry.
 #[derive(Immutable, IntoBytes, KnownLayout, TryFromBytes)]
 #[repr(C, packed)]
 struct FileEntry {
@@ -91,30 +91,30 @@ struct StateEntry {
     last: bool,
 }
 
-/// A number and an entry.
+/// Encodes number and entry.
 fn head(number: u8, entry: &(impl IntoBytes + Immutable)) -> Vec<u8> {
     [&[number], entry.as_bytes()].concat()
 }
 
-/// An entry, and what follows it.
+/// Decodes an entry; returns it with the remaining bytes.
 fn entry<T: TryFromBytes + KnownLayout + Immutable>(bytes: &[u8]) -> Result<(T, &[u8]), Malformed> {
     let (taken, rest) = bytes.split_at_checked(size_of::<T>()).ok_or(Malformed)?;
     T::try_read_from_bytes(taken).map(|entry| (entry, rest)).map_err(|_| Malformed)
 }
 
-/// A text of so many bytes, and what follows it.
+/// Decodes a text of `length` bytes; returns it with the remaining bytes.
 fn text(bytes: &[u8], length: usize) -> Result<(&str, &[u8]), Malformed> {
     let (text, rest) = bytes.split_at_checked(length).ok_or(Malformed)?;
     std::str::from_utf8(text).map(|text| (text, rest)).map_err(|_| Malformed)
 }
 
-/// A text of at most so many bytes.
+/// Truncates a text to at most `most` bytes.
 fn cut(text: &str, most: usize) -> &str {
     &text[..text.floor_char_boundary(most)]
 }
 
 impl<'a> Frame<'a> {
-    /// The bytes of a message: number, entry, and those that it goes on with.
+    /// Encodes a message: number and entry, then the variable part.
     pub(crate) fn write(&self) -> (Vec<u8>, &'a [u8]) {
         match *self {
             Self::Ask { question, input } => (head(1, &question), input),
@@ -142,7 +142,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Reads a message.
+    /// Decodes a message.
     pub(crate) fn read(bytes: &'a [u8]) -> Result<Self, Malformed> {
         let (number, rest) = bytes.split_first().ok_or(Malformed)?;
         let whole = |frame: Self, rest: &[u8]| rest.is_empty().then_some(frame).ok_or(Malformed);
@@ -263,7 +263,7 @@ mod tests {
         #[test]
         fn no_bytes_are_more_than_refused(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
             if let Ok(frame) = Frame::read(&bytes) {
-                // NaNs are not equal to themselves; their bytes are.
+                // NaN differs from itself, so that the bytes are compared.
                 prop_assert_eq!(whole(&frame), bytes);
             }
         }

@@ -1,12 +1,13 @@
-//! The first words on a connection, by which both ends prove that they have the key.
+//! Handshake at the start of a connection, in which both ends prove that they hold the key.
 //!
-//! Each end says its versions in the clear, [`HELLO`] bytes; then both make the handshake NNpsk0 of the
-//! Noise protocol framework (revision 34, noiseprotocol.org) over X25519, AES-256-GCM and SHA-256, with
-//! the key as the pre-shared one and the client's versions as the prologue. Its ephemeral keys give
-//! forward secrecy: who gets the key later cannot read what was kept of the wire.
+//! Each end sends its versions unencrypted, [`HELLO`] bytes. Both then perform the handshake NNpsk0
+//! of the Noise protocol framework (revision 34, noiseprotocol.org) over X25519, AES-256-GCM and
+//! SHA-256. The key is the pre-shared key, and the client's versions are the prologue. The
+//! ephemeral keys give forward secrecy: recorded traffic stays secret even if the key is stolen
+//! later.
 //!
-//! The server reads no more than [`GREETING`] bytes of a caller, and one short record, before the
-//! caller has proven the key, and takes memory for nothing else.
+//! Before a caller has proven the key, the server reads only [`GREETING`] bytes and one short
+//! record, and allocates no further memory.
 
 use crate::key::Key;
 use crate::record::{Sealed, Unproven, read_by};
@@ -16,20 +17,20 @@ use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
-/// Version of the relay's messages.
+/// Version of the messages of the relay.
 const VERSION: u32 = 2;
 const MARK: &[u8; 4] = b"cosR";
 const PATTERN: &str = "Noise_NNpsk0_25519_AESGCM_SHA256";
-/// Bytes of an end's versions, with the mark before them.
+/// Bytes of the versions of an end, including the mark.
 const HELLO: usize = 12;
 /// Bytes of a handshake message: an ephemeral key and a tag.
 const MESSAGE: usize = 48;
-/// Bytes of a caller's first words.
+/// Bytes of the first message of a caller.
 const GREETING: usize = HELLO + MESSAGE;
-/// From one attempt to connect to the next.
+/// Interval between attempts to connect.
 const RETRY: Duration = Duration::from_millis(100);
 
-/// The server's answer to a greeting, behind its versions.
+/// Answer of the server to a greeting, sent after its versions.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 enum Answer {
@@ -37,11 +38,11 @@ enum Answer {
     Refused = 1,
 }
 
-/// Reason why there is no link.
+/// Reason why no link was established.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NoLink {
     #[error(
-        "no server is reached at {address} within {seconds:.0} s ({error}); start \
+        "no server reached at {address} within {seconds:.0} s ({error}); start \
          `coordinator relay --listen` there, and see that the port is open"
     )]
     Unreached { address: String, seconds: f64, error: io::Error },
@@ -50,17 +51,17 @@ pub(crate) enum NoLink {
     #[error("the {0} has another key; give both ends the same key file")]
     OtherKey(&'static str),
     #[error(
-        "the other end speaks relay version {}, protocol {}, this one {VERSION} and \
-         {PROTOCOL_VERSION}; install the same version at both", .0.relay, .0.contract
+        "the other end speaks relay version {}, protocol {}; this end {VERSION} and \
+         {PROTOCOL_VERSION}; install the same version at both ends", .0.relay, .0.contract
     )]
     OtherVersion(Versions),
-    #[error("the other end is no relay")]
+    #[error("the other end is not a relay")]
     NoRelay,
-    #[error("the connection ended in the first words: {0}")]
+    #[error("the connection ended during the handshake: {0}")]
     Lost(#[from] io::Error),
 }
 
-/// Versions of the relay and of the contract.
+/// Versions of the relay and of the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Versions {
     relay: u32,
@@ -101,7 +102,7 @@ fn sealed(noise: HandshakeState) -> StatelessTransportState {
     noise.into_stateless_transport_mode().expect("both messages are through")
 }
 
-/// Connects to a server, and shows it the key.
+/// Connects to a server and proves the key.
 pub(crate) fn connect(address: &str, key: &Key, patience: Duration) -> Result<Sealed, NoLink> {
     let until = Instant::now() + patience;
     let stream = reach(address, until).map_err(|error| {
@@ -129,18 +130,18 @@ pub(crate) fn connect(address: &str, key: &Key, patience: Duration) -> Result<Se
     read_by(&stream, &mut message, until).map_err(late)?;
     noise.read_message(&message, &mut []).map_err(|_| NoLink::OtherKey("server"))?;
     let sealed = Sealed::new(stream, sealed(noise));
-    // The proof: a greeting alone may be one that was overheard.
+    // Proves that this end holds the key now. A greeting alone could be a replay.
     sealed.prove().map_err(late)?;
     Ok(sealed)
 }
 
-/// Connects as soon as somebody listens.
+/// Connects, retrying until a server listens.
 fn reach(address: &str, until: Instant) -> io::Result<TcpStream> {
     loop {
         let left = until.saturating_duration_since(Instant::now()).max(Duration::from_millis(1));
         let tried = address.to_socket_addrs().and_then(|mut known| {
             let first = known.next().ok_or(io::ErrorKind::AddrNotAvailable)?;
-            // A name may have several addresses; the last error counts.
+            // A name may have several addresses; the error of the last one is returned.
             known.fold(TcpStream::connect_timeout(&first, left), |tried, next| {
                 tried.or_else(|_| TcpStream::connect_timeout(&next, left))
             })
@@ -154,7 +155,7 @@ fn reach(address: &str, until: Instant) -> io::Result<TcpStream> {
     }
 }
 
-/// Answers a caller, who has to prove the key by then.
+/// Accepts a caller, who must prove the key before `until`.
 pub(crate) fn accept(stream: TcpStream, key: &Key, until: Instant) -> Result<Sealed, NoLink> {
     let (mut noise, mut hello, mut message) = (noise(key, false), [0; HELLO], [0; MESSAGE]);
     let refuse = |why: NoLink| {
@@ -191,7 +192,7 @@ mod tests {
 
     const SOON: Duration = Duration::from_secs(20);
 
-    /// Outcome of a handshake at both ends.
+    /// Performs a handshake and returns the result of both ends.
     fn meet(client: &Key, server: Key) -> (Result<Sealed, NoLink>, Result<Sealed, NoLink>) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap().to_string();
@@ -201,7 +202,7 @@ mod tests {
         (connect(&address, client, SOON), answered.join().unwrap())
     }
 
-    /// Error of a server to which a caller sends these bytes, within a time.
+    /// Returns the error of a server that receives these bytes and waits at most `patience`.
     fn call(bytes: &[u8], patience: Duration) -> String {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mut caller = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
@@ -224,7 +225,7 @@ mod tests {
     #[test]
     fn callers_without_the_key_are_refused_and_late_ones_too() {
         let short = Duration::from_millis(50);
-        assert_eq!(call(b"GET / HTTP/1.1\r\n\r\n", SOON), "the other end is no relay");
+        assert_eq!(call(b"GET / HTTP/1.1\r\n\r\n", SOON), "the other end is not a relay");
         let other = Versions { relay: 1, ..Versions::OURS };
         assert!(call(&other.write(), SOON).contains("speaks relay version 1"));
         let random = [&Versions::OURS.write()[..], &[9; MESSAGE]].concat();
@@ -234,7 +235,7 @@ mod tests {
         }
     }
 
-    /// A greeting that was overheard and sent again proves nothing.
+    /// A replayed greeting proves nothing.
     #[test]
     fn a_replayed_greeting_is_not_taken() {
         let mut greeting = Versions::OURS.write().to_vec();

@@ -1,4 +1,4 @@
-//! The key that both ends have: a file that nobody else can read, and nothing of which ever travels.
+//! Key shared by both ends: a file readable by its owner only. The key itself is never transmitted.
 
 use contract::input_file::{self, InputFileError};
 use ring::digest::{SHA256, digest};
@@ -8,12 +8,12 @@ use std::io::{self, Read, Write};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::Path;
 
-/// Fewest and most bytes of a key.
+/// Allowed lengths of a key [byte].
 const LENGTHS: std::ops::RangeInclusive<usize> = 32..=4096;
-/// Bytes of a new key; its file has twice as many digits.
+/// Bytes of a new key; the file holds two hexadecimal digits a byte.
 const NEW: usize = 32;
 
-/// A key that two ends share.
+/// Key shared by both ends.
 pub struct Key(Vec<u8>);
 
 impl std::fmt::Debug for Key {
@@ -22,38 +22,38 @@ impl std::fmt::Debug for Key {
     }
 }
 
-/// A key that is not used.
+/// Reason why a key cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum KeyError {
     /// The file cannot be read or written.
     #[error("the key file {path}: {error}")]
     File {
-        /// Its path.
+        /// Path of the key file.
         path: String,
-        /// What the system says.
+        /// Error of the system.
         error: io::Error,
     },
-    /// Others may read the file.
+    /// Other users may read the file.
     #[error(
         "the key file {path} can be read by others (mode {mode:03o}); \
          make it yours alone: chmod 600 {path}"
     )]
     Open {
-        /// Its path.
+        /// Path of the key file.
         path: String,
-        /// Its permissions.
+        /// Permission bits.
         mode: u32,
     },
-    /// It is too short to be guessed in vain, or is something else.
+    /// The key is too short to resist guessing, or the file is not a key file.
     #[error(
         "the key file {path} has {bytes} bytes, not {} to {}; \
          make one: coordinator relay --new-key FILE",
         LENGTHS.start(), LENGTHS.end()
     )]
     Length {
-        /// Its path.
+        /// Path of the key file.
         path: String,
-        /// Bytes without the end of the line.
+        /// Number of bytes without trailing white space.
         bytes: usize,
     },
 }
@@ -62,7 +62,8 @@ impl Key {
     /// Reads a key file.
     ///
     /// # Errors
-    /// It cannot be read, others can read it, or it is no key.
+    /// Fails if the file cannot be read, is readable by other users, or has a length outside the
+    /// limits.
     pub fn read(path: &Path) -> Result<Self, KeyError> {
         let shown = path.display().to_string();
         let failed = |error| KeyError::File { path: shown.clone(), error };
@@ -86,10 +87,10 @@ impl Key {
         }
     }
 
-    /// Writes a new key to a file that is not there yet, and that nobody else can read.
+    /// Writes a new key to a new file, readable by its owner only.
     ///
     /// # Errors
-    /// The file exists, or cannot be written.
+    /// Fails if the file exists or cannot be written.
     pub fn create(path: &Path) -> Result<(), KeyError> {
         let failed = |error| KeyError::File { path: path.display().to_string(), error };
         let mut bytes = [0; NEW];
@@ -101,7 +102,8 @@ impl Key {
         writeln!(file, "{text}").and_then(|()| file.sync_all()).map_err(failed)
     }
 
-    /// The pre-shared key of the handshake: SHA-256 of a mark and the bytes.
+    /// Returns the pre-shared key of the handshake: SHA-256 of a fixed prefix and the bytes of the
+    /// key.
     pub(crate) fn pre_shared(&self) -> [u8; 32] {
         let hashed = digest(&SHA256, &[b"cosim relay: key", &self.0[..]].concat());
         hashed.as_ref().try_into().expect("SHA-256 has 32 bytes")
@@ -144,7 +146,7 @@ mod tests {
             assert!(error.contains("--new-key"), "{error}");
         }
         assert!(Key::read(&folder.path().join("none")).is_err());
-        // A pipe would wait for its writer, a device has no end.
+        // A pipe would block until its writer writes; a device may never end.
         let device = Key::read(Path::new("/dev/zero")).unwrap_err().to_string();
         assert!(device.contains("is a device"), "{device}");
     }

@@ -1,14 +1,14 @@
-//! A participant on another machine: a server there starts the program, a client takes its place in the
-//! run, and neither the program nor the coordinator sees that there is a network between them.
+//! Runs a participant on another machine. A server there starts the program; a client represents it
+//! in the run. Neither the program nor the coordinator notices the network between them.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`key`] | the key that both ends have |
-//! | `handshake` | the first words, by which both prove that they have it |
-//! | `record` | sealed records |
-//! | `link` | one TCP connection: messages of records, signs of life, and their monitor |
-//! | `frame`, `pack` | the bytes of messages; values, compressed without loss |
-//! | `routes` | topics, numbered alike at both ends |
+//! | [`key`] | shared key |
+//! | `handshake` | handshake, in which both ends prove that they hold the key |
+//! | `record` | encrypted records |
+//! | `link` | TCP connection: messages made of records, signs of life, monitor |
+//! | `frame`, `pack` | encoding of messages; lossless compression of values |
+//! | `routes` | topics, numbered identically at both ends |
 //! | [`client`], [`server`] | the two ends |
 
 pub mod client;
@@ -23,7 +23,7 @@ pub mod server;
 
 pub use pack::Packing;
 
-/// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
+/// Configuration of tests with arbitrary bytes: 400 cases, or the number in `FUZZ_CASES`.
 #[cfg(test)]
 fn fuzz_config() -> proptest::test_runner::Config {
     let cases = std::env::var("FUZZ_CASES").ok().and_then(|text| text.parse().ok());

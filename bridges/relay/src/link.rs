@@ -1,10 +1,10 @@
-//! A link to the other end: one TCP connection, over which messages of any length go in order, and signs
-//! of life between their pieces.
+//! Link to the other end: one TCP connection that carries messages of any length in order, and
+//! signs of life between their pieces.
 //!
-//! Bytes go in records, each a piece of a message, its last one, or a sign of life.
+//! Data is sent in records. A record is a piece of a message, the last piece, or a sign of life.
 //!
-//! Three threads work on a link: the one that owns it sends and takes messages, a reader takes records
-//! from the network, and a monitor sends signs of life and declares the link lost when none has come.
+//! Three threads serve a link. The owner sends and takes messages, a reader reads records from the
+//! network, and a monitor sends signs of life and declares a silent link lost.
 
 use crate::frame::{Frame, Malformed};
 use crate::record::{Kind, NoRecord, PIECE, RECORD, Records, Sealed, seal};
@@ -19,18 +19,18 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// From one sign of life to the next.
+/// Interval between signs of life.
 const INTERVAL: Duration = Duration::from_millis(100);
-/// Messages that came before the connection was closed are still read for so long.
+/// Time to read messages that arrived before the connection was closed.
 const LAST_WORDS: Duration = Duration::from_millis(300);
-/// Records that are sealed before they are written.
+/// Number of records sealed before they are written together.
 const BATCH: usize = 4;
-/// Messages that have come and are not taken yet, before the other end is held back.
+/// Number of messages waiting to be taken, above which the reader pauses.
 const WAITING: usize = 64;
-/// The longest message before there are fields [byte].
+/// Maximum length of a message before the grids are known [byte].
 pub(crate) const SHORT: usize = 256 << 20;
 
-/// Reason why nothing more goes over a link.
+/// Reason why a link has ended.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Fault {
     #[error("{0}")]
@@ -43,40 +43,41 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Hears what the other end says of the participant there.
+/// Receiver of the heartbeat and the progress of the remote participant.
 pub(crate) trait LivenessSink: Send {
-    /// Its heart has beaten.
+    /// Called for a heartbeat.
     fn beat(&mut self);
-    /// It has said how far it is.
+    /// Called for a progress report.
     fn progress(&mut self, report: ProgressReport);
 }
 
-/// State that the threads of a link share.
+/// State shared by the threads of a link.
 struct Shared {
     noise: StatelessTransportState,
     stream: TcpStream,
     /// Held from the first to the last piece of a message.
     turn: Mutex<()>,
-    /// The number of the next record to send.
+    /// Number of the next record to send.
     next: Mutex<u64>,
     sent: Mutex<Instant>,
     heard: Mutex<Instant>,
-    /// The longest message that is put together [byte].
+    /// Maximum length of a message [byte].
     most: AtomicUsize,
     sink: Mutex<Option<Box<dyn LivenessSink>>>,
     bell: Mutex<Option<Box<dyn Fn() + Send>>>,
-    /// Exit code and words of an end that has told its end.
+    /// Exit code and reason, sent by the other end before it ended.
     told: Mutex<Option<(u8, String)>>,
-    /// Why the reader has ended.
+    /// Reason why the reader has ended.
     ended: Mutex<Option<String>>,
     lost: Mutex<Option<String>>,
     closes: AtomicBool,
 }
 
 impl Shared {
-    /// Sends the pieces of a message, the last one marked.
+    /// Sends a message in pieces; the last one is marked.
     fn send_message(&self, head: &[u8], rest: &[u8]) -> Result<(), Fault> {
-        // The first piece has the head, which is short; others are sealed from where they lie.
+        // Only the first piece is copied, to prepend the head. Other pieces are sealed directly
+        // from `rest`.
         let (with_head, mut rest) = rest.split_at(rest.len().min(PIECE - head.len().min(PIECE)));
         let first = [head, with_head].concat();
         let mut first = first.as_slice();
@@ -104,7 +105,7 @@ impl Shared {
         }
     }
 
-    /// Sends a sign, which overtakes the pieces of messages.
+    /// Sends a sign of life, which overtakes pieces of messages.
     fn send_sign(&self, frame: &Frame<'_>, next: &mut u64) -> Result<(), Fault> {
         let (head, rest) = frame.write();
         let (sign, mut records) = ([&head, rest].concat(), Vec::new());
@@ -113,13 +114,13 @@ impl Shared {
         self.write(&records)
     }
 
-    /// Writes records. After a failure nobody knows how much of them has gone: the link is over.
+    /// Writes records. After a failure the number of bytes sent is unknown, so that the link ends.
     fn write(&self, records: &[u8]) -> Result<(), Fault> {
         let written = (&self.stream).write_all(records);
         *lock(&self.sent) = Instant::now();
         written.map_err(|error| {
             let why = match error.kind() {
-                io::ErrorKind::WouldBlock => "the other end does not take what is sent".to_owned(),
+                io::ErrorKind::WouldBlock => "the other end does not read its data".to_owned(),
                 _ => error.to_string(),
             };
             let why = lock(&self.ended).get_or_insert(why).clone();
@@ -134,7 +135,7 @@ impl Shared {
         }
     }
 
-    /// Nothing more is sent or received.
+    /// Closes both directions of the connection.
     fn shut(&self) {
         let _ = self.stream.shutdown(Shutdown::Both);
     }
@@ -144,7 +145,7 @@ impl Shared {
     }
 }
 
-/// Sends; any thread may.
+/// Sender of a link, usable by any thread.
 #[derive(Clone)]
 pub(crate) struct Sending(Arc<Shared>);
 
@@ -156,18 +157,18 @@ impl Sending {
         self.0.send_message(&head, rest)
     }
 
-    /// Sends a sign of life, or whatever must not wait for a long message.
+    /// Sends a sign of life, or another message that must not wait for a long one.
     pub(crate) fn sign(&self, frame: &Frame<'_>) -> Result<(), Fault> {
         let mut next = lock(&self.0.next);
         self.0.send_sign(frame, &mut next)
     }
 }
 
-/// End of the other end, or of the link to it.
+/// Way in which a link ended.
 pub(crate) enum End {
     /// The link is lost.
     Lost(String),
-    /// The other end has said why, with an exit code.
+    /// The other end sent an exit code and a reason.
     Told(u8, String),
 }
 
@@ -181,8 +182,9 @@ pub(crate) struct Link {
 }
 
 impl Link {
-    /// Begins to listen and to give signs of life. Without any of the other end for `silence` the link
-    /// is lost; `at_end` is called once, on a thread of its own, unless the link is closed before.
+    /// Starts reader and monitor. The link is lost after `silence` without a sign of life from the
+    /// other end. `at_end` is called at most once, on the monitor's thread; it is not called if the
+    /// link is closed before.
     pub(crate) fn open(
         sealed: Sealed,
         silence: Duration,
@@ -191,7 +193,7 @@ impl Link {
         let Sealed { stream, noise } = sealed;
         stream.set_nodelay(true)?;
         stream.set_read_timeout(None)?;
-        // Who stops reading is lost like one who is silent.
+        // An end that stops reading counts as lost, like a silent one.
         stream.set_write_timeout(Some(silence))?;
         let reading = stream.try_clone()?;
         let now = Instant::now();
@@ -200,7 +202,7 @@ impl Link {
             noise,
             stream,
             turn: Mutex::new(()),
-            // The client's first record was its proof.
+            // The client has used record 0 for its proof.
             next: Mutex::new(u64::from(is_client)),
             sent: Mutex::new(now),
             heard: Mutex::new(now),
@@ -235,7 +237,7 @@ impl Link {
         Ok(Self { sending: Sending(Arc::clone(&shared)), messages, shared, reader, monitor })
     }
 
-    /// The next message, if it is there.
+    /// Returns the next message if one has arrived.
     pub(crate) fn poll(&self) -> Result<Option<Vec<u8>>, Fault> {
         match self.messages.try_recv() {
             Ok(message) => Ok(Some(message)),
@@ -244,7 +246,7 @@ impl Link {
         }
     }
 
-    /// The next message, if it is there before so much time has passed.
+    /// Waits at most `patience` for the next message.
     pub(crate) fn within(&self, patience: Duration) -> Result<Option<Vec<u8>>, Fault> {
         match self.messages.recv_timeout(patience) {
             Ok(message) => Ok(Some(message)),
@@ -258,32 +260,33 @@ impl Link {
         self.shared.fault(ended.as_deref().unwrap_or("it is closed"))
     }
 
-    /// Longer messages than these bytes end the link.
+    /// Sets the maximum length of a message; a longer one ends the link.
     pub(crate) fn allow(&self, most: usize) {
         self.shared.most.store(most, Ordering::Relaxed);
     }
 
-    /// Who hears of the participant at the other end from now on.
+    /// Sets the receiver of the remote participant's heartbeat and progress.
     pub(crate) fn listen(&self, sink: Option<Box<dyn LivenessSink>>) {
         *lock(&self.shared.sink) = sink;
     }
 
-    /// Rings when something arrives.
+    /// Sets a function to call when a message arrives or the link ends.
     pub(crate) fn ring(&self, bell: Option<Box<dyn Fn() + Send>>) {
         *lock(&self.shared.bell) = bell;
     }
 
-    /// Why the link is lost, if it is.
+    /// Returns the reason if the link is lost.
     pub(crate) fn lost(&self) -> Option<String> {
         lock(&self.shared.lost).clone()
     }
 
-    /// The other end has left, or the link is lost.
+    /// True if the other end has left or the link is lost.
     pub(crate) fn is_over(&self) -> bool {
         self.lost().is_some() || lock(&self.shared.ended).is_some()
     }
 
-    /// Leaves, as was to be expected; the other end closes the connection when it has read so.
+    /// Closes the link in order: waits at most `patience` for the other end to close the
+    /// connection.
     pub(crate) fn close(mut self, patience: Duration) {
         self.stop_monitor();
         let _ = self.sending.send(&Frame::Bye);
@@ -307,7 +310,7 @@ impl Drop for Link {
     fn drop(&mut self) {
         self.stop_monitor();
         self.shared.shut();
-        // A full queue would hold the reader.
+        // Empties the queue, because a full one would block the reader.
         while self.messages.recv_timeout(INTERVAL) != Err(RecvTimeoutError::Disconnected) {}
         if let Some(reader) = self.reader.take() {
             let _ = reader.join();
@@ -315,12 +318,13 @@ impl Drop for Link {
     }
 }
 
-/// Takes records until there are no more; why.
+/// Reads records until the link ends; returns the reason.
 fn read(shared: &Shared, stream: TcpStream, messages: &SyncSender<Vec<u8>>, number: u64) -> String {
     let mut records = Records::new(stream, number);
     let (mut message, mut sign, mut longest) = (Vec::new(), Vec::new(), 0);
     loop {
-        // A sign comes between the pieces of a message: what came of it goes there.
+        // A sign of life may arrive between pieces of a message; its content is removed from the
+        // message.
         let before = message.len();
         let kind = match records.open(&shared.noise, &mut message) {
             Ok(kind) => kind,
@@ -328,7 +332,7 @@ fn read(shared: &Shared, stream: TcpStream, messages: &SyncSender<Vec<u8>>, numb
                 return "the other end is gone, or its connection was closed".to_owned();
             }
             Err(NoRecord::Network(error)) => return error.to_string(),
-            Err(NoRecord::Wrong) => return "what came was not sealed by the other end".to_owned(),
+            Err(NoRecord::Wrong) => return "a record was not sealed by the other end".to_owned(),
         };
         *lock(&shared.heard) = Instant::now();
         let most = shared.most.load(Ordering::Relaxed);
@@ -344,7 +348,7 @@ fn read(shared: &Shared, stream: TcpStream, messages: &SyncSender<Vec<u8>>, numb
                 return format!("the other end sends more than {most} bytes at once");
             }
             Kind::Last => {
-                // Another one may be as long; memory that is not written to is not taken.
+                // The next message may be as long. Untouched capacity takes no physical memory.
                 longest = message.len().max(longest);
                 let next = Vec::with_capacity(longest);
                 if messages.send(std::mem::replace(&mut message, next)).is_err() {
@@ -380,19 +384,19 @@ fn hear(shared: &Shared, sign: &[u8]) -> Result<(), Malformed> {
     Ok(())
 }
 
-/// Gives signs of life until the link is closed, or ends.
+/// Sends signs of life until the link is closed. Returns the reason if the link ends before.
 fn watch(shared: &Shared, silence: Duration) -> Option<End> {
     let mut gone = None::<Instant>;
     while !shared.closes.load(Ordering::SeqCst) {
         let quiet = lock(&shared.sent).elapsed() >= INTERVAL;
-        // Whoever holds it is sending, which is a sign too.
+        // A held lock means that a record is being sent, which is a sign of life too.
         if quiet && let Ok(mut next) = shared.next.try_lock() {
-            // A failure ends the reader.
+            // A failure ends the reader, which reports it.
             let _ = shared.send_sign(&Frame::Alive, &mut next);
         }
         std::thread::park_timeout(INTERVAL / 2);
         if let Some((code, words)) = lock(&shared.told).take() {
-            // Who waits for a message has these words too, and what came before them.
+            // Leaves time for the owner to take the messages that arrived before.
             std::thread::sleep(LAST_WORDS);
             return Some(End::Told(code, words));
         }
@@ -420,7 +424,7 @@ mod tests {
 
     const SOON: Duration = Duration::from_secs(20);
 
-    /// Both ends of a connection: the client's first.
+    /// Connects two ends; returns client and server.
     fn met() -> (Sealed, Sealed) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap().to_string();
@@ -449,7 +453,7 @@ mod tests {
         (open(client, SOON).0, open(server, SOON).0)
     }
 
-    /// The state of a participant is as long as it likes.
+    /// A state, for example, has arbitrary length.
     #[test]
     fn messages_of_any_length_come_in_order_both_ways() {
         let (client, server) = linked();
@@ -522,7 +526,7 @@ mod tests {
         *records.last_mut().unwrap() ^= 1;
         (&client.stream).write_all(&records).unwrap();
         let fault = server.within(SOON).unwrap_err().to_string();
-        assert_eq!(fault, "what came was not sealed by the other end");
+        assert_eq!(fault, "a record was not sealed by the other end");
     }
 
     proptest! {

@@ -1,4 +1,4 @@
-//! The relay's executable, which `coordinator relay` hands over to.
+//! Executable of the relay, started by `coordinator relay`.
 
 use clap::{Args, Parser};
 use proto::logging::wanted;
@@ -15,20 +15,20 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
 
-/// Lets a participant on another machine take part in a run.
+/// Connects a participant on another machine to a run.
 ///
-/// There: coordinator relay --listen 0.0.0.0:7447 --key FILE -- thermal-solver
+/// On the other machine: coordinator relay --listen 0.0.0.0:7447 --key FILE -- thermal-solver
 ///
-/// Here, in the case: thermal.command = ["cosim-relay", "--connect", "HOST:7447", "--key", "FILE"]
+/// In the case: thermal.command = ["cosim-relay", "--connect", "HOST:7447", "--key", "FILE"]
 #[derive(Debug, Parser)]
 #[command(name = "cosim-relay", version, max_term_width = 80)]
 struct Arguments {
     #[command(flatten)]
     mode: Mode,
-    /// The file with the key that both ends have, readable by you alone.
+    /// File with the key of both ends, readable by its owner only.
     #[arg(long, value_name = "FILE", required_unless_present = "new_key")]
     key: Option<PathBuf>,
-    /// Without a sign of life of the other end for so long the link is lost [s].
+    /// Silence of the other end after which the link counts as lost [s].
     #[arg(long, value_name = "SECONDS", default_value_t = 5.0, value_parser = seconds)]
     silence: f64,
     #[command(flatten)]
@@ -40,13 +40,13 @@ struct Arguments {
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct Mode {
-    /// On the other machine: wait for clients at ADDRESS:PORT.
+    /// Server: wait for clients at ADDRESS:PORT.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = address, requires = "program")]
     listen: Option<String>,
-    /// Here: be the participant that runs at HOST:PORT.
+    /// Client: represent the participant that runs at HOST:PORT.
     #[arg(long, value_name = "HOST:PORT", value_parser = address)]
     connect: Option<String>,
-    /// Write a new key to a file, for both ends.
+    /// Write a new key for both ends to a new file.
     #[arg(long, value_name = "FILE")]
     new_key: Option<PathBuf>,
 }
@@ -56,32 +56,32 @@ struct Listening {
     /// End after one run.
     #[arg(long, requires = "listen")]
     once: bool,
-    /// The program that takes part, and its arguments.
+    /// Program that takes part, with its arguments.
     #[arg(last = true, value_name = "PROGRAM")]
     program: Vec<String>,
 }
 
 #[derive(Debug, Args)]
 struct Connecting {
-    /// How fields are compressed on the way, without loss.
+    /// Lossless compression of fields on the network.
     #[arg(long, value_name = "HOW", default_value_t = Packing::None)]
     compress: Packing,
-    /// Longest wait for the other end to answer [s].
+    /// Maximum wait for the server to answer the connection [s].
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = seconds)]
     patience: f64,
-    /// Print what the program there can do, as a participant does.
+    /// Print the description of the program, as a participant does.
     #[arg(long, requires = "connect", group = "action")]
     describe: bool,
-    /// Read a configuration, print grids and cost, as a participant does.
+    /// Read a configuration and print grids and cost, as a participant does.
     #[arg(long, requires = "connect", group = "action")]
     estimate: bool,
-    /// Read a scene, print what there is to say of effects, as a participant does.
+    /// Read a scene and print advice on effects, as a participant does.
     #[arg(long, requires = "connect", group = "action")]
     advise: bool,
     /// Take part in the run with this folder, as a participant does.
     #[arg(long, group = "action", value_name = "RUN_FOLDER", requires_all = ["role", "connect"])]
     join: Option<PathBuf>,
-    /// The role to play in the run.
+    /// Role to play in the run.
     #[arg(long)]
     role: Option<String>,
 }
@@ -101,7 +101,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Last words, and the exit code.
+/// Error message and exit code.
 struct Ended(String, u8);
 
 impl Ended {
@@ -130,7 +130,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// A server says what it does, and what its program says; a client what is wrong.
+/// Sets up the log: a server logs its actions and the log of its program, a client logs warnings.
 fn log(listens: bool) {
     let own = |level| {
         let targets = Targets::new().with_default(LevelFilter::OFF);

@@ -1,13 +1,13 @@
-//! Values on their way, compressed or not; never with loss.
+//! Packing of values for the network: uncompressed, or compressed without loss.
 //!
-//! Before they are compressed the bytes of all values are put side by side by their significance: neighbours of
-//! a smooth field have signs, exponents and first digits in common, which a compressor finds only then.
+//! Before compression, the bytes of all values are grouped by significance. Neighbouring values of
+//! a smooth field share signs, exponents and leading digits; grouping lets a compressor find them.
 
 use std::borrow::Cow;
 use std::fmt;
 use zerocopy::{Immutable, IntoBytes, KnownLayout, TryFromBytes};
 
-/// How values are packed.
+/// Packing of values.
 #[derive(
     Clone,
     Copy,
@@ -23,23 +23,23 @@ use zerocopy::{Immutable, IntoBytes, KnownLayout, TryFromBytes};
 )]
 #[repr(u8)]
 pub enum Packing {
-    /// As they are.
+    /// Uncompressed.
     #[default]
     None,
-    /// By LZ4: fast.
+    /// LZ4: fast.
     Lz4,
-    /// By Zstandard, level 1: smaller.
+    /// Zstandard, level 1: smaller.
     Zstd,
 }
 
-/// Values that cannot be unpacked.
+/// Error for bytes that do not unpack to the expected number of values.
 #[derive(Debug, PartialEq, thiserror::Error)]
 #[error("a sample does not unpack to {values} values")]
 pub(crate) struct Unpackable {
     values: usize,
 }
 
-/// The level of Zstandard: higher ones are slower than the networks that they would save.
+/// Compression level of Zstandard. Higher levels take longer than the transfer time they save.
 const LEVEL: i32 = 1;
 
 impl fmt::Display for Packing {
@@ -52,7 +52,8 @@ impl fmt::Display for Packing {
     }
 }
 
-/// The bytes of values, and how they are packed: as asked, or not at all where that is shorter.
+/// Packs values as requested, or not at all if that is shorter. Returns the packing used and the
+/// bytes.
 pub(crate) fn pack(values: &[f64], wanted: Packing) -> (Packing, Cow<'_, [u8]>) {
     let planes = || {
         let mut planes = vec![0; size_of_val(values)];
@@ -75,7 +76,7 @@ pub(crate) fn pack(values: &[f64], wanted: Packing) -> (Packing, Cow<'_, [u8]>) 
     }
 }
 
-/// Unpacks into values; memory is taken for no more than these.
+/// Unpacks into `values`; allocates at most the size of `values`.
 pub(crate) fn unpack(packing: Packing, bytes: &[u8], values: &mut [f64]) -> Result<(), Unpackable> {
     let (length, unpackable) = (size_of_val(values), Unpackable { values: values.len() });
     let mut planes = match packing {

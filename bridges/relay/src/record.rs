@@ -1,33 +1,35 @@
-//! Sealed records, of which a link is made: a length (u16, little-endian), a kind, and as many sealed bytes.
+//! Encrypted records of a link: a length (u16, little-endian), a kind, and `length` encrypted
+//! bytes.
 //!
-//! The nonce of a record has its number in its direction, from 0, and its kind: what was changed, repeated or
-//! left out does not open.
+//! The nonce contains the kind of the record and its number in its direction, from 0. A record that
+//! was changed, repeated or dropped fails to decrypt.
 
 use snow::StatelessTransportState;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::Instant;
 
-/// The longest record (Noise, revision 34, 3), and the bytes of it that are a message's.
+/// Maximum length of an encrypted record (Noise, revision 34, 3), and the part available for a
+/// message.
 const SEALED: usize = 65_535;
 pub(crate) const PIECE: usize = SEALED - TAG;
 const TAG: usize = 16;
-/// Bytes of length and kind, before the sealed ones.
+/// Bytes of length and kind, ahead of the encrypted bytes.
 const HEADER: usize = 3;
-/// Bytes of a record.
+/// Maximum bytes of a record.
 pub(crate) const RECORD: usize = HEADER + SEALED;
-/// Records that a reader has room for.
+/// Number of records that fit into the buffer of a reader.
 const BATCH: usize = 4;
 
 /// Kind of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Kind {
-    /// A piece of a message.
+    /// Piece of a message.
     More = 0,
-    /// The last one.
+    /// Last piece of a message.
     Last = 1,
-    /// A sign of life.
+    /// Sign of life.
     Sign = 2,
 }
 
@@ -41,13 +43,13 @@ impl Kind {
     }
 }
 
-/// A connection whose ends have shaken hands.
+/// Connection after the handshake.
 pub(crate) struct Sealed {
     pub(crate) stream: TcpStream,
     pub(crate) noise: StatelessTransportState,
 }
 
-/// Why a caller is not let in.
+/// Reason why a caller is not accepted.
 pub(crate) enum Unproven {
     Late(io::Error),
     Wrong,
@@ -58,14 +60,14 @@ impl Sealed {
         Self { stream, noise }
     }
 
-    /// Sends the first record, which only an end with the key can.
+    /// Sends the first record, which requires the key.
     pub(crate) fn prove(&self) -> io::Result<()> {
         let mut records = Vec::new();
         seal(&self.noise, 0, Kind::Sign, &[], &mut records);
         (&self.stream).write_all(&records)
     }
 
-    /// Takes the first record of a caller.
+    /// Reads and checks the first record of a caller.
     pub(crate) fn proven(&self, until: Instant) -> Result<(), Unproven> {
         let mut record = [0; HEADER + TAG];
         read_by(&self.stream, &mut record, until).map_err(Unproven::Late)?;
@@ -74,7 +76,7 @@ impl Sealed {
     }
 }
 
-/// Appends a sealed record.
+/// Appends a sealed record to `into`.
 pub(crate) fn seal(
     noise: &StatelessTransportState,
     number: u64,
@@ -90,30 +92,30 @@ pub(crate) fn seal(
     assert_eq!(sealed.ok(), Some(length), "a piece fits into a record");
 }
 
-/// Takes records from a stream.
+/// Reader of records from a stream.
 pub(crate) struct Records<R> {
     stream: R,
     number: u64,
-    /// Bytes that have come; those from `start` to `end` are not opened yet.
+    /// Buffer of received bytes; those from `start` to `end` are not yet decrypted.
     bytes: Vec<u8>,
     start: usize,
     end: usize,
 }
 
-/// Reason why there is no next record.
+/// Reason why the next record cannot be read.
 pub(crate) enum NoRecord {
     Network(io::Error),
-    /// It was not sealed by the other end, or not as the next one.
+    /// The record was not sealed by the other end, or is out of order.
     Wrong,
 }
 
 impl<R: Read> Records<R> {
-    /// Reads the records of a stream from this number on.
+    /// Creates a reader; `number` is the number of the first record.
     pub(crate) fn new(stream: R, number: u64) -> Self {
         Self { stream, number, bytes: vec![0; BATCH * RECORD], start: 0, end: 0 }
     }
 
-    /// Appends the content of the next record to `into`.
+    /// Appends the decrypted content of the next record to `into`.
     pub(crate) fn open(
         &mut self,
         noise: &StatelessTransportState,
@@ -126,7 +128,7 @@ impl<R: Read> Records<R> {
         let kind = Kind::from_number(kind).ok_or(NoRecord::Wrong)?;
         let record = &self.bytes[self.start + HEADER..][..length];
         let at = into.len();
-        // Room for the tag makes it open in place.
+        // Room for the tag lets the record be decrypted in place.
         into.resize(at + length, 0);
         let opened = noise.read_message(kind.nonce(self.number), record, &mut into[at..]);
         into.truncate(at + opened.map_err(|_| NoRecord::Wrong)?);
@@ -135,7 +137,7 @@ impl<R: Read> Records<R> {
         Ok(kind)
     }
 
-    /// Reads until so many bytes have come.
+    /// Reads until `count` bytes are available.
     fn fill(&mut self, count: usize) -> Result<(), NoRecord> {
         if self.start + count > self.bytes.len() {
             self.bytes.copy_within(self.start..self.end, 0);
@@ -153,7 +155,7 @@ impl<R: Read> Records<R> {
     }
 }
 
-/// Reads what must have come by then.
+/// Fills `bytes`; fails if they do not arrive before `until`.
 pub(crate) fn read_by(
     mut stream: &TcpStream,
     bytes: &mut [u8],

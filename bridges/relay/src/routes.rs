@@ -1,4 +1,4 @@
-//! The topics of a participant, numbered alike at both ends, and the samples that pass through them.
+//! Topics of a participant, numbered identically at both ends, and the samples sent over them.
 
 use crate::frame::Frame;
 use crate::link::{Fault, SHORT, Sending};
@@ -12,21 +12,21 @@ use proto::transport::{Endpoint, FieldReader, FieldWriter, TransportError};
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// By how much a grid may outgrow what was announced.
+/// Factor by which a grid may outgrow its announced size.
 const GROWTH: usize = 4;
 
-/// A topic of the run.
+/// Topic of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Route {
     pub(crate) service: String,
-    /// Values of a sample, as announced.
+    /// Announced number of values of a sample.
     values: usize,
-    /// Who subscribes beside the coordinator.
+    /// Number of subscribers besides the coordinator.
     subscribers: usize,
 }
 
-/// The topics of a participant: inputs and the geometry of the grids they are on, outputs and geometry of its
-/// own. Both ends find the same ones in the body of `Connect`.
+/// Topics of a participant: inputs with the geometry of their grids, outputs with the geometry of
+/// own grids. Both ends derive the same lists from the body of `Connect`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Routes {
     pub(crate) inward: Vec<Route>,
@@ -34,19 +34,19 @@ pub(crate) struct Routes {
     pub(crate) deadline: f64,
 }
 
-/// Components of the fields that a participant sends and receives, by name: those of its description and of its
-/// configuration.
+/// Number of components of each field a participant sends or receives, by name. Filled from its
+/// description and its configuration.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Components(BTreeMap<String, usize>);
 
 impl Components {
-    /// Components of the fields of the table and of a participant's own.
+    /// Components of the standard fields and of the participant's own fields.
     pub(crate) fn described(description: &Description) -> Self {
         Self::of(field::TABLE.iter().map(FieldSpec::kind).chain(description.fields.clone()))
     }
 
-    /// Adds the fields that other participants describe and this one receives, from the body of `Configure`. A body that
-    /// is none is the participant's to refuse.
+    /// Adds fields described by other participants and received by this one, from the body of
+    /// `Configure`. An invalid body is left for the participant to reject.
     pub(crate) fn configured(&mut self, body: &[u8]) {
         if let Ok(configuration) = serde_json::from_slice::<Configuration>(body) {
             self.0.extend(Self::of(configuration.inputs.into_iter().map(|input| input.field)).0);
@@ -85,7 +85,7 @@ impl Routes {
         routes
     }
 
-    /// What it publishes itself does not come from the client.
+    /// Adds an incoming topic, unless the participant itself publishes it.
     fn add(&mut self, service: &str, values: usize) {
         let known = self.inward.iter().chain(&self.outward).any(|route| route.service == service);
         if !known {
@@ -93,7 +93,8 @@ impl Routes {
         }
     }
 
-    /// The topics as the participant at the server is to open them: one who reads each, and itself.
+    /// Returns the topics as opened at the server. Each has one subscriber, the relay, and the
+    /// participant itself if it reads its own output.
     pub(crate) fn at_server(topics: &Topics) -> Topics {
         let mut there = topics.clone();
         let own = |service: &str| topics.inputs.iter().any(|input| input.service == service);
@@ -106,7 +107,7 @@ impl Routes {
         there
     }
 
-    /// The longest message with a sample [byte].
+    /// Returns the maximum length of a message with a sample [byte].
     pub(crate) fn longest(&self) -> usize {
         let all = self.inward.iter().chain(&self.outward);
         let most = all.map(|route| route.values).max().unwrap_or(0);
@@ -114,12 +115,12 @@ impl Routes {
     }
 }
 
-/// What is wrong with a sample that came over the network.
+/// Error of a sample received over the network.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum SampleError {
-    #[error("a sample came for topic {0}, which there is not")]
+    #[error("a sample arrived for the unknown topic {0}")]
     NoTopic(u16),
-    #[error("a sample of {found} values came for `{service}`; {most} are the most")]
+    #[error("a sample of {found} values arrived for `{service}`; at most {most} are allowed")]
     TooLong { service: String, found: u64, most: usize },
     #[error(transparent)]
     Unpackable(#[from] Unpackable),
@@ -127,7 +128,7 @@ pub(crate) enum SampleError {
     Transport(#[from] TransportError),
 }
 
-/// Where samples leave the run towards the other end.
+/// Ports of samples that leave this run for the other end.
 pub(crate) struct Readers(Vec<FieldReader>);
 
 impl Readers {
@@ -136,7 +137,7 @@ impl Readers {
         routes.iter().map(open).collect::<Result<_, _>>().map(Self)
     }
 
-    /// Sends all that has come.
+    /// Sends all samples that have arrived.
     pub(crate) fn forward(&self, sending: &Sending, wanted: Packing) -> Result<(), ForwardError> {
         for (topic, reader) in self.0.iter().enumerate() {
             while let Some(sample) = reader.receive()? {
@@ -154,7 +155,7 @@ impl Readers {
     }
 }
 
-/// Why samples could not be sent on.
+/// Error of passing samples on.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ForwardError {
     #[error(transparent)]
@@ -163,11 +164,12 @@ pub(crate) enum ForwardError {
     Link(#[from] Fault),
 }
 
-/// Where samples of the other end enter the run.
+/// Ports of samples that arrive from the other end.
 pub(crate) struct Writers(Vec<(Route, FieldWriter)>);
 
 impl Writers {
-    /// Opens them for those who subscribe here, all of them or `one`.
+    /// Opens the ports, for the announced number of subscribers, or for a single one if `one` is
+    /// true.
     pub(crate) fn open(
         endpoint: &Endpoint,
         routes: &[Route],
@@ -185,7 +187,7 @@ impl Writers {
         self.0.iter().try_for_each(|(_, writer)| writer.wait_for_subscribers(until))
     }
 
-    /// Publishes a sample; memory is taken for no more values than a topic of its size may have.
+    /// Publishes a sample. Checks the number of values before allocating memory.
     pub(crate) fn publish(
         &self,
         topic: u16,
@@ -251,7 +253,8 @@ mod tests {
         assert_eq!(routes.longest(), SHORT + 100 * GROWTH * 8);
     }
 
-    /// A participant's own fields have the components that it, or their producer, describes.
+    /// Fields described by the participant or by their producer have the described number of
+    /// components.
     #[test]
     fn vectors_that_are_in_no_table_have_all_their_components() {
         let kind = |name: &str| FieldKind {

@@ -1,5 +1,5 @@
-//! The end on the other machine: waits for clients, and for each of them asks the program, or starts it as a
-//! participant of a run of its own, which exists here only.
+//! Server side of the relay. It waits for clients; for each it runs the program, either for a
+//! single answer or as a participant of a local run of its own.
 
 mod config;
 mod doorstep;
@@ -22,26 +22,26 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
-/// From one look at signals to the next.
+/// Interval between checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
-/// Longest wait for what the program says of itself.
+/// Maximum wait for the description of the program.
 const DESCRIBE: Duration = Duration::from_secs(30);
-/// Settings of a server: address, key and program.
+/// Settings of a server.
 #[derive(Debug)]
 pub struct Server {
-    /// Address to listen on: `0.0.0.0:7447`.
+    /// Address to listen on, for example `0.0.0.0:7447`.
     pub address: String,
-    /// The key that both ends have.
+    /// Key shared by both ends.
     pub key: Key,
-    /// The program that takes part.
+    /// Program that takes part, with its arguments.
     pub command: Vec<String>,
-    /// Without a sign of life for so long, the link is lost.
+    /// Silence of the client after which the link counts as lost.
     pub silence: Duration,
-    /// Ends after one run.
+    /// True to end after one run.
     pub once: bool,
 }
 
-/// Reason why a server fails.
+/// Error of a server.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct ServerError(String);
@@ -52,10 +52,10 @@ impl ServerError {
     }
 }
 
-/// Serves until a signal comes, or once.
+/// Serves clients until a signal arrives, or for one run.
 ///
 /// # Errors
-/// The program does not say what it is; nothing can listen there.
+/// Fails if the program does not describe itself, or the address cannot be listened on.
 pub fn serve(server: Server) -> Result<(), ServerError> {
     let Server { address, key, command, silence, once } = server;
     let program = Program::of_role("", Some(&command));
@@ -87,7 +87,7 @@ pub fn serve(server: Server) -> Result<(), ServerError> {
             drop(waiting);
             match accepted {
                 Ok(sealed) => {
-                    // Held until the thread ends, by a panic too.
+                    // Dropped at the end of the thread, also after a panic.
                     let slot = conversations.slot();
                     if session::talk(sealed, &config, slot.is_some()) {
                         runs.fetch_add(1, Ordering::SeqCst);
@@ -103,7 +103,7 @@ pub fn serve(server: Server) -> Result<(), ServerError> {
     Ok(())
 }
 
-/// Connections as they come. One that nobody takes waits in the queue of the system.
+/// Accepts connections on a thread of its own. Further ones wait in the queue of the system.
 fn callers(listener: TcpListener) -> Receiver<TcpStream> {
     let (sender, callers) = sync_channel(0);
     std::thread::spawn(move || {
@@ -111,7 +111,7 @@ fn callers(listener: TcpListener) -> Receiver<TcpStream> {
             match stream.map(|stream| sender.send(stream)) {
                 Ok(Ok(())) => {}
                 Ok(Err(_)) => return,
-                // Too many open files, say.
+                // For example, too many open files.
                 Err(_) => std::thread::sleep(LOOK),
             }
         }
@@ -119,15 +119,15 @@ fn callers(listener: TcpListener) -> Receiver<TcpStream> {
     callers
 }
 
-/// How many conversations there are.
+/// Number of open conversations.
 #[derive(Clone, Default)]
 struct Conversations(Arc<AtomicUsize>);
 
-/// The place of a conversation, which is free again when it is dropped.
+/// Place of a conversation, freed on drop.
 struct Slot(Conversations);
 
 impl Conversations {
-    /// `None` if all places are taken.
+    /// Reserves a place; `None` if all are taken.
     fn slot(&self) -> Option<Slot> {
         let next = |count| (count < CONVERSATIONS).then_some(count + 1);
         let taken = self.0.fetch_update(Ordering::SeqCst, Ordering::SeqCst, next);
@@ -141,7 +141,7 @@ impl Drop for Slot {
     }
 }
 
-/// What the program says of itself, which is checked before anybody calls.
+/// Reads and checks the description of the program, before any client connects.
 fn describe(program: &Program) -> Result<Description, ServerError> {
     let runtime = session::runtime().map_err(ServerError::of)?;
     let described = runtime.block_on(program.describe("participant", DESCRIBE));

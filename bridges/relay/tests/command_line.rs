@@ -1,4 +1,4 @@
-//! The executable: what it refuses before anything is sent.
+//! The executable rejects invalid arguments and keys before it sends anything.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -52,6 +52,6 @@ fn what_cannot_be_is_refused_with_the_reason() {
         refused(&["--connect", address, "--key", key, "--describe"], "write HOST:PORT");
     }
     let nobody = ["--connect", "127.0.0.1:1", "--key", key, "--patience", "0.5", "--describe"];
-    refused(&nobody, "no server is reached at 127.0.0.1:1 within 0 s");
+    refused(&nobody, "no server reached at 127.0.0.1:1 within 0 s");
     refused(&["--listen", "192.0.2.1:1", "--key", key, "--", "./none"], "./none");
 }

@@ -1,4 +1,4 @@
-//! Errors of a case as a person reads them: the place, the key, the reason and the fix.
+//! Errors of a case as shown to the user: place, key, reason and fix.
 //!
 //! ```text
 //! error: cases/bad.toml:12:1: motion.sped: unknown key
@@ -14,13 +14,13 @@ use std::fmt::{self, Write as _};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Longest piece of a source line that is shown \[characters\].
+/// Longest part of a source line that is shown \[characters\].
 const SHOWN: usize = 100;
 
-/// Where in the case something is.
+/// A place in the case.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
-    /// A piece of one line of the case file.
+    /// Part of one line of the case file.
     File {
         /// The file, as the user named it.
         path: Arc<str>,
@@ -28,10 +28,10 @@ pub enum Place {
         line: usize,
         /// Column, in characters from 1.
         column: usize,
-        /// Number of characters, at least 1, none beyond the line.
+        /// Number of characters, at least 1, within the line.
         length: usize,
     },
-    /// The case file as a whole: something is missing from it.
+    /// The case file as a whole: a required part is missing.
     Case {
         /// The file, as the user named it.
         path: Arc<str>,
@@ -57,18 +57,18 @@ impl fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}\n  fix: {fix}", self.headline())]
 pub struct Problem {
-    /// Where it is.
+    /// Place of the error.
     pub place: Place,
     /// Dotted key at fault; empty for an error of syntax.
     pub key: String,
-    /// What is wrong.
+    /// Reason.
     pub reason: String,
-    /// What to write instead.
+    /// Fix: what to write instead.
     pub fix: String,
 }
 
 impl Problem {
-    /// An error with everything that it has to name.
+    /// Creates an error.
     pub fn new(
         place: Place,
         key: impl Into<String>,
@@ -85,7 +85,7 @@ impl Problem {
     }
 }
 
-/// The text of a case file, and where its lines begin.
+/// Text of a case file, with the offsets of its lines.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Source {
     pub(super) name: Arc<str>,
@@ -100,7 +100,8 @@ impl Source {
         Self { name: name.into(), text, starts }
     }
 
-    /// The place of a range of bytes; a range over several lines is cut at the end of its first.
+    /// Returns the place of a range of bytes. A range over several lines is cut at the end of its
+    /// first line.
     pub(super) fn place(&self, span: Range<usize>) -> Place {
         let index = self.starts.partition_point(|start| *start <= span.start).saturating_sub(1);
         let start = self.starts[index];
@@ -115,7 +116,7 @@ impl Source {
         }
     }
 
-    /// A line by its number from 1, without its line break.
+    /// Returns a line by its number from 1, without its line break.
     fn line(&self, number: usize) -> &str {
         let Some(start) = self.starts.get(number.saturating_sub(1)) else { return "" };
         let end = self.starts.get(number).copied().unwrap_or(self.text.len());
@@ -123,7 +124,7 @@ impl Source {
     }
 }
 
-/// All errors of a case, sorted by place, never none.
+/// All errors of a case, sorted by place; at least one.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.render(false))]
 pub struct Problems {
@@ -136,7 +137,7 @@ impl Problems {
         list.sort_by(|a, b| a.place.cmp(&b.place));
         let mut unique: Vec<Problem> = Vec::with_capacity(list.len());
         for problem in list {
-            // Equal errors have equal places, so only the neighbours of the same place can match.
+            // Equal errors have equal places: compare only the last errors at the same place.
             let same_place = unique.iter().rev().take_while(|p| p.place == problem.place);
             if !same_place.into_iter().any(|p| *p == problem) {
                 unique.push(problem);
@@ -145,13 +146,13 @@ impl Problems {
         Self { file, list: unique }
     }
 
-    /// The errors, in the order of their places.
+    /// Returns the errors in the order of their places.
     #[must_use]
     pub fn list(&self) -> &[Problem] {
         &self.list
     }
 
-    /// The text for a person, with the source lines; `colour` adds ANSI escapes.
+    /// Renders the errors with their source lines; `colour` adds ANSI escapes.
     #[must_use]
     pub fn render(&self, colour: bool) -> String {
         let mut out = String::new();
@@ -187,13 +188,13 @@ fn paint(text: &str, code: &str, colour: bool) -> String {
     if colour { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
 }
 
-/// The text with hidden characters made visible, each by one character, so that carets stay where they
-/// are; a tab stays.
+/// Replaces each hidden character except a tab by one visible character, which keeps the carets in
+/// place.
 fn printable(text: &str) -> String {
     text.chars().map(|c| if is_hidden(c) && c != '\t' { '\u{fffd}' } else { c }).collect()
 }
 
-/// The piece of a long line round a column, and that column within the piece.
+/// Cuts out the part of a long line around a column, and returns the column within that part.
 fn crop(line: &str, column: usize) -> (String, usize) {
     let count = line.chars().count();
     if count <= SHOWN {

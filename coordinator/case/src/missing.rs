@@ -1,33 +1,34 @@
-//! What the case lacks: required keys, alternatives of which none is given, incomplete groups.
+//! Missing keys: required keys, alternatives of which none is given, incomplete groups.
 
-use super::checker::Checker;
+use super::alternatives::{Alternative, Group, groups};
+use super::check::example;
 use super::diagnostics::{Place, Problem};
-use super::example::example;
-use super::groups::{Alternative, Group, groups};
+use super::filled_case::FilledCase;
 use super::known::Instance;
 use super::tree::{Node, Origin};
 use contract::suggest::{all_of, any_of};
 use std::collections::BTreeMap;
 
-/// Something that a section lacks.
-struct Lack {
+/// A missing part of a section.
+struct MissingPart {
     key: String,
     reason: String,
-    /// What to add: `speed = "30 m/s"`.
+    /// Text to add: `speed = "30 m/s"`.
     add: String,
 }
 
-/// A required key that is not there, and what needs it.
-struct Wanted<'i> {
+/// A missing required key, with everything that needs it.
+struct MissingKey<'i> {
     instance: &'i Instance<'i>,
     owners: Vec<&'i str>,
 }
 
-impl Checker<'_> {
-    /// Checks that nothing is missing; `all` and `active` are the keys known and read.
-    pub(super) fn missing(&mut self, all: &[Instance<'_>], active: &[Instance<'_>]) {
-        let groups = groups(all);
-        let mut lacks: BTreeMap<String, Vec<Lack>> = BTreeMap::new();
+impl FilledCase<'_> {
+    /// Reports all missing keys.
+    pub(super) fn missing(&mut self) {
+        let active = &self.keys.active;
+        let groups = groups(&self.keys.all);
+        let mut lacks: BTreeMap<String, Vec<MissingPart>> = BTreeMap::new();
         for wanted in self.required(active, &groups) {
             let path = &wanted.instance.path;
             let section = path.rsplit_once('.').map_or("", |(section, _)| section);
@@ -45,30 +46,30 @@ impl Checker<'_> {
     }
 
     fn given(&self, key: &str) -> bool {
-        self.case.tree.find(key).is_some()
+        self.scope.case.tree.find(key).is_some()
     }
 
     fn is_chosen(&self, alternative: &Alternative) -> bool {
         alternative.members.iter().any(|key| self.given(key))
     }
 
-    /// It, or a section that holds it, is there under a wrong name or as no table: reported
-    /// already.
+    /// Returns whether an error was already reported for the key or a section above it: a wrong
+    /// name, or a value that is not a table.
     fn is_botched(&self, key: &str) -> bool {
         let holds = |section: &str| {
             key.strip_prefix(section).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
         let no_table = |section: &str| {
-            let node = self.case.tree.find(section).filter(|node| node.table().is_none());
-            node.is_some() && self.readers(section).is_empty()
+            let node = self.scope.case.tree.find(section).filter(|node| node.table().is_none());
+            node.is_some() && self.scope.readers(section).is_empty()
         };
         self.meant.iter().any(|meant| holds(meant))
             || key.match_indices('.').any(|(at, _)| no_table(&key[..at]))
     }
 
-    /// Required keys that are not there, in order, each with all that need it.
-    fn required<'i>(&self, active: &'i [Instance<'i>], groups: &[Group]) -> Vec<Wanted<'i>> {
-        let mut found: Vec<Wanted<'i>> = Vec::new();
+    /// Returns the missing required keys, in order, each with everything that needs it.
+    fn required<'i>(&self, active: &'i [Instance<'i>], groups: &[Group]) -> Vec<MissingKey<'i>> {
+        let mut found: Vec<MissingKey<'i>> = Vec::new();
         for instance in active {
             let spec = &instance.known.spec;
             let mut alternatives = groups.iter().filter_map(|g| g.alternative_of(&instance.path));
@@ -81,31 +82,31 @@ impl Checker<'_> {
             match found.iter_mut().find(|w| w.instance.path == instance.path) {
                 Some(wanted) if wanted.owners.contains(&owner) => {}
                 Some(wanted) => wanted.owners.push(owner),
-                None => found.push(Wanted { instance, owners: vec![owner] }),
+                None => found.push(MissingKey { instance, owners: vec![owner] }),
             }
         }
         found
     }
 
-    fn report_lacks(&mut self, section: &str, lacks: Vec<Lack>) {
-        let place = self.case.section_place(section);
-        let node = self.case.tree.find(section);
+    fn report_lacks(&mut self, section: &str, lacks: Vec<MissingPart>) {
+        let place = self.scope.case.section_place(section);
+        let node = self.scope.case.tree.find(section);
         if node.is_none() && !section.is_empty() {
             let add: Vec<&str> = lacks.iter().map(|lack| lack.add.as_str()).collect();
             let fix = format!("add [{section}] with {}", all_of(&add));
             let reason = format!("missing section [{section}]");
-            self.problems.push(Problem::new(place, section, reason, fix));
+            self.faults.push(Problem::new(place, section, reason, fix));
             return;
         }
         for lack in lacks {
             let to = if section.is_empty() { String::new() } else { format!(" to [{section}]") };
             let fix = format!("add {}{to}", lack.add);
-            self.problems.push(Problem::new(place.clone(), lack.key, lack.reason, fix));
+            self.faults.push(Problem::new(place.clone(), lack.key, lack.reason, fix));
         }
     }
 
-    /// Checks that exactly one alternative is given; what is lacking if none is.
-    fn alternatives(&mut self, group: &Group, active: &[Instance<'_>]) -> Option<Lack> {
+    /// Checks that exactly one alternative is given; returns the missing part if none is given.
+    fn alternatives(&mut self, group: &Group, active: &[Instance<'_>]) -> Option<MissingPart> {
         let readers =
             |a: &Alternative| active.iter().filter(|i| a.members.contains(&i.path)).collect();
         let each = group.alternatives.iter().map(|a| (a, readers(a)));
@@ -126,7 +127,7 @@ impl Checker<'_> {
                 let place = self.alternative_place(only);
                 let reason = "the chosen models do not read it";
                 let fix = format!("write {} instead", any_of(&labels));
-                self.problems.push(Problem::new(place, only.label.as_str(), reason, fix));
+                self.faults.push(Problem::new(place, only.label.as_str(), reason, fix));
                 None
             }
             several => {
@@ -136,7 +137,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Several alternatives are given: reported at the last of them, naming the others.
+    /// Reports several given alternatives at the last of them, and names the others.
     fn conflict(&mut self, chosen: &[&Alternative]) {
         let mut placed: Vec<(Place, &str)> =
             chosen.iter().map(|a| (self.alternative_place(a), a.label.as_str())).collect();
@@ -146,22 +147,22 @@ impl Checker<'_> {
         let reason = format!("excludes {}", all_of(&others_given.collect::<Vec<_>>()));
         let names: Vec<&str> = placed.iter().map(|(_, label)| *label).collect();
         let fix = format!("keep exactly one of {}", all_of(&names));
-        self.problems.push(Problem::new(place.clone(), *label, reason, fix));
+        self.faults.push(Problem::new(place.clone(), *label, reason, fix));
     }
 
-    /// Where an alternative is given: by an option, or at its key or section in the file.
+    /// Returns the place of an alternative: its option, or its key or section in the file.
     fn alternative_place(&self, alternative: &Alternative) -> Place {
-        let given = alternative.members.iter().filter_map(|key| self.case.tree.find(key));
+        let given = alternative.members.iter().filter_map(|key| self.scope.case.tree.find(key));
         let is_set = |node: &&Node| matches!(node.origin, Origin::Argument(_));
         match given.max_by_key(is_set) {
             Some(node) if alternative.members.len() == 1 || is_set(&node) => {
-                self.case.key_place(node)
+                self.scope.case.key_place(node)
             }
-            _ => self.case.section_place(&alternative.label),
+            _ => self.scope.case.section_place(&alternative.label),
         }
     }
 
-    /// Checks groups of which all or none are given.
+    /// Checks groups of keys of which all or none must be given.
     fn together(&mut self, active: &[Instance<'_>]) {
         let mut words: BTreeMap<(&str, &str), Vec<&Instance<'_>>> = BTreeMap::new();
         for instance in active {
@@ -180,30 +181,30 @@ impl Checker<'_> {
                 let reason = format!("missing; `{}` is given, and they go together", given.path);
                 let add = example(&instance.known.spec, instance.known.shape);
                 let fix = format!("add `{what} = {add}`, or remove `{}`", given.path);
-                self.fault(what, reason, fix);
+                self.faults.at(what, reason, fix);
             }
         }
     }
 }
 
-fn lack(wanted: &Wanted<'_>) -> Lack {
+fn lack(wanted: &MissingKey<'_>) -> MissingPart {
     let path = &wanted.instance.path;
     let known = wanted.instance.known;
     let name = path.rsplit('.').next().unwrap_or(path);
     let (owner, verb) = owners_verb(wanted.owners.iter().copied());
-    Lack {
+    MissingPart {
         key: path.clone(),
         reason: format!("missing; {owner} {verb} the {}", known.spec.help),
         add: format!("`{name} = {}`", example(&known.spec, known.shape)),
     }
 }
 
-/// None of a group is given.
+/// Describes a group of which no alternative is given.
 fn lack_of_all(
     group: &Group,
     readable: &[(&Alternative, Vec<&Instance<'_>>)],
     labels: &[&str],
-) -> Lack {
+) -> MissingPart {
     let owners = readable.iter().flat_map(|(_, readers)| readers).map(|i| i.known.owner);
     let (owner, verb) = owners_verb(owners);
     let short = |label: &str| match group.section.as_str() {
@@ -219,10 +220,10 @@ fn lack_of_all(
     let key = if group.section.is_empty() { labels.join(" | ") } else { group.section.clone() };
     let reason = format!("missing; {owner} {verb} exactly one of {}", any_of(labels));
     let add = if examples.len() > 1 { "one of " } else { "" };
-    Lack { key, reason, add: format!("{add}{}", any_of(&examples)) }
+    MissingPart { key, reason, add: format!("{add}{}", any_of(&examples)) }
 }
 
-/// ("mech and thermal", "need").
+/// Returns owners and verb, such as ("mech and thermal", "need").
 fn owners_verb<'a>(owners: impl Iterator<Item = &'a str>) -> (String, &'static str) {
     let mut names: Vec<&str> = Vec::new();
     for owner in owners {
@@ -233,7 +234,7 @@ fn owners_verb<'a>(owners: impl Iterator<Item = &'a str>) -> (String, &'static s
     (all_of(&names), if names.len() > 1 { "need" } else { "needs" })
 }
 
-/// "`creepage = { xi = 0.5 }`": the keys of an alternative that have no default.
+/// Writes the keys of an alternative that have no default: "`creepage = { xi = 0.5 }`".
 fn write_example(label: &str, alternative: &Alternative, read: &[&Instance<'_>]) -> String {
     let value = |i: &Instance<'_>| example(&i.known.spec, i.known.shape);
     if let ([_], [instance, ..]) = (alternative.members.as_slice(), read) {

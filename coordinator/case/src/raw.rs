@@ -1,31 +1,36 @@
-//! The case as written: TOML with places, before anything is known about its keys.
+//! The case as written: TOML with places, without any knowledge of its keys, changed by `--set
+//! key=value` and `--unset key`.
 
 use super::diagnostics::{Place, Problem, Problems, Source};
-use super::tree::{Convert, Node, Origin, Table, TooDeep, Value};
-use super::{schema, text};
+use super::schema;
+use super::tree::{Convert, Node, Origin, Table, TooDeep, Value, write_case};
+use contract::suggest::nearest;
 use contract::text::is_hidden;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 /// Largest case file \[byte\].
 const LARGEST: u64 = 1 << 20;
-/// More errors of syntax than this say only that the file is no case.
+/// Largest number of syntax errors to report; a file with more is hardly a case.
 const MOST_SYNTAX_ERRORS: usize = 20;
 
-/// A case that has been read, and perhaps changed by options, but not validated.
+/// Largest number of parts of a dotted key.
+const MOST_PARTS: usize = 8;
+
+/// A case that has been read, and perhaps changed by options, but not yet validated.
 #[derive(Clone, Debug)]
 pub struct RawCase {
     pub(super) source: Arc<Source>,
     pub(super) tree: Table,
-    /// The options that changed it, in full.
+    /// Options that have changed the case, in full.
     pub(super) arguments: Vec<String>,
     folder: PathBuf,
 }
 
-/// A section of the case that names a participant; what is of the wrong type counts as absent
-/// here and is reported by validation.
+/// A section that names a participant. Values of the wrong type count as absent here; validation
+/// reports them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RawParticipant {
     /// Name of the section.
@@ -34,16 +39,16 @@ pub struct RawParticipant {
     pub model: Option<String>,
     /// Program and arguments that start it.
     pub command: Option<Vec<String>>,
-    /// It is started by hand, and waited for.
+    /// Whether the user starts the participant by hand.
     pub attach: bool,
-    /// Where its command stands; its section, if there is none.
+    /// Place of the command, or of the section without a command.
     pub place: Place,
 }
 
-/// What stands for standard input in the place of a file.
+/// File name that selects standard input.
 const STANDARD_INPUT: &str = "-";
 
-/// All of standard input: it can be read once, and a study reads its case for every run.
+/// Returns all of standard input, read once because a study reads its case for every run.
 fn standard_input() -> &'static Result<Vec<u8>, String> {
     static READ: OnceLock<Result<Vec<u8>, String>> = OnceLock::new();
     READ.get_or_init(|| {
@@ -54,10 +59,12 @@ fn standard_input() -> &'static Result<Vec<u8>, String> {
 }
 
 impl RawCase {
-    /// Reads a case file; `-` is standard input, whose relative paths are meant from the current folder.
+    /// Reads a case file. `-` selects standard input, with relative paths from the working
+    /// directory.
     ///
     /// # Errors
-    /// The file cannot be read, is not UTF-8 or is not TOML; all errors of syntax at once.
+    /// The file cannot be read, is too large, is not UTF-8 or is not TOML. All syntax errors are
+    /// reported at once.
     pub fn read(path: &Path) -> Result<Self, Problems> {
         if path == Path::new(STANDARD_INPUT) {
             let bytes = standard_input();
@@ -78,18 +85,18 @@ impl RawCase {
         Ok(Self::parse_bytes(&name, &bytes)?.with_folder(folder))
     }
 
-    /// Reads a case from text; `name` stands for the file in errors.
+    /// Parses a case from text; `name` is the file name in messages.
     ///
     /// # Errors
-    /// All errors of syntax at once.
+    /// The text is too large or is not TOML. All syntax errors are reported at once.
     pub fn parse(name: &str, text: &str) -> Result<Self, Problems> {
         Self::parse_bytes(name, text.as_bytes())
     }
 
-    /// Reads a case from bytes that may be anything; `name` stands for the file in errors.
+    /// Parses a case from arbitrary bytes; `name` is the file name in messages.
     ///
     /// # Errors
-    /// The bytes are not UTF-8, or not TOML; all errors of syntax at once.
+    /// The bytes are too many, not UTF-8, or not TOML. All syntax errors are reported at once.
     pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<Self, Problems> {
         if bytes.len() as u64 > LARGEST {
             let reason = format!("is larger than {} MiB", LARGEST >> 20);
@@ -114,32 +121,31 @@ impl RawCase {
         Ok(Self { source, tree, arguments: Vec::new(), folder })
     }
 
-    /// The name of the case file, as the user gave it.
+    /// Returns the name of the case file, as the user gave it.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.source.name
     }
 
-    /// The key or table is in the case.
+    /// Returns whether the case contains the key or table.
     #[must_use]
     pub fn has(&self, key: &str) -> bool {
         self.tree.find(key).is_some()
     }
 
-    /// The folder from which relative file names are meant: that of the case file.
+    /// Returns the folder against which relative file names are resolved: that of the case file.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The same case, with relative file names meant from another folder: that of the file of which
-    /// this one is a copy.
+    /// Resolves relative file names against another folder: that of the original of a copied file.
     #[must_use]
     pub fn with_folder(self, folder: PathBuf) -> Self {
         Self { folder, ..self }
     }
 
-    /// The case as TOML: the file's own text, or the case as the options have changed it.
+    /// Returns the case as TOML: the file's own text, or the case as changed by the options.
     #[must_use]
     pub fn text(&self) -> String {
         if self.arguments.is_empty() {
@@ -149,12 +155,12 @@ impl RawCase {
         for argument in &self.arguments {
             out += &format!("#   {}\n", one_line(argument));
         }
-        out + "\n" + &text::write_case(&self.tree)
+        out + "\n" + &write_case(&self.tree)
     }
 
-    /// The sections that may name participants: those of the well-known roles, and every other
-    /// with a `command`, `attach` or `model` that is not the coordinator's own. A section with
-    /// only a `model` may turn out to be a table of values that some participant reads.
+    /// Lists the sections that may name participants: the well-known roles, and every section other
+    /// than the coordinator's with a `command`, `attach` or `model`. A section with only a `model`
+    /// may be a table of values that a participant reads.
     #[must_use]
     pub fn participants(&self) -> Vec<RawParticipant> {
         let candidates = self.tree.entries.iter().filter_map(|(role, node)| {
@@ -182,7 +188,7 @@ impl RawCase {
         }
     }
 
-    /// An error at a dotted key: at its value, or at the nearest section that holds it.
+    /// Creates an error at a dotted key: at its value, or at the nearest section above.
     pub fn problem_at(
         &self,
         key: &str,
@@ -196,17 +202,17 @@ impl RawCase {
         Problem::new(place, key, reason, fix)
     }
 
-    /// Errors of this case, to be shown with its source lines; `None` if there are none.
+    /// Collects errors of this case for display with their source lines; `None` without errors.
     #[must_use]
     pub fn report(&self, problems: Vec<Problem>) -> Option<Problems> {
         let some = !problems.is_empty();
         some.then(|| Problems::new(Arc::clone(&self.source), problems))
     }
 
-    /// The place of a key's name.
+    /// Returns the place of a key's name.
     pub(super) fn key_place(&self, node: &Node) -> Place {
         match &node.origin {
-            // The header of a section is its key and its place.
+            // The header of a section serves as its key and its place.
             Origin::File { key, value } if is_header(node, key, value) => {
                 self.source.place(value.clone())
             }
@@ -215,7 +221,7 @@ impl RawCase {
         }
     }
 
-    /// The place of a value.
+    /// Returns the place of a value.
     pub(super) fn value_place(&self, node: &Node) -> Place {
         match &node.origin {
             Origin::File { value, .. } => self.source.place(value.clone()),
@@ -223,7 +229,7 @@ impl RawCase {
         }
     }
 
-    /// The place of a section, or of the nearest that would hold it.
+    /// Returns the place of a section, or of the nearest section above.
     pub(super) fn section_place(&self, section: &str) -> Place {
         let mut key = section;
         loop {
@@ -258,13 +264,13 @@ fn whole_file(name: &str, reason: String, fix: &str) -> Problems {
 
 fn not_utf8(name: &str, bytes: &[u8], valid: usize) -> Problems {
     let source = Arc::new(Source::new(name, String::from_utf8_lossy(bytes).into_owned()));
-    // The text is unchanged up to the first invalid byte, which became one character.
+    // The text is unchanged up to the first invalid byte, which was replaced by one character.
     let place = source.place(valid..valid + 1);
     let reason = format!("byte {valid} (0x{:02x}) is not UTF-8", bytes[valid]);
     Problems::new(source, vec![Problem::new(place, "", reason, "save the file as UTF-8 text")])
 }
 
-/// Errors of syntax, one a line: a slip often makes the parser complain about what follows it.
+/// Reports one syntax error a line, because a slip often causes further errors behind it.
 fn syntax(source: &Arc<Source>, errors: &[toml::de::Error]) -> Problems {
     let mut problems: Vec<Problem> = Vec::new();
     for error in errors {
@@ -293,7 +299,7 @@ fn syntax(source: &Arc<Source>, errors: &[toml::de::Error]) -> Problems {
     Problems::new(Arc::clone(source), problems)
 }
 
-/// What to write where a number has a comma in the place of its point.
+/// Suggests a fix for a number with a decimal comma.
 fn decimal_comma(text: &str, at: usize) -> Option<String> {
     let (before, after) = (text.get(..at)?, text.get(at..)?.strip_prefix(',')?);
     let digits = |c: char| c.is_ascii_digit();
@@ -303,7 +309,7 @@ fn decimal_comma(text: &str, at: usize) -> Option<String> {
     both.then(|| format!("write {whole}.{decimals}, with a point"))
 }
 
-/// An error of the TOML parser; `empty` if there is nothing at its place.
+/// Translates an error of the TOML parser; `empty` if its place holds no text.
 fn syntax_problem(place: Place, message: &str, empty: bool) -> Problem {
     let (reason, expected) = message.split_once(", expected ").unwrap_or((message, ""));
     let (reason, fix) = match (reason, expected) {
@@ -317,4 +323,135 @@ fn syntax_problem(place: Place, message: &str, empty: bool) -> Problem {
         _ => (reason, format!("TOML expects {expected} here")),
     };
     Problem::new(place, "", format!("invalid TOML: {reason}"), fix)
+}
+
+impl RawCase {
+    /// Applies `--set` and then `--unset` options.
+    ///
+    /// # Errors
+    /// Lists every option that cannot be applied.
+    pub fn apply<S: AsRef<str>>(&mut self, set: &[S], unset: &[S]) -> Result<(), Problems> {
+        let mut problems = Vec::new();
+        problems.extend(set.iter().filter_map(|option| self.set(option.as_ref()).err()));
+        problems.extend(unset.iter().filter_map(|option| self.unset(option.as_ref()).err()));
+        self.report(problems).map_or(Ok(()), Err)
+    }
+
+    /// Sets a key: `motion.speed=30`, `load.normal_force=100 kN`, `effects.partial_slip={}`. A
+    /// value that is not TOML is a text. When the case is validated, an alternative set here
+    /// replaces the alternatives of the file.
+    ///
+    /// # Errors
+    /// The option has no `=`, no key or no value, the value is malformed TOML, or the key leads
+    /// through a value that is not a table.
+    pub fn set(&mut self, assignment: &str) -> Result<(), Problem> {
+        let option = format!("--set {assignment}");
+        let fail = |key: &str, reason: String, fix: String| {
+            Problem::new(Place::Argument { text: option.clone() }, key, reason, fix)
+        };
+        let form = "write `--set key=value`, such as `--set motion.speed=30`";
+        let (key, value) =
+            split(assignment).ok_or_else(|| fail("", "has no `=`".to_owned(), form.to_owned()))?;
+        let path = parse_key(key)
+            .ok_or_else(|| fail("", format!("`{}` is not a key", key.trim()), form.to_owned()))?;
+        let dotted = path.join(".");
+        let value = self.parse_value(value).map_err(|fault| fail(&dotted, fault.0, fault.1))?;
+        let node = Node { origin: Origin::Argument(self.arguments.len()), value };
+        self.tree.insert(&path, node).map_err(|step| {
+            fail(&dotted, format!("`{step}` is not a table"), format!("set `{step}` itself"))
+        })?;
+        self.arguments.push(option);
+        Ok(())
+    }
+
+    /// Removes a key or a table.
+    ///
+    /// # Errors
+    /// The case does not contain the key.
+    pub fn unset(&mut self, key: &str) -> Result<(), Problem> {
+        let option = format!("--unset {key}");
+        if parse_key(key).and_then(|path| self.tree.remove(&path)).is_some() {
+            self.arguments.push(option);
+            return Ok(());
+        }
+        let mut keys = Vec::new();
+        collect(&self.tree, "", &mut keys);
+        let fix = match nearest(key, keys.iter().map(String::as_str)) {
+            Some(near) => format!("write `--unset {near}`"),
+            None => "leave the option out".to_owned(),
+        };
+        let place = Place::Argument { text: option };
+        Err(Problem::new(place, key, "is not in the case", fix))
+    }
+
+    /// Parses the value of an option; an error has reason and fix.
+    fn parse_value(&self, text: &str) -> Result<Value, (String, String)> {
+        let text = text.trim();
+        if text.is_empty() {
+            let fix = "write a value, `\"\"` for an empty text, or use --unset";
+            return Err(("has no value".to_owned(), fix.to_owned()));
+        }
+        let parsed = match DeValue::parse(text) {
+            Ok(parsed) if !matches!(parsed.get_ref(), DeValue::Datetime(_)) => parsed,
+            // Brackets and quotes start a TOML value; anything else is a bare text.
+            Err(error) if text.starts_with(['{', '[', '"', '\'']) => {
+                let fix = "the shell removes quotes; write --set 'key=\"value\"'";
+                let reason = format!("the value is not TOML: {}", error.message());
+                return Err((reason, fix.to_owned()));
+            }
+            _ => return Ok(Value::Text(text.to_owned())),
+        };
+        let convert = Convert { text, argument: Some(self.arguments.len()) };
+        let node = convert.node(parsed.span(), &parsed, 0);
+        node.map(|node| node.value).map_err(|TooDeep(_)| {
+            ("the value is nested too deeply".to_owned(), "use fewer levels".to_owned())
+        })
+    }
+}
+
+/// Splits at the first `=` outside quotes.
+fn split(assignment: &str) -> Option<(&str, &str)> {
+    let mut quote = None;
+    for (at, c) in assignment.char_indices() {
+        match (quote, c) {
+            (None, '=') => return Some((&assignment[..at], &assignment[at + 1..])),
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(open), c) if c == open => quote = None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Splits a dotted key into its parts, quoted or bare.
+fn parse_key(key: &str) -> Option<Vec<String>> {
+    let key = key.trim();
+    if key.starts_with('[') || key.contains(['\n', '\r']) {
+        return None;
+    }
+    // Apply TOML's own rules for keys: the key with a value is a document of nested tables.
+    let document = format!("{key} = true");
+    let parsed = DeTable::parse(&document).ok()?;
+    let mut table = parsed.get_ref();
+    let mut path = Vec::new();
+    while path.len() < MOST_PARTS {
+        let (name, value) = table.iter().next()?;
+        path.push(name.get_ref().to_string());
+        match value.get_ref() {
+            DeValue::Table(next) => table = next,
+            _ => return Some(path),
+        }
+    }
+    None
+}
+
+/// Collects all dotted keys of a table.
+fn collect(table: &Table, path: &str, keys: &mut Vec<String>) {
+    for (name, node) in &table.entries {
+        let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        if let Some(inner) = node.table() {
+            collect(inner, &key, keys);
+        }
+        keys.push(key);
+    }
 }

@@ -1,61 +1,57 @@
 //! The coordinator's own keys, declared like those of the participants.
 
+use super::settings::{Beyond, Coupling, Lengths, OnFailure, OutputWord, Time, TimeMode};
 use contract::description::KeySpec;
+use contract::message::Interpolation;
 use coupling::map::Method;
-use coupling::settings::{Acceleration, Implicit, Preconditioner, Predictor, Scheme};
+use coupling::settings::{Acceleration, Preconditioner, Predictor, Scheme, Tolerances};
 use std::sync::LazyLock;
 
-/// Roles that are participants by their section alone.
+/// Roles whose section alone makes them participants.
 pub const WELL_KNOWN_ROLES: &[&str] = &["mech", "thermal"];
 
-/// Sections that belong to the coordinator; none of them can be a role.
+/// Sections of the coordinator; a role cannot have such a name.
 pub const SECTIONS: &[&str] =
     &["case", "time", "coupling", "mapping", "output", "limits", "effects"];
 
-/// Stands for the name of a participant's section in [`own_keys`].
+/// Placeholder for the name of a participant's section in [`own_keys`].
 pub const ROLE: &str = "ROLE";
 
-/// The column of times.
+/// Key of the column of times.
 pub(super) const TIME: &str = "time.history";
-/// The column of distances, which the speed turns into times.
+/// Key of the column of distances, which the speed converts to times.
 pub(super) const DISTANCE: &str = "time.distance";
-/// Values outside the times of a table.
+/// Key for values outside the times of a table.
 pub(super) const BEYOND: &str = "time.beyond";
-/// What becomes of a row of a sequence without an answer.
+/// Key for the treatment of a sequence row without a result.
 pub(super) const ON_FAILURE: &str = "time.on_failure";
 
-/// How inputs vary within a window: the words of `coupling.interpolation`.
-const INTERPOLATIONS: &[&str] = &["constant", "linear"];
-
-/// The word for the method that suits the field.
-const AUTO: &str = "auto";
-
-/// The words of a method in a case.
+/// Returns the words of the mapping methods in a case.
 fn methods() -> Vec<&'static str> {
-    std::iter::once(AUTO).chain(Method::ALL.map(Method::name)).collect()
+    std::iter::once(Method::AUTO).chain(Method::WORDS.iter().copied()).collect()
 }
 
-/// How many values a key takes.
+/// Number of values that a key takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// One value.
     One,
     /// A list of values, not empty.
     List,
-    /// One value or a list, which may be empty.
+    /// One value or a list; the list may be empty.
     OneOrList,
 }
 
 /// A key of the coordinator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnKey {
-    /// Path, type, range and what it is for.
+    /// Path, type, range and help.
     pub spec: KeySpec,
-    /// How many values it takes.
+    /// Number of values.
     pub shape: Shape,
 }
 
-/// Every key that the coordinator itself reads; [`ROLE`] in a path stands for a role.
+/// Returns every key that the coordinator itself reads; [`ROLE`] in a path stands for a role.
 #[must_use]
 pub fn own_keys() -> &'static [OwnKey] {
     static KEYS: LazyLock<Vec<OwnKey>> = LazyLock::new(|| {
@@ -69,33 +65,34 @@ fn one(spec: KeySpec) -> OwnKey {
 }
 
 fn case_and_time() -> Vec<OwnKey> {
+    let given = Time::default();
     vec![
         one(KeySpec::text("case.name", "short name of the case").required()),
-        one(KeySpec::text("case.title", "one line for people")),
-        one(KeySpec::choice("time.mode", &["steady", "sequence", "transient"], "kind of answer")
-            .default_value("steady")),
+        one(KeySpec::text("case.title", "title of the case, in one line")),
+        one(KeySpec::choice("time.mode", TimeMode::WORDS, "kind of case in time")
+            .default_value(given.mode.word())),
         one(KeySpec::quantity(TIME, "s", "column of the times of a table").varies()),
         one(KeySpec::quantity(DISTANCE, "m", "column of the distances, instead of times").varies()),
         one(KeySpec::choice(
             BEYOND,
-            &["refuse", "hold"],
-            "what happens outside the times of the table: hold keeps the values of its first and its last row",
+            Beyond::WORDS,
+            "values outside the times of the table: hold keeps those of the first and the last row",
         )
-        .default_value("refuse")),
+        .default_value(given.beyond.word())),
         one(KeySpec::choice(
             ON_FAILURE,
-            &["stop", "skip"],
-            "what becomes of a row without an answer",
+            OnFailure::WORDS,
+            "treatment of a sequence row without a result",
         )
-        .default_value("stop")),
+        .default_value(given.on_failure.word())),
         one(KeySpec::quantity("time.window", "s", "coupling window of a transient case").above(0.0)),
         one(KeySpec::quantity("time.end", "s", "end of a transient case").above(0.0)),
-        one(KeySpec::choice("time.control", &["fixed", "adaptive"], "lengths of the windows")
-            .default_value("fixed")),
-        one(KeySpec::number("time.tolerance", "relative error that adaptive windows aim at")
+        one(KeySpec::choice("time.control", Lengths::WORDS, "lengths of the windows")
+            .default_value(given.control.word())),
+        one(KeySpec::number("time.tolerance", "target of the relative error of adaptive windows")
             .above(0.0)
             .at_most(0.1)
-            .default_value(1e-3)),
+            .default_value(given.tolerance)),
         one(KeySpec::quantity(
             "time.window_min",
             "s",
@@ -111,30 +108,40 @@ fn coupling() -> Vec<OwnKey> {
     let word = |name, of, default: &str, help| {
         one(KeySpec::choice(&key(name), of, help).default_value(default))
     };
-    let given = Implicit::default();
+    let coupling = Coupling::default();
+    let given = &coupling.implicit;
     let count = |name, least: f64, default: u64, help| {
         let spec = KeySpec::integer(&key(name), help).at_least(least).at_most(1e6);
         one(spec.default_value(default))
     };
+    let deadline = |name, help, seconds: f64| {
+        let spec = KeySpec::quantity(&key(name), "s", help).above(0.0).at_most(1e7);
+        one(spec.default_value(seconds))
+    };
     let mut keys = vec![
-        word("scheme", Scheme::WORDS, "auto", "order and iteration of the participants"),
+        word(
+            "scheme",
+            Scheme::WORDS,
+            coupling.scheme.word(),
+            "order and iteration of the participants",
+        ),
         word(
             "acceleration",
             Acceleration::WORDS,
-            "auto",
+            Acceleration::default().word(),
             "acceleration of the fixed-point iteration",
         ),
         word(
             "preconditioner",
             Preconditioner::WORDS,
-            "residual-sum",
+            given.preconditioner.word(),
             "preconditioner: weights of the fields",
         ),
         word("predictor", Predictor::WORDS, given.predictor.word(), "first iterate of a window"),
         word(
             "interpolation",
-            INTERPOLATIONS,
-            "constant",
+            Interpolation::WORDS,
+            coupling.interpolation.word(),
             "interpolation of inputs within a window",
         ),
         count(
@@ -158,42 +165,42 @@ fn coupling() -> Vec<OwnKey> {
         one(KeySpec::integer(&key("max_columns"), "maximum number of secant columns")
             .at_least(1.0)
             .at_most(1000.0)
-            .default_value(100)),
+            .default_value(given.max_columns)),
         one(KeySpec::number(
             &key("relaxation"),
-            "relaxation factor of the residual; of iqn-ils and iqn-imvj in the first step",
+            "relaxation factor of the residual; iqn-ils and iqn-imvj use it in the first step",
         )
         .above(0.0)
         .at_most(2.0)
         .default_value(given.relaxation)),
-        // Gram matrices hold the square of the new part, to sixteen digits.
+        // Gram matrices hold the square of the independent part, to sixteen digits.
         one(KeySpec::number(
             &key("filter"),
             "filter: smallest linearly independent part of a secant column",
         )
         .at_least(1e-7)
         .at_most(0.9)
-        .default_value(1e-6)),
+        .default_value(given.filter)),
         one(KeySpec::flag(&key("strict"), "a window that does not converge ends the run")
             .default_value(given.strict)),
-        one(deadline("coupling.solve_deadline", "deadline of one solve", 3600.0)),
-        one(deadline("coupling.start_deadline", "deadline for a participant to start", 30.0)),
-        one(deadline("coupling.build_deadline", "deadline for a model to be built", 3600.0)),
-        one(deadline(
-            "coupling.heartbeat_deadline",
+        deadline("solve_deadline", "deadline of one solve", coupling.solve_deadline),
+        deadline("start_deadline", "deadline for a participant to start", coupling.start_deadline),
+        deadline("build_deadline", "deadline for a model to be built", coupling.build_deadline),
+        deadline(
+            "heartbeat_deadline",
             "longest time without a heartbeat of a participant",
-            30.0,
-        )),
+            coupling.heartbeat_deadline,
+        ),
     ];
     keys.extend(tolerances("coupling"));
     keys.extend(tolerances("coupling.fields.*"));
     keys
 }
 
-/// The measures of convergence, for all fields or for one.
+/// Returns the tolerances of all fields, or of one field.
 fn tolerances(section: &str) -> impl Iterator<Item = OwnKey> {
-    let relative = "largest residual over the values returned, in two-norms";
-    let default = Implicit::default().tolerances.relative.filter(|_| section == "coupling");
+    let relative = "largest ratio of the residual to the returned values, in two-norms";
+    let default = Tolerances::FALLBACK.relative.filter(|_| section == "coupling");
     let relative = match default {
         Some(default) => format!("{relative}; {default:e} where no tolerance is given"),
         None => relative.to_owned(),
@@ -201,9 +208,12 @@ fn tolerances(section: &str) -> impl Iterator<Item = OwnKey> {
     let measures = [
         ("absolute", "largest two-norm of the residual, in the field's unit"),
         ("relative", &*relative),
-        ("residual_relative", "largest residual over the first one of the window, in two-norms"),
+        (
+            "residual_relative",
+            "largest ratio of the residual to the first residual of the window, in two-norms",
+        ),
     ];
-    let why = "a residual as large as the values is none that has converged";
+    let why = "a residual as large as the values has not converged";
     let key = |(name, help): (&str, &str)| {
         let spec = KeySpec::number(&format!("{section}.{name}"), help).above(0.0);
         one(if name == "absolute" { spec } else { spec.expected(0.0..=1.0, why) })
@@ -214,29 +224,32 @@ fn tolerances(section: &str) -> impl Iterator<Item = OwnKey> {
 fn mappings() -> Vec<OwnKey> {
     let method = |path: &str, help| KeySpec::choice(path, &methods(), help);
     let all = method("mapping.method", "mapping of fields between non-matching grids");
-    let own = method("mapping.fields.*.method", "the same for one field");
-    vec![one(all.default_value(AUTO)), one(own)]
+    let own = method("mapping.fields.*.method", "mapping of one field between non-matching grids");
+    vec![one(all.default_value(Method::AUTO)), one(own)]
 }
 
 fn output_and_limits() -> Vec<OwnKey> {
     vec![
         OwnKey {
             spec: KeySpec::text("output.fields", "\"all\", \"none\" or a list of field names")
-                .default_value("all"),
+                .default_value(OutputWord::default().word()),
             shape: Shape::OneOrList,
         },
-        one(KeySpec::integer("output.every", "windows between outputs; absent: the last only")
-            .at_least(1.0)),
+        one(KeySpec::integer(
+            "output.every",
+            "windows between outputs; absent: the last window only",
+        )
+        .at_least(1.0)),
         one(KeySpec::integer(
             "output.checkpoint_every",
             "windows between checkpoints; absent: none",
         )
         .at_least(1.0)),
-        one(KeySpec::quantity("limits.shared_memory", "B", "most shared memory of a run")
+        one(KeySpec::quantity("limits.shared_memory", "B", "largest shared memory of a run")
             .at_least(1.0)),
         one(KeySpec::integer(
             "limits.threads",
-            "threads that compute at the same time; absent: as many as there are cores",
+            "threads that compute at the same time; absent: the number of cores",
         )
         .at_least(1.0)
         .at_most(1024.0)),
@@ -256,8 +269,4 @@ fn participant() -> Vec<OwnKey> {
         )
         .default_value(false)),
     ]
-}
-
-fn deadline(path: &str, help: &str, seconds: f64) -> KeySpec {
-    KeySpec::quantity(path, "s", help).above(0.0).at_most(1e7).default_value(seconds)
 }

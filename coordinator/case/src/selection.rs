@@ -1,60 +1,36 @@
-//! What the case selects: roles, models, effects and the mode.
+//! Selection of a case: roles, models, effects and the mode in time.
 
+use super::raw::RawCase;
+use super::schema::WELL_KNOWN_ROLES;
+use super::settings::TimeMode;
 use super::tree::Table;
-use contract::configuration::Mode;
 use contract::description::{Description, EffectSpec, ModelSpec};
 
-/// A participant that has described itself, and what the case makes of it.
+/// A described participant, and its part in the case.
 #[derive(Clone, Debug)]
-pub(super) struct Player<'a> {
+pub(super) struct SelectedParticipant<'a> {
     pub(super) role: &'a str,
     pub(super) description: &'a Description,
-    /// Its section is in the case.
+    /// Whether the case has a section of this role.
     pub(super) present: bool,
-    /// It is present, and stands alone or claims an active effect.
+    /// Whether the participant is present, and stands alone or claims an active effect.
     pub(super) needed: bool,
-    /// The chosen model, if it has that model.
+    /// The chosen model, if the participant offers it.
     pub(super) model: Option<&'a ModelSpec>,
 }
 
-/// The kinds of case in time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TimingWord {
-    Steady,
-    Sequence,
-    Transient,
-}
-
-impl TimingWord {
-    /// The word of `time.mode`.
-    pub(super) fn word(self) -> &'static str {
-        match self {
-            Self::Steady => "steady",
-            Self::Sequence => "sequence",
-            Self::Transient => "transient",
-        }
-    }
-
-    /// What a model has to answer.
-    pub(super) fn mode(self) -> Mode {
-        match self {
-            Self::Steady | Self::Sequence => Mode::Steady,
-            Self::Transient => Mode::Transient,
-        }
-    }
-}
-
-/// What the case selects.
+/// Participants, effects and the mode in time that a case selects.
 #[derive(Clone, Debug)]
 pub(super) struct Selection<'a> {
-    pub(super) players: Vec<Player<'a>>,
-    /// Names under `effects`, known or not, sorted: the order of the tables in a case has no influence.
+    pub(super) players: Vec<SelectedParticipant<'a>>,
+    /// Names under `effects`, known or not. Sorted, so that the order of tables in a case has no
+    /// influence.
     pub(super) effects: Vec<String>,
-    pub(super) timing: TimingWord,
+    pub(super) timing: TimeMode,
 }
 
 impl<'a> Selection<'a> {
-    /// Reads the selection from a case that may be wrong in any way.
+    /// Reads the selection from a case that may contain any error.
     pub(super) fn new(tree: &Table, descriptions: &'a [(String, Description)]) -> Self {
         let mut effects = tree.names("effects");
         effects.sort_unstable();
@@ -62,7 +38,7 @@ impl<'a> Selection<'a> {
             let present = tree.table(role).is_some();
             let claims = description.effects.iter().any(|e| effects.contains(&e.name));
             let chosen = tree.text(&format!("{role}.model"));
-            Player {
+            SelectedParticipant {
                 role,
                 description,
                 present,
@@ -71,19 +47,15 @@ impl<'a> Selection<'a> {
             }
         };
         let players = descriptions.iter().map(player).collect();
-        let timing = match tree.text("time.mode") {
-            Some("transient") => TimingWord::Transient,
-            Some("sequence") => TimingWord::Sequence,
-            _ => TimingWord::Steady,
-        };
+        let timing = tree.text("time.mode").and_then(TimeMode::from_word).unwrap_or_default();
         Self { players, effects, timing }
     }
 
-    /// The participants that claim an effect, with their part in it.
+    /// Returns the participants that claim an effect, with their roles in it.
     pub(super) fn claimants(
         &self,
         effect: &str,
-    ) -> impl Iterator<Item = (&Player<'a>, &'a EffectSpec)> {
+    ) -> impl Iterator<Item = (&SelectedParticipant<'a>, &'a EffectSpec)> {
         let effect = effect.to_owned();
         self.players.iter().flat_map(move |player| {
             let claimed = player.description.effects.iter().find(|e| e.name == effect);
@@ -91,9 +63,20 @@ impl<'a> Selection<'a> {
         })
     }
 
-    /// All participants which were asked for their keys.
+    /// Returns the coordinator and all participants whose keys are known.
     pub(super) fn asked(&self) -> Vec<&str> {
         let roles = self.players.iter().map(|player| player.role);
         std::iter::once("the coordinator").chain(roles).collect()
+    }
+
+    /// Returns roles without a description that are well known or have a command in the case.
+    pub(super) fn undescribed(&self, case: &RawCase) -> Vec<String> {
+        let unknown = |role: &str| self.players.iter().all(|player| player.role != role);
+        let meant = |role: &str| {
+            let has = |name: &str| case.has(&format!("{role}.{name}"));
+            WELL_KNOWN_ROLES.contains(&role) || has("command") || has("attach")
+        };
+        let roles = case.participants().into_iter().map(|participant| participant.role);
+        roles.filter(|role| unknown(role) && meant(role)).collect()
     }
 }

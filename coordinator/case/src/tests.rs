@@ -1,4 +1,4 @@
-//! Tests of the case front end, with two small participants that have every kind of key.
+//! Tests of the case crate, with two small participants that have every kind of key.
 
 mod alone;
 mod errors;
@@ -185,14 +185,14 @@ fn case(text: &str) -> Result<Case, Problems> {
     validate(&RawCase::parse("case.toml", text)?, &descriptions(), &[])
 }
 
-/// The same after `--set` options.
+/// Reads and validates a case with `--set` options.
 fn case_with(text: &str, set: &[&str]) -> Result<Case, Problems> {
     let mut raw = RawCase::parse("case.toml", text)?;
     raw.apply(set, &[])?;
     validate(&raw, &descriptions(), &[])
 }
 
-/// Errors on one line each: "12:1 key: reason | fix", or "option | ..." for options.
+/// Formats each error on one line: "12:1 key: reason | fix", or "option | ..." for options.
 fn lines(problems: &Problems) -> Vec<String> {
     let line = |p: &super::Problem| {
         let place = p.place.to_string();

@@ -1,13 +1,15 @@
-//! The case as a tree of keys that remember where they were written.
+//! The case as a tree of keys that remember their places. It is read from TOML, and written as TOML
+//! again after options have changed it.
 
+use std::fmt::Write as _;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-/// Deepest nesting of tables and lists; no key of a case comes near it.
+/// Deepest nesting of tables and lists, far beyond any key of a case.
 const DEEPEST: usize = 12;
 
-/// Where a key was written.
+/// The place at which a key was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Origin {
     /// In the file: the bytes of the key, and of its value.
@@ -57,14 +59,14 @@ impl Table {
         self.entries.iter_mut().find(|(key, _)| key == name).map(|(_, node)| node)
     }
 
-    /// The node at a dotted key.
+    /// Returns the node at a dotted key.
     pub(super) fn find(&self, key: &str) -> Option<&Node> {
         let mut parts = key.split('.');
         let first = self.get(parts.next()?)?;
         parts.try_fold(first, |node, part| node.table()?.get(part))
     }
 
-    /// The text at a dotted key, if it is a text.
+    /// Returns the text at a dotted key; `None` for another value.
     pub(super) fn text(&self, key: &str) -> Option<&str> {
         match &self.find(key)?.value {
             Value::Text(text) => Some(text),
@@ -72,21 +74,21 @@ impl Table {
         }
     }
 
-    /// The table at a dotted key, if it is a table.
+    /// Returns the table at a dotted key; `None` for another value.
     pub(super) fn table(&self, key: &str) -> Option<&Self> {
         self.find(key)?.table()
     }
 
-    /// The names in the table at a dotted key.
+    /// Returns the names in the table at a dotted key.
     pub(super) fn names(&self, key: &str) -> Vec<String> {
         let table = self.table(key);
         table.map_or_else(Vec::new, |t| t.entries.iter().map(|(name, _)| name.clone()).collect())
     }
 
-    /// Puts a node at a path; tables on the way that are not there come from the same origin.
+    /// Puts a node at a path. Missing tables on the way get the same origin.
     ///
     /// # Errors
-    /// Something on the way is not a table: its dotted key.
+    /// A value on the way is not a table; the error is its dotted key.
     pub(super) fn insert(&mut self, path: &[String], node: Node) -> Result<(), String> {
         let Some((last, way)) = path.split_last() else { return Ok(()) };
         let mut table = self;
@@ -107,7 +109,7 @@ impl Table {
         Ok(())
     }
 
-    /// Removes the node at a path.
+    /// Removes and returns the node at a path.
     pub(super) fn remove(&mut self, path: &[String]) -> Option<Node> {
         let (last, way) = path.split_last()?;
         let mut table = self;
@@ -128,7 +130,7 @@ impl Node {
         }
     }
 
-    /// The texts of a list of texts.
+    /// Returns the items of a list of texts.
     pub(super) fn texts(&self) -> Option<Vec<String>> {
         let Value::List(items) = &self.value else { return None };
         let text = |item: &Node| match &item.value {
@@ -140,10 +142,10 @@ impl Node {
 }
 
 impl Value {
-    /// What it is, in words: "the text \"fast\"".
+    /// Describes the value for messages: "the text \"fast\"".
     pub(super) fn describe(&self) -> String {
         match self {
-            Self::Text(text) => format!("the text {}", super::quote::quoted(text)),
+            Self::Text(text) => format!("the text {}", quoted(text)),
             Self::Number { written, .. } => format!("the number {written}"),
             Self::Flag(flag) => flag.to_string(),
             Self::Date(date) => format!("the date {date}"),
@@ -153,19 +155,18 @@ impl Value {
     }
 }
 
-/// Turns parsed TOML into a tree: of a file, or of the value of an option.
+/// Converts parsed TOML to a tree, for a file or for the value of an option.
 pub(super) struct Convert<'a> {
     /// The text that was parsed.
     pub(super) text: &'a str,
-    /// The number of the option; none for the file.
+    /// The number of the option; `None` for the file.
     pub(super) argument: Option<usize>,
 }
 
-/// Nested too deeply, at these bytes.
+/// Error for too deep nesting, with the bytes of its place.
 pub(super) struct TooDeep(pub(super) Range<usize>);
 
 impl Convert<'_> {
-    /// The tree of a table.
     pub(super) fn table(&self, table: &DeTable<'_>, depth: usize) -> Result<Table, TooDeep> {
         let mut entries = Vec::with_capacity(table.len());
         for (key, value) in table {
@@ -177,7 +178,7 @@ impl Convert<'_> {
         Ok(Table { entries, inline: false })
     }
 
-    /// The tree of a value; `key` is the bytes of its key, or its own where it has none.
+    /// Converts a value; `key` is the range of its key, or of the value itself without a key.
     pub(super) fn node(
         &self,
         key: Range<usize>,
@@ -193,7 +194,8 @@ impl Convert<'_> {
             DeValue::Integer(integer) => {
                 let digits = integer.as_str();
                 let whole = i64::from_str_radix(digits, integer.radix()).ok();
-                // Beyond i64 only decimal digits have a value; the others are refused as NaN.
+                // Beyond i64 only decimal digits are converted; other forms become NaN, which is
+                // refused.
                 let value = digits.parse().unwrap_or(f64::NAN);
                 let value = whole.map_or(value, |whole| whole as f64);
                 Value::Number { written: integer.to_string(), value, whole }
@@ -218,4 +220,83 @@ impl Convert<'_> {
     fn list(&self, array: &DeArray<'_>, depth: usize) -> Result<Vec<Node>, TooDeep> {
         array.iter().map(|item| self.node(item.span(), item, depth + 1)).collect()
     }
+}
+
+/// Writes a case as TOML.
+pub(super) fn write_case(case: &Table) -> String {
+    let mut out = String::new();
+    write_section(&mut out, "", case);
+    out
+}
+
+fn write_section(out: &mut String, path: &str, table: &Table) {
+    // After a table with its own header, later siblings need headers too, to keep the order.
+    let is_section = |node: &Node| node.table().is_some_and(|t| !t.inline);
+    let first = table.entries.iter().position(|(_, node)| is_section(node));
+    let sectioned =
+        |(at, node): (usize, &Node)| node.table().is_some() && first.is_some_and(|f| at >= f);
+    let (sections, lines): (Vec<_>, Vec<_>) = table
+        .entries
+        .iter()
+        .enumerate()
+        .map(|(at, (name, node))| (sectioned((at, node)), name, node))
+        .partition(|(section, ..)| *section);
+    if !path.is_empty() && (!lines.is_empty() || sections.is_empty()) {
+        let gap = if out.is_empty() { "" } else { "\n" };
+        let _ = writeln!(out, "{gap}[{path}]");
+    }
+    for (_, name, node) in lines {
+        let _ = writeln!(out, "{} = {}", bare_or_quoted(name), inline(&node.value));
+    }
+    for (_, name, node) in sections {
+        let name = bare_or_quoted(name);
+        let path = if path.is_empty() { name } else { format!("{path}.{name}") };
+        if let Some(table) = node.table() {
+            write_section(out, &path, table);
+        }
+    }
+}
+
+/// Writes a value on one line.
+pub(super) fn inline(value: &Value) -> String {
+    match value {
+        Value::Text(text) => quoted(text),
+        Value::Number { written, .. } => written.clone(),
+        Value::Flag(flag) => flag.to_string(),
+        Value::Date(date) => date.clone(),
+        Value::List(items) => {
+            let items: Vec<String> = items.iter().map(|item| inline(&item.value)).collect();
+            format!("[{}]", items.join(", "))
+        }
+        Value::Table(table) if table.entries.is_empty() => "{}".to_owned(),
+        Value::Table(table) => {
+            let entry = |(name, node): &(String, Node)| {
+                format!("{} = {}", bare_or_quoted(name), inline(&node.value))
+            };
+            let entries: Vec<String> = table.entries.iter().map(entry).collect();
+            format!("{{ {} }}", entries.join(", "))
+        }
+    }
+}
+
+fn bare_or_quoted(name: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !name.is_empty() && name.chars().all(bare) { name.to_owned() } else { quoted(name) }
+}
+
+/// Writes a TOML basic string.
+pub(super) fn quoted(text: &str) -> String {
+    let mut out = String::with_capacity(text.len() + 2);
+    out.push('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
 }

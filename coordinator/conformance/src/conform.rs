@@ -1,53 +1,50 @@
-//! `coordinator conform`: any executable, put through the whole participant contract.
+//! `coordinator conform`: checks any executable against the whole participant contract.
 //!
-//! [`CHECKS`] is the list: what the contract demands, one entry a demand. The participant runs as a
-//! process of its own over real shared memory ([`life`]); what a check leaves in order the next one
-//! goes on with, everything else has a fresh process ([`lives`]). Nothing is waited for without a
-//! deadline; a process that hangs or dies spoils no other check. What a participant is
-//! configured with comes from a case ([`setting`]), for every model and mode that it offers.
+//! [`CHECKS`] lists the demands of the contract, one entry for each. The participant runs as a
+//! separate process over real shared memory ([`life`]). A check takes over the process of an
+//! earlier check if that is still in order; otherwise it starts a fresh one ([`bench`]). Every wait
+//! has a deadline, so that a process that hangs or dies does not spoil other checks. Configurations
+//! come from a case ([`setting`]), for every model and mode that the participant offers. Inputs are
+//! made up or recorded ([`input`]).
 //!
 //! ```text
 //! Request ──Bench::prepare──► Bench ──each of CHECKS──► CheckResult ──► Report
 //! ```
+//!
+//! | stage | checks |
+//! |---|---|
+//! | [`description`] | description and estimate of a participant, outside of a run |
+//! | [`configuration`] | runs and configurations that it accepts, or refuses with a reason |
+//! | [`solve`] | first outputs, solves from the accepted state, `Accept`, grids of any size, volumes |
+//! | [`state`] | `Save` and `Restore`, and damaged states |
+//! | [`robustness`] | samples and commands that are missing, wrong or out of order |
+//! | [`finish`] | heartbeats, the death of the coordinator, figures, another run, the end |
 
-mod accepting;
 mod bench;
 mod check;
-mod describing;
+mod configuration;
+mod description;
 mod fault;
-mod faulty_inputs;
-mod given;
-mod grids;
-mod leaving;
+mod finish;
+mod input;
 mod life;
-mod lives;
-mod recorded;
-mod refusing;
-mod report;
-mod request;
+mod robustness;
 mod setting;
-mod shared;
-mod show;
-mod solving;
+mod solve;
 mod state;
-mod subject;
-mod unruly;
-mod volumes;
 
-pub(crate) use check::{CheckOutcome, CheckResult};
-pub(crate) use report::Report;
-pub(crate) use request::Request;
-
-use bench::Bench;
-use check::Check;
+use bench::TestBench;
+use check::{Check, CheckOutcome, CheckResult, Report};
 use clap::Args;
+use console::case_arguments::Changes;
 use console::command::{Command, Context, Group};
 use console::output::{Speaker, print};
 use console::steps::Steps;
 use contract::text::json;
-use fault::{Fault, Seen};
+use fault::{CheckFailure, Finding};
 use run::error::{Failure, RunError};
 use run::programs::Program;
+use setting::Request;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -55,26 +52,22 @@ use std::time::{Duration, Instant};
 /// Options of `coordinator conform`.
 #[derive(Debug, Args)]
 pub struct ConformCommand {
-    /// The role that it plays.
+    /// Role of the participant.
     #[arg(long, value_name = "ROLE")]
     role: String,
-    /// The case that it is configured with, for every model and mode it offers [default: the scene
+    /// Case that configures the participant, for every model and mode it offers [default: the scene
     /// wheel-rail].
     #[arg(long, value_name = "FILE")]
     case: Option<PathBuf>,
-    /// Change a key of the case: dotted name and TOML value (a bare word is a text).
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Remove a key of the case.
-    #[arg(long, value_name = "KEY")]
-    unset: Vec<String>,
+    #[command(flatten)]
+    changes: Changes,
     /// Take the inputs from this recording [default: smooth fields of a likely magnitude].
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
-    /// Make this check alone; may be given several times.
+    /// Make only this check; may be given several times.
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
-    /// The cheapest model and mode alone, on small grids: for while a solver is written.
+    /// Check only the cheapest model and mode, on small grids; for use while a solver is written.
     #[arg(long)]
     quick: bool,
     /// Longest wait for an answer [s].
@@ -83,7 +76,7 @@ pub struct ConformCommand {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// The program, with its arguments [default: ROLE-solver].
+    /// Program of the participant, with its arguments [default: ROLE-solver].
     #[arg(last = true, value_name = "COMMAND")]
     command: Vec<String>,
 }
@@ -91,8 +84,9 @@ pub struct ConformCommand {
 impl Command for ConformCommand {
     const NAME: &'static str = "conform";
     const GROUP: Group = Group::Solvers;
-    const ABOUT: &'static str =
-        "Put a participant through the whole contract, and print how it went";
+    const ABOUT: &'static str = "Check a participant against the whole contract";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator conform --quick --role thermal -- ./my-solver"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         if !(self.deadline > 0.0 && self.deadline <= 1e6) {
@@ -105,8 +99,7 @@ impl Command for ConformCommand {
             role: self.role.clone(),
             program: Program::of_role(&self.role, command),
             case: self.case.clone(),
-            set: self.set.clone(),
-            unset: self.unset.clone(),
+            changes: self.changes.clone(),
             recording: self.recording.clone(),
             only: self.only.clone(),
             quick: self.quick,
@@ -118,12 +111,12 @@ impl Command for ConformCommand {
         let report = conform(&request, &mut |news| match news {
             News::Prepared(report, count) => {
                 progress = Some(Steps::new(silent, count));
-                speaker.say(&show::head(report));
+                speaker.say(&check::head(report));
             }
             News::Begins(check) => progress.iter_mut().for_each(|steps| steps.step(check)),
             News::Made(row) if row.verdict == CheckOutcome::NotMade => {}
             News::Made(row) => {
-                let mut say = || speaker.say(&show::line(row));
+                let mut say = || speaker.say(&check::line(row));
                 match &progress {
                     Some(steps) => steps.aside(say),
                     None => say(),
@@ -132,7 +125,7 @@ impl Command for ConformCommand {
         });
         progress.into_iter().for_each(Steps::finish);
         let report = report?;
-        speaker.say(&show::tail(&report));
+        speaker.say(&check::tail(&report));
         if self.json {
             print(&json(&report))?;
         }
@@ -153,48 +146,48 @@ fn verdict(request: &Request, report: &Report) -> Result<(), RunError> {
     }))
 }
 
-/// Everything that is checked, in the order in which a participant is best written.
+/// All checks, in the order in which a participant is best written.
 const CHECKS: &[&Check] = &[
-    &describing::DESCRIBE,
-    &describing::ESTIMATE,
-    &refusing::VERSION,
-    &describing::CONFIGURE,
-    &refusing::UNKNOWN_MODEL,
-    &refusing::UNKNOWN_EFFECT,
-    &refusing::MISSING_KEY,
-    &refusing::UNKNOWN_FIELD,
-    &solving::INITIALISE,
-    &solving::SOLVE,
-    &solving::HEAT,
-    &solving::REPEAT,
-    &solving::OTHER_END,
-    &solving::NO_DURATION,
-    &accepting::ACCEPT,
-    &accepting::OBSERVE,
+    &description::DESCRIBE,
+    &description::ESTIMATE,
+    &configuration::VERSION,
+    &configuration::CONFIGURE,
+    &configuration::UNKNOWN_MODEL,
+    &configuration::UNKNOWN_EFFECT,
+    &configuration::MISSING_KEY,
+    &configuration::UNKNOWN_FIELD,
+    &solve::INITIALISE,
+    &solve::SOLVE,
+    &solve::HEAT,
+    &solve::REPEAT,
+    &solve::OTHER_END,
+    &solve::NO_DURATION,
+    &solve::ACCEPT,
+    &solve::OBSERVE,
     &state::RESTORE,
     &state::DAMAGED_STATE,
-    &grids::GROWING_GRIDS,
-    &volumes::VOLUMES,
-    &faulty_inputs::MISSING_SAMPLE,
-    &faulty_inputs::WRONG_SAMPLE,
-    &faulty_inputs::NOT_FINITE,
-    &unruly::UNKNOWN_COMMAND,
-    &unruly::MALFORMED,
-    &unruly::OUT_OF_ORDER,
-    &leaving::HEART,
-    &leaving::COORDINATOR_DIES,
-    &leaving::FIGURES,
-    &leaving::REUSE,
-    &leaving::FINISH,
+    &solve::GROWING_GRIDS,
+    &solve::VOLUMES,
+    &robustness::MISSING_SAMPLE,
+    &robustness::WRONG_SAMPLE,
+    &robustness::NOT_FINITE,
+    &robustness::UNKNOWN_COMMAND,
+    &robustness::MALFORMED,
+    &robustness::OUT_OF_ORDER,
+    &finish::HEART,
+    &finish::COORDINATOR_DIES,
+    &finish::FIGURES,
+    &finish::REUSE,
+    &finish::FINISH,
 ];
 
-/// How often a participant may try to be in time.
+/// Number of attempts of a check in which the participant is late.
 const TRIES: usize = 3;
 
-/// What there is to tell while checks are made.
+/// Progress of the checks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum News<'a> {
-    /// Everything is prepared for so many checks.
+    /// Everything is prepared for this number of checks.
     Prepared(&'a Report, usize),
     /// The check of this name begins.
     Begins(&'static str),
@@ -202,18 +195,18 @@ pub(crate) enum News<'a> {
     Made(&'a CheckResult),
 }
 
-/// Makes the checks; `tell` is called for each as it begins and as soon as it is made.
+/// Makes the checks. Calls `tell` for each as it begins and after it is made.
 ///
 /// # Errors
-/// The request cannot be, or the user has stopped it. A check that fails is no error here.
+/// The request is invalid, or the user has interrupted it. A failed check is not an error here.
 pub(crate) fn conform(
     request: &Request,
     tell: &mut dyn FnMut(News<'_>),
 ) -> Result<Report, RunError> {
     let begun = Instant::now();
     let checks = chosen(&request.only)?;
-    let configures = checks.iter().any(|check| check.name != describing::DESCRIBE.name);
-    let (bench, described) = Bench::prepare(request, configures)?;
+    let configures = checks.iter().any(|check| check.name != description::DESCRIBE.name);
+    let (bench, described) = TestBench::prepare(request, configures)?;
     let mut report = Report {
         role: request.role.clone(),
         program: bench.program_name(),
@@ -227,7 +220,7 @@ pub(crate) fn conform(
         tell(News::Begins(check.name));
         let mut row = made(check, &bench, described.as_ref())?;
         if row.verdict == CheckOutcome::Failed {
-            // One cause is reported once.
+            // A cause is reported once; later checks refer to it.
             row.same_as = causes.get(&row.seen).copied();
             causes.entry(row.seen.clone()).or_insert(check.name);
         }
@@ -238,34 +231,35 @@ pub(crate) fn conform(
     Ok(report)
 }
 
-/// Makes a check, if it can be made.
+/// Makes a check, if the participant allows it.
 fn made(
     check: &Check,
-    bench: &Bench,
-    undescribed: Option<&Fault>,
+    bench: &TestBench,
+    undescribed: Option<&CheckFailure>,
 ) -> Result<CheckResult, RunError> {
     let since = Instant::now();
     let outcome = match undescribed {
-        // Nothing can be asked of what does not say what it is.
-        Some(fault) if check.name == describing::DESCRIBE.name => Err(fault.clone()),
+        // All other checks need the description.
+        Some(fault) if check.name == description::DESCRIBE.name => Err(fault.clone()),
         Some(_) => return Ok(CheckResult::not_made(check, "it does not describe itself")),
         None if bench.never_joined() => {
             return Ok(CheckResult::not_made(check, "it never joined a run"));
         }
         None => in_time(check, bench),
     };
-    if let Err(Fault::Interrupted(signal)) = outcome {
+    if let Err(CheckFailure::Interrupted(signal)) = outcome {
         let when = format!("while `{}` was checked", check.name);
         return Err(RunError::Interrupted { signal, when });
     }
     Ok(CheckResult::new(check, outcome, since.elapsed()))
 }
 
-/// Makes a check, again if something was late: on a busy machine any process may have to wait.
-fn in_time(check: &Check, bench: &Bench) -> Result<Seen, Fault> {
+/// Makes a check, and repeats it if the participant was late: on a busy machine any process may
+/// have to wait.
+fn in_time(check: &Check, bench: &TestBench) -> Result<Finding, CheckFailure> {
     let mut outcome = (check.run)(bench);
     for _ in 1..TRIES {
-        if !matches!(outcome, Err(Fault::Late(_))) {
+        if !matches!(outcome, Err(CheckFailure::Late(_))) {
             break;
         }
         outcome = (check.run)(bench);
@@ -292,7 +286,7 @@ mod tests {
     fn every_check_has_a_name_of_its_own_a_demand_and_a_fix() {
         for (index, check) in CHECKS.iter().enumerate() {
             assert!(CHECKS[..index].iter().all(|other| other.name != check.name), "{}", check.name);
-            assert!(check.name.len() <= show::NAME_WIDTH, "{}", check.name);
+            assert!(check.name.len() <= check::NAME_WIDTH, "{}", check.name);
             assert!(!check.demand.is_empty() && !check.fix.is_empty(), "{}", check.name);
         }
     }

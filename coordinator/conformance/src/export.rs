@@ -1,8 +1,8 @@
-//! `coordinator export`: the fields of a recording for other tools.
+//! `coordinator export`: writes the fields of a recording for other tools.
 //!
-//! As VTK series, the same as a run writes, or as CSV: one file a topic and instant, with a row for
-//! each value. By default one instant a window, the accepted one; with every iteration, the instants
-//! are numbered in the order of the recording.
+//! Fields are written as VTK series, as a run writes them, or as CSV: one file for each topic and
+//! instant, with a row for each point. By default there is one instant for each window, the
+//! accepted one. With every iteration, instants are numbered in the order of the recording.
 
 use crate::inspect::{self, failed};
 use clap::Args;
@@ -10,18 +10,17 @@ use console::command::{self, Context, Group};
 use console::output::print;
 use contract::bodies::Bodies;
 use contract::configuration::Configuration;
-use contract::description::Description;
 use contract::field::{Body, FieldKind, GEOMETRY, Mapping};
 use contract::grid::Grid;
 use contract::message::{Command, CommandKind, FieldHeader};
 use contract::step::Step;
-use proto::recording::{End, Event, Item, Recording, RecordingError};
+use proto::recording::{End, Event, Item, Participant, Recording, RecordingError};
 use run::error::{RunError, file_failure};
 use run::format::counted;
-use run::results::vtk::{FieldWriter, Shown};
+use run::results::vtk::{FieldOutput, FieldWriter};
 use run::results::write::create;
 use run::signals;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -29,15 +28,15 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("form").required(true).multiple(true).args(["vtk", "csv"]))]
 pub struct ExportCommand {
-    /// The recording.
+    /// Recording to export.
     recording: PathBuf,
     /// Folder for VTK series (`.vti`, `.vtu`, `.pvd`).
     #[arg(long, value_name = "DIR")]
     vtk: Option<PathBuf>,
-    /// Folder for CSV, one file a topic and instant.
+    /// Folder for CSV, one file for each topic and instant.
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
-    /// Every iteration, and not only what was accepted.
+    /// Export every iteration, not only accepted windows.
     #[arg(long)]
     iterations: bool,
 }
@@ -45,7 +44,9 @@ pub struct ExportCommand {
 impl command::Command for ExportCommand {
     const NAME: &'static str = "export";
     const GROUP: Group = Group::Look;
-    const ABOUT: &'static str = "Write the fields of a recording as VTK series or CSV";
+    const ABOUT: &'static str = "Write fields of a recording for ParaView or as CSV";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator export results/latest/recording.mcap --vtk fields"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let ExportCommand { recording: path, vtk, csv, iterations } = self;
@@ -65,28 +66,28 @@ impl command::Command for ExportCommand {
     }
 }
 
-/// What is written, and where.
+/// Formats to write, with their folders.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Target {
     /// Folder for VTK series.
     pub vtk: Option<PathBuf>,
     /// Folder for CSV.
     pub csv: Option<PathBuf>,
-    /// Every iteration, and not only what was accepted.
+    /// Whether to export every iteration, not only accepted windows.
     pub every_iteration: bool,
 }
 
-/// The newest sample of a topic.
-struct Newest {
+/// Newest sample of a topic.
+struct NewestSample {
     kind: FieldKind,
     producer: String,
     grid: Option<Grid>,
     values: Vec<f64>,
-    /// Not written yet.
+    /// Whether the sample is still to be written.
     fresh: bool,
 }
 
-/// Writes what is asked for; how many instants there were.
+/// Writes the requested files, and returns the number of instants.
 ///
 /// # Errors
 /// The recording is damaged, or a file cannot be written.
@@ -99,8 +100,7 @@ pub(crate) fn export<R: Read>(
     let mut export = Export {
         target,
         vtk: target.vtk.as_ref().map(|folder| FieldWriter::new(folder.clone())),
-        asked: BTreeSet::new(),
-        kinds: BTreeMap::new(),
+        participants: recording.head().participants.clone(),
         grids: BTreeMap::new(),
         newest: BTreeMap::new(),
         bodies: None,
@@ -108,7 +108,7 @@ pub(crate) fn export<R: Read>(
         instants: 0,
     };
     loop {
-        // Between two files the end may come at any time, within one it may not.
+        // An interrupt may end the program between two files, but not within one.
         let reading = signals::end_at_once();
         let entry = recording.read().map_err(|error| failed(path, &error))?;
         drop(reading);
@@ -131,16 +131,14 @@ pub(crate) fn export<R: Read>(
 struct Export<'a> {
     target: &'a Target,
     vtk: Option<FieldWriter>,
-    /// Participants that have been asked to describe themselves and have not answered yet.
-    asked: BTreeSet<u16>,
-    /// The fields that participants describe, by name.
-    kinds: BTreeMap<String, FieldKind>,
-    /// The grid of each topic as it is now, and the service of its geometry if that travels.
+    /// Participants, which describe their fields.
+    participants: Vec<Participant>,
+    /// Current grid of each topic, and the service of its geometry if the grid moves.
     grids: BTreeMap<String, (Grid, Option<String>)>,
-    newest: BTreeMap<String, Newest>,
-    /// The bodies that a participant was told of.
+    newest: BTreeMap<String, NewestSample>,
+    /// Bodies in the first configuration.
     bodies: Option<Bodies>,
-    /// The last that somebody was asked to solve.
+    /// Step of the last Solve.
     step: Option<Step>,
     instants: u64,
 }
@@ -148,13 +146,7 @@ struct Export<'a> {
 impl Export<'_> {
     fn event(&mut self, event: &Event) -> Result<(), RunError> {
         match event {
-            Event::Command { participant, command, body, .. } => {
-                self.command(*participant, command, body)
-            }
-            Event::Reply { participant, body, .. } => {
-                self.reply(*participant, body);
-                Ok(())
-            }
+            Event::Command { command, body, .. } => self.command(command, body),
             Event::Iteration(iteration) if self.target.every_iteration => {
                 self.write(self.instants, iteration.end)
             }
@@ -162,7 +154,7 @@ impl Export<'_> {
         }
     }
 
-    /// The grids of the topics that a participant was given.
+    /// Notes the grids of the topics in a Connect.
     fn topics(&mut self, event: &Event) -> Result<(), RecordingError> {
         let Some((_, topics)) = event.topics()? else { return Ok(()) };
         for topic in topics.inputs.into_iter().chain(topics.outputs) {
@@ -171,11 +163,8 @@ impl Export<'_> {
         Ok(())
     }
 
-    fn command(&mut self, to: u16, command: &Command, body: &[u8]) -> Result<(), RunError> {
+    fn command(&mut self, command: &Command, body: &[u8]) -> Result<(), RunError> {
         match CommandKind::from_number(command.kind) {
-            Some(CommandKind::Describe) => {
-                self.asked.insert(to);
-            }
             Some(CommandKind::Configure) if self.bodies.is_none() => {
                 let given = serde_json::from_slice::<Configuration>(body).ok();
                 self.bodies = given.and_then(|given| Bodies::read(&given.case).ok());
@@ -191,18 +180,7 @@ impl Export<'_> {
         Ok(())
     }
 
-    /// Keeps the fields of a description.
-    fn reply(&mut self, from: u16, body: &[u8]) {
-        if self.asked.remove(&from)
-            && let Ok(description) = serde_json::from_slice::<Description>(body)
-            && description.check().is_ok()
-        {
-            let fields = description.fields.into_iter();
-            self.kinds.extend(fields.map(|kind| (kind.name.clone(), kind)));
-        }
-    }
-
-    /// Writes the window that is over.
+    /// Writes the window that has ended.
     fn write_window(&mut self) -> Result<(), RunError> {
         match self.step {
             Some(step) if !self.target.every_iteration => self.write(step.window, step.end),
@@ -211,7 +189,7 @@ impl Export<'_> {
         }
     }
 
-    /// The newest sample of a topic, or the geometry of a grid.
+    /// Takes the newest sample of a topic, or the geometry of a grid.
     fn sample(
         &mut self,
         service: &str,
@@ -222,8 +200,8 @@ impl Export<'_> {
             return self.geometry(service, header, values);
         }
         let grid = self.grids.get(service).map(|(grid, _)| grid);
-        let newest = self.newest.entry(service.to_owned()).or_insert_with(|| Newest {
-            kind: kind(header, &self.kinds),
+        let newest = self.newest.entry(service.to_owned()).or_insert_with(|| NewestSample {
+            kind: kind(header, &self.participants),
             producer: header.producer.as_str().to_owned(),
             grid: None,
             values: Vec::new(),
@@ -232,8 +210,7 @@ impl Export<'_> {
         if let Some(grid) = grid {
             fits(newest.kind.components, grid, header)?;
         }
-        newest.values.clear();
-        newest.values.extend_from_slice(values);
+        values.clone_into(&mut newest.values);
         newest.fresh = true;
         if newest.grid.as_ref() != grid {
             newest.grid = grid.cloned();
@@ -255,7 +232,7 @@ impl Export<'_> {
         Ok(())
     }
 
-    /// What the files of a topic are called.
+    /// Returns the name of the files of a topic.
     fn file_name(&self, service: &str) -> String {
         let shown = |part: &str| match &self.bodies {
             Some(bodies) => bodies.shown(part),
@@ -267,19 +244,19 @@ impl Export<'_> {
 
     fn write(&mut self, number: u64, time: f64) -> Result<(), RunError> {
         let fresh = self.newest.iter().filter(|(_, newest)| newest.fresh);
-        let shown: Vec<(&str, Shown)> = fresh
+        let shown: Vec<(&str, FieldOutput)> = fresh
             .filter_map(|(service, newest)| {
-                let Newest { kind, producer, values, grid, .. } = newest;
+                let NewestSample { kind, producer, values, grid, .. } = newest;
                 let grid = grid.as_ref()?;
                 let bodies = self.bodies.as_ref();
-                Some((service.as_str(), Shown::new(producer, grid, kind, values, bodies)))
+                Some((service.as_str(), FieldOutput::new(producer, grid, kind, values, bodies)))
             })
             .collect();
         if shown.is_empty() {
             return Ok(());
         }
         if let Some(vtk) = &mut self.vtk {
-            let fields: Vec<Shown> = shown.iter().map(|(_, shown)| shown.clone()).collect();
+            let fields: Vec<FieldOutput> = shown.iter().map(|(_, shown)| shown.clone()).collect();
             vtk.write(&fields, number, time)?;
         }
         if let Some(folder) = &self.target.csv {
@@ -293,11 +270,11 @@ impl Export<'_> {
     }
 }
 
-/// A sample has a value of each component for each point of its grid.
+/// Checks that a sample has the components of its field and the points of its grid.
 fn fits(components: u32, grid: &Grid, header: &FieldHeader) -> Result<(), String> {
     if grid.is_announced() {
         let (name, on) = (header.name.as_str(), &grid.name);
-        return Err(format!("`{name}` comes before the geometry of its volume `{on}`"));
+        return Err(format!("`{name}` is sent before the geometry of its volume `{on}`"));
     }
     let (points, expected) = (header.points, grid.points() as u64);
     if (header.components, points) == (components, expected) {
@@ -310,12 +287,12 @@ fn fits(components: u32, grid: &Grid, header: &FieldHeader) -> Result<(), String
     ))
 }
 
-/// The kind of a field as the table or a participant describes it. In a recording without
-/// descriptions there is its label alone, and what that does not say is taken for the interface's.
-fn kind(header: &FieldHeader, described: &BTreeMap<String, FieldKind>) -> FieldKind {
+/// Returns the kind of a field, as the contract or a participant describes it. An unknown field
+/// gets its label only, and belongs to the interface.
+fn kind(header: &FieldHeader, participants: &[Participant]) -> FieldKind {
     let name = header.name.as_str();
-    let known = contract::field::find(name).map(contract::field::FieldSpec::kind);
-    known.or_else(|| described.get(name).cloned()).unwrap_or_else(|| FieldKind {
+    let known = participants.iter().find_map(|one| one.description.field_kind(name));
+    known.unwrap_or_else(|| FieldKind {
         name: name.to_owned(),
         unit: header.unit.as_str().to_owned(),
         components: header.components,
@@ -325,12 +302,12 @@ fn kind(header: &FieldHeader, described: &BTreeMap<String, FieldKind>) -> FieldK
     })
 }
 
-/// One row a point: index, place, and the components.
-fn write_csv(folder: &Path, name: &str, shown: &Shown, number: u64) -> Result<(), RunError> {
+/// Writes one row for each point: index, coordinates, and components.
+fn write_csv(folder: &Path, name: &str, shown: &FieldOutput, number: u64) -> Result<(), RunError> {
     std::fs::create_dir_all(folder).map_err(|error| file_failure(folder, &error))?;
     let path = folder.join(format!("{name}_{number:06}.csv"));
     create(&path, |out| {
-        let Shown { grid, kind, values, .. } = shown;
+        let FieldOutput { grid, kind, values, .. } = shown;
         write!(out, "index,x [m],y [m],z [m]")?;
         for component in 0..kind.components {
             match kind.components {

@@ -1,13 +1,13 @@
-//! Participants and recordings: a participant put through the whole contract ([`conform`]) or through
-//! a recording ([`replay`]); a recording looked at ([`inspect`]) and written for other tools
-//! ([`export`]).
+//! Tools for participants and recordings. Checks of a participant against the whole contract
+//! ([`conform`]) or a recording ([`replay`]); inspection ([`inspect`]) and export ([`export`]) of
+//! recordings.
 
 pub mod conform;
 pub mod export;
 pub mod inspect;
 pub mod replay;
 
-/// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
+/// Returns the settings of tests over arbitrary bytes: 400 cases, or the number in `FUZZ_CASES`.
 #[cfg(test)]
 fn fuzz_config() -> proptest::test_runner::Config {
     let cases = std::env::var("FUZZ_CASES").ok().and_then(|text| text.parse().ok());

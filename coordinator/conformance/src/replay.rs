@@ -1,37 +1,33 @@
-//! `coordinator replay`: one participant, driven through exactly what was recorded, without the
-//! others.
+//! `coordinator replay`: drives one participant through a recording, without its partners.
 //!
-//! The participant is asked what it was asked, in the same order, with the same inputs: every
-//! iteration of every window, what was accepted, saved and restored. Everything it sends is compared
-//! with what was sent then. It may be the program of the recorded run, another build of it, or any
-//! other that plays the role; its partners need not be on the machine.
+//! The participant receives the recorded commands in the same order, with the same inputs: every
+//! iteration of every window, with all windows accepted and states saved and restored. Everything
+//! that it sends is compared with the recording. The driven program may be that of the recorded
+//! run, another build of it, or any other program for the role. The programs of the partners are
+//! not needed.
 //!
-//! Samples are renumbered, so that a replay may begin in the middle ([`Request::from`]): at the
-//! last state of the participant that the recording holds before.
+//! Samples are renumbered, so that a replay may begin in the middle ([`Request::from`]). Such a
+//! replay begins at the last recorded state of the participant before that window.
 
-mod compare;
+mod configuration;
 mod drive;
-mod feed;
-mod request;
-mod show;
+mod fields;
+mod report;
 #[cfg(test)]
 mod tests;
-mod told;
-mod walk;
-
-pub(crate) use request::{Replay, Request};
-pub(crate) use show::{difference, text};
 
 use crate::inspect::{self, unreadable};
 use clap::Args;
+use configuration::Request;
 use console::command::{Command, Context, Group};
 use console::output::print;
 use contract::text::json;
 use drive::Driver;
 use proto::recording::{Item, Participant};
+use report::{Replay, difference, text};
 use run::deadlines::Deadlines;
 use run::error::RunError;
-use run::peers::{Peers, Seat};
+use run::peers::{ParticipantSlot, Peers};
 use run::programs::Program;
 use run::signals;
 use std::path::{Path, PathBuf};
@@ -40,12 +36,12 @@ use std::time::{Duration, Instant};
 /// Options of `coordinator replay`.
 #[derive(Debug, Args)]
 pub struct ReplayCommand {
-    /// The recording.
+    /// Recording to replay.
     recording: PathBuf,
     /// Role of the participant to drive.
     #[arg(long, value_name = "ROLE")]
     only: String,
-    /// The program to drive, with its arguments [default: ROLE-solver].
+    /// Program to drive, with its arguments [default: ROLE-solver].
     #[arg(long, num_args = 1.., value_name = "COMMAND", conflicts_with = "serve")]
     command: Vec<String>,
     /// Largest difference that passes, relative to the largest value of a sample [default: none,
@@ -64,7 +60,8 @@ pub struct ReplayCommand {
     /// Ask before every command.
     #[arg(long)]
     step: bool,
-    /// Wait for a solver that is started by hand, in a debugger say; nothing has a deadline.
+    /// Wait for a solver that is started by hand, for example in a debugger; there are no
+    /// deadlines.
     #[arg(long)]
     serve: bool,
     /// Print JSON.
@@ -75,8 +72,11 @@ pub struct ReplayCommand {
 impl Command for ReplayCommand {
     const NAME: &'static str = "replay";
     const GROUP: Group = Group::Solvers;
-    const ABOUT: &'static str =
-        "Drive one participant through a recording, and compare all that it sends";
+    const ABOUT: &'static str = "Drive one participant through a recording, and compare";
+    const EXAMPLES: &'static [&'static str] = &[
+        "coordinator replay results/latest/recording.mcap --only thermal",
+        "coordinator replay results/latest/recording.mcap --only thermal --serve",
+    ];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         if self.tolerance.is_some_and(|t| t.is_nan() || t < 0.0) {
@@ -114,14 +114,15 @@ impl Command for ReplayCommand {
     }
 }
 
-/// A program and its arguments; one text with spaces is a command line, quoted as in a shell.
+/// Returns a program and its arguments. A single text with spaces is a command line, quoted as in a
+/// shell.
 fn words(command: &[String]) -> Result<Vec<String>, RunError> {
     let [line] = command else { return Ok(command.to_vec()) };
     let open = || RunError::Usage(format!("--command has a quote that is not closed: {line}"));
     shlex::split(line).ok_or_else(open)
 }
 
-/// A key and a value: a number, true or false, or a text.
+/// Parses KEY=VALUE, where the value is a number, true or false, or a text.
 fn assignment(option: &str) -> Result<(String, serde_json::Value), RunError> {
     let (key, value) = option
         .split_once('=')
@@ -134,8 +135,8 @@ fn assignment(option: &str) -> Result<(String, serde_json::Value), RunError> {
 /// Drives the participant.
 ///
 /// # Errors
-/// The recording cannot be read, has no such role, or the participant fails otherwise than it did
-/// then. A difference is no error here: see [`Replay::comparison`].
+/// The recording cannot be read or has no such role, or the participant fails where it did not fail
+/// in the recording. A difference is not an error here: see [`Replay::comparison`].
 pub(crate) fn replay(request: &Request) -> Result<Replay, RunError> {
     let begun = Instant::now();
     let path = &request.recording;
@@ -158,7 +159,7 @@ pub(crate) fn replay(request: &Request) -> Result<Replay, RunError> {
         None if request.serve => Program::of_role(&request.only, None),
         None => built_in(path, &recorded)?,
     };
-    let seat = Seat { role: request.only.clone(), program, attach: request.serve };
+    let seat = ParticipantSlot { role: request.only.clone(), program, attach: request.serve };
     let deadlines = if request.serve { NO_DEADLINES } else { DEADLINES };
     let mut peers = Peers::start(&[seat], deadlines, None)?;
     peers.join()?;
@@ -186,7 +187,7 @@ pub(crate) fn replay(request: &Request) -> Result<Replay, RunError> {
     Ok(replay)
 }
 
-/// Waits of a replay.
+/// Limits of the waits of a replay.
 const DEADLINES: Deadlines = Deadlines {
     start: Duration::from_secs(30),
     build: Duration::from_secs(3600),
@@ -194,7 +195,7 @@ const DEADLINES: Deadlines = Deadlines {
     heartbeat: Duration::from_secs(10),
 };
 
-/// A debugger may hold the participant for as long as it likes.
+/// Limits for a participant in a debugger, which may stop it for a long time.
 const NO_DEADLINES: Deadlines = Deadlines {
     start: Duration::from_secs(365 * 86_400),
     build: Duration::from_secs(365 * 86_400),
@@ -213,8 +214,8 @@ fn participant(path: &Path, all: &[Participant], role: &str) -> Result<usize, Ru
     })
 }
 
-/// Our own solver of the role. The program that a recording names is never started: whoever made the
-/// file may have written anything there.
+/// Returns the coordinator's own solver of the role. The program named in a recording is never
+/// started: the author of the file could have named any program.
 fn built_in(path: &Path, recorded: &Participant) -> Result<Program, RunError> {
     let own = Program::of_role(&recorded.role, None);
     if own.path.is_file() {
@@ -227,7 +228,7 @@ fn built_in(path: &Path, recorded: &Participant) -> Result<Program, RunError> {
     )))
 }
 
-/// How many states of the role come up to the last one with which `window` can still be solved.
+/// Returns the number of states of the role up to the last one from which `window` can be reached.
 fn last_state_before(path: &Path, role: &str, window: u64) -> Result<Option<u64>, RunError> {
     let mut recording = inspect::open(path)?;
     let index = participant(path, &recording.head().participants, role)?;

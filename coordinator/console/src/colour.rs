@@ -1,11 +1,11 @@
-//! Colours on a terminal: of words that say how something went, and of the names of lines.
+//! Colours on a terminal: of outcomes, and of the names at the beginning of lines.
 
 use clap::ColorChoice;
 use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
 
-/// When colours are used.
+/// Condition for colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Colours {
     /// On a terminal, unless NO_COLOR is set.
@@ -19,12 +19,13 @@ pub enum Colours {
 
 static CHOSEN: OnceLock<Colours> = OnceLock::new();
 
-/// Chooses for the whole process; the first choice stays.
+/// Sets the choice of the whole process. Later calls have no effect.
 pub fn choose(colours: Colours) {
     let _ = CHOSEN.set(colours);
 }
 
-/// What help and errors of the command line are to have, which are printed before the options are known.
+/// Returns the choice for help and errors of the command line, which are printed before the options
+/// are parsed.
 #[must_use]
 pub fn of_help(arguments: impl Iterator<Item = OsString>) -> ColorChoice {
     let words: Vec<String> = arguments.map(|word| word.to_string_lossy().into_owned()).collect();
@@ -37,7 +38,7 @@ pub fn of_help(arguments: impl Iterator<Item = OsString>) -> ColorChoice {
     }
 }
 
-/// What is written there has colours.
+/// Returns true if text for this stream is coloured.
 #[must_use]
 pub fn on(stream: &impl IsTerminal) -> bool {
     match CHOSEN.get().copied().unwrap_or_default() {
@@ -47,7 +48,7 @@ pub fn on(stream: &impl IsTerminal) -> bool {
     }
 }
 
-/// The user wants none (no-color.org).
+/// Returns true if the user wants no colours (no-color.org).
 fn no_color() -> bool {
     std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
 }
@@ -58,20 +59,19 @@ const WARNING: &str = "33";
 const NAME: &str = "36";
 const TITLE: &str = "1";
 
-/// A text in a colour.
+/// Returns a text in a colour.
 #[must_use]
 fn paint(text: &str, code: &str) -> String {
     format!("\x1b[{code}m{text}\x1b[0m")
 }
 
-/// The word `error` in front of a message.
+/// Returns the word `error` that precedes a message.
 #[must_use]
 pub fn error(coloured: bool) -> String {
     if coloured { paint("error", BAD) } else { "error".to_owned() }
 }
 
-/// A text in lines, each of which begins with its name: what a run and a plan print. The first line is a
-/// title.
+/// Colours the title in the first line, and the name at the beginning of each further line.
 #[must_use]
 pub fn named_lines(text: &str) -> String {
     let mut out = String::with_capacity(text.len() + 256);
@@ -91,7 +91,7 @@ fn named(line: &str) -> String {
         "warning" => WARNING,
         "completed" | "converged" => GOOD,
         "failed" => BAD,
-        // A name stands at the beginning, before a column of its own.
+        // A name stands at the beginning of a line, before two spaces.
         _ if indent <= 2 && rest[word.len()..].starts_with("  ") => NAME,
         _ => return line.to_owned(),
     };

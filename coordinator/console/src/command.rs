@@ -1,8 +1,8 @@
 //! A command of the coordinator.
 //!
-//! A command is a struct: its fields are the options, its constants say under which name, with which
-//! help and in which group it is listed, and [`Command::run`] does it. An [`Entry`] is a command in
-//! a list; help, parsing, completions and the manual iterate that list.
+//! A command is a struct. Its fields are the options; its constants are name, group, help and
+//! examples; [`Command::run`] runs it. An [`Entry`] is a command in a list, over which help,
+//! parser, completions and manual iterate.
 
 use crate::colour;
 use crate::logging::Logging;
@@ -17,13 +17,16 @@ pub trait Command: clap::Args {
     const NAME: &'static str;
     /// Group of the help in which it is listed.
     const GROUP: Group;
-    /// Help, as one sentence or two without the last full stop.
+    /// Help: a sentence that fits a line of the list, and perhaps a second one with details. The
+    /// last full stop is left out.
     const ABOUT: &'static str;
+    /// Command lines at the end of the help.
+    const EXAMPLES: &'static [&'static str];
 
-    /// Does the command.
+    /// Runs the command.
     ///
     /// # Errors
-    /// The failure that ended the command; its exit code is that of the process.
+    /// The failure that ended the command. Its exit code becomes that of the process.
     fn run(&self, context: &Context<'_>) -> Result<(), RunError>;
 }
 
@@ -32,7 +35,7 @@ pub trait Command: clap::Args {
 pub enum Group {
     /// Commands that check, plan and run a case.
     Run,
-    /// Commands that show what a run has left.
+    /// Commands that show results.
     Look,
     /// Commands that run a case many times.
     Study,
@@ -63,12 +66,12 @@ impl Group {
     }
 }
 
-/// State of the process that a command is given besides its own options.
+/// State of the process, shared by all commands.
 #[derive(Clone, Copy, Debug)]
 pub struct Context<'a> {
-    /// `--quiet`: nothing but errors is printed.
+    /// `--quiet`: only errors are printed.
     pub quiet: bool,
-    /// The log of the process.
+    /// Log of the process.
     pub log: &'a Logging,
     /// Start of the process.
     pub since: Instant,
@@ -77,7 +80,7 @@ pub struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Prints a text, unless nothing is to be printed.
+    /// Prints a text, unless `--quiet` is given.
     ///
     /// # Errors
     /// Standard output cannot be written.
@@ -85,7 +88,7 @@ impl Context<'_> {
         if self.quiet { Ok(()) } else { output::print(text) }
     }
 
-    /// Prints lines that begin with names, in colours on a terminal.
+    /// Prints lines that begin with names; on a terminal the names are coloured.
     ///
     /// # Errors
     /// Standard output cannot be written.
@@ -109,6 +112,8 @@ pub struct Entry {
     pub group: Group,
     /// Help.
     pub about: &'static str,
+    /// Command lines at the end of the help.
+    pub examples: &'static [&'static str],
     options: fn(clap::Command) -> clap::Command,
     run: fn(&clap::ArgMatches, &Context<'_>) -> Result<(), Ended>,
 }
@@ -116,20 +121,21 @@ pub struct Entry {
 /// Failure of a command.
 #[derive(Debug)]
 pub enum Ended {
-    /// Options that do not go together.
+    /// Options that exclude each other.
     Usage(clap::Error),
-    /// Failure while it ran.
+    /// Failure of the command itself.
     Failed(Box<RunError>),
 }
 
 impl Entry {
-    /// The entry of a command.
+    /// Returns the entry of a command.
     #[must_use]
     pub const fn of<C: Command>() -> Self {
         Self {
             name: C::NAME,
             group: C::GROUP,
             about: C::ABOUT,
+            examples: C::EXAMPLES,
             options: |command| C::augment_args(command),
             run: |found, context| {
                 let command = C::from_arg_matches(found).map_err(Ended::Usage)?;
@@ -138,17 +144,22 @@ impl Entry {
         }
     }
 
-    /// The command as the parser of the command line has it.
+    /// Returns the parser of the command.
     #[must_use]
     pub fn parser(&self) -> clap::Command {
-        // clap would take the doc comment of the struct, or of options flattened into it.
-        (self.options)(clap::Command::new(self.name)).about(self.about).long_about(None)
+        let lines: String = self.examples.iter().map(|line| format!("\n  {line}")).collect();
+        let examples = format!("\x1b[1;4mExamples:\x1b[0m{lines}");
+        // Without `long_about`, clap takes the doc comment of the struct, or of flattened options.
+        (self.options)(clap::Command::new(self.name))
+            .about(self.about)
+            .long_about(None)
+            .after_help(examples)
     }
 
-    /// Does the command with the options that were found.
+    /// Runs the command with its options.
     ///
     /// # Errors
-    /// Same errors as [`Command::run`], and options that do not go together.
+    /// Same errors as [`Command::run`], or options that exclude each other.
     pub fn run(&self, found: &clap::ArgMatches, context: &Context<'_>) -> Result<(), Ended> {
         (self.run)(found, context)
     }

@@ -1,18 +1,20 @@
-//! Progress for a program that shows it itself: JSON lines on standard error, where `COSIM_PROGRESS` is `json`.
+//! Progress for another program: JSON lines on standard error, if `COSIM_PROGRESS` is `json`.
 //!
-//! `{"progress":{"done":37,"of":110,"what":"windows","words":"t = 1.2e-4 s"}}`; `done` and `of` are null where nobody knows.
+//! `{"progress":{"done":37,"of":110,"what":"windows","words":"t = 1.2e-4 s"}}`; `done` and `of` are
+//! null if they are unknown.
 
 use serde_json::json;
 use std::cell::RefCell;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// Names the form of progress.
+/// Environment variable that selects the form of progress.
 const FORM: &str = "COSIM_PROGRESS";
-/// Least time between two lines.
+/// Shortest time between two lines.
 const LEAST: Duration = Duration::from_millis(100);
 
-/// The lines; what comes too early is held back, and the last of it is written in the end.
+/// Writer of the lines. Lines that come too early are held back; the last one is written at the
+/// end.
 #[derive(Debug, Default)]
 pub struct Feed(RefCell<Held>);
 
@@ -23,13 +25,13 @@ struct Held {
 }
 
 impl Feed {
-    /// The feed, if it is asked for.
+    /// Returns the feed, if the environment requests it.
     #[must_use]
     pub fn wanted() -> Option<Self> {
         std::env::var_os(FORM).is_some_and(|form| form == "json").then(Self::default)
     }
 
-    /// So many of all are done; `words` say more.
+    /// Reports `done` of `of` steps, with words about them.
     pub fn tell(&self, (done, of): (Option<u64>, Option<u64>), what: &str, words: &str) {
         let told = json!({"progress": {"done": done, "of": of, "what": what, "words": words}});
         let mut held = self.0.borrow_mut();
@@ -39,7 +41,7 @@ impl Feed {
         }
     }
 
-    /// Nothing more comes.
+    /// Writes the last line that was held back.
     pub fn finish(&self) {
         self.0.borrow_mut().write();
     }

@@ -1,25 +1,25 @@
-//! A key of a case, and what there is to say of it.
+//! Keys of a case and their descriptions.
 
 use case::schema::{OwnKey, ROLE, Shape, own_keys};
 use contract::description::{Description, KeyKind, KeySpec};
 use serde::Serialize;
 
-/// A key, and all that read it alike.
+/// A key, and all readers that describe it alike.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Key {
     #[serde(flatten)]
-    /// The key as its reader describes it.
+    /// Description by its reader.
     pub spec: KeySpec,
-    /// It takes a list of values.
+    /// The key takes a list of values.
     pub list: bool,
-    /// Who reads it: the coordinator, a role, its models or its effects.
+    /// Readers: the coordinator, roles, models or effects.
     pub read_by: Vec<String>,
 }
 
-/// Who reads the coordinator's own keys.
+/// Reader of the coordinator's own keys.
 const COORDINATOR: &str = "the coordinator";
 
-/// All keys, by their sections: those of every case first, then those of participants.
+/// Returns all keys by sections: first those of every case, then those of participants.
 pub fn all(described: &[Description]) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
     let mut add = |spec: &KeySpec, shape: Shape, reader: String| {
@@ -57,7 +57,7 @@ pub fn section(key: &Key) -> &str {
     key.spec.path.split('.').next().unwrap_or_default()
 }
 
-/// Type, or unit, or words.
+/// Returns the type, the unit or the choices of a key.
 pub fn kind(key: &Key) -> String {
     let one = match &key.spec.kind {
         KeyKind::Quantity { unit } if unit == "1" => "number".to_owned(),
@@ -72,7 +72,7 @@ pub fn kind(key: &Key) -> String {
     if key.list { format!("list of {one}") } else { one }
 }
 
-/// Bounds of a number.
+/// Returns the bounds of a number.
 pub fn range(spec: &KeySpec) -> String {
     let bounds = [(">", spec.above), ("≥", spec.at_least), ("≤", spec.at_most)];
     let bounds = bounds.iter().filter_map(|(sign, bound)| {
@@ -84,7 +84,7 @@ pub fn range(spec: &KeySpec) -> String {
     bounds.chain(below).collect::<Vec<_>>().join(", ")
 }
 
-/// Whether it has to be there, or what stands in its place.
+/// Returns whether a key is required, its default and its alternatives.
 pub fn need(spec: &KeySpec) -> String {
     let default = spec.default.as_ref().map(|value| match value.as_str() {
         Some(word) => format!("default {word}"),
@@ -102,8 +102,9 @@ pub fn need(spec: &KeySpec) -> String {
     all.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-/// A number as a case would have it.
-fn plain(value: f64) -> String {
+/// Returns a number as a case would write it.
+#[must_use]
+pub fn plain(value: f64) -> String {
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e6).contains(&size) {
         format!("{value:e}")
@@ -112,15 +113,15 @@ fn plain(value: f64) -> String {
     }
 }
 
-/// Type or unit, range, and whether it has to be there.
+/// Returns type or unit, range, and whether the key is required.
 pub fn facts(key: &Key) -> String {
     let facts = [kind(key), range(&key.spec), need(&key.spec)];
     let facts: Vec<String> = facts.into_iter().filter(|fact| !fact.is_empty()).collect();
     facts.join("; ")
 }
 
-/// What there is to say of a key of a case, by its dotted path: what the models and effects that the case
-/// chooses say of it, or else any others; nothing of one that nobody reads.
+/// Returns help and facts of a key by its dotted path. Models and effects that the case selects
+/// come first. Unknown keys have none.
 pub fn about(described: &[Description], case: &toml::Table) -> impl Fn(&str) -> Option<String> {
     let (reading, others): (Vec<Key>, Vec<Key>) =
         all(described).into_iter().partition(|key| key.read_by.iter().any(|by| reads(case, by)));
@@ -131,7 +132,7 @@ pub fn about(described: &[Description], case: &toml::Table) -> impl Fn(&str) -> 
     }
 }
 
-/// A case chooses what reads a key, as [`Key::read_by`] has it.
+/// Returns true if the case uses a reader of [`Key::read_by`].
 fn reads(case: &toml::Table, by: &str) -> bool {
     let has = |section: &str, name: &str| case.get(section).and_then(|table| table.get(name));
     match by.split_once(' ') {
@@ -142,7 +143,7 @@ fn reads(case: &toml::Table, by: &str) -> bool {
     }
 }
 
-/// Short names of keys by dotted path, from the beginning of their help; the path if nobody reads it.
+/// Returns the help of keys by dotted path, or the path of an unknown key.
 pub fn names<'a>(described: &[Description], paths: impl Iterator<Item = &'a str>) -> Vec<String> {
     let keys = all(described);
     let name = |path: &str| {
@@ -152,7 +153,8 @@ pub fn names<'a>(described: &[Description], paths: impl Iterator<Item = &'a str>
     paths.map(name).collect()
 }
 
-/// The SI unit of keys by their dotted paths: "1" of a plain number, empty where it is none or nobody reads it.
+/// Returns SI units of keys by dotted path: "1" for a plain number, empty for other types and
+/// unknown keys.
 pub fn units<'a>(described: &[Description], paths: impl Iterator<Item = &'a str>) -> Vec<String> {
     let keys = all(described);
     let unit = |path: &str| match &keys.iter().find(|key| fits(&key.spec.path, path))?.spec.kind {
@@ -163,7 +165,7 @@ pub fn units<'a>(described: &[Description], paths: impl Iterator<Item = &'a str>
     paths.map(|path| unit(path).unwrap_or_default()).collect()
 }
 
-/// A path is of a key that is known; names stand in the place of what is any name there.
+/// Returns true if a path fits a known key, in which `*` stands for any name.
 fn fits(known: &str, path: &str) -> bool {
     let mut parts = (known.split('.'), path.split('.'));
     let alike = |(known, own): (&str, &str)| ["*", ROLE, own].contains(&known);

@@ -1,10 +1,9 @@
 //! Logs: `log.jsonl` in the result directory, and warnings on standard error.
 //!
-//! `log.jsonl` holds one JSON object a line: every event, everything the participants write, and
-//! for every span its busy and idle time when it closes, so that a profiler can be fed from it. The
-//! result directory is known only when the case has been read; what is logged before is kept and
-//! written then. `RUST_LOG` chooses what is logged to both, but never less than `info` to the file;
-//! `--log LEVEL` what reaches the screen.
+//! `log.jsonl` holds one JSON object per line: every event, every line that a participant writes,
+//! and the busy and idle time of every span for a profiler. Messages are kept in memory until the
+//! case has been read and its result directory is known. `RUST_LOG` selects the events of both, but
+//! the file has at least `info`; `--log LEVEL` selects the messages on the screen.
 
 use crate::colour;
 use indicatif::ProgressBar;
@@ -21,18 +20,18 @@ use tracing_subscriber::fmt::format::FmtSpan;
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
 
-/// How much reaches the screen.
+/// Least severity of messages on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Level {
-    /// What ends a run.
+    /// Failures that end a run.
     Error,
-    /// And what may be wrong.
+    /// Probable mistakes.
     Warn,
-    /// And what happens.
+    /// Progress of a run.
     Info,
-    /// And every window.
+    /// Every window.
     Debug,
-    /// Everything.
+    /// Every message.
     Trace,
 }
 
@@ -68,9 +67,9 @@ impl Logging {
             .with_ansi(false)
             .with_span_events(FmtSpan::CLOSE)
             .with_writer(log.file.clone())
-            // What cannot be written is reported at the end, and not for each event.
+            // Errors of writing are reported once, at the end.
             .log_internal_errors(false)
-            // What a run says is part of its results.
+            // Messages of a run are part of its results.
             .with_filter(wanted(LevelFilter::INFO).or(LevelFilter::INFO));
         let screen = tracing_subscriber::fmt::layer()
             .with_ansi(colour::on(&io::stderr()))
@@ -108,7 +107,7 @@ impl Logging {
         self.path.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What has kept something from being written into the file, if anything has.
+    /// Returns the first error of writing to the file.
     #[must_use]
     pub fn failure(&self) -> Option<io::Error> {
         match &mut *self.file.sink() {
@@ -117,19 +116,19 @@ impl Logging {
         }
     }
 
-    /// Lets go of the file; what is logged from now on is kept for the next.
+    /// Releases the file. Later messages are kept for the next one.
     pub fn release(&self) {
         *self.file.sink() = Sink::default();
         *self.path.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
-    /// From now on the bar steps aside for what is written to the screen.
+    /// Makes the bar step aside for messages on the screen.
     pub fn share_screen(&self, bar: Option<&ProgressBar>) {
         *self.screen.0.lock().unwrap_or_else(PoisonError::into_inner) = bar.cloned();
     }
 }
 
-/// Where `log.jsonl` goes: memory first, the file once there is one.
+/// Target of `log.jsonl`: memory first, then the file.
 #[derive(Clone, Debug)]
 struct LogFile(Arc<Mutex<Sink>>);
 
@@ -138,10 +137,10 @@ enum Sink {
     Memory(Vec<u8>),
     File {
         file: File,
-        /// Its length.
+        /// Length of the file.
         bytes: u64,
     },
-    /// Nothing more is written.
+    /// Closed; later messages are dropped.
     Failed(Option<io::Error>),
 }
 
@@ -152,7 +151,7 @@ impl Default for Sink {
 }
 
 impl Sink {
-    /// Writes an event; a file ends with the last that is there as a whole.
+    /// Writes an event. The file always ends with a complete event.
     fn write(&mut self, event: &[u8]) {
         match self {
             Self::Memory(kept) => kept.extend_from_slice(event),

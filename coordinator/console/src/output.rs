@@ -1,31 +1,31 @@
-//! Standard output: what cannot be written there is an error, unless its reader has gone away.
+//! Standard output. Failed writes are errors, unless the reader has closed the pipe.
 
 use contract::text::visible;
 use run::error::{Failure, RunError};
 use std::io::{self, Write};
 
-/// Writes a text, all of it, with what would control a terminal as escapes.
+/// Writes a text, with control characters escaped.
 ///
 /// # Errors
-/// It cannot be written, to a full device for example.
+/// Standard output cannot be written, for example to a full device.
 pub fn print(text: &str) -> Result<(), RunError> {
     print_raw(&visible(text))
 }
 
-/// Writes a text as it is: one of which everything from outside is visible.
+/// Writes a text without escaping; text from outside must be escaped already.
 ///
 /// # Errors
-/// It cannot be written.
+/// Standard output cannot be written.
 pub fn print_raw(text: &str) -> Result<(), RunError> {
     let mut out = io::stdout();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        // `| head` has read what it wanted.
+        // The reader of the pipe, such as `head`, has closed it.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written.map_err(|error| failure(&error)),
     }
 }
 
-/// Standard output failed.
+/// Returns the error of standard output.
 #[must_use]
 pub fn failure(error: &io::Error) -> RunError {
     RunError::Failed(Failure {
@@ -36,8 +36,8 @@ pub fn failure(error: &io::Error) -> RunError {
     })
 }
 
-/// Writes texts as a command goes on. The first that cannot be written is an error of the command's end:
-/// what it computes is worth more than its words.
+/// Writes texts as a command goes on. The first that cannot be written is an error of the command's
+/// end: what it computes is worth more than its words.
 #[derive(Debug)]
 pub struct Speaker {
     quiet: bool,
@@ -45,13 +45,13 @@ pub struct Speaker {
 }
 
 impl Speaker {
-    /// One that writes, or a quiet one.
+    /// Returns a writer, or a silent one with `--quiet`.
     #[must_use]
     pub fn new(quiet: bool) -> Self {
         Self { quiet, said: Ok(()) }
     }
 
-    /// It writes nothing.
+    /// Returns a silent writer.
     #[must_use]
     pub fn is_quiet(&self) -> bool {
         self.quiet
@@ -64,10 +64,10 @@ impl Speaker {
         }
     }
 
-    /// How a command has ended that has come to this outcome.
+    /// Combines the outcome of a command with the first error of writing.
     ///
     /// # Errors
-    /// That of the outcome, and that something could not be written.
+    /// The error of the outcome, and the first failed write.
     pub fn end(self, outcome: Result<(), RunError>) -> Result<(), RunError> {
         match outcome {
             Ok(()) => self.said,

@@ -1,4 +1,4 @@
-//! Progress of a run: a bar on a terminal, plain lines elsewhere, JSON lines for a program that asks for them, nothing
+//! Progress of a run: a bar on a terminal, plain lines elsewhere, JSON lines on request, nothing
 //! with `--quiet`.
 
 use crate::feed::Feed;
@@ -13,48 +13,48 @@ use std::time::{Duration, Instant};
 const PLAIN: Duration = Duration::from_secs(5);
 /// Time between two plain lines about long work, and before the first.
 const PLAIN_WORK: Duration = Duration::from_secs(10);
-/// Longest time that is expected in words [s].
+/// Longest expected time that is announced [s].
 const LONGEST: f64 = 1e7;
-/// The line on a terminal while a participant does long work.
+/// Template of the line on a terminal while a participant works long.
 const WORK: &str = "{spinner} {elapsed} {msg}";
-/// Time between two turns of its spinner.
+/// Time between two frames of the spinner.
 const TURN: Duration = Duration::from_millis(120);
 
-/// Where progress is shown.
+/// Target of progress.
 #[derive(Debug)]
 pub enum Progress {
-    /// Nowhere.
+    /// Progress is not shown.
     Silent,
-    /// On a terminal.
+    /// A bar on a terminal.
     Bar {
-        /// The line.
+        /// The bar.
         bar: ProgressBar,
-        /// Its style for windows; absent if there are too few to be shown.
+        /// Style for windows; `None` if there are too few to show.
         windows: Option<&'static str>,
-        /// It shows long work.
+        /// The bar shows long work.
         working: Cell<bool>,
     },
-    /// In a file or a pipe: a line now and then.
+    /// Lines in a file or a pipe.
     Lines {
-        /// Windows in all.
+        /// Total number of windows.
         total: Option<u64>,
-        /// When the last line was written.
+        /// Time of the last line.
         last: Cell<Instant>,
     },
-    /// To a program that shows it.
+    /// JSON lines for a program.
     Fed {
         /// The lines.
         feed: Feed,
-        /// Windows in all.
+        /// Total number of windows.
         total: Option<u64>,
-        /// Windows that are done.
+        /// Finished windows.
         done: Cell<u64>,
     },
 }
 
 impl Progress {
-    /// Chooses how to show the progress of `total` windows, `None` if nobody knows how many, which are
-    /// expected to take so long \[s\].
+    /// Chooses how to show the progress of `total` windows, `None` if nobody knows how many, which
+    /// are expected to take so long \[s\].
     #[must_use]
     pub fn new(quiet: bool, total: Option<u64>, expected: f64) -> Self {
         if quiet {
@@ -80,7 +80,7 @@ impl Progress {
         }
     }
 
-    /// The bar, if that is how progress is shown.
+    /// Returns the bar, if progress is shown on a terminal.
     #[must_use]
     pub fn bar(&self) -> Option<&ProgressBar> {
         match self {

@@ -1,5 +1,5 @@
-//! How far a study is, by the work that its runs are expected to take: a bar on a terminal, plain lines
-//! elsewhere, JSON lines for a program that asks for them, nothing with `--quiet`.
+//! Progress of a study, weighted by the expected work of its runs: a bar on a terminal, plain lines
+//! elsewhere, JSON lines on request, nothing with `--quiet`.
 
 use crate::feed::Feed;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,18 +9,18 @@ use std::time::{Duration, Instant};
 
 /// Time between two plain lines.
 const PLAIN: Duration = Duration::from_secs(5);
-/// Parts of the bar.
+/// Number of parts of the bar.
 const PARTS: f64 = 1000.0;
 
 /// The steps of a study.
 #[derive(Debug)]
 pub struct Steps {
-    /// Expected work of each, in any unit.
+    /// Expected work of each step, in any unit.
     work: Vec<f64>,
-    /// The sum of all work.
+    /// Sum of all work.
     all: f64,
     begun: usize,
-    /// The sum of the work of the steps before the one that has begun.
+    /// Sum of the work of finished steps.
     done: f64,
     since: Instant,
     show: Show,
@@ -35,13 +35,13 @@ enum Show {
 }
 
 impl Steps {
-    /// A study of so many steps, of which nobody knows that one takes longer than another.
+    /// Returns a study of equal steps.
     #[must_use]
     pub fn new(quiet: bool, total: usize) -> Self {
         Self::of_work(quiet, vec![1.0; total])
     }
 
-    /// A study whose steps are expected to take this work.
+    /// Returns a study with the expected work of each step.
     #[must_use]
     pub fn of_work(quiet: bool, work: Vec<f64>) -> Self {
         let show = if quiet {
@@ -60,12 +60,12 @@ impl Steps {
         Self { work, all, begun: 0, done: 0.0, since: Instant::now(), show }
     }
 
-    /// The next step begins; `what` it is.
+    /// Begins the next step, described by `what`.
     pub fn step(&mut self, what: &str) {
         self.reach(self.begun + 1, what);
     }
 
-    /// This step, from 1 on, begins, or goes on; `what` it is.
+    /// Begins or continues a step, counted from 1 and described by `what`.
     pub fn reach(&mut self, step: usize, what: &str) {
         let passed = self.begun.saturating_sub(1)..step.saturating_sub(1).min(self.work.len());
         self.done += self.work.get(passed).unwrap_or_default().iter().sum::<f64>();
@@ -89,7 +89,7 @@ impl Steps {
                 *last = Instant::now();
             }
             Show::Lines(_) => {}
-            // What has begun is not done.
+            // The step that has begun is not finished.
             Show::Fed(feed) => {
                 let counted = (Some(begun.saturating_sub(1) as u64), Some(total as u64));
                 feed.tell(counted, "steps", &line);
@@ -97,7 +97,7 @@ impl Steps {
         }
     }
 
-    /// Writes something while the bar steps aside.
+    /// Writes while the bar steps aside.
     pub fn aside(&self, write: impl FnOnce()) {
         match &self.show {
             Show::Bar(bar) => bar.suspend(write),
@@ -105,7 +105,7 @@ impl Steps {
         }
     }
 
-    /// The study is over.
+    /// Ends the study.
     pub fn finish(self) {
         match self.show {
             Show::Bar(bar) => bar.finish_and_clear(),
@@ -119,7 +119,7 @@ impl Steps {
     }
 }
 
-/// What is left, at the pace so far; nobody knows before there is one.
+/// Returns the time left at the pace so far, or `None` before the first step has finished.
 fn left(elapsed: Duration, done: f64) -> Option<Duration> {
     (done > 0.0).then(|| elapsed.mul_f64((1.0 - done).max(0.0) / done))
 }
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn what_is_left_goes_by_work() {
-        // Three quick runs and one of a minute: after the quick ones nearly all is left.
+        // After three quick runs, a run of a minute is nearly all of the work.
         let mut steps = Steps::of_work(true, vec![1.0, 1.0, 1.0, 60.0]);
         (0..3).for_each(|_| steps.step(""));
         assert_eq!((steps.begun, steps.done), (3, 2.0));

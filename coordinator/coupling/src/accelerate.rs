@@ -1,10 +1,10 @@
-//! The next iterate of the coupling data.
+//! Accelerators, which choose the next iterate of the coupling data.
 //!
 //! | word | x ↦ |
 //! |---|---|
 //! | `none` | x̃ |
 //! | `constant`, `aitken` | x + ωr |
-//! | `anderson`, `iqn-ils`, `iqn-imvj` | x̃ + a combination of what earlier iterations have changed |
+//! | `anderson`, `iqn-ils`, `iqn-imvj` | x̃ + a combination of the changes in earlier iterations |
 
 mod accelerator;
 mod aitken;
@@ -12,19 +12,16 @@ mod columns;
 mod kernels;
 mod least_squares;
 mod quasi_newton;
-mod relaxation;
-mod team;
 mod weights;
 
-pub use accelerator::{Accelerator, StepTaken};
+pub use accelerator::{AccelerationStats, Accelerator, Constant, Unaccelerated};
 pub use aitken::Aitken;
 pub use quasi_newton::{QuasiNewton, Rule};
-pub use relaxation::{Constant, Unaccelerated};
 
-use crate::part::Part;
 use crate::settings::{Acceleration, Implicit};
+use crate::vector::Part;
 
-/// The accelerator that a case asks for.
+/// Creates the accelerator that the settings select.
 #[must_use]
 pub fn build(settings: &Implicit, parts: &[Part]) -> Box<dyn Accelerator> {
     match settings.acceleration {

@@ -1,22 +1,25 @@
-//! The gain of the loop: by how much a pass through the participants enlarges a small change of the coupling data.
+//! Loop gain: the factor by which a pass through the participants amplifies a small change of the
+//! coupling data.
 //!
-//! From the differences Δx of what was sent and Δx̃ of what was returned, the newest iterations of a window first, the Jacobian of
-//! the pass is known on the space of the Δx: with Δx = QR it is Qᵀ Δx̃ R⁻¹ there. Its eigenvalue with the largest real part is the
-//! gain γ. A steady state with γ > 1 does not last: in time every pass leads further away from it. Below 1 it lasts, as far as the
-//! delays of the participants are those of diffusion, which only makes real rates of real gains.
+//! The differences Δx of the sent and Δx̃ of the returned vectors, the newest iterations of a
+//! window first, give the Jacobian of the pass on the space of the Δx: with Δx = QR it is Qᵀ Δx̃
+//! R⁻¹ there. The gain γ is its eigenvalue with the largest real part. A steady state with γ > 1 is
+//! unstable: every pass leads further away from it. A steady state with γ < 1 is stable if the
+//! delays of the participants are diffusive, because diffusion turns real gains into real growth
+//! rates.
 //!
-//! Changes that are rounding against the data are left out, and those that hold nothing new.
+//! Changes that are mere rounding, or linearly dependent on newer ones, are left out.
 
 use nalgebra::DMatrix;
 
-/// Changes that are kept.
+/// Largest number of changes that are kept.
 const MOST: usize = 8;
-/// A change below this part of the data is rounding.
+/// Fraction of the data below which a change is rounding.
 const ROUNDING: f64 = 1e-12;
-/// A change holds nothing new with less than this part of itself orthogonal to the others.
+/// Fraction of a change that must be orthogonal to the others; with less the change is left out.
 const NEW: f64 = 1e-3;
 
-/// Learns from the iterations of a window.
+/// Estimates the loop gain from the iterations of a window.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LoopGain {
     last: Option<[Vec<f64>; 2]>,
@@ -25,13 +28,13 @@ pub(crate) struct LoopGain {
 }
 
 impl LoopGain {
-    /// A window begins.
+    /// Begins a window.
     pub(crate) fn begin_window(&mut self) {
         self.last = None;
         self.changes.clear();
     }
 
-    /// An iteration has ended.
+    /// Takes in an iteration.
     pub(crate) fn learn(&mut self, sent: &[f64], returned: &[f64]) {
         let now = [sent.to_vec(), returned.to_vec()];
         if let Some(last) = self.last.replace(now) {
@@ -48,7 +51,7 @@ impl LoopGain {
         }
     }
 
-    /// The gain; `None` before two iterations that differ.
+    /// Returns the gain; `None` before two iterations that differ.
     pub(crate) fn value(&self) -> Option<f64> {
         let mut basis: Vec<Vec<f64>> = Vec::new();
         let mut columns: Vec<(Vec<f64>, &[f64])> = Vec::new();
@@ -95,7 +98,7 @@ fn norm(a: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of a linear pass the gain is the largest eigenvalue, once its changes span the space.
+    /// The gain of a linear pass is the largest eigenvalue once the changes span the space.
     #[test]
     fn of_a_linear_pass() {
         let pass = |x: &[f64]| vec![0.5 * x[0] + 0.7 * x[1] + 1.0, 1.2 * x[1] - 3.0];

@@ -1,18 +1,17 @@
-//! The iteration of a window: x ↦ x̃ = H(x), where x is what was sent into a pass through the
-//! participants, x̃ what they returned, and r = x̃ − x the residual.
+//! The iteration of a window: x ↦ x̃ = H(x). The vector x is sent into a pass through the
+//! participants, x̃ is returned, and r = x̃ − x is the residual.
 
-use crate::accelerate::{self, Accelerator, StepTaken};
-use crate::converge::{Convergence, OnePass, Verdict, Why, Within};
-use crate::exchange::Exchange;
+use crate::accelerate::{self, AccelerationStats, Accelerator};
+use crate::converge::{Convergence, NonConvergence, OnePass, Verdict, Within};
+use crate::exchange::{Exchange, Order, ParticipantIndex};
 use crate::gain::LoopGain;
-use crate::order::Order;
-use crate::part::Part;
 use crate::predict::Predictor;
 use crate::settings::{self, Implicit};
-use crate::state::{Reader, StateMismatch};
+use crate::vector::{Part, StateMismatch, StateReader, parts};
 use contract::step::Step;
+use std::convert::Infallible;
 
-/// Which window did not converge, and how.
+/// A window that did not converge.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{} in window {window}, iteration {iteration}: the relative residual of `{field}` is \
@@ -21,31 +20,32 @@ use contract::step::Step;
 )]
 pub struct NotConverged {
     /// Divergence, stagnation, or too few iterations.
-    pub why: Why,
+    pub why: NonConvergence,
     /// Number of the window, from 0.
     pub window: u64,
     /// The last iteration.
     pub iteration: u32,
-    /// The field that is farthest from its end.
+    /// Field with the largest residual.
     pub field: String,
-    /// Its residual over its values, in two-norms \[-\].
+    /// Residual of this field over its values, in two-norms \[-\].
     pub residual: f64,
-    /// Change of the case that the accelerator advises.
+    /// Change of the case that the accelerator recommends.
     pub advice: &'static str,
 }
 
-/// What came out of one window.
+/// Outcome of a window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowOutcome {
-    /// Iterations made.
+    /// Number of iterations.
     pub iterations: u32,
-    /// Largest relative residual of the last one; `None` if there are no coupling data.
+    /// Largest relative residual of the last iteration; `None` without coupling data.
     pub residual: Option<f64>,
-    /// Why the window is not converged, if it is not.
+    /// Details of a window that did not converge.
     pub not_converged: Option<NotConverged>,
 }
 
-/// Scheme, accelerator, convergence measure and predictor of a run, and the vectors between them.
+/// Scheme, accelerator, convergence measure and predictor of a run, with the vectors that they
+/// share.
 pub struct Coupling {
     order: Order,
     accelerator: Box<dyn Accelerator>,
@@ -55,18 +55,19 @@ pub struct Coupling {
     sent: Vec<f64>,
     returned: Vec<f64>,
     step: Step,
-    taken: StepTaken,
+    taken: AccelerationStats,
     gain: Option<LoopGain>,
 }
 
 impl Coupling {
-    /// One pass a window, one participant after the other, nothing iterated within the window.
+    /// Creates a serial explicit coupling: one pass a window, one participant after another.
     #[must_use]
     pub fn explicit() -> Self {
         Self::one_pass(Order::Serial)
     }
 
-    /// One pass a window, all participants at once, each with what was there before.
+    /// Creates a parallel explicit coupling: one pass a window, all participants at once, each with
+    /// the values of the last window.
     #[must_use]
     pub fn explicit_parallel() -> Self {
         Self::one_pass(Order::Parallel(Vec::new()))
@@ -82,13 +83,14 @@ impl Coupling {
             sent: Vec::new(),
             returned: Vec::new(),
             step: Step::STEADY,
-            taken: StepTaken::default(),
+            taken: AccelerationStats::default(),
             gain: None,
         }
     }
 
-    /// Windows that are iterated until the coupling data of `exchange` have converged; the
-    /// first iterate of the first window is what the participants gave before any solve.
+    /// Creates an implicit coupling, which iterates each window until the coupling data of
+    /// `exchange` have converged. The first iterate of the first window is the vector that the
+    /// participants return before any solve.
     #[must_use]
     pub fn implicit<E: Exchange>(settings: &Implicit, parallel: bool, exchange: &E) -> Self {
         let parts = exchange.coupling_data().to_vec();
@@ -106,40 +108,42 @@ impl Coupling {
             sent: vec![0.0; length],
             returned,
             step: Step::STEADY,
-            taken: StepTaken::default(),
+            taken: AccelerationStats::default(),
             gain: None,
         }
     }
 
-    /// Finds the gain of the loop from now on, for which it keeps what the iterations of a window have changed.
+    /// Enables the estimate of the loop gain, which keeps the changes of the iterations of a
+    /// window.
     #[must_use]
     pub fn with_gain(self) -> Self {
         Self { gain: Some(LoopGain::default()), ..self }
     }
 
-    /// The gain of the loop in the last window: the eigenvalue with the largest real part of what a pass makes of a change of the
-    /// coupling data \[-\]. `None` if it is not looked for, or no two iterations differ.
+    /// Returns the loop gain in the last window \[-\]: the eigenvalue with the largest real part of
+    /// the pass, as a linear map of changes of the coupling data. `None` if the estimate is
+    /// disabled or no two iterations differ.
     #[must_use]
     pub fn gain(&self) -> Option<f64> {
         self.gain.as_ref().and_then(LoopGain::value)
     }
 
-    /// Begins a window, or begins it again with another length. What an attempt that was not
-    /// accepted has taught is forgotten.
+    /// Begins a window, or repeats it with another length. Discards secant data learned in a
+    /// rejected attempt.
     pub fn begin_window(&mut self, window: &Step) {
         self.step = Step { iteration: 0, ..*window };
-        self.taken = StepTaken::default();
+        self.taken = AccelerationStats::default();
         self.gain.iter_mut().for_each(LoopGain::begin_window);
         self.accelerator.begin_window();
         self.convergence.begin_window();
         self.predictor.predict(window.duration(), &mut self.sent);
     }
 
-    /// One iteration: a pass through the participants, the verdict, and, unless the window is
+    /// Makes one iteration: a pass through the participants, the verdict and, unless the window is
     /// done, the next iterate.
     ///
     /// # Errors
-    /// What [`Exchange::solve`] and [`Exchange::send`] report.
+    /// [`Exchange::solve`] or [`Exchange::send`] fails.
     pub fn iterate<E: Exchange>(&mut self, exchange: &mut E) -> Result<Verdict, E::Error> {
         self.step.iteration += 1;
         if !self.parts.is_empty() {
@@ -151,14 +155,14 @@ impl Coupling {
             gain.learn(&self.sent, &self.returned);
         }
         let verdict = self.convergence.judge(self.step.iteration, &self.sent, &self.returned);
-        self.taken = StepTaken::default();
+        self.taken = AccelerationStats::default();
         if verdict == Verdict::Continue {
             self.taken = self.accelerator.next(&mut self.sent, &self.returned);
         }
         Ok(verdict)
     }
 
-    /// The window is done: its last iteration holds.
+    /// Accepts the window with its last iteration.
     pub fn accept_window(&mut self) {
         self.accelerator.accept_window(&self.sent, &self.returned);
         self.predictor.accept_window(self.step.duration(), &self.returned);
@@ -167,7 +171,7 @@ impl Coupling {
     /// Iterates one window until it is done, and accepts it.
     ///
     /// # Errors
-    /// As [`Coupling::iterate`].
+    /// [`Exchange::solve`] or [`Exchange::send`] fails.
     pub fn solve_window<E: Exchange>(
         &mut self,
         exchange: &mut E,
@@ -184,7 +188,7 @@ impl Coupling {
         Ok(self.outcome(verdict))
     }
 
-    /// What came out of the window with this verdict.
+    /// Returns the outcome of the window with this verdict.
     #[must_use]
     pub fn outcome(&self, verdict: Verdict) -> WindowOutcome {
         let not_converged = match verdict {
@@ -208,7 +212,7 @@ impl Coupling {
         &self.step
     }
 
-    /// What was sent into the last iteration, once the window is done.
+    /// Returns the values sent into the last iteration, once the window is done.
     #[must_use]
     pub fn sent(&self) -> &[f64] {
         &self.sent
@@ -220,40 +224,89 @@ impl Coupling {
         &self.parts
     }
 
-    /// ‖r‖/‖x̃‖ of every field of the coupling data, in the last iteration.
+    /// Returns ‖r‖/‖x̃‖ of every field of the coupling data in the last iteration.
     #[must_use]
     pub fn residuals(&self) -> &[f64] {
         self.convergence.residuals()
     }
 
-    /// The largest of the residuals; `None` if there are no coupling data.
+    /// Returns the largest of the residuals; `None` without coupling data.
     #[must_use]
     pub fn residual(&self) -> Option<f64> {
         // `f64::max` would lose a NaN.
         self.residuals().iter().copied().reduce(|a, b| if a >= b || a.is_nan() { a } else { b })
     }
 
-    /// How the next iterate was chosen, after the last iteration.
+    /// Describes how the next iterate was chosen after the last iteration.
     #[must_use]
-    pub fn taken(&self) -> &StepTaken {
+    pub fn taken(&self) -> &AccelerationStats {
         &self.taken
     }
 
-    /// Writes everything that the next window depends on, to be read by [`Coupling::restore`] of a
-    /// coupling of the same case.
+    /// Writes the state that the next window depends on, for [`Coupling::restore`] in a coupling of
+    /// the same case.
     pub fn save(&mut self, into: &mut Vec<u8>) {
         self.predictor.save(into);
         self.accelerator.save(into);
     }
 
-    /// Returns to a saved state, between two windows; the run continues from it bit-identically.
+    /// Restores a saved state between two windows. The run then continues bit-identically.
     ///
     /// # Errors
-    /// The state is that of another case.
-    pub fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateMismatch> {
+    /// The state comes from another case.
+    pub fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateMismatch> {
         self.predictor.restore(from)?;
         self.accelerator.restore(from)
     }
+}
+
+/// A single participant that evaluates a function of a vector.
+struct Function<F> {
+    pass: F,
+    sent: Vec<f64>,
+    returned: Vec<f64>,
+    data: Vec<Part>,
+}
+
+impl<F: FnMut(&[f64], &mut [f64])> Exchange for Function<F> {
+    type Error = Infallible;
+
+    fn participants(&self) -> usize {
+        1
+    }
+
+    fn solve(&mut self, _: &[ParticipantIndex], _: &Step) -> Result<(), Infallible> {
+        (self.pass)(&self.sent, &mut self.returned);
+        Ok(())
+    }
+
+    fn coupling_data(&self) -> &[Part] {
+        &self.data
+    }
+
+    fn send(&mut self, iterate: &[f64], _: &Step) -> Result<(), Infallible> {
+        self.sent.copy_from_slice(iterate);
+        Ok(())
+    }
+
+    fn returned(&self, returned: &mut [f64]) {
+        returned.copy_from_slice(&self.returned);
+    }
+}
+
+/// Iterates x ↦ H(x) from `x` until the settings' tolerances hold. `pass(x, y)` writes H(x) into
+/// `y`, which is as long as `x`. On return `x` holds the result of the last pass.
+pub fn fixed_point(
+    settings: &Implicit,
+    x: &mut [f64],
+    pass: impl FnMut(&[f64], &mut [f64]),
+) -> WindowOutcome {
+    let data = parts([("x", x.len())]);
+    let mut function = Function { pass, sent: x.to_vec(), returned: x.to_vec(), data };
+    let mut coupling = Coupling::implicit(settings, false, &function);
+    let Ok(outcome) = coupling.solve_window(&mut function, &Step::STEADY);
+    x.copy_from_slice(&function.returned);
+    outcome
 }
 
 #[cfg(test)]

@@ -1,25 +1,24 @@
 //! The first iterate of a window.
 //!
-//! `last` takes what the participants returned last. `linear` draws a line through the ends of the
-//! last two windows, x₀ = x̃ₙ + (Δtₙ₊₁/Δtₙ)(x̃ₙ − x̃ₙ₋₁), windows of different lengths included; the
-//! first window, and the second, whose predecessor has no slope, begin with the last values, and
-//! so does a steady one.
+//! `last` takes the values returned last. `linear` extrapolates through the ends of the last two
+//! windows, x₀ = x̃ₙ + (Δtₙ₊₁/Δtₙ)(x̃ₙ − x̃ₙ₋₁), also for windows of different lengths. The first
+//! two windows lack a slope and begin with the last values, and so does a steady window.
 
 use crate::settings;
-use crate::state::{Reader, StateMismatch, put_f64s};
+use crate::vector::{StateMismatch, StateReader, put_f64s};
 
-/// Remembers the ends of the last windows.
+/// Predictor of the first iterate, from the ends of the last windows.
 #[derive(Clone, Debug)]
 pub struct Predictor {
     kind: settings::Predictor,
     last: Vec<f64>,
-    /// Change per second up to `last` [unit/s]; empty unless it is needed.
+    /// Change per second up to `last` [unit/s]; empty unless needed.
     slope: Vec<f64>,
     windows: u64,
 }
 
 impl Predictor {
-    /// A predictor that begins with `first`, what is known before any solve.
+    /// Creates a predictor that begins with `first`, the values known before any solve.
     #[must_use]
     pub fn new(kind: settings::Predictor, first: &[f64]) -> Self {
         let slope = match kind {
@@ -39,9 +38,9 @@ impl Predictor {
         }
     }
 
-    /// A window of this duration [s] has ended with these values.
+    /// Takes in the values at the end of an accepted window of this duration [s].
     pub fn accept_window(&mut self, duration: f64, returned: &[f64]) {
-        // What was there before the first solve is no state at a time.
+        // Values before the first solve do not belong to a time.
         if self.windows > 0 && duration > 0.0 {
             let ends = self.last.iter().zip(returned);
             for (slope, (last, returned)) in self.slope.iter_mut().zip(ends) {
@@ -58,7 +57,7 @@ impl Predictor {
         put_f64s(into, &self.slope);
     }
 
-    pub(super) fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateMismatch> {
+    pub(super) fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateMismatch> {
         self.windows = from.u64()?;
         from.f64s(&mut self.last)?;
         from.f64s(&mut self.slope)
@@ -81,7 +80,7 @@ mod tests {
         let mut linear = Predictor::new(settings::Predictor::Linear, &[17.0]);
         assert_eq!(predicted(&linear, 1.0), 17.0);
         linear.accept_window(1.0, &[line(1.0)]);
-        assert_eq!(predicted(&linear, 1.0), line(1.0), "the start is no point of the line");
+        assert_eq!(predicted(&linear, 1.0), line(1.0), "the start is not a point of the line");
         linear.accept_window(2.0, &[line(3.0)]);
         assert_eq!(predicted(&linear, 4.0), line(7.0));
         linear.accept_window(0.5, &[line(3.5)]);

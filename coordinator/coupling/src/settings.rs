@@ -1,57 +1,41 @@
-//! The choices of a coupling: words, numbers, and tolerances for one field or for all.
+//! Settings of a coupling: choices, numbers, and tolerances for single fields or all fields.
+//!
+//! Each choice is declared once, here: its words in a case by [`contract::words!`], its defaults by
+//! `Default`. Settings are deserialised from checked values of a case, in SI units, with defaults
+//! filled in.
 
+use contract::field::{FieldKind, Mapping};
+use contract::grid::{Grid, Shape};
+use contract::words;
+use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
-
-/// A set of words in the case file, each with its meaning.
-macro_rules! words {
-    ($(#[$doc:meta])* $name:ident { $($(#[$of:meta])* $variant:ident = $word:literal,)* }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $name { $($(#[$of])* $variant,)* }
-
-        impl $name {
-            /// The words, as a case has them.
-            pub const WORDS: &[&str] = &[$($word),*];
-
-            /// The word in the case file.
-            #[must_use]
-            pub fn word(self) -> &'static str {
-                match self { $(Self::$variant => $word,)* }
-            }
-
-            /// The meaning of a word.
-            #[must_use]
-            pub fn from_word(word: &str) -> Option<Self> {
-                match word { $($word => Some(Self::$variant),)* _ => None }
-            }
-        }
-    };
-}
 
 words! {
     /// Order and iteration of the participants.
-    Scheme {
-        /// Explicit where no effect closes a loop, implicit where one does.
+    #[derive(Default)]
+    pub enum Scheme {
+        /// Implicit if an effect closes a loop, otherwise explicit.
+        #[default]
         Auto = "auto",
-        /// One after the other, one pass; what closes a loop is a window late.
+        /// One after another, one pass; values that close a loop are a window late.
         SerialExplicit = "serial-explicit",
-        /// One after the other, repeated until the coupling data no longer change.
+        /// One after another, repeated until the coupling data have converged.
         SerialImplicit = "serial-implicit",
-        /// All at once, one pass; everything is a window late.
+        /// All at once, one pass; all values are a window late.
         ParallelExplicit = "parallel-explicit",
-        /// All at once, repeated until nothing that is exchanged changes any more.
+        /// All at once, repeated until all exchanged values have converged.
         ParallelImplicit = "parallel-implicit",
     }
 }
 
 impl Scheme {
-    /// It repeats a window until it has converged.
+    /// Returns whether the scheme repeats a window until it has converged.
     #[must_use]
     pub fn is_implicit(self) -> bool {
         matches!(self, Self::SerialImplicit | Self::ParallelImplicit)
     }
 
-    /// All participants solve at the same time.
+    /// Returns whether all participants solve at the same time.
     #[must_use]
     pub fn is_parallel(self) -> bool {
         matches!(self, Self::ParallelExplicit | Self::ParallelImplicit)
@@ -59,76 +43,109 @@ impl Scheme {
 }
 
 words! {
-    /// How the next iterate is chosen.
-    Acceleration {
+    /// Choice of the next iterate.
+    #[derive(Default)]
+    pub enum Acceleration {
         /// [`Acceleration::IqnIls`].
+        #[default]
         Auto = "auto",
-        /// What came out goes in.
+        /// The next iterate is the vector that the participants returned.
         None = "none",
-        /// A constant part of the residual is added.
+        /// Adds a constant fraction of the residual.
         Constant = "constant",
-        /// A part of the residual is added that is estimated from two iterations.
+        /// Adds a fraction of the residual that is estimated from two iterations.
         Aitken = "aitken",
         /// Anderson mixing over the iterations of the window.
         Anderson = "anderson",
         /// Interface quasi-Newton, inverse Jacobian by least squares.
         IqnIls = "iqn-ils",
-        /// Interface quasi-Newton, inverse Jacobian by multiple vectors, window upon window.
+        /// Interface quasi-Newton, inverse Jacobian by multiple vectors, updated window by window.
         IqnImvj = "iqn-imvj",
     }
 }
 
+impl Acceleration {
+    /// Returns the acceleration, with `Auto` replaced by its meaning.
+    #[must_use]
+    pub fn resolved(self) -> Self {
+        if self == Self::Auto { Self::IqnIls } else { self }
+    }
+
+    fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Self::deserialize(from).map(Self::resolved)
+    }
+}
+
 words! {
-    /// How several fields are weighed against each other in an accelerator.
-    Preconditioner {
+    /// Weights of several fields against each other in an accelerator.
+    #[derive(Default)]
+    pub enum Preconditioner {
         /// By the norm of each field.
         Value = "value",
         /// By the norm of each field's residual.
         Residual = "residual",
-        /// By the sum of each field's shares in the residuals of the window so far.
+        /// By the sum of each field's shares of the residuals of the window so far.
+        #[default]
         ResidualSum = "residual-sum",
     }
 }
 
 words! {
     /// The first iterate of a window.
-    Predictor {
-        /// What the last window ended with.
+    #[derive(Default)]
+    pub enum Predictor {
+        /// The values at the end of the last window.
+        #[default]
         Last = "last",
         /// Extrapolated through the ends of the last two windows.
         Linear = "linear",
     }
 }
 
-/// What the residual of a field has to meet; every measure given has to hold.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Bounds on the residual of a field; all that are set must hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 pub struct Tolerances {
     /// Two-norm of the residual, in the field's unit.
     pub absolute: Option<f64>,
-    /// Two-norm of the residual over that of the values returned \[-\].
+    /// Two-norm of the residual over that of the returned values \[-\].
     pub relative: Option<f64>,
     /// Two-norm of the residual over that of the window's first residual \[-\].
     pub residual_relative: Option<f64>,
 }
 
-/// How a window is iterated by an implicit scheme.
-#[derive(Clone, Debug, PartialEq)]
+impl Tolerances {
+    /// Tolerances of a case that sets none.
+    pub const FALLBACK: Self =
+        Self { absolute: None, relative: Some(1e-6), residual_relative: None };
+
+    /// Reads the bounds; [`Tolerances::FALLBACK`] if none is set.
+    fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let given = Self::deserialize(from)?;
+        Ok(if given == Self::default() { Self::FALLBACK } else { given })
+    }
+}
+
+/// Iteration of a window by an implicit scheme.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default)]
 pub struct Implicit {
-    /// How the next iterate is chosen; never `Auto`.
+    /// Choice of the next iterate; never `Auto`.
+    #[serde(deserialize_with = "Acceleration::read")]
     pub acceleration: Acceleration,
-    /// Relaxation ω \[-\]: constant, or of the first iteration, or Anderson's mixing.
+    /// Relaxation ω \[-\]: the constant, the factor of the first iteration, or Anderson's mixing.
     pub relaxation: f64,
-    /// Fewest iterations of a window.
+    /// Smallest number of iterations of a window.
     pub min_iterations: u32,
-    /// Most iterations of a window.
+    /// Largest number of iterations of a window.
     pub max_iterations: u32,
-    /// What every field has to meet that has no tolerances of its own.
+    /// Tolerances of fields without their own.
+    #[serde(flatten, deserialize_with = "Tolerances::read")]
     pub tolerances: Tolerances,
-    /// What single fields have to meet, by name.
+    /// Tolerances of single fields, by name.
     pub fields: BTreeMap<String, Tolerances>,
-    /// Earlier windows whose secant columns are reused.
+    /// Number of earlier windows whose secant columns are reused.
     pub reuse_windows: u64,
-    /// Most iterations that the accelerator remembers.
+    /// Largest number of secant columns.
     pub max_columns: usize,
     /// Smallest part of a secant column that is linearly independent of newer ones \[-\]; a column
     /// with less is dropped.
@@ -137,27 +154,29 @@ pub struct Implicit {
     pub preconditioner: Preconditioner,
     /// The first iterate of a window.
     pub predictor: Predictor,
-    /// A window that does not converge ends the run.
+    /// Whether a window that does not converge ends the run.
     pub strict: bool,
-    /// Most threads on which the next iterate is computed; it does not depend on their number.
+    /// Largest number of threads for computing the next iterate; the result does not depend on it.
+    /// Set by the run, not by a key of `coupling`.
+    #[serde(skip)]
     pub threads: usize,
 }
 
 impl Default for Implicit {
-    /// What a case has that says nothing of it.
+    /// Settings of a case without a `coupling` table.
     fn default() -> Self {
         Self {
-            acceleration: Acceleration::IqnIls,
+            acceleration: Acceleration::default().resolved(),
             relaxation: 0.5,
             min_iterations: 1,
             max_iterations: 100,
-            tolerances: Tolerances { relative: Some(1e-6), ..Tolerances::default() },
+            tolerances: Tolerances::FALLBACK,
             fields: BTreeMap::new(),
             reuse_windows: 10,
             max_columns: 100,
             filter: 1e-6,
-            preconditioner: Preconditioner::ResidualSum,
-            predictor: Predictor::Last,
+            preconditioner: Preconditioner::default(),
+            predictor: Predictor::default(),
             strict: true,
             threads: 1,
         }
@@ -165,9 +184,77 @@ impl Default for Implicit {
 }
 
 impl Implicit {
-    /// The tolerances of a field.
+    /// Returns the tolerances of a field.
     #[must_use]
     pub fn tolerances_of(&self, field: &str) -> Tolerances {
         self.fields.get(field).copied().unwrap_or(self.tolerances)
+    }
+}
+
+words! {
+    /// Method that computes the value of a target element from the values of source elements.
+    pub enum Method {
+        /// The value of the nearest element centre or vertex; the mean if several are equally near.
+        NearestNeighbour = "nearest-neighbour",
+        /// Bilinear between the element centres around the target's foot on the surface, or linear
+        /// on the triangles and edges of vertices; constant beyond the outermost ones, which avoids
+        /// overshoot. On vertices without connectivity the nearest neighbour.
+        NearestProjection = "nearest-projection",
+        /// Wendland's C2 function with a linear polynomial on a few rings of elements or vertices.
+        RadialBasis = "radial-basis",
+        /// Mean over the intersections of the elements, exact in a common plane; not for vertices.
+        Intersection = "intersection",
+    }
+}
+
+impl Method {
+    /// The word that selects the method suited to the field.
+    pub const AUTO: &str = "auto";
+
+    /// Returns the default method for a kind of field between two grids. Between elements it is of
+    /// second order without overshoot for point values, and has exact areas for densities. Vertices
+    /// have no areas to intersect; from vertices without connectivity point values are interpolated
+    /// by radial basis functions.
+    #[must_use]
+    pub fn suited_to(preserves: Mapping, source: &Grid, target: &Grid) -> Self {
+        let vertices = |grid: &Grid| matches!(grid.shape, Shape::Vertices(_));
+        let bare = matches!(&source.shape, Shape::Vertices(v) if !v.is_connected());
+        match preserves {
+            Mapping::Consistent if bare => Self::RadialBasis,
+            Mapping::Conservative if !vertices(source) && !vertices(target) => Self::Intersection,
+            _ => Self::NearestProjection,
+        }
+    }
+
+    /// Reads a method; `None` for [`Method::AUTO`].
+    fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Self>, D::Error> {
+        String::deserialize(from).map(|word| Self::from_word(&word))
+    }
+}
+
+/// Mapping of one field to a consumer whose grid does not match.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub struct FieldMapping {
+    /// The method; `None` for the default of the field.
+    #[serde(default, deserialize_with = "Method::read")]
+    pub method: Option<Method>,
+}
+
+/// Mapping of fields to consumers whose grids do not match.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(default)]
+pub struct Mappings {
+    /// The method for every field; `None` for the default of each field.
+    #[serde(deserialize_with = "Method::read")]
+    pub method: Option<Method>,
+    /// Single fields, by name.
+    pub fields: BTreeMap<String, FieldMapping>,
+}
+
+impl Mappings {
+    /// Returns the method chosen for a field; `None` for the one suited to field and grids.
+    #[must_use]
+    pub fn method_of(&self, field: &FieldKind) -> Option<Method> {
+        self.fields.get(&field.name).map_or(self.method, |own| own.method)
     }
 }

@@ -1,7 +1,7 @@
-//! Time: the windows of a run, fixed or adaptive.
+//! Windows of a run in time, fixed or adaptive.
 //!
-//! [`Windows`] is what the case asks for; a [`Controller`] decides, window by window, how long the
-//! next one is, and whether the one that has been solved is accepted.
+//! [`Windows`] holds the settings of the case. A [`Controller`] decides, window by window, on the
+//! length of the next window and on the acceptance of the last one.
 
 mod control;
 mod local_error;
@@ -11,7 +11,7 @@ pub use local_error::LocalError;
 
 use std::sync::Arc;
 
-/// A part of a time below this is rounding.
+/// Relative difference of times that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Windows in time.
@@ -21,21 +21,21 @@ pub enum Windows {
     Steady,
     /// Windows without duration, at these times [s].
     Sequence(Arc<[f64]>),
-    /// Equal windows, the last one cut at the end.
+    /// Equal windows; the last one ends at the end of the run.
     Fixed {
         /// Length of a window [s].
         window: f64,
         /// End of the run [s].
         end: f64,
     },
-    /// Windows that are asked for one by one, without an end.
+    /// Windows that the driver requests one by one, without an end.
     Open {
-        /// Length of a window of which nobody says it [s]; `None` for windows without duration.
+        /// Default length of a window [s]; `None` for windows without duration.
         window: Option<f64>,
     },
     /// Windows as long as the error allows.
     Adaptive {
-        /// Relative error of what is exchanged that is aimed at [-].
+        /// Target of the relative error of the exchanged values [-].
         tolerance: f64,
         /// Shortest window, with which the run begins [s].
         shortest: f64,
@@ -47,7 +47,7 @@ pub enum Windows {
 }
 
 impl Windows {
-    /// Number of windows, if it is known before the run. A remainder below a billionth of the
+    /// Returns the number of windows, if known before the run. A remainder below a billionth of the
     /// whole is rounding, not a window.
     #[must_use]
     pub fn count(&self) -> Option<u64> {
@@ -73,7 +73,7 @@ impl Windows {
         }
     }
 
-    /// Time to which a run goes, whose windows have a duration [s]; otherwise 0.
+    /// Returns the end time of a run whose windows have a duration [s]; otherwise 0.
     #[must_use]
     pub fn end(&self) -> f64 {
         match self {
@@ -82,8 +82,8 @@ impl Windows {
         }
     }
 
-    /// Start and end [s] of a window that begins at `start`, has the number `index` and should have
-    /// this length [s]; fixed windows have the length of the case, counted from 0.
+    /// Returns the start and end [s] of window `index`, which begins at `start` and should have
+    /// this length [s]. Fixed windows have the length of the case, counted from 0.
     fn interval(&self, index: u64, start: f64, length: f64) -> (f64, f64) {
         match self {
             Self::Steady => (0.0, 0.0),
@@ -107,8 +107,8 @@ fn is_whole(ratio: f64) -> bool {
     (ratio - ratio.round()).abs() <= ROUNDING * ratio
 }
 
-/// The end of a window of about this length: the end of the run is met exactly, and the window
-/// before the last takes half of what is left rather than leave a crumb.
+/// Returns the end of a window of about this length. The end of the run is met exactly: the window
+/// before the last takes half of the remaining time, which avoids a tiny last window.
 fn adaptive_end(start: f64, length: f64, end: f64) -> f64 {
     let left = end - start;
     if left <= length * (1.0 + ROUNDING) {
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(Windows::Fixed { window: 2.0, end: 1.0 }.count(), Some(1));
         let long = Windows::Fixed { window: 5.23e-05, end: 18647.8858082 };
         let (start, end) = long.interval(long.count().unwrap() - 1, 0.0, 0.0);
-        assert!(start < end, "no window without length");
+        assert!(start < end, "every window has a length");
         let rows = Windows::Sequence([0.5, 0.5, 2.0].into());
         assert_eq!((rows.count(), rows.interval(2, 0.5, 0.0)), (Some(3), (2.0, 2.0)));
         assert_eq!(Windows::Steady.count(), Some(1));

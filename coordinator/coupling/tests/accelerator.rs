@@ -1,16 +1,16 @@
-//! The iterates of long vectors, to the bit: whatever the number of threads, and after a restart.
+//! Bit-identical iterates of long vectors: for any number of threads, and after a restart.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use coupling::StateReader;
 use coupling::accelerate::{Accelerator, build};
 use coupling::settings::{Acceleration, Implicit};
-use coupling::state::Reader;
 use coupling::{Part, parts};
 
 /// Iterations of a window.
 const ITERATIONS: usize = 6;
 
-/// Two fields of several blocks, of which the ends do not fill any register.
+/// Two fields of several blocks; the ends do not fill a register.
 fn fields(length: usize) -> Vec<Part> {
     parts([("u", length / 3), ("v", length - length / 3)])
 }
@@ -20,7 +20,7 @@ fn accelerator(acceleration: Acceleration, length: usize, threads: usize) -> Box
     build(&settings, &fields(length))
 }
 
-/// The last iterates of some windows of x ↦ Λx + b, with another b in each.
+/// Returns the last iterates of some windows of x ↦ Λx + b, with another b in each.
 fn iterates(
     accelerator: &mut dyn Accelerator,
     length: usize,
@@ -45,7 +45,7 @@ fn iterates(
     windows.map(solve).collect()
 }
 
-/// So long that twelve columns are worth two threads, in both passes of an iteration.
+/// The length makes twelve columns worth two threads, in both passes of an iteration.
 #[test]
 fn threads_change_no_iterate() {
     let length = 700_001;
@@ -56,7 +56,7 @@ fn threads_change_no_iterate() {
     }
 }
 
-/// The last column of a window has met no other one when the state is saved.
+/// The state is saved while the last column of a window still lacks its inner products.
 #[test]
 fn a_restart_changes_no_iterate() {
     let length = 20_003;
@@ -66,9 +66,9 @@ fn a_restart_changes_no_iterate() {
         iterates(&mut *before, length, 0..3);
         let mut state = Vec::new();
         before.save(&mut state);
-        after.restore(&mut Reader(&state)).unwrap();
+        after.restore(&mut StateReader(&state)).unwrap();
         assert!(iterates(&mut *after, length, 3..5) == expected[3..], "{}", kind.word());
-        // That a state was saved changes nothing either.
+        // Saving a state does not change the iterates either.
         assert!(iterates(&mut *before, length, 3..5) == expected[3..], "{}", kind.word());
     }
 }

@@ -1,5 +1,4 @@
-//! No allocation where a mapping that stays is applied: counted by the allocator, on this thread
-//! only.
+//! Applying a fixed mapping allocates nothing: counted by the allocator, on this thread only.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -15,7 +14,7 @@ thread_local! {
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: every call goes on to the system's allocator unchanged.
+// SAFETY: every call is passed to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.set(COUNT.get() + 1);
@@ -40,7 +39,7 @@ fn mapping_and_auditing_do_not_allocate_while_grids_stay() {
     let field = vec![1.0; 2 * source.points()];
     let mut mapped = vec![0.0; 2 * target.points()];
     for method in Method::ALL {
-        let mut current = CurrentMapping::new(method, Mapping::Conservative);
+        let mut current = CurrentMapping::new(Some(method), Mapping::Conservative);
         current.between(&source, &target).unwrap();
         let before = COUNT.get();
         for _ in 0..10 {

@@ -1,25 +1,28 @@
-//! Axes: where values go on the paper, and round numbers along them.
+//! Axes: positions of values on the drawing, and round numbers for ticks.
 
 use super::html::escape;
 use run::format::superscript;
 use std::fmt::Write as _;
 
-/// An axis over its values, linear or by decades.
+/// Names of the spatial axes.
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A linear or logarithmic axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Smallest and largest value.
     pub range: [f64; 2],
-    /// By decades; both ends of the range are positive then.
+    /// Whether the axis is logarithmic; both ends of the range are positive then.
     pub decades: bool,
-    /// Only whole numbers have a meaning.
+    /// Whether only whole numbers are meaningful.
     pub whole: bool,
-    /// The ends on the paper that belong to the ends of the range.
+    /// Positions on the drawing of the two ends of the range.
     pub paper: [f64; 2],
 }
 
 impl Axis {
-    /// A linear axis from the smallest to the largest value, with a little room if `loose`; never
-    /// empty.
+    /// Returns a linear axis from the smallest to the largest value, with a margin if `loose`. The
+    /// range is never empty.
     #[must_use]
     pub fn linear(values: impl Iterator<Item = f64>, loose: bool, paper: [f64; 2]) -> Self {
         let [mut low, mut high] = extent(values).unwrap_or([0.0, 1.0]);
@@ -28,7 +31,7 @@ impl Axis {
             (low, high) = (low - half, high + half);
         } else if loose {
             let room = 0.05 * (high - low);
-            // An axis that begins at nought goes on doing so.
+            // An axis that begins or ends at zero keeps doing so.
             (low, high) = match (low == 0.0, high == 0.0) {
                 (true, _) => (low, high + room),
                 (_, true) => (low - room, high),
@@ -38,7 +41,7 @@ impl Axis {
         Self { range: [low, high], decades: false, whole: false, paper }
     }
 
-    /// An axis by whole decades round the positive values.
+    /// Returns a logarithmic axis over the whole decades that enclose the positive values.
     #[must_use]
     pub fn decades(values: impl Iterator<Item = f64>, paper: [f64; 2]) -> Self {
         let logs = values.filter(|value| *value > 0.0).map(f64::log10);
@@ -50,7 +53,7 @@ impl Axis {
         Self { range: [10f64.powf(low), 10f64.powf(high)], decades: true, whole: false, paper }
     }
 
-    /// The place of a value on the paper; `None` for what has none.
+    /// Position of a value on the drawing; `None` if the value has none.
     #[must_use]
     pub fn place(&self, value: f64) -> Option<f64> {
         let [low, high] = self.range;
@@ -64,7 +67,7 @@ impl Axis {
         place.is_finite().then_some(place)
     }
 
-    /// Round values along the axis, about `wanted` of them, and how each is written.
+    /// Round values along the axis, about `wanted` of them, with their text.
     #[must_use]
     pub fn ticks(&self, wanted: usize) -> Vec<(f64, String)> {
         match self.decades {
@@ -84,7 +87,8 @@ impl Axis {
         let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
         let largest = low.abs().max(high.abs());
         let by_power = largest >= 1e6 || step < 1e-6;
-        // One power for all, and no more digits than the step has: what is longer is cut off at the margin.
+        // Use one power of ten for all ticks and only the digits of the step, because longer
+        // numbers would be cut off at the margin.
         let power = largest.log10().floor() as i32;
         let unit = 10f64.powi(power);
         let places = self::decimals(step / unit);
@@ -95,7 +99,7 @@ impl Axis {
         };
         let count = (last - first) as usize;
         let values = (0..=count).map(|k| (first + k as f64) * step);
-        // Never "−0".
+        // Avoid "−0".
         values.map(|value| if value == 0.0 { 0.0 } else { value }).map(|v| (v, write(v))).collect()
     }
 
@@ -107,7 +111,7 @@ impl Axis {
     }
 }
 
-/// Decimals that a multiple of a round step has.
+/// Number of decimals of the multiples of a round step.
 fn decimals(step: f64) -> usize {
     let whole = |decimals: &i32| {
         let scaled = step * 10f64.powi(*decimals);
@@ -116,14 +120,14 @@ fn decimals(step: f64) -> usize {
     (0..15).find(whole).unwrap_or(15) as usize
 }
 
-/// The next of 1, 2, 2.5 or 5 times a power of ten.
+/// Smallest of 1, 2, 2.5 or 5 times a power of ten that is not below `least`.
 fn round_step(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
     let suits = |factor: &f64| factor * power >= least * (1.0 - 1e-9);
     [1.0, 2.0, 2.5, 5.0].into_iter().find(suits).unwrap_or(10.0) * power
 }
 
-/// The smallest and the largest of the finite values.
+/// Smallest and largest finite value.
 #[must_use]
 pub fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let wider = |range: Option<[f64; 2]>, value: f64| match range {
@@ -133,27 +137,27 @@ pub fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     values.filter(|value| value.is_finite()).fold(None, wider)
 }
 
-/// The frame of a plot: two axes with their labels, drawn once for every kind of plot.
+/// The frame of a plot: two axes with their labels, shared by all kinds of plot.
 #[derive(Clone, Debug)]
 pub struct Frame<'a> {
-    /// To the right.
+    /// Horizontal axis.
     pub x: &'a Axis,
-    /// Upward.
+    /// Vertical axis.
     pub y: &'a Axis,
-    /// What `x` is, with its unit.
+    /// Label of `x`, with its unit.
     pub x_label: &'a str,
-    /// What `y` is, with its unit.
+    /// Label of `y`, with its unit.
     pub y_label: &'a str,
-    /// Lines across the plot, and more numbers along it.
+    /// Whether to draw grid lines, with more numbers along the horizontal axis.
     pub grid: bool,
 }
 
-/// Width of a digit of a tick at most, and room to the right of an axis, in units of the paper.
+/// Maximum width of a digit, and space to the right of an axis, in drawing units.
 const DIGIT: f64 = 7.5;
 const BEYOND: f64 = 12.0;
 
 impl Frame<'_> {
-    /// The axes as SVG.
+    /// Renders the axes as SVG.
     #[must_use]
     pub fn svg(&self) -> String {
         let ([left, right], [bottom, top]) = (self.x.paper, self.y.paper);
@@ -187,7 +191,7 @@ impl Frame<'_> {
             let below = bottom + 5.0;
             let _ = writeln!(out, "<path class=\"grid\" d=\"M{x:.2} {from:.2}V{below:.2}\"/>");
             let y = bottom + 19.0;
-            // A number at the end of the axis stays within the drawing.
+            // Keep a number at the end of the axis within the drawing.
             let half = 0.5 * DIGIT * text.chars().count() as f64;
             let x = x.min(self.x.paper[1] + BEYOND - half);
             let _ =
@@ -212,6 +216,21 @@ impl Frame<'_> {
     }
 }
 
+/// Largest magnitude of the values; 0 for none.
+#[must_use]
+pub fn largest_magnitude(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()))
+}
+
+/// Label of an axis from a name and a unit, each of which may be empty.
+pub(crate) fn label(name: &str, unit: &str) -> String {
+    match (name, unit) {
+        (name, "") => name.to_owned(),
+        ("", unit) => unit.to_owned(),
+        (name, unit) => format!("{name} [{unit}]"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -224,7 +243,7 @@ mod tests {
     fn ticks_are_round_and_within() {
         let axis = Axis::linear([-9.6, 9.6].into_iter(), false, [0.0, 1.0]);
         assert_eq!(texts(&axis), ["−5", "0", "5"]);
-        // A step of 2.5 keeps its half.
+        // A step of 2.5 needs one decimal.
         let axis = Axis::linear([-6.2, 6.2].into_iter(), false, [0.0, 1.0]);
         assert_eq!(texts(&axis), ["−5.0", "−2.5", "0.0", "2.5", "5.0"]);
         let axis = Axis { whole: true, ..Axis::linear([1.0, 12.0].into_iter(), false, [0.0, 1.0]) };
@@ -238,7 +257,7 @@ mod tests {
         }
     }
 
-    /// Very small and very large numbers have one power of ten, and fit beside the axis.
+    /// Very small and very large numbers share one power of ten, and fit beside the axis.
     #[test]
     fn small_and_large_ticks_are_short() {
         let ticks =

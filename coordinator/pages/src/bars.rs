@@ -1,4 +1,4 @@
-//! Bars to both sides of nought, one a name.
+//! Horizontal bar charts with bars to both sides of zero.
 
 use super::axis::Axis;
 use super::canvas::{Drawing, RIGHT, WIDTH};
@@ -6,28 +6,28 @@ use super::html::escape;
 use run::format::number;
 use std::fmt::Write as _;
 
-/// Height of a bar with its room.
+/// Height of a bar with its spacing.
 const ROW: f64 = 26.0;
-/// Room above the first bar.
+/// Space above the first bar.
 const TOP: f64 = 8.0;
-/// Room below the last bar, for the numbers and the label.
+/// Space below the last bar, for the numbers and the label.
 const BELOW: f64 = 48.0;
-/// Where the names end.
+/// Right edge of the names.
 const NAMES: f64 = 176.0;
 
-/// A value for each of some names.
+/// A bar chart: one value for each name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bars {
-    /// What is shown.
+    /// Title above the chart.
     pub title: String,
-    /// What the values are, with their unit.
+    /// Label of the values, with their unit.
     pub label: String,
     /// Names and values.
     pub bars: Vec<(String, f64)>,
 }
 
 impl Bars {
-    /// The bars as HTML.
+    /// Renders the chart as HTML.
     #[must_use]
     pub fn html(&self) -> String {
         let values = self.bars.iter().map(|(_, value)| *value);
@@ -69,7 +69,7 @@ impl Bars {
     }
 }
 
-/// One bar, its name before it and its value behind it.
+/// Draws one bar, with its name before and its value behind.
 fn bar(name: &str, value: f64, [from, to]: [f64; 2], y: f64) -> String {
     let (left, width) = (from.min(to), (from - to).abs().max(0.5));
     let (name, value_text) = (escape(name), number(value, 3));

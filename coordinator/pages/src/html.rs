@@ -1,9 +1,9 @@
-//! Text within a page, and the colours of the page and its plots.
+//! Escaping of text, and the style sheet shared by the page and its plots.
 
-/// Colours of the page and its plots, and what plots need.
+/// Style sheet of plots, including the colours of the page.
 pub(super) const PLOT_STYLE: &str = include_str!("plot.css");
 
-/// Text as it may stand in HTML and its attributes; control characters are shown, not sent.
+/// Escapes text for HTML and its attributes; control characters are replaced by a visible sign.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

@@ -1,23 +1,24 @@
-//! Small images within the page: indexed PNG as a data address, with the palette of
-//! [`super::palette`].
+//! Small images embedded in the page: indexed PNG as a data URL.
+//!
+//! The palette is viridis, which is perceptually uniform and keeps its order in grey and for the
+//! colour-blind (Smith and van der Walt, matplotlib 2015, public domain).
 
-use super::palette::{COLOURS, colour};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
 
-/// The address of an image with one palette entry a pixel, row by row from the top.
+/// Returns the data URL of an image with one palette entry per pixel, row by row from the top.
 ///
 /// # Panics
-/// `pixels` is not a multiple of `width`, or empty.
+/// If `pixels` is empty, or its length is not a multiple of `width`.
 #[must_use]
 pub fn address(width: usize, pixels: &[u8]) -> String {
     assert!(!pixels.is_empty() && pixels.len().is_multiple_of(width), "an image has full rows");
-    let image = encoded(width, pixels).expect("a map has few elements, and memory takes them all");
+    let image = encoded(width, pixels).expect("encoding a small image to memory succeeds");
     format!("data:image/png;base64,{}", STANDARD.encode(image))
 }
 
-/// Eight bits, indexed; entry 0 is transparent.
+/// Encodes an indexed PNG with eight bits per pixel; entry 0 is transparent.
 fn encoded(width: usize, pixels: &[u8]) -> Result<Vec<u8>, EncodingError> {
     let size = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
     let palette = std::iter::once([0; 3]).chain((1..=COLOURS).map(colour));
@@ -32,6 +33,70 @@ fn encoded(width: usize, pixels: &[u8]) -> Result<Vec<u8>, EncodingError> {
     writer.write_image_data(pixels)?;
     writer.finish()?;
     Ok(out)
+}
+
+/// Viridis at equal steps from 0 to 1. Linear interpolation between the steps is within 2 of 255 of
+/// the original.
+const VIRIDIS: [[u8; 3]; 33] = [
+    [68, 1, 84],
+    [71, 13, 96],
+    [72, 24, 106],
+    [72, 35, 116],
+    [71, 45, 123],
+    [69, 54, 129],
+    [66, 64, 134],
+    [63, 73, 137],
+    [59, 82, 139],
+    [55, 90, 141],
+    [51, 99, 141],
+    [47, 106, 142],
+    [44, 114, 142],
+    [41, 122, 142],
+    [38, 129, 142],
+    [35, 137, 142],
+    [33, 144, 140],
+    [31, 152, 139],
+    [31, 159, 136],
+    [33, 166, 133],
+    [40, 174, 128],
+    [49, 181, 123],
+    [62, 188, 116],
+    [76, 194, 108],
+    [93, 201, 99],
+    [110, 206, 88],
+    [130, 211, 76],
+    [150, 216, 63],
+    [171, 220, 50],
+    [192, 223, 36],
+    [213, 226, 26],
+    [234, 229, 26],
+    [253, 231, 37],
+];
+
+/// Number of colours of the palette. Entry 0 is transparent and stands for a missing value.
+pub const COLOURS: u8 = 255;
+
+/// Colour of palette entry `index`, counted from 1, as red, green and blue.
+#[must_use]
+pub fn colour(index: u8) -> [u8; 3] {
+    let place = f64::from(index.saturating_sub(1)) / f64::from(COLOURS - 1);
+    let along = place * (VIRIDIS.len() - 1) as f64;
+    let below = (along.floor() as usize).min(VIRIDIS.len() - 2);
+    let part = along - below as f64;
+    let mix = |low: u8, high: u8| {
+        (f64::from(low) + part * (f64::from(high) - f64::from(low))).round() as u8
+    };
+    std::array::from_fn(|c| mix(VIRIDIS[below][c], VIRIDIS[below + 1][c]))
+}
+
+/// Palette entry of a value in a range; 0 if the value is not finite.
+#[must_use]
+pub fn entry(value: f64, [low, high]: [f64; 2]) -> u8 {
+    if !value.is_finite() {
+        return 0;
+    }
+    let part = if high > low { ((value - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
+    1 + (part * f64::from(COLOURS - 1)).round() as u8
 }
 
 #[cfg(test)]
@@ -53,5 +118,30 @@ mod tests {
         assert_eq!(reader.info().trns.as_deref(), Some(&[0][..]));
         let first = reader.info().palette.as_ref().unwrap()[3..6].to_vec();
         assert_eq!(first, colour(1));
+    }
+
+    /// Relative luminance of the linear sRGB components (IEC 61966-2-1, Rec. 709 weights).
+    fn luminance(colour: [u8; 3]) -> f64 {
+        let linear = |c: u8| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(colour[0]) + 0.7152 * linear(colour[1]) + 0.0722 * linear(colour[2])
+    }
+
+    #[test]
+    fn lightness_only_rises() {
+        let all: Vec<f64> = (1..=COLOURS).map(|index| luminance(colour(index))).collect();
+        assert!(all.windows(2).all(|pair| pair[1] > pair[0] - 2e-3));
+        let steps: Vec<f64> = all.iter().step_by(32).copied().collect();
+        assert!(steps.windows(2).all(|pair| pair[1] > pair[0]), "{steps:?}");
+    }
+
+    #[test]
+    fn a_range_has_both_ends() {
+        assert_eq!(colour(entry(-1.0, [-1.0, 3.0])), [68, 1, 84]);
+        assert_eq!(colour(entry(3.0, [-1.0, 3.0])), [253, 231, 37]);
+        assert_eq!(entry(f64::NAN, [0.0, 1.0]), 0);
+        assert_eq!(entry(2.0, [2.0, 2.0]), 1);
     }
 }

@@ -1,4 +1,4 @@
-//! Which process worked when: one lane a process, bars along time.
+//! Work of the processes over time: one lane per process, with bars along the time axis.
 
 use super::axis::Axis;
 use super::canvas::{COLOURS, Drawing, RIGHT, WIDTH};
@@ -8,34 +8,34 @@ use std::fmt::Write as _;
 
 const LEFT: f64 = 92.0;
 const TOP: f64 = 10.0;
-/// Height of a lane, and of the bars in it.
+/// Height of a lane, and of its bars.
 const LANE: f64 = 44.0;
 const BAR: f64 = 24.0;
-/// Least width of a bar that can be seen.
+/// Smallest visible width of a bar.
 const SEEN: f64 = 0.75;
 
-/// One lane.
+/// The lane of one process.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lane {
-    /// The process.
+    /// Name of the process.
     pub name: String,
-    /// Beginning and end of each piece of work \[s\].
+    /// Start and end of each piece of work \[s\].
     pub bars: Vec<[f64; 2]>,
 }
 
-/// Lanes over a common time.
+/// Lanes over a common time axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lanes {
-    /// What is shown.
+    /// Title above the lanes.
     pub title: String,
-    /// From top to bottom.
+    /// Lanes from top to bottom.
     pub lanes: Vec<Lane>,
-    /// A sentence below it.
+    /// Note below the drawing.
     pub note: String,
 }
 
 impl Lanes {
-    /// The lanes as HTML.
+    /// Renders the lanes as HTML.
     #[must_use]
     pub fn html(&self) -> String {
         let ends = self.lanes.iter().flat_map(|lane| lane.bars.iter().map(|bar| bar[1]));

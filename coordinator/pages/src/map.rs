@@ -1,4 +1,4 @@
-//! Values over a plane, as colours.
+//! Maps: values over a plane as colours.
 
 mod contour;
 mod overlay;
@@ -8,87 +8,85 @@ pub use overlay::{Arrows, Edge};
 
 use super::axis::{Axis, Frame, extent};
 use super::canvas::{Drawing, Key, LEFT};
-use super::image::address;
-use super::palette::{COLOURS, entry};
-use super::standalone;
+use super::image::{COLOURS, address, entry};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use run::format::number;
 use std::fmt::Write as _;
 
-/// Width of a map's view box: more than other plots have, since there is more to see.
+/// Width of the view box, larger than in other plots because a map shows more detail.
 const WIDTH: f64 = 680.0;
-/// Where a map ends at most on the paper, and where its colour bar is.
+/// Right limit of a map in the drawing, and position of its colour bar.
 const RIGHT: f64 = 540.0;
 const TOP: f64 = 14.0;
 const BAR: [f64; 2] = [556.0, 572.0];
-/// Greatest height of a map.
+/// Maximum height of a map.
 const HEIGHT: f64 = 420.0;
 /// Height of a map whose axes have different scales.
 const FREE_HEIGHT: f64 = 240.0;
-/// Least height of a colour bar.
+/// Minimum height of the colour bar.
 const BAR_HEIGHT: f64 = 60.0;
-/// Most elements drawn along an axis; more are averaged in blocks.
+/// Maximum number of elements drawn along an axis; more are averaged in blocks.
 const ELEMENTS: usize = 300;
-/// About so many lines of equal value.
+/// Approximate number of contour lines.
 const LEVELS: usize = 5;
-/// Digits of the limits of the colours.
+/// Significant digits of the limits of the colour bar.
 const DIGITS: usize = 4;
-/// What stands for no value among the values that the page's script reads, and the largest of the others.
+/// Code of a missing value in the data for the script, and the largest code of a value.
 const BLANK: u16 = u16::MAX;
 const MOST: f64 = (u16::MAX - 1) as f64;
 
-/// A field over a rectangle of elements.
+/// A map of a field over a rectangle of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heatmap {
-    /// What is shown.
+    /// Title above the map.
     pub title: String,
-    /// What is to the right, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x_label: String,
-    /// What is upward, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y_label: String,
-    /// What the colours are, with their unit.
+    /// Label of the colour bar, with its unit.
     pub value_label: String,
     /// Left and right border.
     pub x: [f64; 2],
     /// Lower and upper border.
     pub y: [f64; 2],
-    /// Elements along x.
+    /// Number of elements along x.
     pub columns: usize,
-    /// Values, row by row from below. What is not finite stays blank.
+    /// Values row by row from below; values that are not finite are left blank.
     pub values: Vec<f64>,
-    /// Nought belongs to the colours.
+    /// Whether the colour range includes zero.
     pub from_zero: bool,
-    /// One unit is as long to the right as upward.
+    /// Whether both axes have the same scale.
     pub true_shape: bool,
-    /// Vectors over the colours.
+    /// Vectors drawn over the colours.
     pub arrows: Option<Arrows>,
-    /// Lines over the colours.
+    /// Lines drawn over the colours.
     pub edges: Vec<Edge>,
-    /// A sentence below it.
+    /// Note below the map.
     pub note: String,
 }
 
-/// Elements as they are drawn: those of the map, or means of blocks of them.
-struct Drawn {
+/// Drawn elements: the elements of the map, or means of blocks of elements.
+struct FieldDrawing {
     columns: usize,
     values: Vec<f64>,
 }
 
 impl Heatmap {
-    /// The map as HTML.
+    /// Renders the map as HTML.
     #[must_use]
     pub fn html(&self) -> String {
         self.drawing().html()
     }
 
-    /// The map as an SVG file that needs nothing else, with its title.
+    /// Renders the map as a self-contained SVG file, with its title.
     #[must_use]
     pub fn standalone(&self) -> String {
-        standalone::svg(&self.drawing())
+        self.drawing().standalone()
     }
 
-    /// The map as it is drawn.
+    /// The map as a drawing.
     pub(super) fn drawing(&self) -> Drawing<'_> {
         let drawn = self.drawn();
         let [width, height] = self.size();
@@ -111,14 +109,14 @@ impl Heatmap {
         named.map(|(n, name)| Key { class: overlay::edge_class(n), name }).collect()
     }
 
-    /// The values that the ends of the colours stand for.
+    /// Values at the ends of the colour range.
     fn range(&self) -> [f64; 2] {
         let values = self.values.iter().copied().chain(self.from_zero.then_some(0.0));
         let range = extent(values).unwrap_or([0.0, 1.0]);
         if range[0] < range[1] { range } else { [range[0] - 1.0, range[1] + 1.0] }
     }
 
-    fn content(&self, drawn: &Drawn, x: &Axis, y: &Axis) -> String {
+    fn content(&self, drawn: &FieldDrawing, x: &Axis, y: &Axis) -> String {
         let range = self.range();
         let ([left, right], [bottom, top]) = (x.paper, y.paper);
         let mut svg = String::new();
@@ -143,10 +141,10 @@ impl Heatmap {
         svg + &self.bar(range, bottom.max(TOP + BAR_HEIGHT))
     }
 
-    /// Lines of equal value, at the numbers beside the colour bar.
-    fn lines(&self, drawn: &Drawn, x: &Axis, y: &Axis) -> String {
-        let Drawn { columns, values } = drawn;
-        // What is blank because it is nought has the value nought.
+    /// Draws contour lines at the numbers beside the colour bar.
+    fn lines(&self, drawn: &FieldDrawing, x: &Axis, y: &Axis) -> String {
+        let FieldDrawing { columns, values } = drawn;
+        // Blank elements with zero value count as zero.
         let nought = |value: &f64| if value.is_finite() { *value } else { 0.0 };
         let values = match self.from_zero {
             true => &values.iter().map(nought).collect::<Vec<_>>(),
@@ -168,7 +166,8 @@ impl Heatmap {
         }
     }
 
-    /// Where the largest value is on the paper; `None` where there is none, and where it is everywhere.
+    /// Position of the largest value in the drawing; `None` without a value, or if all values are
+    /// equal.
     fn peak(&self, x: &Axis, y: &Axis) -> Option<[f64; 2]> {
         let [low, high] = extent(self.values.iter().copied()).filter(|[low, high]| low < high)?;
         let rows = self.values.len() / self.columns;
@@ -192,9 +191,9 @@ impl Heatmap {
         ])
     }
 
-    /// Borders of the map on the paper and in its units, what the axes are, and the values: in steps of
-    /// the 65534th part of their range, little-endian.
-    fn data(&self, drawn: &Drawn, x: &Axis, y: &Axis) -> String {
+    /// Data for the script: limits of the axes in the drawing and in values, their labels, and the
+    /// values coded as little-endian integers in steps of 1/65534 of their range.
+    fn data(&self, drawn: &FieldDrawing, x: &Axis, y: &Axis) -> String {
         let [low, high] = self.range();
         let step = |value: &f64| match value.is_finite() {
             true => ((value - low) / (high - low) * MOST).round().clamp(0.0, MOST) as u16,
@@ -216,7 +215,7 @@ impl Heatmap {
         )
     }
 
-    /// The range of the values, for readers who cannot see the map.
+    /// Describes the range of the values, for readers who cannot see the map.
     fn describe(&self) -> String {
         let range = self.range();
         format!(
@@ -229,7 +228,7 @@ impl Heatmap {
         )
     }
 
-    /// Width and height of the map on the paper.
+    /// Width and height of the map in the drawing.
     fn size(&self) -> [f64; 2] {
         let width = RIGHT - LEFT;
         if !self.true_shape {
@@ -243,8 +242,8 @@ impl Heatmap {
         }
     }
 
-    /// Means of blocks of elements, where there are more than the paper shows.
-    fn drawn(&self) -> Drawn {
+    /// Averages blocks of elements if there are more elements than can be drawn.
+    fn drawn(&self) -> FieldDrawing {
         let rows = self.values.len() / self.columns;
         let (di, dj) = (self.columns.div_ceil(ELEMENTS), rows.div_ceil(ELEMENTS));
         let (ni, nj) = (self.columns.div_ceil(di), rows.div_ceil(dj));
@@ -259,10 +258,10 @@ impl Heatmap {
             sum / count
         };
         let blocks = (0..nj).flat_map(|j| (0..ni).map(move |i| (i, j)));
-        Drawn { columns: ni, values: blocks.map(mean).collect() }
+        FieldDrawing { columns: ni, values: blocks.map(mean).collect() }
     }
 
-    /// The colours and their values.
+    /// Draws the colour bar with its numbers.
     fn bar(&self, range: [f64; 2], bottom: f64) -> String {
         let [left, right] = BAR;
         let mut svg = String::new();
@@ -278,7 +277,7 @@ impl Heatmap {
         let axis = colour_axis(range, [bottom, TOP]);
         let ends = [(range[1], number(range[1], DIGITS)), (range[0], number(range[0], DIGITS))];
         let mut taken: Vec<f64> = Vec::new();
-        // The ends of the colours, and the round numbers that leave room between them.
+        // First the limits of the colours, then round numbers where space is left.
         for (n, (value, text)) in ends.into_iter().chain(axis.ticks(LEVELS)).enumerate() {
             let Some(y) = axis.place(value) else { continue };
             let class = if n < 2 { "label" } else { "tick" };
@@ -300,15 +299,15 @@ impl Heatmap {
     }
 }
 
-impl Drawn {
-    /// Palette entries from the top row on.
+impl FieldDrawing {
+    /// Palette entries from the top row downwards.
     fn pixels(&self, range: [f64; 2]) -> Vec<u8> {
         let rows = self.values.chunks_exact(self.columns).rev();
         rows.flatten().map(|value| entry(*value, range)).collect()
     }
 }
 
-/// The numbers beside the colours.
+/// Axis of the colour bar.
 fn colour_axis(range: [f64; 2], paper: [f64; 2]) -> Axis {
     Axis { range, decades: false, whole: false, paper }
 }

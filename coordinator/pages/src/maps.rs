@@ -1,40 +1,40 @@
-//! The fields of the newest instant of a run as maps, with the edges of the contact on those of a surface; those of a single row of
-//! elements, a line of contact, as lines along it.
+//! Fields at the newest instant of a run, drawn as maps. Maps of a surface include the edges of the
+//! contact. Fields on a single row of elements, such as a line contact, are drawn as lines.
 
 use super::axis::extent;
+use super::axis::{AXES, label, largest_magnitude};
 use super::canvas::Drawing;
 use super::map::{Arrows, Edge, Heatmap, Polyline, contours};
-use super::places::{AXES, is_surface, label};
 use super::plot::Figure;
 use super::source::{Field, GridSeries, Image, Results};
 use contract::field::{EDGES, QUOTIENTS, Quotient};
 use run::format::{Scale, number, sentence, words};
 
-/// Values below this part of the largest are rounding.
+/// Values below this share of the largest are rounding errors.
 const ROUNDING: f64 = 1e-14;
-/// A field differs from zero from this part of its largest value on: more than the residual of a solve,
-/// and reached within the first element.
+/// Share of the largest value above which a field counts as different from zero: more than the
+/// residual of a solve, and exceeded within the first element.
 const EDGE: f64 = 1e-3;
 
-/// A component of less than this share of the largest is what an iteration leaves of zero, and not drawn.
-/// So is a negative value beside positive ones.
+/// Components below this share of the largest are residuals of an iteration and not drawn. The same
+/// holds for negative values of a positive field.
 const NOTHING: f64 = 1e-5;
-/// Most passes of a mean over neighbours that turn the steps of an edge between elements into a curve, and
-/// the points for each: a line round few elements would shrink.
+/// Maximum number of smoothing passes over an edge, which turn the steps between elements into a
+/// curve, and the points needed per pass. More passes would shrink a line around few elements.
 const PASSES: usize = 6;
 const POINTS_A_PASS: usize = 8;
 
-/// A field, drawn.
+/// A drawn field.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Drawn {
-    /// Over a surface or a section.
+pub enum FieldDrawing {
+    /// A map over a surface or a section.
     Map(Heatmap),
-    /// Along a single row of elements.
+    /// Lines along a single row of elements.
     Line(Figure),
 }
 
-impl Drawn {
-    /// To put on a sheet.
+impl FieldDrawing {
+    /// The drawing, for a sheet.
     #[must_use]
     pub(super) fn drawing(&self) -> Drawing<'_> {
         match self {
@@ -44,24 +44,24 @@ impl Drawn {
     }
 }
 
-/// Every field of every grid, in the order of their files: the mechanical ones first.
+/// Draws all fields of all grids in the order of their files, mechanical fields first.
 #[must_use]
-pub fn all(results: &Results) -> Vec<Drawn> {
+pub fn all(results: &Results) -> Vec<FieldDrawing> {
     named(results).into_iter().map(|(_, map)| map).collect()
 }
 
-/// The same, each with the name of its field.
+/// Same as [`all`], with the name of each field.
 #[must_use]
-pub fn named(results: &Results) -> Vec<(String, Drawn)> {
+pub fn named(results: &Results) -> Vec<(String, FieldDrawing)> {
     let edges = edges(results);
     let mut maps = Vec::new();
     for series in &results.series {
         let Some(image) = &series.image else { continue };
-        let edges = if is_surface(series) { edges.as_slice() } else { &[] };
+        let edges = if series.is_surface() { edges.as_slice() } else { &[] };
         let made: Vec<Field> = QUOTIENTS.iter().filter_map(|one| quotient(image, one)).collect();
         let drawn = |field: &Field| {
-            let drawn = map(image, field, edges).map(Drawn::Map);
-            Some((field.name.clone(), drawn.or_else(|| row(image, field).map(Drawn::Line))?))
+            let drawn = map(image, field, edges).map(FieldDrawing::Map);
+            Some((field.name.clone(), drawn.or_else(|| row(image, field).map(FieldDrawing::Line))?))
         };
         maps.extend(image.fields.iter().chain(&made).filter_map(drawn));
     }
@@ -77,7 +77,7 @@ pub fn zero(results: &Results) -> Vec<&str> {
     zero.map(|field| field.name.as_str()).collect()
 }
 
-/// A field that is made of two; `None` where one of them is absent.
+/// Computes the quotient of two fields; `None` if one of them is missing.
 fn quotient(image: &Image, made: &Quotient) -> Option<Field> {
     let [of, over] = [made.of, made.over].map(|spec| image.field(spec.name));
     let over = &over?.values;
@@ -93,8 +93,8 @@ fn quotient(image: &Image, made: &Quotient) -> Option<Field> {
     })
 }
 
-/// Blanks quotients of elements that the edge of contact cuts. Both fields are means over such an element,
-/// of which only a part is in contact, and their quotient may be larger than any inside.
+/// Clears quotients of elements that the edge of contact cuts. Such an element is only partly in
+/// contact, so the quotient of its two mean values may exceed all values inside.
 fn blank_cut(ratios: &mut [f64], over: &[f64], columns: usize) {
     let rows = over.len() / columns;
     let inside = |at: usize| {
@@ -112,9 +112,9 @@ fn blank_cut(ratios: &mut [f64], over: &[f64], columns: usize) {
     }
 }
 
-/// The edges of the contact, in metres; none on a field that has not been written out.
+/// Edges of the contact \[m\]. An edge is missing if its field was not written.
 fn edges(results: &Results) -> Vec<Edge> {
-    let surfaces = results.series.iter().filter(|series| is_surface(series));
+    let surfaces = results.series.iter().filter(|series| series.is_surface());
     let images: Vec<&Image> = surfaces.filter_map(|series| series.image.as_ref()).collect();
     let find = |name: &str| {
         let mut found = images.iter().filter_map(|image| Some((*image, image.field(name)?)));
@@ -138,14 +138,15 @@ fn edges(results: &Results) -> Vec<Edge> {
     found.collect()
 }
 
-/// 1 in every cell whose value differs from zero, 0 in the others.
+/// Returns 1 for every cell that differs from zero, and 0 for the others.
 fn differs(field: &Field) -> Vec<f64> {
     let values = field.magnitudes();
     let largest = values.iter().copied().fold(0.0, f64::max);
     values.iter().map(|value| f64::from(u8::from(*value > EDGE * largest))).collect()
 }
 
-/// The lines between cells with 0 and with 1 \[m\]; `outside` is what cells beyond the grid have.
+/// Lines between cells with 0 and cells with 1 \[m\]. `outside` is the value assumed beyond the
+/// grid.
 fn edge_of(image: &Image, inside: &[f64], outside: f64) -> Vec<Polyline> {
     let [columns, rows] = [image.cells[0], image.cells[1]];
     let wide = columns + 2;
@@ -160,8 +161,8 @@ fn edge_of(image: &Image, inside: &[f64], outside: f64) -> Vec<Polyline> {
     lines.map(|line| smoothed(line.into_iter().map(place).collect())).collect()
 }
 
-/// A line between elements without its steps: each point becomes a mean of itself and its neighbours. It
-/// moves by less than an element. The ends of an open line stay.
+/// Smooths a line of element borders: each point becomes a weighted mean of itself and its
+/// neighbours. Points move by less than an element, and the ends of an open line stay.
 fn smoothed(mut line: Polyline) -> Polyline {
     let count = line.len();
     let closed = count > 2 && line.first() == line.last();
@@ -181,7 +182,7 @@ fn smoothed(mut line: Polyline) -> Polyline {
     line
 }
 
-/// A field as a map; `None` where cells do not lie in a plane, or all is zero.
+/// Draws a field as a map; `None` if the cells do not form a plane, or all values are zero.
 fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
     let [horizontal, upright] = image.plane()?;
     let mut values = field.magnitudes();
@@ -191,7 +192,7 @@ fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
         return None;
     }
     let scale = Scale::of(&field.unit, largest);
-    // A field that is negative by rounding alone has no negative values.
+    // Negative values within rounding do not count.
     let is_positive = -least <= NOTHING * most;
     let is_zero = |value: &f64| value.abs() <= ROUNDING * largest;
     let from_zero = values.iter().any(is_zero) || is_positive && least < 0.0;
@@ -228,13 +229,13 @@ fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
     })
 }
 
-/// The grid is a single row of elements.
+/// Returns whether the grid is a single row of elements.
 #[must_use]
 pub fn is_row(series: &GridSeries) -> bool {
     series.image.as_ref().and_then(along_row).is_some()
 }
 
-/// The axis along a single row; `None` for any other grid.
+/// Axis along a single row; `None` for any other grid.
 fn along_row(image: &Image) -> Option<usize> {
     let plane = image.plane()?;
     match plane.map(|axis| image.cells[axis]) {
@@ -244,11 +245,12 @@ fn along_row(image: &Image) -> Option<usize> {
     }
 }
 
-/// A field of a single row of elements as lines along it, one for each component that is not nothing; `None` for any other, or where all is zero.
+/// Draws a field on a single row of elements as lines, one for each component above rounding.
+/// `None` for any other grid, or if all values are zero.
 fn row(image: &Image, field: &Field) -> Option<Figure> {
     let along = along_row(image)?;
     let magnitudes = field.magnitudes();
-    let largest = magnitudes.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let largest = largest_magnitude(&magnitudes);
     if largest == 0.0 {
         return None;
     }
@@ -278,13 +280,13 @@ fn row(image: &Image, field: &Field) -> Option<Figure> {
     Some(figure)
 }
 
-/// The largest value and its place, as a sentence.
+/// Describes the largest value and its position in a sentence.
 fn largest_at(image: &Image, field: &Field, values: &[f64], scale: &Scale) -> String {
     let (Some([_, most]), Some(plane)) = (extent(values.iter().copied()), image.plane()) else {
         return String::new();
     };
     let columns = image.cells[plane[0]];
-    // Of those that are as large but for rounding the one nearest to the middle.
+    // Among values that are equal within rounding, take the one nearest to the origin.
     let off = |at: &usize| {
         image.middle(plane[0], at % columns).hypot(image.middle(plane[1], at / columns))
     };
@@ -294,7 +296,7 @@ fn largest_at(image: &Image, field: &Field, values: &[f64], scale: &Scale) -> St
         let middle = image.middle(plane[n], [at % columns, at / columns][n]);
         let borders = image.borders(plane[n]);
         let length = Scale::of("m", borders[0].abs().max(borders[1].abs()));
-        // What is nought but for rounding is nought.
+        // Treat values within rounding of zero as zero.
         let middle = if middle.abs() < 1e-9 * image.spacing[plane[n]] { 0.0 } else { middle };
         format!("{} {}", AXES[plane[n]], length.show(middle, 3))
     });
@@ -304,7 +306,7 @@ fn largest_at(image: &Image, field: &Field, values: &[f64], scale: &Scale) -> St
     format!("{what} {most}{unit}{} at {}.", scale.unit, place.join(", "))
 }
 
-/// The vectors of a field with two or three components.
+/// Vectors of a field with two or three components.
 fn arrows(field: &Field) -> Option<Arrows> {
     let component = |n: usize| field.values.iter().skip(n).step_by(field.components).copied();
     (field.components > 1).then(|| Arrows { x: component(0).collect(), y: component(1).collect() })
@@ -326,7 +328,8 @@ mod tests {
         (Image { corner, spacing, cells: [3, 2, 0], fields: vec![field.clone()] }, field)
     }
 
-    /// A line of contact has lines along it: one for a scalar, one for each component of a vector that is something.
+    /// A line contact is drawn as lines: one for a scalar, and one for each nonzero component of a
+    /// vector.
     #[test]
     fn a_single_row_is_drawn_as_lines() {
         let (mut image, pressure) = image(vec![0.0, 5e6, 1e6]);
@@ -347,8 +350,8 @@ mod tests {
         assert!(row(&image, &traction).is_none());
     }
 
-    /// A rise of −9.7e-5 K beside one of 72 K is rounding: colours begin at zero. A field that is
-    /// negative keeps its sign.
+    /// A rise of −9.7e-5 K beside 72 K is a rounding error, so the colours begin at zero. A field
+    /// with larger negative values keeps its sign.
     #[test]
     fn rounding_is_zero() {
         let (image, field) = image(vec![0.0; 6]);
@@ -365,8 +368,8 @@ mod tests {
         assert!(!drawn.from_zero && drawn.values[0] == -1.0);
     }
 
-    /// An element of which only a part is in contact may have more traction over pressure than any that
-    /// is inside: it is blank.
+    /// An element partly in contact may have a larger quotient of traction and pressure than any
+    /// element inside, so it is left blank.
     #[test]
     fn elements_that_the_edge_cuts_have_no_quotient() {
         let over = [0.0, 1.0, 1.0, 1.0, 0.0].repeat(3);
@@ -376,7 +379,7 @@ mod tests {
         assert_eq!(ratios[5..10], [0.0, 0.0, 0.3, 0.25, 0.0]);
     }
 
-    /// The edge of a disc of elements is a circle to a tenth of an element, without steps.
+    /// The edge of a disc of elements is a circle within a tenth of an element, without steps.
     #[test]
     fn an_edge_has_no_steps() {
         let count = 41;
@@ -405,7 +408,8 @@ mod tests {
         let lines = edge_of(&image, &differs(&field), 0.0);
         assert_eq!(lines.len(), 1);
         assert_eq!(lines[0].first(), lines[0].last());
-        // Round the lower cell of the middle column; 1 kPa beside 5 MPa is nothing.
+        // The line surrounds the lower cell of the middle column; 1 kPa beside 5 MPa counts as
+        // zero.
         let reach = |axis: usize| lines[0].iter().map(move |p| p[axis]).fold(f64::MIN, f64::max);
         assert!((reach(0) - 1e-3).abs() < 1e-15 && reach(1).abs() < 1e-15, "{lines:?}");
     }
@@ -431,7 +435,8 @@ mod tests {
             "{}",
             map.note
         );
-        // Two millimetres are seen in millimetres, one in micrometres.
+        // A length of two millimetres is shown in millimetres, one of one millimetre in
+        // micrometres.
         let near = |a: [f64; 2], b: [f64; 2]| (0..2).all(|n| (a[n] - b[n]).abs() < 1e-9);
         assert!(near(map.x, [-1.0, 2.0]) && near(map.y, [-1000.0, 1000.0]), "{:?}", map.y);
         assert_eq!([map.x_label.as_str(), map.y_label.as_str()], ["x [mm]", "y [µm]"]);

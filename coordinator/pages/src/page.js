@@ -1,6 +1,6 @@
-// What a page without script does not have: the values under the pointer, larger drawings, details
-// within a dragged rectangle, a switch to decades, and files of values and drawings. Drawings carry
-// what it needs in data- attributes; nothing is asked of any server.
+// Interaction that a page without script lacks: values under the pointer, larger drawings, zoom into a
+// dragged rectangle, logarithmic axes, and downloads of values and drawings. The script reads all data
+// from data- attributes of the drawings and sends no requests.
 (() => {
   "use strict";
   const SPACE = "http://www.w3.org/2000/svg";
@@ -18,7 +18,7 @@
     return node;
   };
 
-  // An axis as its drawing has it: between two values and two places on the paper.
+  // Reads an axis from its drawing: a range of values and the corresponding positions.
   const axis = (svg, name) => {
     const words = svg.getAttribute("data-" + name).split(" ");
     const [low, high, from, to] = words.map(Number);
@@ -34,7 +34,7 @@
     };
   };
 
-  // Lines as values; a gap begins a new piece.
+  // Reads the values of the lines; a gap begins a new piece.
   const lines = svg => [...svg.querySelectorAll(".line[data-name]")].map(path => {
     const [x, y] = [axis(svg, "x"), path.linear || axis(svg, "y")];
     const places = (path.drawn || path.getAttribute("d")).match(/[ML][^ML]+/g) || [];
@@ -45,7 +45,7 @@
     return { name: path.getAttribute("data-name"), path, points };
   });
 
-  // A map as values, row by row from below.
+  // Reads the values of a map, row by row from below.
   const map = svg => {
     const code = atob(svg.getAttribute("data-values"));
     const [low, high] = numbers(svg.getAttribute("data-range"));
@@ -61,7 +61,7 @@
     return { x, y, columns, rows, at, middle, cell, unit: svg.getAttribute("data-unit") };
   };
 
-  // What there is to say of a place on the paper; nothing outside the axes.
+  // Text about a position in the drawing; empty outside the axes.
   const reading = (svg, px, py) => {
     const of = axis(svg, "x");
     if (px < of.from || px > of.to) return "";
@@ -121,7 +121,7 @@
     return new XMLSerializer().serializeToString(copy);
   };
 
-  // Lines over decades of their values, and back.
+  // Switches the vertical axis between linear and logarithmic.
   const decades = (svg, on) => {
     const beside = svg.querySelector(".beside");
     const old = svg.querySelector(".decades");
@@ -195,7 +195,7 @@
   };
   tip.hidden = true;
 
-  // A rectangle that is dragged with a mouse becomes the view; a double click brings the whole back.
+  // Zooms into a rectangle dragged with the mouse; a double click restores the whole drawing.
   const zoom = svg => {
     const whole = svg.getAttribute("viewBox");
     let from = null;
@@ -227,7 +227,7 @@
     svg.addEventListener("dblclick", () => svg.setAttribute("viewBox", whole));
   };
 
-  // One instant at a time, in the place of some of them.
+  // Slider that shows one instant at a time instead of several.
   const slider = (figure, svg) => {
     const instants = [...svg.querySelectorAll(".instant")];
     if (!instants.length) return;
@@ -267,7 +267,7 @@
       figure.classList.toggle("large", pressed(node))));
     const linear = (svg.getAttribute("data-y").split(" ")[4] || "") === "linear";
     if (linear && !svg.querySelector(".mark") && lines(svg).some(l => l.points.some(p => p.y > 0))) {
-      tools.append(button("log", "Decades upward", node => decades(svg, pressed(node))));
+      tools.append(button("log", "Logarithmic vertical axis", node => decades(svg, pressed(node))));
     }
     tools.append(
       button("SVG", "Save the drawing", () => save(name + ".svg", "image/svg+xml", alone(svg))),

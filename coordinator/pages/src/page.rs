@@ -9,22 +9,22 @@ use super::plot::Figure;
 use super::table::Table;
 use std::fmt::{Display, Formatter, Result};
 
-/// Fonts, grid and everything else of the page.
+/// Style sheet of the page.
 const STYLE: &str = include_str!("style.css");
-/// What reads values from drawings; the page says all that it has to say without it.
+/// Script that reads values from the drawings; the page is complete without the script.
 const SCRIPT: &str = include_str!("page.js");
 
-/// What a browser may load for the page: what is in it.
+/// Content security policy: a browser may load only resources embedded in the page.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:";
 
-/// One figure of the head of the page.
+/// One prominent figure of the page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Headline {
-    /// What it is.
+    /// Name of the figure.
     pub name: String,
     /// Number and unit.
     pub value: String,
-    /// Something smaller below it.
+    /// Additional text in small print.
     pub more: String,
 }
 
@@ -33,30 +33,30 @@ pub struct Headline {
 pub enum Block {
     /// A paragraph.
     Text(String),
-    /// Figures side by side, large.
+    /// Large figures in a row.
     Headlines(Vec<Headline>),
-    /// Lines.
+    /// A plot of lines.
     Figure(Figure),
-    /// Colours over a plane.
+    /// A map of colours over a plane.
     Heatmap(Heatmap),
-    /// Work along time.
+    /// Work of the processes over time.
     Lanes(Lanes),
-    /// A value for each of some names.
+    /// A bar chart.
     Bars(Bars),
     /// A table.
     Table(Table),
-    /// A small table among the drawings, under a title.
+    /// A small titled table among the drawings.
     Card(String, Table),
-    /// Effects that are on, each with its reason and law.
+    /// Active effects, each with its reason and law.
     Effects(Vec<(String, String)>),
-    /// Text as it is, under a title.
+    /// Verbatim text with a title.
     Verbatim(String, String),
-    /// A table that is folded away under a title.
+    /// A table folded under a title.
     Folded(String, Table),
 }
 
 impl Block {
-    /// Drawings stand side by side where there is room.
+    /// Returns whether the block is a drawing; drawings stand side by side where space allows.
     fn is_drawing(&self) -> bool {
         matches!(
             self,
@@ -110,23 +110,23 @@ fn effects(all: &[(String, String)]) -> String {
     format!("<ul class=\"effects\">\n{}</ul>\n", all.iter().map(one).collect::<String>())
 }
 
-/// A heading and what belongs under it.
+/// A heading and its blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     /// The heading.
     pub title: String,
-    /// What is under it.
+    /// Blocks under the heading.
     pub blocks: Vec<Block>,
 }
 
 impl Section {
-    /// A section; `None` if there is nothing in it.
+    /// Returns a section; `None` if it would be empty.
     #[must_use]
     pub fn of(title: &str, blocks: Vec<Block>) -> Option<Self> {
         (!blocks.is_empty()).then(|| Self { title: title.to_owned(), blocks })
     }
 
-    /// The section as HTML, drawings next to each other in a grid.
+    /// Renders the section as HTML, with drawings in a grid.
     fn html(&self) -> String {
         let mut out = format!("<section>\n<h2>{}</h2>\n", escape(&self.title));
         for group in self.blocks.chunk_by(|a, b| a.is_drawing() == b.is_drawing()) {
@@ -144,40 +144,40 @@ impl Section {
     }
 }
 
-/// How a run has gone, as the page shows it.
+/// Outcome of a run, which sets the colour of the status.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mood {
-    /// It has come to its end.
+pub enum RunStatus {
+    /// The run finished.
     Good,
-    /// It has failed.
+    /// The run failed.
     Bad,
-    /// There is no end to be seen.
+    /// The end of the run is missing.
     Open,
 }
 
-/// The whole page.
+/// A complete page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// Name of the case.
     pub name: String,
-    /// What the case is about.
+    /// Title of the case.
     pub title: String,
-    /// The status in a word.
+    /// Status, a single word.
     pub status: String,
-    /// How it has gone.
-    pub mood: Mood,
-    /// Why the status is what it is.
+    /// Outcome.
+    pub mood: RunStatus,
+    /// Reason for the status.
     pub reason: String,
-    /// What there is to read.
+    /// Sections, from top to bottom.
     pub sections: Vec<Section>,
 }
 
 impl Display for Page {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let mood = match self.mood {
-            Mood::Good => "good",
-            Mood::Bad => "bad",
-            Mood::Open => "open",
+            RunStatus::Good => "good",
+            RunStatus::Bad => "bad",
+            RunStatus::Open => "open",
         };
         let [name, title, status, reason] =
             [&self.name, &self.title, &self.status, &self.reason].map(|text| escape(text));
@@ -185,9 +185,9 @@ impl Display for Page {
         writeln!(f, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>")?;
         writeln!(f, "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>")?;
         writeln!(f, "<meta name=\"color-scheme\" content=\"light dark\"/>")?;
-        // Whatever the page is made to say, it asks nobody for anything.
+        // The policy blocks all requests, whatever the contents of the page.
         writeln!(f, "<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"/>")?;
-        // An icon of its own keeps a browser from asking for one.
+        // An embedded icon keeps the browser from requesting one.
         writeln!(f, "<link rel=\"icon\" href=\"data:,\"/>")?;
         writeln!(
             f,
@@ -198,12 +198,12 @@ impl Display for Page {
         for section in &self.sections {
             f.write_str(&section.html())?;
         }
-        // Marked so that the page stays well-formed XML, too.
+        // The CDATA marker keeps the page well-formed XML.
         writeln!(f, "</main>\n<script>//<![CDATA[\n{SCRIPT}//]]></script>\n</body>\n</html>")
     }
 }
 
-/// What stands between two backticks is code.
+/// Marks text between two backticks as code.
 fn quoted(escaped: &str) -> String {
     let mut parts = escaped.split('`');
     let mut out = parts.next().unwrap_or_default().to_owned();

@@ -1,64 +1,63 @@
-//! Lines over an axis.
+//! Plots of lines over an axis.
 
 use super::axis::{Axis, Frame};
 use super::canvas::{COLOURS, Drawing, Key, LEFT, RIGHT, WIDTH, mark};
 use super::html::escape;
-use super::standalone;
 use run::format::number;
 use std::fmt::Write as _;
 
-/// Height of a line plot's view box.
+/// Height of the view box.
 const HEIGHT: f64 = 282.0;
-/// Where the plot's own area begins and ends upward.
+/// Upper and lower edge of the plotting area in the drawing.
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 234.0;
-/// Dashes of the style sheet for lines whose colour is taken.
+/// Number of dash patterns in the style sheet, for lines whose colour is already in use.
 const DASHES: usize = 3;
-/// Most points drawn of one line; more would be finer than the paper.
+/// Maximum number of points drawn per line; more would exceed the resolution of paper.
 const POINTS: usize = 720;
 
 /// One line of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// What it is.
+    /// Name in the legend.
     pub name: String,
-    /// Its points, in the order in which they are joined; a gap where one is not finite.
+    /// Points in drawing order; a point that is not finite leaves a gap.
     pub points: Vec<[f64; 2]>,
-    /// Dots at the points.
+    /// Whether to draw dots at the points.
     pub dots: bool,
-    /// Marks alone, not joined: what others have printed or measured.
+    /// Whether to draw marks without a line, for printed or measured values of others.
     pub marks: bool,
 }
 
 /// A plot of lines with two axes and a legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What is shown.
+    /// Title above the plot.
     pub title: String,
-    /// What is to the right, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x_label: String,
-    /// What is upward, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y_label: String,
-    /// To the right only whole numbers have a meaning.
+    /// Whether only whole numbers are meaningful along the horizontal axis.
     pub whole: bool,
-    /// By decades to the right.
+    /// Whether the horizontal axis is logarithmic.
     pub decades_x: bool,
-    /// By decades upward.
+    /// Whether the vertical axis is logarithmic.
     pub decades: bool,
-    /// Nought belongs to the axis upward; without effect by decades.
+    /// Whether the vertical axis includes zero; ignored on a logarithmic axis.
     pub from_zero: bool,
-    /// One unit is as long to the right as upward; without effect by decades.
+    /// Whether both axes have the same scale; ignored on logarithmic axes.
     pub true_shape: bool,
-    /// The lines.
+    /// Lines of the plot.
     pub lines: Vec<Line>,
-    /// Lines of which a reader of the page may choose one, in the place of the others.
+    /// Lines that a reader can select one at a time with a slider, in place of the others.
     pub frames: Vec<Line>,
-    /// A sentence below it.
+    /// Note below the plot.
     pub note: String,
 }
 
 impl Figure {
-    /// A figure without lines.
+    /// Returns a plot without lines.
     #[must_use]
     pub fn new(
         title: impl Into<String>,
@@ -88,14 +87,14 @@ impl Figure {
         self
     }
 
-    /// Adds marks that are not joined.
+    /// Adds marks without a connecting line.
     #[must_use]
     pub fn with_marks(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         self.lines.push(Line { name: name.into(), points, dots: false, marks: true });
         self
     }
 
-    /// There is a point to draw.
+    /// Returns whether any point can be drawn.
     #[must_use]
     pub fn has_points(&self) -> bool {
         let places = |value: f64, decades: bool| value.is_finite() && (!decades || value > 0.0);
@@ -103,19 +102,19 @@ impl Figure {
         self.lines.iter().any(|line| line.points.iter().any(drawn))
     }
 
-    /// The plot as HTML.
+    /// Renders the plot as HTML.
     #[must_use]
     pub fn html(&self) -> String {
         self.drawing().html()
     }
 
-    /// The plot as an SVG file that needs nothing else, with its title and legend.
+    /// Renders the plot as a self-contained SVG file, with title and legend.
     #[must_use]
     pub fn standalone(&self) -> String {
-        standalone::svg(&self.drawing())
+        self.drawing().standalone()
     }
 
-    /// To put on a sheet.
+    /// The plot as a drawing, for a page, a file or a sheet.
     #[must_use]
     pub(super) fn drawing(&self) -> Drawing<'_> {
         let [x, y] = self.axes();
@@ -138,7 +137,7 @@ impl Figure {
         }
     }
 
-    /// What tells the lines apart; nothing for one alone.
+    /// Legend of the lines; empty for a single line.
     fn keys(&self) -> Vec<Key<'_>> {
         if self.lines.len() < 2 {
             return Vec::new();
@@ -173,7 +172,7 @@ impl Figure {
         [x, y]
     }
 
-    /// Axes and lines.
+    /// Draws axes and lines.
     fn content(&self, x: &Axis, y: &Axis) -> String {
         let (x_label, y_label) = (self.x_label.as_str(), self.y_label.as_str());
         let mut svg = Frame { x, y, x_label, y_label, grid: true }.svg();
@@ -186,7 +185,7 @@ impl Figure {
         svg
     }
 
-    /// The range of every line, for readers who cannot see the plot.
+    /// Describes the range of every line, for readers who cannot see the plot.
     fn describe(&self) -> String {
         let mut text = format!("{} over {}.", self.y_label, self.x_label);
         for line in &self.lines {
@@ -200,12 +199,12 @@ impl Figure {
 }
 
 impl Line {
-    /// How it is drawn, as the style sheet has it.
+    /// Class in the style sheet.
     fn class(&self, n: usize) -> String {
         match (self.marks, n / COLOURS) {
             (true, _) => "mark".to_owned(),
             (false, 0) => format!("s{n}"),
-            // Colours come again with other dashes.
+            // Colours repeat with another dash pattern.
             (false, turn) => format!("s{} d{}", n % COLOURS, (turn - 1) % DASHES + 1),
         }
     }
@@ -243,7 +242,7 @@ impl Line {
     }
 }
 
-/// At most [`POINTS`] of the points: of each group the lowest and the highest, in their order, so
+/// Reduces the points to at most [`POINTS`]: the lowest and the highest of each group, in order, so
 /// that no peak is lost.
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     if points.len() <= POINTS {
@@ -275,7 +274,7 @@ mod tests {
         assert!(!html.contains("NaN"));
     }
 
-    /// Eight curves of a cost study had six colours, and two pairs looked the same.
+    /// Two of the eight curves of a cost study once looked the same, because there are six colours.
     #[test]
     fn every_line_looks_different() {
         let line = Line { name: String::new(), points: Vec::new(), dots: false, marks: false };

@@ -1,32 +1,26 @@
-//! What a report says, section by section.
+//! Sections of the report about a run.
 
-mod convergence;
-mod diagrams;
-mod energy;
+mod coupling;
 mod fields;
-mod headlines;
-mod history;
+mod results;
 mod setup;
-mod temperature;
-mod warnings;
-mod work;
 
-use super::page::{Block, Mood, Page, Section};
+use super::page::{Page, RunStatus, Section};
 use super::source::Results;
 
-/// The head of the page, without sections.
+/// The page with its head, without sections.
 pub(super) fn opening(results: &Results) -> Page {
     let said = |pointer: &str| results.word(pointer).to_owned();
     let (status, reason, mood) = match results.summary.is_null() {
         true => (
             "no end".to_owned(),
-            "there is no summary: the run was killed or is still running; this is what it has \
-             written so far"
+            "there is no summary: the run was killed or is still running; this page shows what has \
+             been written so far"
                 .to_owned(),
-            Mood::Open,
+            RunStatus::Open,
         ),
-        false if results.failed() => (said("/status"), said("/reason"), Mood::Bad),
-        false => (said("/status"), said("/reason"), Mood::Good),
+        false if results.failed() => (said("/status"), said("/reason"), RunStatus::Bad),
+        false => (said("/status"), said("/reason"), RunStatus::Good),
     };
     let case: toml::Table = toml::from_str(&results.case).unwrap_or_default();
     let of = |key: &str| case.get("case").and_then(|c| c.get(key)).and_then(|v| v.as_str());
@@ -38,29 +32,22 @@ pub(super) fn opening(results: &Results) -> Page {
     Page { name: name.to_owned(), title, status, mood, reason, sections: Vec::new() }
 }
 
-/// How the coupling converged, and what became of the heat.
-fn coupling(results: &Results) -> Option<Section> {
-    let figures = convergence::figures(results).into_iter().map(Block::Figure);
-    let blocks = figures.chain(energy::blocks(results)).collect();
-    Section::of("Convergence and energy", blocks)
-}
-
-/// Every section for which there is something to say.
+/// All sections with contents.
 pub(super) fn all(results: &Results) -> Vec<Section> {
     let sections = [
-        warnings::section(results),
-        headlines::section(results),
-        history::section(results),
-        diagrams::section(results),
+        setup::warnings(results),
+        results::headlines(results),
+        results::over_time(results),
+        results::diagrams(results),
         fields::maps(results),
         fields::lines(results),
-        coupling(results),
-        work::section(results),
+        coupling::convergence_and_energy(results),
+        coupling::work(results),
         setup::plan(results),
         setup::versions(results),
         setup::case(results),
         setup::log(results),
-        headlines::everything(results),
+        results::everything(results),
     ];
     sections.into_iter().flatten().collect()
 }

@@ -1,33 +1,32 @@
-//! Several drawings on one sheet, as an SVG that needs nothing else and leaves nothing to the reader's
-//! preferences: colours are written out, as programs that know no variables want them.
+//! Arranges several drawings on one sheet, as a self-contained SVG. Colours are written out instead
+//! of style-sheet variables, which many programs do not support.
 
 use super::html::{PLOT_STYLE, escape};
-use super::maps::Drawn;
-use super::standalone::whole;
+use super::maps::FieldDrawing;
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
-/// Room between drawings.
+/// Space between drawings.
 const GAP: f64 = 16.0;
 
-/// Light on dark, or dark on light.
+/// Colour scheme of the sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ground {
-    /// For paper.
+    /// Dark on light, for paper.
     Light,
-    /// For slides.
+    /// Light on dark, for slides.
     Dark,
 }
 
-/// The drawings in rows of so many columns, under no common title.
+/// Arranges the drawings in rows of `columns`.
 #[must_use]
-pub fn sheet(title: &str, maps: &[Drawn], columns: usize, ground: Ground) -> String {
+pub fn sheet(title: &str, maps: &[FieldDrawing], columns: usize, ground: Ground) -> String {
     let mut inner = String::new();
     let (mut right, mut top) = (0.0f64, GAP);
     for row in maps.chunks(columns.max(1)) {
         let (mut left, mut height) = (GAP, 0.0f64);
         for map in row {
-            let (svg, size) = whole(&map.drawing());
+            let (svg, size) = map.drawing().with_title();
             let _ = write!(inner, "<g transform=\"translate({left} {top:.2})\">\n{svg}</g>\n");
             left += size[0] + GAP;
             height = height.max(size[1]);
@@ -44,7 +43,7 @@ pub fn sheet(title: &str, maps: &[Drawn], columns: usize, ground: Ground) -> Str
     )
 }
 
-/// The style with its variables written out, and without rules that depend on the reader.
+/// Replaces the variables of a style sheet by their values, and drops media queries.
 fn resolved(style: &str, ground: Ground) -> String {
     let mut values = HashMap::new();
     let mut rules: Vec<(&str, &str)> = Vec::new();
@@ -63,7 +62,7 @@ fn resolved(style: &str, ground: Ground) -> String {
             _ => rules.push((selector, body)),
         }
     }
-    // A class that gives a variable its value, and what it is worth.
+    // Classes that set a variable, with the name and value of the variable.
     let given: Vec<(&str, &str, &str)> = rules
         .iter()
         .flat_map(|(selector, body)| {
@@ -87,7 +86,7 @@ fn resolved(style: &str, ground: Ground) -> String {
     out
 }
 
-/// Where the brace that is open closes.
+/// Index of the closing brace that matches the open one.
 fn closing(text: &str) -> usize {
     let mut depth = 1;
     let at = text.char_indices().find(|(_, c)| {
@@ -97,7 +96,7 @@ fn closing(text: &str) -> usize {
     at.map_or(text.len(), |(n, _)| n)
 }
 
-/// Names and values between the braces of a rule.
+/// Names and values of the declarations in a rule.
 fn declarations(body: &str) -> impl Iterator<Item = (&str, &str)> {
     body.split(';').filter_map(|one| one.split_once(':')).map(|(n, v)| (n.trim(), v.trim()))
 }

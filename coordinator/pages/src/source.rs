@@ -1,15 +1,12 @@
-//! What a run has written, as the report needs it.
+//! Results of a run, as the report needs them.
 //!
-//! Everything is optional: a run that was killed has no summary, one that failed at its start no
-//! fields. A file that cannot be read is reported among the [`Results::troubles`].
+//! All parts are optional: a killed run has no summary, and a run that failed at its start has no
+//! fields. Unreadable files are listed in [`Results::troubles`].
 
 mod image;
-mod table;
-
-pub use image::{Field, Image};
-pub use table::Table;
 
 use contract::figure::FigureSpec;
+pub use image::{Field, Image};
 use run::error::{RunError, file_failure};
 use run::plan_file::{self, PlanFile};
 use run::results::history;
@@ -22,48 +19,53 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// A result directory.
+/// Contents of a result directory.
 #[derive(Clone, Debug, Default)]
 pub struct Results {
-    /// Content of `summary.json`; null without one.
+    /// Contents of `summary.json`; null if missing.
     pub summary: Value,
-    /// Content of `iterations.csv`; empty without one.
-    pub iterations: Table,
-    /// Content of `history.csv`; empty without one.
-    pub history: Table,
-    /// One for each grid that has been written out.
+    /// Contents of `iterations.csv`; empty if missing.
+    pub iterations: Columns,
+    /// Contents of `history.csv`; empty if missing.
+    pub history: Columns,
+    /// Fields, one series for each written grid.
     pub series: Vec<GridSeries>,
-    /// The case as run.
+    /// Text of the case as run.
     pub case: String,
-    /// Content of `plan.json`, if there is one.
+    /// Contents of `plan.json`, if present.
     pub plan: Option<PlanFile>,
     /// Warnings and errors of `log.jsonl`: level, source, message.
     pub log: Vec<[String; 3]>,
     /// Recordings: name and size \[byte\].
     pub recordings: Vec<(String, u64)>,
-    /// What could not be read, and why.
+    /// Files that could not be read, with the reason.
     pub troubles: Vec<String>,
 }
 
-/// One grid of one participant through time.
+/// One grid of one participant over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridSeries {
     /// Participant and grid.
     pub name: String,
     /// Time \[s\] and file of every instant.
     pub instants: Vec<(f64, PathBuf)>,
-    /// The newest fields, if they lie on an image.
+    /// Newest fields, if the grid is structured.
     pub image: Option<Image>,
-    /// Their line through the largest value.
-    pub line: Option<Table>,
+    /// Newest fields along the line through the largest value.
+    pub line: Option<Columns>,
 }
 
 impl GridSeries {
-    /// That line at an instant.
+    /// Returns whether the grid is a surface rather than a section below one.
+    pub(crate) fn is_surface(&self) -> bool {
+        self.image.as_ref().and_then(Image::plane) == Some([0, 1])
+    }
+
+    /// Fields at an instant along the line through the largest value.
     #[must_use]
-    pub fn line_at(&self, instant: usize) -> Option<Table> {
+    pub fn line_at(&self, instant: usize) -> Option<Columns> {
         let (_, path) = self.instants.get(instant)?;
-        fs::read_to_string(path.with_extension("csv")).ok().map(|text| Table::parse(&text))
+        fs::read_to_string(path.with_extension("csv")).ok().map(|text| Columns::parse(&text))
     }
 }
 
@@ -71,7 +73,8 @@ impl Results {
     /// Reads a result directory.
     ///
     /// # Errors
-    /// [`RunError::Usage`] if no run has written into it.
+    /// [`RunError::Usage`] if the directory holds no results; a file failure if a file cannot be
+    /// read.
     pub fn read(folder: &Path) -> Result<Self, RunError> {
         if !["summary.json", "log.jsonl"].iter().any(|name| folder.join(name).is_file()) {
             let shown = folder.display();
@@ -79,8 +82,8 @@ impl Results {
         }
         let mut results = Self::default();
         results.summary = results.json(folder, "summary.json")?.unwrap_or_default();
-        results.iterations = Table::parse(&results.text(&folder.join("iterations.csv"))?);
-        results.history = Table::parse(&results.text(&folder.join(history::FILE))?);
+        results.iterations = Columns::parse(&results.text(&folder.join("iterations.csv"))?);
+        results.history = Columns::parse(&results.text(&folder.join(history::FILE))?);
         results.case = results.text(&folder.join("case.toml"))?;
         results.plan = results.json(folder, plan_file::FILE)?;
         results.log = log(&results.text(&folder.join("log.jsonl"))?);
@@ -89,31 +92,31 @@ impl Results {
         Ok(results)
     }
 
-    /// A figure of the summary.
+    /// Number in the summary at a JSON pointer.
     #[must_use]
     pub fn quantity(&self, pointer: &str) -> Option<f64> {
         self.summary.pointer(pointer).and_then(Value::as_f64)
     }
 
-    /// The figures that the participants have described.
+    /// Figures that the participants describe.
     #[must_use]
     pub fn figures(&self) -> &[FigureSpec] {
         self.plan.as_ref().map_or(&[], |plan| &plan.figures)
     }
 
-    /// A word of the summary, empty without one.
+    /// Text in the summary at a JSON pointer; empty if missing.
     #[must_use]
     pub fn word(&self, pointer: &str) -> &str {
         self.summary.pointer(pointer).and_then(Value::as_str).unwrap_or_default()
     }
 
-    /// The run has failed, or was stopped.
+    /// Returns whether the run failed or was stopped.
     #[must_use]
     pub fn failed(&self) -> bool {
         Status::ENDED_EARLY.map(Status::word).contains(&self.word("/status"))
     }
 
-    /// A text file, empty without one.
+    /// Reads a text file; empty if missing.
     fn text(&mut self, path: &Path) -> Result<String, RunError> {
         match fs::read(path) {
             Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
@@ -122,7 +125,7 @@ impl Results {
         }
     }
 
-    /// The content of a JSON file, if there is one that can be read.
+    /// Reads a JSON file; `None` if missing or invalid.
     fn json<T: DeserializeOwned>(
         &mut self,
         folder: &Path,
@@ -136,7 +139,7 @@ impl Results {
         Ok(read.map_err(|error| self.troubles.push(format!("{name}: {error}"))).ok())
     }
 
-    /// The files of all grids, and the newest fields on them.
+    /// Reads the list of field files of all grids, and the newest fields.
     fn read_fields(&mut self, folder: &Path) {
         let last = match LastFields::read(folder) {
             Ok(Some(last)) => last,
@@ -150,7 +153,7 @@ impl Results {
             let instants: Vec<_> = files.into_iter().map(path).collect();
             let image = Image::of(last.fields.iter().filter(|field| field.series == name));
             if image.is_none() {
-                let trouble = format!("{name}: an unstructured grid, not drawn here; see ParaView");
+                let trouble = format!("{name}: unstructured grid, not drawn here; use ParaView");
                 self.troubles.push(trouble);
             }
             let mut series = GridSeries { name, instants, image, line: None };
@@ -160,7 +163,7 @@ impl Results {
     }
 }
 
-/// What there is to say of fields that an earlier version has written.
+/// Remark about fields written by an earlier version.
 fn unkept(folder: &Path) -> Option<String> {
     let mut entries = fs::read_dir(folder).ok()?.flatten();
     let series = |entry: fs::DirEntry| entry.path().extension().is_some_and(|end| end == "pvd");
@@ -194,4 +197,70 @@ fn recordings(folder: &Path) -> std::io::Result<Vec<(String, u64)>> {
     }
     found.sort();
     Ok(found)
+}
+
+/// Columns of numbers; an empty or invalid cell is NaN.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Columns {
+    names: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Columns {
+    /// Parses a table. An incomplete last line is dropped.
+    #[must_use]
+    pub fn parse(text: &str) -> Self {
+        let mut lines = text.lines();
+        let head = lines.next().unwrap_or_default();
+        let names: Vec<String> = head.split(',').map(str::to_owned).collect();
+        let numbers = |line: &str| -> Vec<f64> {
+            line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()
+        };
+        let rows = lines.map(numbers).filter(|row| row.len() == names.len()).collect();
+        Self { names, rows }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Returns whether the table has no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Names of the columns.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(String::as_str)
+    }
+
+    /// Values of a column.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let at = self.names.iter().position(|other| other == name)?;
+        Some(self.rows.iter().map(|row| row[at]).collect())
+    }
+
+    /// Names of the columns with this ending, without the ending.
+    pub fn ending<'a>(&'a self, ending: &'a str) -> impl Iterator<Item = &'a str> {
+        self.names().filter_map(move |name| name.strip_suffix(ending))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cut_line_is_left_out_and_an_empty_cell_is_no_number() {
+        let table = Columns::parse("a,b_s\n1,2e-3\n,4\n5");
+        assert_eq!(table.len(), 2);
+        assert_eq!(table.column("b_s").unwrap(), [2e-3, 4.0]);
+        assert!(table.column("a").unwrap()[1].is_nan());
+        assert_eq!(table.ending("_s").collect::<Vec<_>>(), ["b"]);
+        assert!(Columns::parse("").is_empty());
+    }
 }

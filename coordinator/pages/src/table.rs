@@ -1,20 +1,20 @@
-//! Tables of text and figures.
+//! Tables of text and numbers.
 
 use super::html::escape;
 
-/// A table with a head; the first column names the row.
+/// A table with a heading; the first column names the row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// Names of the columns.
+    /// Headings of the columns.
     pub head: Vec<String>,
-    /// Rows, as long as the head.
+    /// Rows, each as long as the heading.
     pub rows: Vec<Vec<String>>,
-    /// From this column on cells are figures, set to the right.
+    /// Index of the first column with numbers, which are aligned to the right.
     pub figures_from: usize,
 }
 
 impl Table {
-    /// A table without rows, with figures from this column on.
+    /// Returns a table without rows, with numbers from column `figures_from` onwards.
     #[must_use]
     pub fn new<const N: usize>(head: [&str; N], figures_from: usize) -> Self {
         Self { head: head.map(str::to_owned).to_vec(), rows: Vec::new(), figures_from }
@@ -25,7 +25,7 @@ impl Table {
         self.rows.push(cells.to_vec());
     }
 
-    /// The table as HTML; wider than the page it scrolls within itself.
+    /// Renders the table as HTML, with a scroll bar if wider than the page.
     #[must_use]
     pub fn html(&self) -> String {
         let class = |n: usize| if n >= self.figures_from { " class=\"figure\"" } else { "" };
@@ -46,7 +46,7 @@ impl Table {
         )
     }
 
-    /// The table in Markdown, without an end of line after its last row.
+    /// Renders the table in Markdown, without a newline after the last row.
     #[must_use]
     pub fn markdown(&self) -> String {
         let plain = |cell: &String| cell.replace('|', "\\|").replace('\n', " ");

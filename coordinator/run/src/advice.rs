@@ -1,4 +1,5 @@
-//! What the programs of a case say of effects in its scene, those that take no part in it too.
+//! Advice of the programs of a case about effects in its scene. Programs that do not take part in
+//! the run are asked too.
 
 use crate::error::RunError;
 use crate::plan::Planned;
@@ -7,15 +8,16 @@ use case::schema::WELL_KNOWN_ROLES;
 use contract::advice::{Advice, Known, Opinion, Scene};
 use std::time::Duration;
 
-/// How long a program may take to say so.
+/// Longest time that a program may take to advise.
 const ANSWER: Duration = Duration::from_secs(30);
-/// Each is asked as often, so that the first hears what the others estimate.
+/// Number of rounds. In the second one, the first program hears the estimates of the others.
 const TURNS: usize = 2;
 
-/// Asks all programs that advise; of an effect the word of the first that has one. Nothing of the run is started.
+/// Asks every program that advises. The first program in the flow of data that advises on an effect
+/// decides. Starts no run.
 ///
 /// # Errors
-/// A program that fails, or whose answer cannot be.
+/// A program fails, or its answer is invalid.
 pub fn ask(planned: &Planned) -> Result<Vec<Advice>, RunError> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
@@ -49,7 +51,8 @@ async fn ask_async(planned: &Planned) -> Result<Vec<Advice>, RunError> {
     Ok(advice)
 }
 
-/// The programs that advise, in the order of the flow of data, with their roles.
+/// Returns the programs that advise with their roles: participants in the order of the flow of
+/// data, then idle and well-known roles.
 async fn advising(planned: &Planned) -> Vec<(String, Program)> {
     let mut programs: Vec<(String, Program)> = Vec::new();
     for one in &planned.plan.participants {

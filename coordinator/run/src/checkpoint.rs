@@ -2,26 +2,22 @@
 //!
 //! ```text
 //! checkpoints/000120/             window 120 is the next one
-//!     coordinator.state           what only the coordinator knows, and checksums of the other files
-//!     ROLE.state                  each participant's own
-//!     FIELD.values                what it sent last, as little-endian doubles
-//!     ROLE.GRID.geometry          the grid of those values, if it is one that moves
+//!     coordinator.state           state of the coordinator, and checksums of the other files
+//!     ROLE.state                  state of each participant
+//!     FIELD.values                values sent last, as little-endian doubles
+//!     ROLE.GRID.geometry          the grid of those values, if it moves
 //! ```
 //!
-//! A checkpoint is written under the name `000120.new`, every file flushed to the disk, and then
-//! renamed: under its own name it is whole, but for a disk that fails. The last [`KEPT`] are kept.
-//! Every file has its length and its CRC-64 in `coordinator.state`, and that has its own in its
-//! head, so that a corrupt checkpoint is recognised; [`Checkpoints::newest`] says what is wrong
-//! with it and takes the one before.
-
-mod sum;
-
-pub use sum::{sum, sum_of_file};
+//! A checkpoint is written under the name `000120.new`, every file is flushed to the disk, and the
+//! folder is then renamed. Under its final name a checkpoint is complete, unless the disk fails.
+//! The last [`KEPT`] checkpoints are kept. `coordinator.state` holds the length and CRC-64 of every
+//! file, and its own CRC-64 in its head, so that a corrupt checkpoint is recognised.
+//! [`Checkpoints::newest`] reports the damage and takes the checkpoint before.
 
 use crate::error::{RunError, file_failure};
 use crate::results::summary::Counts;
 use crate::results::vtk::FileSeries;
-use crate::sealed::{self, Broken, Magic};
+use crate::sealed::{self, Magic, SealedFileError, sum_of_stream};
 use coupling::windows;
 use proto::binary;
 use serde::{Deserialize, Serialize};
@@ -30,47 +26,47 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Checkpoints that are kept.
+/// Number of checkpoints that are kept.
 pub const KEPT: usize = 2;
 
-/// The folder in the result directory.
+/// Folder of the checkpoints in the result directory.
 pub const FOLDER: &str = "checkpoints";
 
-/// The coordinator's own part; its file is complete only when all others are.
+/// The coordinator's part, written after all others: without it a folder is no checkpoint.
 const OWN: &str = "coordinator.state";
-/// Begins every [`OWN`] file; the digit is the version of its layout.
+/// First bytes of every [`OWN`] file; the digit is the version of its layout.
 const MAGIC: &Magic = b"COSIMCK3";
 
-/// What a run was made from; a resumed run has to be made from the same.
+/// Origin of a run. A run resumes only from a checkpoint of the same origin.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
     /// Version of the coordinator.
     pub version: String,
     /// Version of the participant contract.
     pub protocol: u32,
-    /// The case as run.
+    /// The case, as text.
     pub case: String,
-    /// The folder from which relative file names in the case are meant.
+    /// Folder to which relative file names in the case refer.
     #[serde(with = "raw_path")]
     pub folder: PathBuf,
-    /// Parts of the plan, by name, with the CRC-64 of each.
+    /// CRC-64 of each part of the plan, by name.
     pub plan: Vec<(String, u64)>,
-    /// Files that the case names, by key, with the CRC-64 of each.
+    /// CRC-64 of each file that the case names, by key.
     pub files: BTreeMap<String, String>,
 }
 
 /// The coordinator's part of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoordinatorState {
-    /// What the run was made from.
+    /// Origin of the run.
     pub origin: Origin,
     /// The last accepted step: window, iteration, start and end [s].
     pub step: (u64, u32, f64, f64),
-    /// Where the run is in time.
+    /// Position of the run in time.
     pub time: windows::WindowState,
-    /// What has been counted.
+    /// Counts of the run so far.
     pub counts: Counts,
-    /// What [`coupling::Coupling::save`] wrote.
+    /// State of the coupling, as written by [`coupling::Coupling::save`].
     pub coupling: Vec<u8>,
     /// The last iterate sent to the consumers that close the loop.
     pub iterate: Vec<f64>,
@@ -96,7 +92,7 @@ pub struct Checkpoints {
     folder: PathBuf,
 }
 
-/// A checkpoint that can be used.
+/// An intact checkpoint.
 #[derive(Debug)]
 pub struct Checkpoint {
     /// The coordinator's part.
@@ -105,26 +101,26 @@ pub struct Checkpoint {
     pub folder: PathBuf,
 }
 
-/// A checkpoint that cannot be used.
+/// A corrupt checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Corrupt {
     /// Name of its folder.
     pub name: String,
-    /// What is wrong with it.
+    /// Description of the damage.
     pub reason: String,
 }
 
 impl Checkpoints {
-    /// Those of this result directory.
+    /// Returns the checkpoints of this result directory.
     #[must_use]
     pub fn of(results: &Path) -> Self {
         Self { folder: results.join(FOLDER) }
     }
 
-    /// Makes the folder for the parts of a checkpoint after which window `next` is solved.
+    /// Creates the folder for the parts of a checkpoint, after which window `next` is solved.
     ///
     /// # Errors
-    /// The file system.
+    /// The folder cannot be created, or a draft of the same name cannot be removed.
     pub fn begin(&self, next: u64) -> Result<PathBuf, RunError> {
         let draft = self.folder.join(format!("{next:06}.new"));
         let make = || {
@@ -135,11 +131,11 @@ impl Checkpoints {
         Ok(draft)
     }
 
-    /// Completes the checkpoint in the folder that [`Checkpoints::begin`] gave, with these parts,
-    /// and removes those that are no longer needed.
+    /// Completes the checkpoint in the folder that [`Checkpoints::begin`] returned. Then removes
+    /// all but the last [`KEPT`] checkpoints.
     ///
     /// # Errors
-    /// The file system.
+    /// A part cannot be read, or the disk cannot be written.
     pub fn complete(
         &self,
         draft: &Path,
@@ -151,13 +147,14 @@ impl Checkpoints {
             write_own(&draft.join(OWN), &(parts, state))?;
             File::open(draft)?.sync_all()?;
             let folder = draft.with_extension("");
-            // One of this name is corrupt, or a run that was resumed before it would have used it.
+            // An existing checkpoint of this name is corrupt: a run would have resumed from an
+            // intact one.
             remove(&folder)?;
             fs::rename(draft, folder)?;
             File::open(&self.folder)?.sync_all()
         };
         complete().map_err(|error| {
-            // Half a checkpoint is of no use, and may be what fills the disk.
+            // Half a checkpoint is useless, and may be what fills the disk.
             let _ = fs::remove_dir_all(draft);
             file_failure(draft, &error)
         })?;
@@ -169,7 +166,7 @@ impl Checkpoints {
         Ok(())
     }
 
-    /// The newest intact checkpoint, if there is one, and those that are newer and corrupt.
+    /// Returns the newest intact checkpoint, if any, and all corrupt checkpoints newer than it.
     #[must_use]
     pub fn newest(&self) -> (Option<Checkpoint>, Vec<Corrupt>) {
         let mut corrupt = Vec::new();
@@ -182,10 +179,10 @@ impl Checkpoints {
         (None, corrupt)
     }
 
-    /// Removes every checkpoint, drafts too.
+    /// Removes every checkpoint and every draft.
     ///
     /// # Errors
-    /// The file system.
+    /// A folder cannot be removed.
     pub fn clear(&self) -> Result<(), RunError> {
         let drafts = self
             .entries()
@@ -195,7 +192,7 @@ impl Checkpoints {
             let folder = self.folder.join(name);
             remove(&folder).map_err(|error| file_failure(&folder, &error))?;
         }
-        // What is not ours keeps the folder.
+        // A folder with other files in it stays.
         let _ = fs::remove_dir(&self.folder);
         Ok(())
     }
@@ -218,7 +215,8 @@ fn is_number(name: &str) -> bool {
     name.len() >= 6 && name.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Removes a checkpoint, its own part first: without that it is none.
+/// Removes a checkpoint. The coordinator's part goes first, so that the remainder is not taken for
+/// a checkpoint.
 fn remove(folder: &Path) -> io::Result<()> {
     for step in [fs::remove_file(folder.join(OWN)), fs::remove_dir_all(folder)] {
         match step {
@@ -229,10 +227,10 @@ fn remove(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Flushes a part to the disk; its length and sum.
+/// Flushes a part to the disk and returns its length and checksum.
 fn seal(folder: &Path, name: &str) -> io::Result<Part> {
     let file = File::open(folder.join(name))?;
-    let (bytes, sum) = sum::of_stream(&file)?;
+    let (bytes, sum) = sum_of_stream(&file)?;
     file.sync_all()?;
     Ok(Part { name: name.to_owned(), bytes, sum })
 }
@@ -246,16 +244,16 @@ fn encode_own(content: &(Vec<Part>, &CoordinatorState)) -> Vec<u8> {
     sealed::seal(MAGIC, content).expect("a state is plain data")
 }
 
-/// The inverse of [`encode_own`], or what is wrong with the bytes.
+/// Inverts [`encode_own`]. Returns a description of the damage if the bytes are corrupt.
 fn decode_own(bytes: &[u8]) -> Result<(Vec<Part>, CoordinatorState), String> {
     sealed::open(MAGIC, bytes).map_err(|broken| match broken {
-        Broken::Foreign => format!("{OWN} is not a checkpoint of this version"),
-        Broken::Sum(_) => format!("{OWN} is {broken}"),
-        Broken::Content(_) => format!("{OWN}: {broken}"),
+        SealedFileError::Foreign => format!("{OWN} is not a checkpoint of this version"),
+        SealedFileError::Sum(_) => format!("{OWN} is {broken}"),
+        SealedFileError::Content(_) => format!("{OWN}: {broken}"),
     })
 }
 
-/// Reads a checkpoint, or says what is wrong with it.
+/// Reads a checkpoint. Returns a description of the damage if it is corrupt.
 fn read(folder: &Path) -> Result<Checkpoint, String> {
     let failed = |name: &str| {
         let name = name.to_owned();
@@ -283,7 +281,7 @@ fn read(folder: &Path) -> Result<Checkpoint, String> {
                 part.name
             ));
         }
-        let found = File::open(path).and_then(sum::of_stream).map_err(failed(&part.name))?;
+        let found = File::open(path).and_then(sum_of_stream).map_err(failed(&part.name))?;
         if found != (part.bytes, part.sum) {
             return Err(format!("{} is corrupt: checksum mismatch", part.name));
         }
@@ -291,7 +289,7 @@ fn read(folder: &Path) -> Result<Checkpoint, String> {
     Ok(Checkpoint { state, folder: folder.to_owned() })
 }
 
-/// A path byte by byte: it need not be UTF-8.
+/// A path as bytes: a path need not be UTF-8.
 mod raw_path {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
     use std::ffi::OsString;

@@ -1,14 +1,14 @@
 //! Participants that outlive a run.
 //!
 //! While [`keep`] or [`start_early`] is in force on a thread, planning starts the participants of a
-//! case and asks these processes for their descriptions and estimates; the run then uses them. With
-//! [`keep`], the participants of a run that succeeded also stay for the next one, if all of them are
-//! reusable ([`contract::description::Description::reusable`]). Any failure ends the processes, and
-//! the next run starts new ones.
+//! case and asks these processes for their descriptions and estimates. The run then uses the same
+//! processes. With [`keep`], the participants of a successful run stay for the next run, if all of
+//! them are reusable ([`contract::description::Description::reusable`]). Any failure ends the
+//! processes, and the next run starts new ones.
 
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
-use crate::peers::{Peers, Phase, Seat};
+use crate::peers::{ParticipantSlot, Peers, Phase};
 use crate::programs::Program;
 use crate::session::{layout_fault, open_files};
 use contract::configuration::{Configuration, Estimate, Layout};
@@ -18,60 +18,62 @@ use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::time::Duration;
 
-/// Topics of a participant, assumed when the limit of open files is checked before planning.
+/// Number of topics of a participant, assumed when the limit of open files is checked before
+/// planning.
 const TOPICS: usize = 4;
 
 /// Lifetime of participants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kept {
-    /// A run starts its own.
+enum RetainedParticipants {
+    /// Every run starts its own participants.
     No,
-    /// From the planning of a run to its end.
+    /// Participants live from the planning of a run to its end.
     ForOneRun,
-    /// From run to run.
+    /// Participants stay from run to run.
     ForAll,
 }
 
 /// Participants of this thread that wait for a run.
 struct Crew {
-    kept: Kept,
+    kept: RetainedParticipants,
     peers: Option<Peers>,
 }
 
 thread_local! {
-    static CREW: RefCell<Crew> = const { RefCell::new(Crew { kept: Kept::No, peers: None }) };
+    static CREW: RefCell<Crew> = const { RefCell::new(Crew { kept: RetainedParticipants::No, peers: None }) };
 }
 
-/// Keeps participants on this thread. Dropping it dismisses those that wait.
+/// Guard that keeps participants on this thread. Dropping the guard dismisses the waiting
+/// participants.
 #[derive(Debug)]
 #[must_use]
-pub struct Keeps {
-    before: Kept,
-    /// Makes it stay on its thread.
+pub struct RetentionGuard {
+    before: RetainedParticipants,
+    /// Makes the guard neither `Send` nor `Sync`: the participants belong to its thread.
     of_thread: PhantomData<*const ()>,
 }
 
-/// Lets participants of this thread's runs stay for the next run, from here on.
-pub fn keep() -> Keeps {
-    Keeps::new(Kept::ForAll)
+/// Lets participants of this thread's runs stay for the next run, until the guard is dropped.
+pub fn keep() -> RetentionGuard {
+    RetentionGuard::new(RetainedParticipants::ForAll)
 }
 
-/// Lets planning on this thread start the participants of its run, from here on.
-pub fn start_early() -> Keeps {
-    Keeps::new(Kept::ForOneRun)
+/// Lets planning on this thread start the participants of its run, until the guard is dropped.
+pub fn start_early() -> RetentionGuard {
+    RetentionGuard::new(RetainedParticipants::ForOneRun)
 }
 
-impl Keeps {
-    fn new(kept: Kept) -> Self {
+impl RetentionGuard {
+    fn new(kept: RetainedParticipants) -> Self {
         let before = CREW.with_borrow_mut(|crew| std::mem::replace(&mut crew.kept, kept));
         Self { before, of_thread: PhantomData }
     }
 }
 
-impl Drop for Keeps {
+impl Drop for RetentionGuard {
     fn drop(&mut self) {
         CREW.with_borrow_mut(|crew| crew.kept = self.before);
-        if self.before == Kept::No {
+        if self.before == RetainedParticipants::No {
             leave();
         }
     }
@@ -79,7 +81,7 @@ impl Drop for Keeps {
 
 /// Returns whether participants stay after a run.
 pub(crate) fn stays() -> bool {
-    CREW.with_borrow(|crew| crew.kept == Kept::ForAll)
+    CREW.with_borrow(|crew| crew.kept == RetainedParticipants::ForAll)
 }
 
 /// Keeps the participants of a run that has ended.
@@ -88,9 +90,9 @@ pub(crate) fn stay(peers: Peers) {
     before.into_iter().for_each(Peers::dismiss);
 }
 
-/// Takes the participants that wait, if they hold all these seats and are alive. Participants in
-/// other seats are dismissed.
-pub(crate) fn take(seats: &[Seat]) -> Option<Peers> {
+/// Takes the waiting participants, if they hold all these seats and are alive. Otherwise dismisses
+/// them.
+pub(crate) fn take(seats: &[ParticipantSlot]) -> Option<Peers> {
     let peers = CREW.with_borrow_mut(|crew| crew.peers.take())?;
     match peers.seated(seats) {
         Ok(peers) => Some(peers),
@@ -101,12 +103,12 @@ pub(crate) fn take(seats: &[Seat]) -> Option<Peers> {
     }
 }
 
-/// Returns the shared memory that the participants that wait hold [byte].
+/// Returns the shared memory of the waiting participants [byte].
 pub(crate) fn held_memory() -> u64 {
     CREW.with_borrow(|crew| crew.peers.as_ref().map_or(0, Peers::held_memory))
 }
 
-/// Dismisses the participants that wait.
+/// Dismisses the waiting participants.
 pub(crate) fn leave() {
     let peers = CREW.with_borrow_mut(|crew| crew.peers.take());
     peers.into_iter().for_each(Peers::dismiss);
@@ -114,8 +116,9 @@ pub(crate) fn leave() {
 
 /// Starts participants and asks for their descriptions, unless some wait already or none are kept.
 /// If that fails, planning starts a process for each question and reports the error.
-pub(crate) fn start(seats: &[Seat], patience: Duration) {
-    let wanted = CREW.with_borrow(|crew| crew.kept != Kept::No && crew.peers.is_none());
+pub(crate) fn start(seats: &[ParticipantSlot], patience: Duration) {
+    let wanted =
+        CREW.with_borrow(|crew| crew.kept != RetainedParticipants::No && crew.peers.is_none());
     if !wanted || seats.is_empty() || seats.iter().any(|seat| seat.attach) {
         return;
     }
@@ -126,7 +129,7 @@ pub(crate) fn start(seats: &[Seat], patience: Duration) {
 }
 
 /// Starts participants, waits until they have joined, and keeps their descriptions.
-fn described(seats: &[Seat], patience: Duration) -> Result<Peers, RunError> {
+fn described(seats: &[ParticipantSlot], patience: Duration) -> Result<Peers, RunError> {
     open_files::provide(seats.len(), TOPICS * seats.len(), false)?;
     let deadlines =
         Deadlines { start: patience, build: patience, solve: patience, heartbeat: patience };
@@ -145,8 +148,8 @@ fn described(seats: &[Seat], patience: Duration) -> Result<Peers, RunError> {
     Ok(peers)
 }
 
-/// Asks a participant that waits for its estimate. `None` if no participant runs this program, or if
-/// it fails or answers with a faulty layout; planning asks a new process then.
+/// Asks a waiting participant for its estimate. Returns `None` if no participant runs this program,
+/// or if it fails or answers with a faulty layout. Planning then asks a new process.
 pub(crate) fn estimate(
     program: &Program,
     configuration: &Configuration,
@@ -154,7 +157,8 @@ pub(crate) fn estimate(
 ) -> Option<Estimate> {
     CREW.with_borrow_mut(|crew| {
         let peers = crew.peers.as_mut()?;
-        let is_it = |seat: &Seat| seat.role == configuration.role && seat.program == *program;
+        let is_it =
+            |seat: &ParticipantSlot| seat.role == configuration.role && seat.program == *program;
         let one = peers.seats().iter().position(is_it)?.into();
         peers.phase = Phase::Configuring;
         let body = serde_json::to_vec(configuration).expect("a configuration is plain data");

@@ -1,9 +1,9 @@
-//! The last words of a process that reads shared memory which is not what it was.
+//! Reports on standard error when damaged shared memory ends the process.
 //!
-//! A file that is cut short, or for which `/dev/shm` has no room, ends any process that touches it
-//! with a bus error; what iceoryx2 keeps beside the samples, once overwritten, with an invalid
-//! access. Neither can be put in order, but it can be said. Participants notice that we are gone,
-//! and leave; the next run removes what is left.
+//! Touching a file that was truncated, or for which `/dev/shm` has no room, raises a bus error.
+//! Overwritten management data of iceoryx2 leads to an invalid access. Neither can be repaired; the
+//! handlers print the cause before the process ends. Participants notice the end and leave. The
+//! next run removes the remaining files.
 
 use std::io;
 use std::mem::MaybeUninit;
@@ -17,10 +17,10 @@ const OVERWRITTEN: &[u8] =
     b"error: invalid access to memory: the run's files in /dev/shm have been \
       overwritten, or the program is at fault; the next run removes what this one leaves\n";
 
-/// What the runtime of the language does about invalid accesses: it knows overflows of the stack.
+/// The Rust runtime's handler of invalid accesses, which recognises stack overflows.
 static BEFORE: OnceLock<libc::sigaction> = OnceLock::new();
 
-/// From now on such an end is reported on standard error.
+/// Installs the handlers that report such an end on standard error.
 pub fn report() -> io::Result<()> {
     let before = install(libc::SIGSEGV, overwritten)?;
     let _ = BEFORE.set(before);
@@ -30,7 +30,8 @@ pub fn report() -> io::Result<()> {
 fn install(signal: i32, handler: extern "C" fn(i32)) -> io::Result<libc::sigaction> {
     let mut before = MaybeUninit::zeroed();
     // SAFETY: an action of zeros is a valid one without mask; `before` is written by the call, and
-    // read only after its success. The handlers call nothing but what is safe in a signal handler.
+    // read only after its success. The handlers call only functions that are safe in a signal
+    // handler.
     unsafe {
         let mut action: libc::sigaction = MaybeUninit::zeroed().assume_init();
         action.sa_sigaction = handler as *const () as usize;
@@ -42,7 +43,7 @@ fn install(signal: i32, handler: extern "C" fn(i32)) -> io::Result<libc::sigacti
     }
 }
 
-/// The machine has failed.
+/// Reports the bus error and ends the process.
 extern "C" fn cut(_signal: i32) {
     // SAFETY: both calls are safe in a signal handler.
     unsafe {
@@ -51,11 +52,12 @@ extern "C" fn cut(_signal: i32) {
     }
 }
 
-/// The access is repeated when this returns, and then ends the process as it would have before.
+/// Reports the invalid access and restores the former handler. On return the access is repeated,
+/// and the former handler ends the process.
 extern "C" fn overwritten(signal: i32) {
     let before = BEFORE.get().map_or(ptr::null(), ptr::from_ref);
-    // SAFETY: all calls are safe in a signal handler; without a former action nothing is restored, and
-    // then the process ends here.
+    // SAFETY: all calls are safe in a signal handler; without a former action nothing is restored,
+    // and then the process ends here.
     unsafe {
         libc::write(2, OVERWRITTEN.as_ptr().cast(), OVERWRITTEN.len());
         if before.is_null() || libc::sigaction(signal, before, ptr::null_mut()) != 0 {

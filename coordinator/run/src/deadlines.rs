@@ -1,26 +1,27 @@
-//! Limits of the waits.
+//! Longest waits for participants.
 
 use contract::configuration::Layout;
 use std::time::Duration;
 
-/// How long every kind of wait may last.
+/// Longest duration of each kind of wait.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deadlines {
-    /// From starting a participant to its joining the run.
+    /// Time from the start of a participant to its joining the run.
     pub start: Duration,
-    /// Building a model.
+    /// Time for building a model.
     pub build: Duration,
-    /// One command.
+    /// Time for any other command.
     pub solve: Duration,
-    /// From one heartbeat to the next.
+    /// Time from one heartbeat to the next.
     pub heartbeat: Duration,
 }
 
 impl Deadlines {
-    /// How much longer than expected building a model may take.
+    /// Factor by which building a model may take longer than expected.
     const BUILD_MARGIN: f64 = 10.0;
 
-    /// For building the model of this layout: longer where the participant expects so.
+    /// Returns the limit for building the model of this layout. It grows with the time that the
+    /// participant expects.
     #[must_use]
     pub fn build_of(&self, layout: &Layout) -> Duration {
         let expected = Self::BUILD_MARGIN * layout.build_seconds;

@@ -1,4 +1,4 @@
-//! How a command can end badly, and the exit code that goes with it.
+//! Errors of a command, with their exit codes.
 
 use crate::format::percent;
 use crate::program::Program;
@@ -7,18 +7,18 @@ use case::Problems;
 use contract::configuration::Refusal;
 use contract::input_file::InputFileError;
 use coupling::NotConverged;
-use coupling::converge::Why;
+use coupling::converge::NonConvergence;
 
-/// Why a command of the coordinator did not succeed.
+/// Reason why a command of the coordinator did not succeed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The command line asks for what cannot be; nothing was started.
+    /// The command line is invalid; nothing was started.
     #[error("{0}")]
     Usage(String),
-    /// The case is wrong; nothing was started.
+    /// The case is invalid; nothing was started.
     #[error("{0}")]
     Case(#[from] Problems),
-    /// A participant refused the case. Becomes [`RunError::Case`] where the case is at hand.
+    /// A participant refused the case. Becomes [`RunError::Case`] where the case is available.
     #[error("{role} refuses the case: {refusal}")]
     Refused {
         /// Role that refused.
@@ -26,13 +26,13 @@ pub enum RunError {
         /// Key, reason and fix.
         refusal: Refusal,
     },
-    /// A program that the case names, or needs, is not there. Becomes [`RunError::Case`] where the
-    /// case is at hand.
+    /// A program that the case needs does not exist. Becomes [`RunError::Case`] where the case is
+    /// available.
     #[error("{role}: there is no program `{}`", program.command_line())]
     NoProgram {
         /// Role that the program was to play.
         role: String,
-        /// What was looked for.
+        /// The missing program.
         program: Program,
     },
     /// A participant or the machine failed.
@@ -41,7 +41,7 @@ pub enum RunError {
     /// A window did not converge, and the case is strict.
     #[error("{not_converged}; {fix}", not_converged = .0, fix = fix(.0))]
     NotConverged(#[from] NotConverged),
-    /// The finest grid that was tried misses the target of accuracy.
+    /// The finest grid tried misses the target accuracy.
     #[error(
         "the estimated error of {quantity} is {:.2} %, above the requested {} %; {fix}",
         100.0 * estimated, percent(*target)
@@ -49,17 +49,17 @@ pub enum RunError {
     Inaccurate {
         /// Key of the quantity.
         quantity: String,
-        /// Its estimated relative error.
+        /// Estimated relative error of the quantity.
         estimated: f64,
-        /// The error that was asked for.
+        /// Requested relative error.
         target: f64,
-        /// What to do.
+        /// Advice to the user.
         fix: String,
     },
-    /// A replayed participant does not send what was recorded.
+    /// A replayed participant sends other values than those recorded.
     #[error("the replay differs from the recording: {0}")]
     Differs(String),
-    /// A text that is kept does not say what a reproduction says.
+    /// A generated file is out of date.
     #[error("stale: {0}")]
     Stale(String),
     /// Stopped by the user.
@@ -67,7 +67,7 @@ pub enum RunError {
     Interrupted {
         /// Name of the signal.
         signal: &'static str,
-        /// What was going on.
+        /// The phase in which it happened.
         when: String,
     },
     /// A participant's summary holds a quantity that is not a number.
@@ -78,33 +78,38 @@ pub enum RunError {
         /// Dotted key of the quantity.
         key: String,
     },
-    /// One error, and a second one while the first was dealt with.
+    /// Two errors: one that ended the run, and one from handling it.
     #[error("{first}\nerror: {second}")]
     Both {
-        /// What ended the run.
+        /// The error that ended the run.
         first: Box<RunError>,
-        /// What went wrong then.
+        /// The error that followed.
         second: Box<RunError>,
     },
 }
 
-/// What failed, when, how, and what to do about it.
+/// A failure: who failed, when and how, and how to fix it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{who} failed {when}: {what}; {fix}")]
 pub struct Failure {
     /// Role and program, or a part of the machine.
     pub who: String,
-    /// What was going on: a phase, or window and iteration.
+    /// The phase, or window and iteration.
     pub when: String,
-    /// What happened.
+    /// Description of the failure.
     pub what: String,
-    /// What to do.
+    /// Advice to the user.
     pub fix: String,
 }
 
 impl RunError {
-    /// The exit code: 1 a solver or the machine failed, 2 bad usage or case, 3 not converged, 4 a replay
-    /// differs, or a text that is kept is stale, 128 and the number of the signal that has stopped it.
+    /// Returns the exit code:
+    ///
+    /// - 1: a solver or the machine failed,
+    /// - 2: invalid usage or case,
+    /// - 3: not converged,
+    /// - 4: a replay differs, or a generated file is out of date,
+    /// - 128 plus the number of the signal that stopped the command.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -119,7 +124,7 @@ impl RunError {
         }
     }
 
-    /// The user has stopped it.
+    /// Returns whether the user has stopped the command.
     #[must_use]
     pub fn is_interrupt(&self) -> bool {
         match self {
@@ -129,7 +134,7 @@ impl RunError {
         }
     }
 
-    /// This error, and what went wrong after it, if anything.
+    /// Returns this error, joined with an error that followed, if any.
     #[must_use]
     pub fn and(self, then: Result<(), RunError>) -> Self {
         match then {
@@ -139,15 +144,17 @@ impl RunError {
     }
 }
 
-/// What to do about a window that did not converge.
+/// Returns advice about a window that did not converge.
 fn fix(of: &NotConverged) -> String {
     let other = of.advice;
     match of.why {
-        Why::Diverged => format!("{other}, lower coupling.relaxation, or shorten time.window"),
-        Why::Stagnated => format!(
+        NonConvergence::Diverged => {
+            format!("{other}, lower coupling.relaxation, or shorten time.window")
+        }
+        NonConvergence::Stagnated => format!(
             "{other}, or loosen coupling.relative: the participants may not be more precise"
         ),
-        Why::OutOfIterations => {
+        NonConvergence::OutOfIterations => {
             format!(
                 "raise coupling.max_iterations, {other}, lower coupling.relaxation, or shorten time.window"
             )
@@ -155,14 +162,14 @@ fn fix(of: &NotConverged) -> String {
     }
 }
 
-/// An error of the file system as a failure of the machine.
+/// Returns an error of the file system as a failure of the machine.
 pub fn file_failure(path: &std::path::Path, error: &std::io::Error) -> RunError {
     let when = format!("at {}", shown(path).display());
     let fix = "check the path, its permissions and the free space";
     machine_failure("the file system", &when, error, fix)
 }
 
-/// A file that a user names and that cannot be used.
+/// Returns the error for a file that a user names and that cannot be used.
 #[must_use]
 pub fn input_failure(path: &std::path::Path, error: &InputFileError) -> RunError {
     match error {
@@ -171,7 +178,7 @@ pub fn input_failure(path: &std::path::Path, error: &InputFileError) -> RunError
     }
 }
 
-/// An error of a part of the machine.
+/// Returns an error of a part of the machine.
 pub fn machine_failure(
     who: &str,
     when: &str,

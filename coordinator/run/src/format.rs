@@ -1,21 +1,21 @@
-//! Numbers as a person reads them: a unit with a prefix that suits, and few digits.
+//! Numbers for a reader: few digits, and a unit with a suitable prefix.
 //!
-//! It uses nothing else of this crate, so that everything may use it.
+//! This module uses no other module of the crate, so that all of them may use it.
 
 use std::time::Duration;
 
-/// A unit to show values in, and how many SI units it is.
+/// A unit in which values are shown, with its conversion to SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// SI units in one of these \[-\].
+    /// Number of SI units in one of this unit \[-\].
     pub factor: f64,
-    /// The unit as it is written, empty for a pure number.
+    /// Spelling of the unit; empty for a pure number.
     pub unit: String,
 }
 
 impl Scale {
-    /// The unit for SI values up to `largest` in magnitude: at least two of the unit, where there is
-    /// one so small.
+    /// Returns the unit for SI values up to `largest` in magnitude. `largest` usually is at least
+    /// two of this unit, if there is a unit that small.
     #[must_use]
     pub fn of(si: &str, largest: f64) -> Self {
         let known = prefixed(si);
@@ -30,7 +30,7 @@ impl Scale {
         }
     }
 
-    /// The value in this unit, with its unit, to `digits` significant digits.
+    /// Formats a value in this unit to `digits` significant digits.
     #[must_use]
     pub fn show(&self, value: f64, digits: usize) -> String {
         let number = number(value / self.factor, digits);
@@ -38,7 +38,7 @@ impl Scale {
     }
 }
 
-/// How many of a unit a value has to be to be shown in it.
+/// Returns the smallest value that is shown in a unit, in that unit.
 fn enough(si: &str) -> f64 {
     match si {
         "m/s" => 0.05,
@@ -47,7 +47,7 @@ fn enough(si: &str) -> f64 {
     }
 }
 
-/// The units in which values of this SI unit are shown, the largest first.
+/// Returns the units in which values of this SI unit are shown, the largest first.
 fn prefixed(si: &str) -> &'static [(f64, &'static str)] {
     match si {
         "Pa" => &[(1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")],
@@ -74,7 +74,7 @@ fn spelt(si: &str) -> String {
     }
 }
 
-/// Units by the endings of keys, the longest endings first.
+/// Units by the endings of keys, the longest ending first.
 const UNITS: [(&str, &str); 14] = [
     ("_m_per_s", "m/s"),
     ("_per_m", "1/m"),
@@ -92,7 +92,7 @@ const UNITS: [(&str, &str); 14] = [
     ("_s", "s"),
 ];
 
-/// A key of the summary without its unit, and the unit.
+/// Splits a key of the summary into its stem and its unit.
 #[must_use]
 pub fn stem_and_unit(key: &str) -> (&str, &'static str) {
     match UNITS.iter().find(|(ending, _)| key.ends_with(ending)) {
@@ -102,20 +102,20 @@ pub fn stem_and_unit(key: &str) -> (&str, &'static str) {
     }
 }
 
-/// The unit that suits a value of this key of the summary.
+/// Returns the unit that suits a value of this key of the summary.
 #[must_use]
 pub fn of_key(key: &str, value: f64) -> Scale {
     Scale::of(stem_and_unit(key).1, value)
 }
 
-/// A ratio in per cent, as it would be written by hand: without what rounding adds to the product.
+/// Returns a ratio in per cent, free of the rounding error of the product.
 #[must_use]
 pub fn percent(ratio: f64) -> f64 {
     format!("{:.12e}", 100.0 * ratio).parse().unwrap_or(f64::NAN)
 }
 
-/// A number to `digits` significant digits, with a true minus sign; powers of ten where it is very
-/// large or small.
+/// Formats a number to `digits` significant digits with a true minus sign. Very large and very
+/// small numbers get a power of ten.
 #[must_use]
 pub fn number(value: f64, digits: usize) -> String {
     if value == 0.0 {
@@ -124,7 +124,7 @@ pub fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
     }
-    // Rounded first: 999.96 is 1000 to four digits.
+    // Rounding comes first: 999.96 is 1000 to four digits.
     let rounded: f64 = format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value);
     let magnitude = rounded.abs().log10().floor() as i32;
     let text = if (-4..6).contains(&magnitude) {
@@ -137,7 +137,7 @@ pub fn number(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// A time in minutes and seconds, or hours, minutes and seconds: "1:23", "2:03:04".
+/// Formats a time in minutes and seconds, or hours, minutes and seconds: "1:23", "2:03:04".
 #[must_use]
 pub fn clock(time: Duration) -> String {
     let seconds = time.as_secs();
@@ -147,7 +147,7 @@ pub fn clock(time: Duration) -> String {
     }
 }
 
-/// An exponent in raised digits.
+/// Formats an exponent in raised digits.
 #[must_use]
 pub fn superscript(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
@@ -155,7 +155,7 @@ pub fn superscript(exponent: i32) -> String {
     exponent.to_string().chars().map(raised).collect()
 }
 
-/// A number of things: `1 window`, `2 windows`.
+/// Formats a count with its noun: `1 window`, `2 windows`.
 #[must_use]
 pub fn counted(count: u64, thing: &str) -> String {
     let ending = match count {
@@ -166,35 +166,48 @@ pub fn counted(count: u64, thing: &str) -> String {
     format!("{count} {thing}{ending}")
 }
 
-/// A name of a field or key as words.
+/// Returns the name of a field or key as words.
 #[must_use]
 pub fn words(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// A time with a unit that suits it.
+/// Formats a measured or estimated time to three significant digits.
 #[must_use]
 pub fn seconds(value: f64) -> String {
-    match value {
-        0.0 => "0 s".to_owned(),
-        v if v < 1e-6 => format!("{:.3} ns", v * 1e9),
-        v if v < 1e-3 => format!("{:.3} µs", v * 1e6),
-        v if v < 1.0 => format!("{:.3} ms", v * 1e3),
-        v => format!("{v:.3} s"),
-    }
+    let (factor, unit) = unit_of("s", value);
+    format!("{} {unit}", number(value / factor, 3))
 }
 
-/// A number of bytes with a unit that suits it.
+/// Formats a number of bytes to three significant digits.
 #[must_use]
 pub fn bytes(value: u64) -> String {
-    match value {
-        v if v < 10_000 => format!("{v} B"),
-        v if v < 10_000_000 => format!("{:.1} kB", v as f64 / 1e3),
-        v => format!("{:.1} MB", v as f64 / 1e6),
+    match unit_of("byte", value as f64) {
+        (1.0, unit) => format!("{value} {unit}"),
+        (factor, unit) => format!("{} {unit}", number(value as f64 / factor, 3)),
     }
 }
 
-/// A text that begins with a capital.
+/// Formats a time from a case with all of its digits.
+#[must_use]
+pub fn duration(value: f64) -> String {
+    let (factor, unit) = unit_of("s", value);
+    // The division adds rounding errors to the digits of the case.
+    let digits: f64 = format!("{:.11e}", value / factor).parse().unwrap_or(value);
+    format!("{digits} {unit}")
+}
+
+/// Returns the largest unit of which a value is at least one, to three digits.
+fn unit_of(si: &str, value: f64) -> (f64, &'static str) {
+    let units = prefixed(si);
+    let fits = |(factor, _): &&(f64, &str)| match value {
+        0.0 => *factor == 1.0,
+        _ => value >= 0.9995 * factor,
+    };
+    units.iter().find(fits).or(units.last()).copied().unwrap_or((1.0, ""))
+}
+
+/// Returns the text with a capital first letter.
 #[must_use]
 pub fn sentence(text: &str) -> String {
     let mut rest = text.chars();
@@ -234,6 +247,17 @@ mod tests {
         let windows = [0, 1, 2].map(|count| counted(count, "window"));
         assert_eq!(windows, ["0 windows", "1 window", "2 windows"]);
         assert_eq!(counted(2, "patch"), "2 patches");
+    }
+
+    #[test]
+    fn times_and_sizes_have_three_digits() {
+        let times = [0.0, 2.5e-10, 9.9999e-7, 0.201145, 0.9996, 1.0, 62.68, 3720.0].map(seconds);
+        let shown =
+            ["0 s", "0.250 ns", "1.00 µs", "201 ms", "1.00 s", "1.00 s", "62.7 s", "3720 s"];
+        assert_eq!(times, shown);
+        let sizes = [0, 24, 999, 3660, 999_999, 513_900, 12_345_678].map(bytes);
+        assert_eq!(sizes, ["0 B", "24 B", "999 B", "3.66 kB", "1.00 MB", "514 kB", "12.3 MB"]);
+        assert_eq!([5e-4, 0.02, 2e-6, 1.5].map(duration), ["500 µs", "20 ms", "2 µs", "1.5 s"]);
     }
 
     #[test]

@@ -1,25 +1,25 @@
-//! Identity of a result: the programs, values of the case and files that it was computed from.
+//! Identity of a result: the programs, case values and files from which it was computed.
 //!
-//! A command that goes on with earlier results compares identities first. Results of two identities
+//! A command that continues earlier results compares identities first. Results of two identities
 //! never stand in one table.
 
-use crate::checkpoint::{sum, sum_of_file};
 use crate::error::{RunError, file_failure};
 use crate::plan::{Participant, Planned};
 use crate::program::our_folder;
 use crate::record::named_files;
+use crate::sealed::{sum, sum_of_file};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// Sections of a case without influence on the figures of a summary.
+/// Sections of a case that do not influence the figures of a summary.
 const WITHOUT_INFLUENCE: [&str; 3] = ["case", "limits", "output"];
-/// Differences that a message lists.
+/// Largest number of differences in a message.
 const LISTED: usize = 6;
 
-/// Programs, values and files that decide a result.
+/// Programs, values and files that determine a result.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Name, version and CRC-64 of the description of each program, by role.
@@ -30,17 +30,17 @@ pub struct Identity {
     pub files: BTreeMap<String, String>,
 }
 
-/// A program, as an [`Identity`] has it.
+/// Identity of a program.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
     /// Name and version.
     pub version: String,
-    /// CRC-64 of its description.
+    /// CRC-64 of the description.
     pub description: String,
 }
 
 impl Identity {
-    /// The identity of a planned run.
+    /// Returns the identity of a planned run.
     ///
     /// # Errors
     /// A file that the case names cannot be read.
@@ -69,7 +69,7 @@ impl Identity {
         Ok(identity)
     }
 
-    /// Adds the content of a file that stands for the value of a key. Where the file lies does not
+    /// Adds the content of a file in place of the value of its key. The path of the file does not
     /// matter.
     ///
     /// # Errors
@@ -81,8 +81,9 @@ impl Identity {
         Ok(())
     }
 
-    /// Adds the files among the words of a command, such as the script of an interpreter: a version
-    /// may stay the same while its program is edited. Programs of this project have versions.
+    /// Adds the files among the words of a command, such as the script of an interpreter: a script
+    /// may be edited under the same version. Executables of this project are identified by their
+    /// version.
     fn add_command(&mut self, participant: &Participant) -> Result<(), RunError> {
         let program = &participant.program;
         let own = our_folder().is_some_and(|folder| program.path.starts_with(folder));
@@ -96,7 +97,7 @@ impl Identity {
         Ok(())
     }
 
-    /// The differences of a later identity, in words; empty if both are the same.
+    /// Describes the differences of a later identity; empty if both are the same.
     #[must_use]
     pub fn differences(&self, now: &Self) -> Vec<String> {
         let mut all = Vec::new();
@@ -128,7 +129,7 @@ impl Identity {
             match (self.files.get(key), now.files.get(key)) {
                 (was, is) if was == is => {}
                 (Some(_), Some(_)) => all.push(format!("{key}: the content of the file changed")),
-                // A value in the place of a file was named above.
+                // A value that replaces a file, or is replaced by one, is already listed above.
                 _ if self.values.contains_key(key) || now.values.contains_key(key) => {}
                 (Some(_), None) => all.push(format!("{key}: was a file, is absent")),
                 (None, _) => all.push(format!("{key}: was absent, is a file")),
@@ -137,7 +138,7 @@ impl Identity {
         all
     }
 
-    /// Demands that results of this identity may stand beside those of a later one.
+    /// Checks that results of this identity may stand beside results of a later one.
     ///
     /// # Errors
     /// [`RunError::Usage`] names the place of the results, what differs, and what to do.
@@ -151,13 +152,13 @@ impl Identity {
         match all.is_empty() {
             true => Ok(()),
             false => Err(RunError::Usage(format!(
-                "{place} is of another case ({}); {fix}",
+                "{place} belongs to another case ({}); {fix}",
                 all.join("; ")
             ))),
         }
     }
 
-    /// CRC-64 of the identity, for files that have no room for all of it.
+    /// Returns the CRC-64 of the identity, for files without room for all of it.
     #[must_use]
     pub fn digest(&self) -> String {
         hexadecimal(sum(json!(self).to_string().as_bytes()))
@@ -176,12 +177,12 @@ fn hexadecimal(sum: u64) -> String {
     format!("{sum:016x}")
 }
 
-/// A value as a case file has it.
+/// Formats a value as in a case file.
 fn word(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
-/// Keys of two maps.
+/// Returns the keys of both maps.
 pub(crate) fn keys<'a, V>(
     one: &'a BTreeMap<String, V>,
     other: &'a BTreeMap<String, V>,
@@ -189,7 +190,7 @@ pub(crate) fn keys<'a, V>(
     one.keys().chain(other.keys()).collect()
 }
 
-/// Every value of a tree of tables, with its key.
+/// Calls `seen` with every value of a tree of tables and its key.
 fn flatten<'a>(tree: &'a Value, key: &mut Vec<&'a str>, seen: &mut impl FnMut(&[&str], &Value)) {
     match tree {
         Value::Object(table) => {
@@ -259,7 +260,8 @@ mod tests {
         }
     }
 
-    /// The same content under another name is the same input; a value in its place is not.
+    /// The same content under another name is the same input; a value in place of a file is another
+    /// input.
     #[test]
     fn a_file_counts_by_its_content() {
         let place = tempfile::tempdir().unwrap();

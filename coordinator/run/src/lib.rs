@@ -1,7 +1,50 @@
 //! A run: from a validated case to its results.
 //!
-//! [`case::Case`] → [`plan::Plan`] → [`session::Session`] → [`results`]. Each arrow is one module; only
-//! the left side of an arrow reaches it.
+//! [`case::Case`] → [`plan::Plan`] → [`session::Session`] → [`results`]. Each arrow is one module,
+//! and only the left side of an arrow uses it.
+//!
+//! | modules | content |
+//! |---|---|
+//! | [`plan`] | the plan of a run, made before anything starts |
+//! | [`peers`], [`supervise`], [`crew`], [`linked`] | participants: start, supervision, reuse |
+//! | [`session`] | exchange during a run: fields, mappings, geometry, audit, checkpoints |
+//! | [`perform`], [`stopped`] | a whole run, from its beginning or from a checkpoint |
+//! | [`results`], [`record`], [`checkpoint`] | files that a run leaves |
+//! | [`warnings`], [`error`], [`signals`] | warnings, errors and interrupts |
+//!
+//! # A run from Rust
+//!
+//! Solvers that are linked into the program take part on threads; all others are started as
+//! processes.
+//!
+//! ```
+//! use case::RawCase;
+//! use run::linked::LinkedSolvers;
+//! use run::perform::{RunOptions, run};
+//! use run::plan::plan_with;
+//! use run::results::{Existing, ResultFolder};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let file = std::path::Path::new("../../cases/wheel-rail.toml");
+//! let mut case = RawCase::read(file)?;
+//! case.apply(&["mech.resolution=10".to_owned()], &[])?;
+//!
+//! let solvers = LinkedSolvers::default()
+//!     .with("mech-solver", mech_solver::MechSolver)
+//!     .with("thermal-solver", thermal_solver::ThermalSolver);
+//! let planned = plan_with(case, &solvers)?;
+//! assert_eq!(planned.plan.participants.len(), 2);
+//!
+//! let place = tempfile::tempdir()?;
+//! let folder = ResultFolder::prepare(&place.path().join("out"), file, Existing::Refuse)?;
+//! let outcome = run(&planned, &folder, RunOptions::default());
+//! assert!(outcome.error.is_none());
+//! let rise = outcome.summary["temperature"]["rail"]["max_rise_k"].as_f64();
+//! // Half-spaces: some 230 K, on a grid as coarse as this one too.
+//! assert!(rise.is_some_and(|rise| (225.0..235.0).contains(&rise)), "{rise:?}");
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod advice;
 pub mod checkpoint;
@@ -11,6 +54,7 @@ pub mod deadlines;
 pub mod error;
 pub mod format;
 pub mod identity;
+pub mod linked;
 pub mod peers;
 pub mod perform;
 pub mod plan;
@@ -25,11 +69,12 @@ pub mod scratch;
 pub mod sealed;
 pub mod session;
 pub mod signals;
+pub mod stopped;
 pub mod supervise;
 pub mod warnings;
 pub mod wrap;
 
-/// Cases of the tests over arbitrary bytes: a few hundred, or as many as `FUZZ_CASES` says.
+/// Returns the settings of tests over arbitrary bytes: 400 cases, or the number in `FUZZ_CASES`.
 #[cfg(test)]
 fn fuzz_config() -> proptest::test_runner::Config {
     let cases = std::env::var("FUZZ_CASES").ok().and_then(|text| text.parse().ok());

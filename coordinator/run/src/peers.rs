@@ -1,10 +1,11 @@
-//! The participants of a run, as partners in a conversation: started, joined, asked, waited for.
+//! Participants of a run as partners in a conversation: they start, join, receive commands and
+//! reply.
 //!
-//! Whoever drives participants does it through [`Peers`]: the session of a run, a replay, and the
-//! conformance checks. Every wait looks at the same things, every [`Doorbell::NAP`] at least: replies,
-//! signals of the user, processes that have ended, failed replies of other participants, heartbeats,
-//! and the deadline. Why one ended is a [`Stopped`]; as the end of a run it is an error that names
-//! participant, phase, reason and fix.
+//! The session of a run, a replay and the conformance checks drive participants through [`Peers`].
+//! Every wait checks the same conditions, at least every [`Doorbell::NAP`]: replies, signals of the
+//! user, processes that have ended, failed replies of other participants, heartbeats, and the
+//! deadline. A wait that ends early returns [`Stopped`]. If that ends the run, it becomes an error
+//! that names participant, phase, reason and fix.
 
 mod advance;
 mod patience;
@@ -35,37 +36,38 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use typed_index_collections::{TiSlice, TiVec};
 
-/// The name under which the coordinator itself sends fields; no role can have it.
+/// Name under which the coordinator itself sends fields; no role may have this name.
 pub const COORDINATOR: &str = "coordinator";
 
-/// How long a participant may take to end after its last word.
+/// Longest time that a participant may take to end after its last reply.
 pub const LEAVE: Duration = Duration::from_secs(2);
 
-/// A place in a run, and what is to take it.
+/// A role of a run, and the program that plays it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Seat {
+pub struct ParticipantSlot {
     /// Role to play.
     pub role: String,
     /// The program that plays it.
     pub program: Program,
-    /// Started by hand, and waited for.
+    /// The participant is started by hand; the run waits for it.
     pub attach: bool,
 }
 
-/// Ends the processes when it is dropped: the first field of whatever has ports of its own in the run,
-/// which has its [`Peers`] for the last one. So processes end first, ports close next, and the run's
-/// folder goes last.
+/// Ends the processes when it is dropped.
+///
+/// An owner of further ports in the run has this guard as its first field, and its [`Peers`] as the
+/// last. Thus processes end first, ports close next, and the run's folder goes last.
 #[derive(Debug)]
-pub struct EndsFirst(Option<Arc<Supervisor>>);
+pub struct ProcessGuard(Option<Arc<Supervisor>>);
 
-impl EndsFirst {
-    /// Lets the processes live.
+impl ProcessGuard {
+    /// Disarms the guard: the processes live on.
     pub(crate) fn spare(mut self) {
         self.0 = None;
     }
 }
 
-impl Drop for EndsFirst {
+impl Drop for ProcessGuard {
     fn drop(&mut self) {
         if let Some(supervisor) = &self.0 {
             supervisor.end_all();
@@ -73,54 +75,55 @@ impl Drop for EndsFirst {
     }
 }
 
-/// Some of the participants of a run, kept without an allocation.
+/// Some of the participants of a run, stored without allocation.
 pub(crate) type Participants = ArrayVec<ParticipantIndex, MOST_PARTICIPANTS>;
 
-/// Who has replied, and its reply or the failure that it reports.
+/// The participant that has replied, and its reply or the failure that it reports.
 pub type Answer = (ParticipantIndex, Result<Message<Reply>, RunError>);
 
 /// The participants of a run.
 // Fields drop in this order: processes end first, ports close next, the run's folder goes last.
 #[derive(Debug)]
 pub struct Peers {
-    seats: Vec<Seat>,
+    seats: Vec<ParticipantSlot>,
     supervisor: Arc<Supervisor>,
     recorder: Option<Arc<Recorder>>,
     all: TiVec<ParticipantIndex, Peer>,
-    /// Participant of each heartbeat number; `None` for one that was dismissed.
+    /// Participant of each heartbeat number; `None` for a dismissed participant.
     hearts: Vec<Option<ParticipantIndex>>,
     doorbell: Doorbell,
     endpoint: Endpoint,
     run: RunDir,
     deadlines: Deadlines,
     screen: Rc<dyn Progress>,
-    /// Shared memory of fields of the run before, in which the next one has its own [byte].
+    /// Shared memory that the participants still hold from the previous run [byte].
     held_memory: u64,
-    /// What is going on, for messages.
+    /// Current phase, for messages.
     pub phase: Phase,
 }
 
 impl Peers {
-    /// Makes a run and starts its participants; nobody has joined yet. With a recorder, commands and
-    /// replies are recorded.
+    /// Creates a run and starts its participants, without waiting for them to join. With a
+    /// recorder, commands and replies are recorded.
     ///
     /// # Errors
-    /// The machine, or a program that does not start.
+    /// The run's folder or ports cannot be created, or a program does not start.
     pub fn start(
-        seats: &[Seat],
+        seats: &[ParticipantSlot],
         deadlines: Deadlines,
         recorder: Option<Arc<Recorder>>,
     ) -> Result<Self, RunError> {
         Self::start_version(contract::PROTOCOL_VERSION, seats, deadlines, recorder)
     }
 
-    /// The same, in a run of some version of the contract.
+    /// Starts participants like [`Peers::start`], in a run that declares this version of the
+    /// contract.
     ///
     /// # Errors
-    /// The machine, or a program that does not start.
+    /// The run's folder or ports cannot be created, or a program does not start.
     pub fn start_version(
         protocol: u32,
-        seats: &[Seat],
+        seats: &[ParticipantSlot],
         deadlines: Deadlines,
         recorder: Option<Arc<Recorder>>,
     ) -> Result<Self, RunError> {
@@ -141,7 +144,7 @@ impl Peers {
         };
         let endpoint = Endpoint::open(&info).map_err(opened)?;
         let doorbell = endpoint.doorbell(COORDINATOR).map_err(opened)?;
-        let peer = |seat: &Seat| {
+        let peer = |seat: &ParticipantSlot| {
             let commands = endpoint.command_sender(&seat.role)?;
             let replies = endpoint.reply_receiver(&seat.role)?;
             let ringer = endpoint.ringer(&seat.role)?;
@@ -171,13 +174,14 @@ impl Peers {
         })
     }
 
-    /// Detaches the participants from the run that has ended. They hold so much shared memory on.
+    /// Detaches the participants from the run that has ended. They keep holding this much shared
+    /// memory [byte].
     #[must_use]
     pub(crate) fn after_run(self, held_memory: u64) -> Self {
         Self { recorder: None, screen: silent(), held_memory, ..self }
     }
 
-    /// Shared memory that the participants hold between two runs [byte].
+    /// Returns the shared memory that the participants hold between two runs [byte].
     pub(crate) fn held_memory(&self) -> u64 {
         self.held_memory
     }
@@ -188,12 +192,12 @@ impl Peers {
         Self { deadlines, recorder, ..self }
     }
 
-    /// Reduces the participants to these seats, in this order. Those in other seats are asked to leave.
+    /// Reduces the participants to these seats, in this order, and asks all others to leave.
     ///
     /// # Errors
-    /// A seat is not there, or a participant has ended; returns them unchanged.
-    pub(crate) fn seated(mut self, seats: &[Seat]) -> Result<Self, Box<Self>> {
-        let place = |seat: &Seat| self.seats.iter().position(|own| own == seat);
+    /// A seat is missing, or a participant has ended; returns the participants unchanged.
+    pub(crate) fn seated(mut self, seats: &[ParticipantSlot]) -> Result<Self, Box<Self>> {
+        let place = |seat: &ParticipantSlot| self.seats.iter().position(|own| own == seat);
         let places: Option<Vec<usize>> = seats.iter().map(place).collect();
         let Some(places) = places.filter(|_| self.exits().is_empty()) else {
             return Err(Box::new(self));
@@ -212,32 +216,32 @@ impl Peers {
         Ok(Self { all, seats: seats.to_vec(), ..self })
     }
 
-    /// Exits of its participants so far.
+    /// Returns the exits of the participants so far.
     fn exits(&self) -> Vec<Exit> {
         exits(&self.supervisor, &self.all)
     }
 
-    /// Asks participants that wait for a run to leave, and waits for their exits.
+    /// Asks waiting participants to leave, and waits for their exits.
     pub(crate) fn dismiss(mut self) {
         self.phase = Phase::Finishing;
         for one in self.all.keys() {
             if let Err(error) = self.post(one, Command::new(CommandKind::Finish), &[], true) {
-                tracing::debug!("a participant that waited has gone: {error}");
+                tracing::debug!("a waiting participant has ended: {error}");
                 return;
             }
         }
         self.wait_for_exits();
     }
 
-    /// Shows there, from now on, how far participants are with long work.
+    /// Shows the progress of long work on this screen from now on.
     pub fn show_on(&mut self, screen: &Rc<dyn Progress>) {
         self.screen = Rc::clone(screen);
     }
 
-    /// Waits until everybody has joined.
+    /// Waits until every participant has joined.
     ///
     /// # Errors
-    /// Somebody has ended or is late; the user wants to stop.
+    /// A participant has ended or is late, or the user has interrupted the run.
     pub fn join(&mut self) -> Result<(), RunError> {
         for one in self.all.keys() {
             let attached = self.all[one].is_attached();
@@ -247,10 +251,10 @@ impl Peers {
         Ok(())
     }
 
-    /// Waits until one has joined.
+    /// Waits until a participant has joined.
     ///
     /// # Errors
-    /// Why the wait has ended.
+    /// The reason why the wait ended early.
     pub fn joined(&mut self, one: ParticipantIndex, patience: Duration) -> Result<(), Stopped> {
         let mut waited = Patience::new();
         let Self { all, doorbell, supervisor, run, deadlines, phase, .. } = self;
@@ -260,8 +264,8 @@ impl Peers {
             // A participant that has not joined has no heartbeat yet.
             all[one].beat_received(Beat::Busy);
             if all[one].is_up() {
-                // Connects to what it sends: the last of it is received even if it has ended by then, and no
-                // window has to.
+                // Connects to the replies of the participant. From here on its last reply is
+                // received, even if its process has ended by then.
                 all[one].receive().map_err(failed)?;
                 return Ok(Some(()));
             }
@@ -271,7 +275,8 @@ impl Peers {
         doorbell.wait(poll, |_, _| ())
     }
 
-    /// Sends a command; the number is put in. `ring` only when an answer is wanted soon.
+    /// Sends a command under the next sequence number. `ring` wakes the participant; set it only
+    /// when a reply is wanted soon.
     ///
     /// # Errors
     /// The participant has ended, or cannot be reached.
@@ -285,10 +290,10 @@ impl Peers {
         self.send(one, command, body, ring).map_err(|error| self.transport_failed(one, error))
     }
 
-    /// The same, with the plain error of the transport.
+    /// Sends a command like [`Peers::post`], and returns the plain error of the transport.
     ///
     /// # Errors
-    /// It cannot be reached.
+    /// The participant cannot be reached.
     pub fn send(
         &mut self,
         one: ParticipantIndex,
@@ -303,11 +308,11 @@ impl Peers {
         Ok(())
     }
 
-    /// Waits for the reply to the last command of a participant. `beat` hears of every heartbeat. The
-    /// patience begins anew whenever the participant reports progress.
+    /// Waits for the reply to the last command of a participant. `beat` is called at every
+    /// heartbeat. The patience starts anew whenever the participant reports progress.
     ///
     /// # Errors
-    /// Why the wait has ended.
+    /// The reason why the wait ended early.
     pub fn wait(
         &mut self,
         one: ParticipantIndex,
@@ -317,8 +322,8 @@ impl Peers {
         self.wait_for(&[one], patience, beat).map(|(_, reply)| reply)
     }
 
-    /// Waits for the reply of the first of these participants, or for the failed reply of another of
-    /// them that comes before it; whose reply it is, and the reply. No other reply is touched.
+    /// Waits for the reply of the first of these participants, or for an earlier failed reply of
+    /// any other. Returns the participant with its reply. All other replies stay in their queues.
     fn wait_for(
         &mut self,
         pending: &[ParticipantIndex],
@@ -371,20 +376,21 @@ impl Peers {
         Ok((who, reply))
     }
 
-    /// Lets time pass, with an eye on processes and signals; `beat` hears of every heartbeat.
+    /// Lets time pass while watching processes and signals; `beat` is called at every heartbeat.
     ///
     /// # Errors
-    /// A process has ended; the user wants to stop.
+    /// A process has ended, or the user has interrupted the run.
     pub fn idle(&mut self, time: Duration, beat: impl FnMut()) -> Result<(), Stopped> {
         let until = Instant::now() + time;
         self.attend(|| (Instant::now() >= until).then_some(()), beat)
     }
 
-    /// Waits for something that does not come from a participant, with an eye on processes and signals; it is
-    /// looked for whenever the doorbell of the coordinator rings. `beat` hears of every heartbeat.
+    /// Waits for an event that does not come from a participant, while watching processes and
+    /// signals. `found` is polled whenever the doorbell of the coordinator rings, and `beat` is
+    /// called at every heartbeat.
     ///
     /// # Errors
-    /// A process has ended; the user wants to stop.
+    /// A process has ended, or the user has interrupted the run.
     pub fn attend<T>(
         &mut self,
         mut found: impl FnMut() -> Option<T>,
@@ -398,10 +404,10 @@ impl Peers {
         doorbell.wait(poll, |_, _| beat())
     }
 
-    /// Waits for the reply to the last command of a participant, whatever it says.
+    /// Waits for the reply to the last command of a participant, whatever its status.
     ///
     /// # Errors
-    /// Why the wait has ended, as the end of a run.
+    /// The wait ended early; the reason as the error of a run.
     pub fn reply(
         &mut self,
         one: ParticipantIndex,
@@ -410,13 +416,13 @@ impl Peers {
         self.wait(one, patience, || ()).map_err(|stopped| self.error(stopped))
     }
 
-    /// Waits for the next reply of participants that have been sent a command, and removes the one that
-    /// has replied from the list; `None` once the list is empty. Replies come in the order of the list,
-    /// but a failed one as soon as it is there. Within the result: that the participant reports to have
-    /// failed, after which the others can still be waited for.
+    /// Waits for the next reply of the pending participants, and removes its sender from the list.
+    /// Returns `None` once the list is empty. Replies come in the order of the list, but a failed
+    /// reply comes as soon as it arrives. The inner result is an error if the participant reports a
+    /// failure; the others can still be waited for.
     ///
     /// # Errors
-    /// A participant refuses, violates the contract, has ended, or is late.
+    /// A participant refuses the case, violates the contract, has ended, or is late.
     pub fn next_reply(
         &mut self,
         pending: &mut Participants,
@@ -429,7 +435,7 @@ impl Peers {
         Ok(Some((one, self.judge(one, message)?)))
     }
 
-    /// Waits for the reply, and takes everything but success as an error.
+    /// Waits for the reply to the last command, and returns an error unless the command succeeded.
     ///
     /// # Errors
     /// The participant refuses or fails, violates the contract, has ended, or is late.
@@ -469,33 +475,33 @@ impl Peers {
         }
     }
 
-    /// A participant failed, in these words.
+    /// Returns the error of a participant that failed for this reason.
     #[must_use]
     pub fn failed(&self, one: ParticipantIndex, what: String) -> RunError {
         self.failure(one, what, "see its messages in log.jsonl".to_owned())
     }
 
-    /// A participant did what the contract does not allow.
+    /// Returns the error of a participant that violated the contract.
     #[must_use]
     pub fn misbehaved(&self, one: ParticipantIndex, what: String) -> RunError {
         let fix = "the program violates the participant contract (docs/ARCHITECTURE.md)";
         self.failure(one, what, fix.to_owned())
     }
 
-    /// A participant failed in the phase that is going on.
+    /// Returns the error of a participant that failed in the current phase.
     #[must_use]
     pub fn failure(&self, one: ParticipantIndex, what: String, fix: String) -> RunError {
         let (who, when) = (self.all[one].who(), self.phase.to_string());
         RunError::Failed(Failure { who, when, what, fix })
     }
 
-    /// The exchange with a participant failed.
+    /// Returns the error of a failed exchange with a participant.
     #[must_use]
     pub fn transport_failed(&self, one: ParticipantIndex, error: TransportError) -> RunError {
         self.error(Stopped::Transport(one, error))
     }
 
-    /// What has ended a wait, as the end of a run.
+    /// Returns the reason why a wait ended early as the error of a run.
     #[must_use]
     pub fn stopped(&self, stopped: Stopped) -> RunError {
         self.error(stopped)
@@ -511,7 +517,8 @@ impl Peers {
         stopped.error(&self.all, self.phase)
     }
 
-    /// The error of a participant that ends the run, or that another one's process has ended, which often is its cause.
+    /// Returns the actual cause of a participant's error: the end of another participant's process,
+    /// if there was one, or else the error itself.
     #[must_use]
     pub fn cause(&self, error: RunError) -> RunError {
         let RunError::Failed(failure) = &error else { return error };
@@ -525,7 +532,8 @@ impl Peers {
         }
     }
 
-    /// Often the cause of an error is that a participant has just died: gives its exit time to be seen.
+    /// Returns a process that ends within 100 ms: the cause of an error often is that a participant
+    /// has just died.
     fn exit_soon(&self) -> Option<Exit> {
         let until = Instant::now() + Duration::from_millis(100);
         while Instant::now() < until {
@@ -537,80 +545,81 @@ impl Peers {
         None
     }
 
-    /// Gives the participants that have been asked to finish the time to do so.
+    /// Waits until the participants that have been asked to finish have ended, for [`LEAVE`] at
+    /// most.
     pub fn wait_for_exits(&self) {
         if !self.supervisor.wait_for_exits(LEAVE) {
-            tracing::warn!("a participant did not leave after Finish and is ended");
+            tracing::warn!("a participant did not end after Finish and is killed");
         }
     }
 
-    /// As if the coordinator were killed: its locks are free, its ports and files stay as they are.
+    /// Ends like a killed coordinator: releases the locks, and leaves ports and files as they are.
     #[must_use]
-    pub fn abandon(self, mut guard: EndsFirst) -> (Arc<Supervisor>, RunInfo) {
+    pub fn abandon(self, mut guard: ProcessGuard) -> (Arc<Supervisor>, RunInfo) {
         guard.0 = None;
         let Self { supervisor, all, doorbell, endpoint, run, .. } = self;
-        // The kernel closes nothing in order.
+        // A killed process does not close its ports in order, so leak them deliberately.
         std::mem::forget((all, doorbell, endpoint));
         (supervisor, run.info().clone())
     }
 
-    /// What ends the processes before other ports in the run close.
+    /// Returns the guard that ends the processes before other ports in the run close.
     #[must_use]
-    pub fn end_first(&self) -> EndsFirst {
-        EndsFirst(Some(Arc::clone(&self.supervisor)))
+    pub fn end_first(&self) -> ProcessGuard {
+        ProcessGuard(Some(Arc::clone(&self.supervisor)))
     }
 
-    /// The places in the run.
+    /// Returns the seats of the run.
     #[must_use]
-    pub fn seats(&self) -> &[Seat] {
+    pub fn seats(&self) -> &[ParticipantSlot] {
         &self.seats
     }
 
-    /// Everybody, in the order of the seats.
+    /// Returns every participant, in the order of the seats.
     #[must_use]
     pub fn all(&self) -> &TiSlice<ParticipantIndex, Peer> {
         &self.all
     }
 
-    /// The run.
+    /// Returns the description of the run.
     #[must_use]
     pub fn info(&self) -> &RunInfo {
         self.run.info()
     }
 
-    /// The services of the run.
+    /// Returns the services of the run.
     #[must_use]
     pub fn endpoint(&self) -> &Endpoint {
         &self.endpoint
     }
 
-    /// Limits of the waits.
+    /// Returns the limits of the waits.
     #[must_use]
     pub fn deadlines(&self) -> &Deadlines {
         &self.deadlines
     }
 
-    /// What records the run, if anything.
+    /// Returns the recorder of the run, if it is recorded.
     #[must_use]
     pub fn recorder(&self) -> Option<&Arc<Recorder>> {
         self.recorder.as_ref()
     }
 
-    /// The processes.
+    /// Returns the supervisor of the processes.
     #[must_use]
     pub fn supervisor(&self) -> &Supervisor {
         &self.supervisor
     }
 }
 
-/// Shows how far a participant is.
+/// Shows the progress of a participant.
 fn show(peer: &Peer, phase: Phase, screen: &dyn Progress) {
     if let Some((report, left)) = peer.advance() {
         screen.working(&Work { role: peer.role(), doing: phase.doing(), report, left });
     }
 }
 
-/// The description of the run, of this version of the contract.
+/// Returns the description of the run with this version of the contract.
 fn of_version(run: &RunDir, protocol: u32) -> Result<RunInfo, RunError> {
     let info = RunInfo { protocol, ..run.info().clone() };
     if protocol != run.info().protocol {
@@ -621,9 +630,10 @@ fn of_version(run: &RunDir, protocol: u32) -> Result<RunInfo, RunError> {
     Ok(info)
 }
 
-fn launch(seats: &[Seat], info: &RunInfo) -> Result<Supervisor, RunError> {
+fn launch(seats: &[ParticipantSlot], info: &RunInfo) -> Result<Supervisor, RunError> {
     let started = seats.iter().filter(|seat| !seat.attach);
-    let launch = |seat: &Seat| Launch { role: seat.role.clone(), program: seat.program.clone() };
+    let launch =
+        |seat: &ParticipantSlot| Launch { role: seat.role.clone(), program: seat.program.clone() };
     let launches: Vec<Launch> = started.map(launch).collect();
     let supervisor = Supervisor::start(&launches, &info.folder).map_err(|(who, error)| {
         machine_failure(&who, "while starting", &error, "check the command of this participant")
@@ -636,7 +646,7 @@ fn launch(seats: &[Seat], info: &RunInfo) -> Result<Supervisor, RunError> {
     Ok(supervisor)
 }
 
-/// The reply of the first of these participants, or the failed reply of another of them.
+/// Returns the reply of the first of these participants, or a failed reply of any other.
 fn replied(
     all: &TiSlice<ParticipantIndex, Peer>,
     pending: &[ParticipantIndex],
@@ -652,7 +662,7 @@ fn replied(
     Ok(None)
 }
 
-/// What is looked at while waiting.
+/// Conditions that are watched while waiting.
 struct Watch<'a> {
     supervisor: &'a Supervisor,
     run: &'a RunDir,
@@ -661,7 +671,7 @@ struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// Is there a reason not to wait any longer?
+    /// Returns an error if there is a reason to stop waiting.
     fn look(
         &self,
         all: &mut TiSlice<ParticipantIndex, Peer>,
@@ -669,12 +679,12 @@ impl Watch<'_> {
         waited: Duration,
         patience: Duration,
     ) -> Result<(), Stopped> {
-        // A participant that has been asked to finish, and is not the one we wait for, may have
-        // left in peace.
+        // A participant that has been asked to finish may have ended regularly, unless the wait is
+        // for its reply.
         let in_peace = |role: &str| self.phase == Phase::Finishing && role != all[one].role();
         let left = |exit: &Exit| in_peace(&exit.role) && exit.is_success();
         interrupted_or_exited(self.supervisor, all, left)?;
-        // A participant started by hand is not our child: its lock tells of its death.
+        // A participant started by hand is not a child process: its lock shows its death.
         let has_left = |peer: &Peer| {
             peer.is_attached() && !in_peace(peer.role()) && self.run.has_left(peer.role())
         };
@@ -697,14 +707,14 @@ impl Watch<'_> {
     }
 }
 
-/// Exits of these participants so far.
+/// Returns the exits of these participants so far.
 fn exits(supervisor: &Supervisor, all: &TiSlice<ParticipantIndex, Peer>) -> Vec<Exit> {
     let mut exits = supervisor.exits();
     exits.retain(|exit| all.iter().any(|peer| peer.role() == exit.role));
     exits
 }
 
-/// The user wants to stop, or a process has ended, and not in peace.
+/// Returns an error if the user has interrupted the run, or a process has ended unexpectedly.
 fn interrupted_or_exited(
     supervisor: &Supervisor,
     all: &TiSlice<ParticipantIndex, Peer>,

@@ -1,12 +1,11 @@
 //! `coordinator run`: from a plan to a result directory.
 
-mod branch;
 mod driven;
-mod march;
 mod origin;
 mod tables;
+mod time_loop;
 
-pub use driven::{Accepted, Driven, Driver, Fault};
+pub use driven::{Accepted, Driven, Driver, DriverError};
 pub use origin::{check_origin, origin};
 
 use crate::checkpoint::{Checkpoint, Checkpoints};
@@ -14,35 +13,35 @@ use crate::error::RunError;
 use crate::format::counted;
 use crate::plan::{Plan, Planned};
 use crate::plan_file;
-use crate::progress::Progress;
+use crate::progress::{Progress, silent};
 use crate::record::{Compression, Recorder};
 use crate::results::dir::shown;
-use crate::results::summary::{Counts, Ingredients, Sections, Status, build};
+use crate::results::summary::{Counts, Sections, Status, SummaryInput, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
 use crate::results::{derived, history};
-use crate::session::{Leaving, Session};
+use crate::session::{PendingExits, Session};
 use crate::warnings::Warning;
 use case::Case;
 use contract::message::Finished;
-use march::March;
 use serde_json::Value;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Instant;
 use tables::Tables;
+use time_loop::TimeLoop;
 
-/// How a run ended: its summary, and the error if there was one.
+/// End of a run: its summary, and the error if there was one.
 #[derive(Debug)]
 pub struct Outcome {
     /// The content of `summary.json`.
     pub summary: Value,
-    /// What went wrong.
+    /// Error that ended the run.
     pub error: Option<RunError>,
 }
 
 impl Outcome {
-    /// The outcome of a run of which it comes to light at its end that something could not be written.
+    /// Turns this outcome into a failure, because a file could not be written at the end.
     #[must_use]
     pub fn fail(self, error: RunError, folder: &ResultFolder) -> Self {
         let Self { mut summary, error: before } = self;
@@ -56,60 +55,51 @@ impl Outcome {
     }
 }
 
-/// What a run is measured by before it begins.
-#[derive(Clone, Copy, Debug)]
-pub struct RunStart {
-    /// When the program started.
+/// How to run a case: from the start, from a checkpoint, or driven from outside.
+pub struct RunOptions<'a> {
+    /// Display of the progress.
+    pub progress: Rc<dyn Progress>,
+    /// Start of the program, from which the time of the run is measured.
     pub since: Instant,
-    /// Seconds of planning.
+    /// Duration of planning [s].
     pub plan_seconds: f64,
+    /// Checkpoint from which to continue.
+    pub from: Option<&'a Checkpoint>,
+    /// Compression of the recording; `None`: no recording.
+    pub record: Option<Compression>,
+    /// Driver that requests the windows one by one; `None`: the windows of the case.
+    pub driver: Option<&'a mut dyn Driver>,
 }
 
-/// Runs a plan, from its beginning or from a checkpoint, and writes its results; a failed run leaves
-/// a summary that says so.
-pub fn run(
-    planned: &Planned,
-    folder: &ResultFolder,
-    progress: &Rc<dyn Progress>,
-    start: RunStart,
-    from: Option<&Checkpoint>,
-    record: Option<Compression>,
-) -> Outcome {
-    perform_whole(planned, folder, progress, start, Way { from, record, driver: None })
+impl RunOptions<'_> {
+    /// Returns the options of a run whose planning began at this instant, without progress and
+    /// recording.
+    #[must_use]
+    pub fn planned_since(since: Instant) -> Self {
+        Self { since, plan_seconds: since.elapsed().as_secs_f64(), ..Self::default() }
+    }
 }
 
-/// Runs a plan whose windows are asked for one by one.
-pub fn drive(
-    planned: &Planned,
-    folder: &ResultFolder,
-    progress: &Rc<dyn Progress>,
-    start: RunStart,
-    driver: &mut dyn Driver,
-) -> Outcome {
-    let way = Way { from: None, record: None, driver: Some(driver) };
-    perform_whole(planned, folder, progress, start, way)
+impl Default for RunOptions<'_> {
+    fn default() -> Self {
+        Self {
+            progress: silent(),
+            since: Instant::now(),
+            plan_seconds: 0.0,
+            from: None,
+            record: None,
+            driver: None,
+        }
+    }
 }
 
-/// How a run goes.
-struct Way<'a> {
-    from: Option<&'a Checkpoint>,
-    record: Option<Compression>,
-    /// Who asks for its windows; absent: they are those of the case.
-    driver: Option<&'a mut dyn Driver>,
-}
-
-fn perform_whole(
-    planned: &Planned,
-    folder: &ResultFolder,
-    progress: &Rc<dyn Progress>,
-    start: RunStart,
-    way: Way<'_>,
-) -> Outcome {
+/// Runs a plan and writes its results. The summary of a failed run states the failure.
+pub fn run(planned: &Planned, folder: &ResultFolder, options: RunOptions<'_>) -> Outcome {
+    let RunOptions { progress, since, plan_seconds, from, record, driver } = options;
     let Planned { case, plan } = planned;
-    let Way { from, record, driver } = way;
     let mut counts = match from {
-        Some(checkpoint) => checkpoint.state.counts.resumed(start.plan_seconds),
-        None => Counts { plan_seconds: start.plan_seconds, ..Counts::default() },
+        Some(checkpoint) => checkpoint.state.counts.resumed(plan_seconds),
+        None => Counts { plan_seconds, ..Counts::default() },
     };
     let mut warnings = match from {
         Some(_) => {
@@ -122,14 +112,15 @@ fn perform_whole(
     let (ended, recorder) = match set_out(planned, folder, from, record) {
         Ok(recorder) => {
             let found = (&mut counts, &mut warnings);
-            let ended = perform(planned, folder, progress, found, (from, driver), recorder.clone());
+            let ended =
+                perform(planned, folder, &progress, found, (from, driver), recorder.clone());
             (ended, recorder)
         }
         Err(error) => (Err(error), None),
     };
     progress.finish();
     let ended = finish_recording(ended, recorder.as_deref());
-    // They leave while the summary is written.
+    // The participants end while the summary is written.
     let (finished, _leaving, error) = match ended {
         Ok((finished, leaving)) => (finished, leaving, None),
         Err(error) => (Vec::new(), None, Some(place(case, error))),
@@ -151,10 +142,10 @@ fn perform_whole(
         Some(error) if error.is_interrupt() => (Status::Interrupted, error.to_string()),
         Some(error) => (Status::Failed, error.to_string()),
     };
-    let wall_seconds = start.since.elapsed().as_secs_f64();
+    let wall_seconds = since.elapsed().as_secs_f64();
     let (finished, sections, warnings) = (&finished, &sections, &warnings);
     let extremes = extremes.as_ref();
-    let summary = build(&Ingredients {
+    let summary = build(&SummaryInput {
         plan,
         status,
         reason,
@@ -169,35 +160,38 @@ fn perform_whole(
     Outcome { summary, error }
 }
 
-/// Writes what is known before a run, and begins its recording, if there is to be one.
+/// Writes the files that are known before a run, and starts its recording if requested.
 fn set_out(
     planned: &Planned,
     folder: &ResultFolder,
     from: Option<&Checkpoint>,
     record: Option<Compression>,
 ) -> Result<Option<Arc<Recorder>>, RunError> {
-    if from.is_none() {
-        folder.write("case.toml", planned.case.text().as_bytes())?;
-        plan_file::write(&planned.plan, folder)?;
+    match from {
+        Some(_) => folder.reopen()?,
+        None => {
+            folder.write("case.toml", planned.case.text().as_bytes())?;
+            plan_file::write(&planned.plan, folder)?;
+        }
     }
     let start = |compression| recorder(planned, folder, from, compression).map(Arc::new);
     record.map(start).transpose()
 }
 
-/// Adds the warnings that are not known yet.
+/// Adds the warnings that are new.
 fn add(warnings: &mut Vec<Warning>, more: &[Warning]) {
     let known = |one: &&Warning| warnings.iter().any(|other| other.says_the_same(one));
     let new: Vec<Warning> = more.iter().filter(|one| !known(one)).cloned().collect();
     warnings.extend(new);
 }
 
-/// A summary as it is written.
+/// Formats a summary as the content of its file.
 #[must_use]
 pub fn json(summary: &Value) -> Vec<u8> {
     serde_json::to_vec_pretty(summary).expect("a summary is plain data")
 }
 
-/// The status of a run without an error, and its reason.
+/// Returns the status of a run without an error, and its reason.
 fn success(plan: &Plan, counts: &Counts) -> (Status, String) {
     let reason = &plan.scheme.reason;
     match counts.not_converged {
@@ -211,7 +205,7 @@ fn success(plan: &Plan, counts: &Counts) -> (Status, String) {
     }
 }
 
-/// The first of two errors, with the second one added.
+/// Joins two errors into one that names the earlier first.
 fn first(error: Option<RunError>, then: Result<(), RunError>) -> Option<RunError> {
     match error {
         Some(error) => Some(error.and(then)),
@@ -219,7 +213,7 @@ fn first(error: Option<RunError>, then: Result<(), RunError>) -> Option<RunError
     }
 }
 
-/// A resumed run has a recording of its own, named after the window it begins with.
+/// Starts a recording. A resumed run has its own recording, named after its first window.
 fn recorder(
     planned: &Planned,
     folder: &ResultFolder,
@@ -233,7 +227,7 @@ fn recorder(
     Recorder::start(&folder.file(&name), compression, &planned.plan, &planned.case.text())
 }
 
-/// Ends the recording with the end of the run.
+/// Completes the recording at the end of the run.
 fn finish_recording<T>(
     ended: Result<T, RunError>,
     recorder: Option<&Recorder>,
@@ -245,25 +239,25 @@ fn finish_recording<T>(
     }
     match ended {
         Ok(finished) => written.map(|_| finished),
-        // A run that the recording has ended has reported it already.
+        // An error that the recording itself caused is reported already.
         Err(error) if recorder.has_reported() => Err(error),
         Err(error) => Err(error.and(written.map(drop))),
     }
 }
 
-/// The text for a person.
+/// Returns the report for the terminal.
 #[must_use]
 pub fn report(outcome: &Outcome, plan: &Plan, folder: &ResultFolder) -> String {
     let text = show::text(&outcome.summary, plan.title.as_deref(), &plan.figures);
     format!("{text}  results   {}\n", folder.shown().display())
 }
 
-/// An error about a value of the case gets its place in the case.
+/// Adds the place in the case to an error about a value of the case.
 pub fn place(case: &Case, error: RunError) -> RunError {
     match error {
         RunError::Refused { refusal, .. } => {
             let problem = case.problem_at(&refusal.key, refusal.reason, refusal.fix);
-            case.report(vec![problem]).expect("there is a problem").into()
+            case.fail(problem).into()
         }
         other => other,
     }
@@ -276,7 +270,7 @@ fn perform(
     (counts, warnings): (&mut Counts, &mut Vec<Warning>),
     (from, driver): (Option<&Checkpoint>, Option<&mut dyn Driver>),
     recorder: Option<Arc<Recorder>>,
-) -> Result<(Vec<Finished>, Option<Leaving>), RunError> {
+) -> Result<(Vec<Finished>, Option<PendingExits>), RunError> {
     let plan = &planned.plan;
     let mut tables = Tables::open(plan, folder, from)?;
     let mut fields = FieldWriter::within(folder.dir().clone(), "fields");
@@ -288,22 +282,22 @@ fn perform(
     let windows = || {
         let writing = |every| {
             let (into, origin) = (Checkpoints::of(&folder.path()), origin(planned)?);
-            Ok::<_, RunError>(march::Writing { every, into, origin })
+            Ok::<_, RunError>(time_loop::Writing { every, into, origin })
         };
         let checkpoints = plan.checkpoint_every.map(writing).transpose()?;
-        let mut march =
-            March::new(plan, &mut session, &mut tables, &mut fields, counts, checkpoints);
-        march.record(recorder.as_deref());
+        let mut windows =
+            TimeLoop::new(plan, &mut session, &mut tables, &mut fields, counts, checkpoints);
+        windows.record(recorder.as_deref());
         if let Some(checkpoint) = from {
-            march.resume(checkpoint)?;
+            windows.resume(checkpoint)?;
         }
         match driver {
-            None => march.all(&**progress),
+            None => windows.all(&**progress),
             Some(driver) => {
-                let mut driven = Driven::new(&mut march);
+                let mut driven = Driven::new(&mut windows);
                 driver.drive(&mut driven)?;
-                // What is written at the end is of the state that was returned to.
-                driven.settle().map_err(Fault::into_error)
+                // The final output belongs to the state to which the driver returned last.
+                driven.settle().map_err(DriverError::into_error)
             }
         }
     };
@@ -314,7 +308,7 @@ fn perform(
     });
     counts.bytes_exchanged = session.bytes_exchanged();
     add(warnings, session.warnings());
-    // Whatever happened, what was written so far stays readable.
+    // The results written so far stay readable after any error.
     if let Some(error) = first(looped.err(), tables.flush()) {
         return Err(error);
     }

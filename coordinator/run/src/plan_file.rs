@@ -1,4 +1,4 @@
-//! The plan in a result directory: `plan.txt` for people, `plan.json` for programs.
+//! Plan in a result directory: `plan.txt` for readers, `plan.json` for programs.
 
 use crate::error::RunError;
 use crate::plan::{Effect, Field, Participant, Plan};
@@ -12,9 +12,9 @@ use coupling::ParticipantIndex;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
-/// For people.
+/// Plan as text.
 const TEXT: &str = "plan.txt";
-/// For programs.
+/// Plan as JSON.
 pub const FILE: &str = "plan.json";
 /// Version of the layout of [`FILE`].
 const SCHEMA: u32 = 1;
@@ -26,32 +26,32 @@ pub struct PlanFile {
     pub schema: u32,
     /// Name of the case.
     pub case: String,
-    /// What the case is about.
+    /// Title of the case.
     pub title: Option<String>,
     /// Version of the coordinator.
     pub coordinator: String,
     /// Version of the protocol.
     pub protocol: u32,
-    /// The coupling scheme.
+    /// Coupling scheme.
     pub scheme: String,
-    /// Why it was chosen.
+    /// Reason for the choice.
     pub scheme_reason: String,
-    /// How the iterates of an implicit scheme are chosen.
+    /// Method that chooses the iterates of an implicit scheme.
     pub acceleration: String,
-    /// Windows in time; absent if nobody knows how many.
+    /// Number of windows, if it is known before the run.
     pub windows: Option<u64>,
-    /// Who takes part, in the order in which data flows.
+    /// The participants, in the order in which data flows.
     pub participants: Vec<ParticipantPlan>,
-    /// Roles of the case that take no part, and why.
+    /// Roles of the case that take no part, with the reason.
     pub idle: Vec<(String, String)>,
     /// Every effect that some participant offers.
     pub effects: Vec<EffectPlan>,
     /// Fields that exist at run time.
     pub fields: Vec<FieldPlan>,
-    /// The figures of the summary, with the names of the bodies.
+    /// Figures of the summary, with the names of the bodies.
     #[serde(default)]
     pub figures: Vec<FigureSpec>,
-    /// Diagrams of them.
+    /// Diagrams of the figures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub diagrams: Vec<Diagram>,
     /// Warnings about the case and its plan.
@@ -61,92 +61,93 @@ pub struct PlanFile {
     pub text: String,
 }
 
-/// One participant.
+/// A participant of the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParticipantPlan {
-    /// Role that it plays.
+    /// Role that the participant plays.
     pub role: String,
     /// Name of the program.
     pub program: String,
     /// Version of the program.
     pub version: String,
-    /// Its model.
+    /// Model of the program.
     pub model: String,
-    /// Threads that it may compute on; 0 in a plan of an earlier version.
+    /// Number of threads for computing; 0 in a plan of an earlier version.
     #[serde(default)]
     pub threads: usize,
-    /// What it expects, if it estimates.
+    /// Estimate of the run, if the participant gives one.
     pub estimate: Option<Estimate>,
 }
 
-/// What a participant expects of a run.
+/// Estimate of a run by a participant.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// Grids: name and number of points.
+    /// Name and number of points of each grid.
     pub grids: Vec<(String, usize)>,
-    /// Processor seconds of what is done once.
+    /// Processor seconds of building the model.
     pub build_seconds: f64,
     /// Processor seconds of one solve.
     pub solve_seconds: f64,
-    /// Processor seconds of a solve besides that for each second of its window [s/s].
+    /// Further processor seconds of a solve, for each second of its window [s/s].
     #[serde(default)]
     pub seconds_per_second: f64,
-    /// Memory of its arrays \[byte\].
+    /// Memory of the arrays \[byte\].
     pub memory_bytes: u64,
-    /// What its model makes of the case.
+    /// Remarks of the model on the case.
     pub remarks: Vec<String>,
 }
 
-/// One effect.
+/// An effect.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EffectPlan {
     /// Name in the case file.
     pub name: String,
-    /// It exists at run time.
+    /// Whether the effect is active.
     pub active: bool,
-    /// Why, or why not.
+    /// Reason why the effect is active or not.
     pub reason: String,
-    /// Who takes part in it.
+    /// Roles of its participants.
     pub roles: Vec<String>,
-    /// Its law.
+    /// Law of the effect.
     pub law: String,
 }
 
-/// One field.
+/// A field that exists at run time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FieldPlan {
-    /// Its name.
+    /// Name of the field.
     pub name: String,
-    /// Its SI unit.
+    /// SI unit.
     pub unit: String,
-    /// Role of the participant that sends it.
+    /// Role of the participant that sends the field.
     pub producer: String,
-    /// Roles of those that consume it; empty for a field that is only written out.
+    /// Roles of the consumers; empty for a field that is only written.
     pub consumers: Vec<String>,
-    /// Roles of those of the consumers that get the coordinator's iterate of it.
+    /// Roles of the consumers that receive the coordinator's iterate of the field.
     pub fed_back: Vec<String>,
-    /// Bytes of a sample, as far as its grid is known.
+    /// Size of a sample [byte], if the grid is known.
     pub sample_bytes: Option<u64>,
 }
 
 /// Writes the plan into the folder of a run.
 ///
 /// # Errors
-/// The file system.
+/// A file cannot be written.
 pub fn write(plan: &Plan, folder: &ResultFolder) -> Result<(), RunError> {
     let file = PlanFile::of(plan);
     folder.write(TEXT, text(&file).as_bytes())?;
     folder.write(FILE, json(&file).as_bytes())
 }
 
-/// Warnings of the stored plan of a resumed run, if it can be read. The stored case already contains
-/// the options, so a new plan would no longer warn about the values that they replace.
+/// Returns the warnings of the stored plan of a resumed run, if the plan can be read. The stored
+/// case already contains the values of the options, so a new plan would no longer warn about
+/// replaced keys.
 pub(crate) fn first_warnings(folder: &ResultFolder) -> Vec<Warning> {
     let text = std::fs::read(folder.file(FILE)).unwrap_or_default();
     serde_json::from_slice(&text).map_or_else(|_| Vec::new(), |plan: PlanFile| plan.warnings)
 }
 
-/// The plan, and the versions of all that take part.
+/// Returns the text of the plan, with the versions of all participants.
 fn text(plan: &PlanFile) -> String {
     let PlanFile { coordinator, protocol, participants, text, .. } = plan;
     let mut text = text.clone();
@@ -159,7 +160,7 @@ fn text(plan: &PlanFile) -> String {
 }
 
 impl PlanFile {
-    /// What there is to say of a plan.
+    /// Returns the content of the file for a plan.
     #[must_use]
     pub fn of(plan: &Plan) -> Self {
         Self {

@@ -1,10 +1,10 @@
-//! The processes that we have started, and what they leave behind.
+//! Processes started by the coordinator, and processes left behind by them.
 //!
-//! Each leads a process group of its own and ends with it. What has left the group (`setsid`) and
-//! outlives its parent becomes a child of the coordinator, which adopts orphans ([`adopt_orphans`]).
-//! When the last process that we have started has ended, such a child is ended too; it is known by
-//! [`MARK`], which it has inherited. One that has lost the mark is reported: it may belong to
-//! whatever has started the coordinator.
+//! Each started process leads its own process group and ends with it. A process that has left the
+//! group (`setsid`) and outlives its parent becomes a child of the coordinator, which adopts
+//! orphans ([`adopt_orphans`]). When the last started process has ended, such a child is killed
+//! too. It is recognised by [`MARK`], which it has inherited. A child without the mark is only
+//! reported: it may belong to the process that has started the coordinator.
 
 use rustix::process::{
     Pid, Signal, WaitId, WaitIdOptions, WaitOptions, getpid, kill_process, kill_process_group,
@@ -15,14 +15,15 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::process::{Child, Command};
 
-/// Environment of what we start: our process number.
+/// Environment variable of started processes: process number of the coordinator.
 const MARK: &str = "COSIM_STARTED_BY";
-/// Environment of what we start: our executable, beside which participants in Python find `libcosim`.
+/// Environment variable of started processes: path of the coordinator. Participants in Python find
+/// `libcosim` beside it.
 const EXECUTABLE: &str = "COSIM_COORDINATOR";
-/// An orphan that is killed and has not ended by then is left alone.
+/// Longest wait for killed orphans to end.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// What the coordinator's executable has started; nothing is adopted in other programs.
+/// Processes that the coordinator has started. Other programs that use this crate adopt no orphans.
 #[derive(Debug)]
 struct Started {
     adopting: bool,
@@ -38,8 +39,8 @@ fn started() -> MutexGuard<'static, Started> {
     STARTED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on orphans among our descendants become children of ours, and end with the last process
-/// that we have started.
+/// Makes orphans among the descendants children of this process. They end with the last process
+/// that it has started.
 pub fn adopt_orphans() -> io::Result<()> {
     set_child_subreaper(Some(getpid()))?;
     let mut started = started();
@@ -48,17 +49,17 @@ pub fn adopt_orphans() -> io::Result<()> {
     Ok(())
 }
 
-/// Ends the process groups of all that we have started, now; for the end of the coordinator itself.
+/// Kills the process groups of all started processes, at the end of the coordinator itself.
 pub(crate) fn end_all() {
     for group in &started().groups {
         let _ = kill_process_group(*group, Signal::KILL);
     }
 }
 
-/// A process that we have started. Dropping it ends it, and what it has started.
+/// A started process. Dropping it kills the process and its group.
 #[derive(Debug)]
 pub(crate) struct Process {
-    // Ended before its group is, and before orphans are looked for.
+    // Drops first: the process ends before its group, and before orphans are looked for.
     pub(crate) child: Child,
     pub(crate) group: Group,
 }
@@ -73,7 +74,7 @@ impl Process {
         {
             command.env(EXECUTABLE, executable);
         }
-        // Within the lock, because a child that does not stand in the list is taken for an orphan.
+        // Spawns under the lock, because a child that is not in the list is taken for an orphan.
         let mut started = started();
         let child = command.spawn()?;
         let id = child.id().and_then(|id| Pid::from_raw(i32::try_from(id).ok()?));
@@ -83,7 +84,7 @@ impl Process {
     }
 }
 
-/// The process group of a process that we have started. Dropping it ends what is left of it.
+/// Process group of a started process. Dropping it kills the remaining processes of the group.
 #[derive(Debug)]
 pub(crate) struct Group(Pid);
 
@@ -104,7 +105,7 @@ impl Drop for Group {
     }
 }
 
-/// Ends what has been left behind; what orphans leave behind in turn, too.
+/// Kills orphans, including those that other orphans leave behind.
 fn end_orphans(inherited: &[Pid]) {
     let deadline = Instant::now() + PATIENCE;
     let mut reported = inherited.to_vec();
@@ -115,7 +116,7 @@ fn end_orphans(inherited: &[Pid]) {
                 ended = true;
                 continue;
             }
-            // The kernel has taken its environment, and with it the mark, before it has ended.
+            // The kernel removes the environment, and with it the mark, before a process has ended.
             if stat(orphan).is_none_or(|stat| stat.is_ending) {
                 ended = true;
                 continue;
@@ -141,19 +142,19 @@ fn report(orphan: Pid, marked: bool) {
     let (pid, name) = (orphan.as_raw_nonzero().get(), stat(orphan).map(|stat| stat.name));
     let name = name.unwrap_or_default();
     if marked {
-        tracing::info!(pid, name, "ending an orphaned process of a participant");
+        tracing::info!(pid, name, "killing an orphaned process of a participant");
     } else {
         tracing::warn!("process {pid} ({name}) has lost its parent and is left running");
     }
 }
 
-/// Costs one call of the kernel in a run that has left nothing.
+/// Returns whether there are children. Costs a single system call if there are none.
 fn has_children() -> bool {
     let look = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
     waitid(WaitId::All, look).is_ok()
 }
 
-/// Our children, ended ones that nobody has collected among them.
+/// Returns the children, including ended ones that have not been collected.
 fn children() -> Vec<Pid> {
     let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
     let numbers = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
@@ -165,11 +166,11 @@ fn children() -> Vec<Pid> {
 struct Stat {
     name: String,
     parent: Option<Pid>,
-    /// It is ending, or has ended and nobody has collected it.
+    /// The process is ending, or has ended and has not been collected.
     is_ending: bool,
 }
 
-/// The flag of a process that is ending (`PF_EXITING` of the kernel).
+/// Flag of a process that is ending (`PF_EXITING` of the kernel).
 const ENDING: u64 = 4;
 
 /// Reads the status of a process (`proc_pid_stat(5)`); `None` if it is gone.
@@ -177,7 +178,7 @@ fn stat(process: Pid) -> Option<Stat> {
     let path = format!("/proc/{}/stat", process.as_raw_nonzero());
     let text = std::fs::read(path).ok()?;
     let text = String::from_utf8_lossy(&text);
-    // The name stands in brackets, and may hold some.
+    // The name stands in brackets, and may itself contain brackets.
     let (name, rest) = text.split_once('(')?.1.rsplit_once(") ")?;
     let fields: Vec<&str> = rest.split(' ').collect();
     let parent = fields.get(1)?.parse().ok().and_then(Pid::from_raw);
@@ -185,7 +186,7 @@ fn stat(process: Pid) -> Option<Stat> {
     Some(Stat { name: name.to_owned(), parent, is_ending: flags & ENDING != 0 })
 }
 
-/// A process has inherited the mark of what we have started.
+/// Returns whether a process has inherited the mark.
 fn is_marked(process: Pid) -> bool {
     let path = format!("/proc/{}/environ", process.as_raw_nonzero());
     let mark = format!("{MARK}={}", getpid().as_raw_nonzero());
@@ -198,7 +199,8 @@ fn is_marked(process: Pid) -> bool {
 mod tests {
     use super::*;
 
-    /// One that has ended and was not collected yet has no environment: it has not lost its mark.
+    /// A process that has ended but has not been collected has no environment: its mark is not
+    /// lost.
     #[test]
     fn a_process_that_ends_is_known() {
         let own = stat(getpid()).unwrap();

@@ -1,8 +1,8 @@
-//! The executables that take part: finding them, and asking them what they are.
+//! Programs of participants: finding them, and asking for their descriptions, estimates and advice.
 //!
-//! A participant without `command` is the program `ROLE-solver`, looked for beside the coordinator
-//! and then on the search path. Asking (`--describe`, `--estimate`, `--advise`) starts the program, reads its
-//! answer and ends it; nothing of a run is started.
+//! A participant without `command` is the program `ROLE-solver`. The coordinator looks for it in
+//! its own folder and then on the search path. A question (`--describe`, `--estimate`, `--advise`)
+//! starts the program, reads its answer and ends it. No part of a run is started.
 
 pub use crate::program::Program;
 
@@ -23,7 +23,7 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::process::Command;
 use tokio::sync::watch;
 
-/// More of an answer is not read [byte].
+/// Longest answer that is read [byte].
 const LONGEST_ANSWER: usize = 16 << 20;
 
 /// Descriptions of the programs asked so far.
@@ -33,13 +33,17 @@ fn known() -> MutexGuard<'static, Vec<(Program, Description)>> {
 }
 
 impl Program {
-    /// What the program says of itself.
+    /// Asks the program for its description.
     pub async fn describe(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
-        self.ask(role, "--describe", Vec::new(), deadline).await
+        match &self.linked {
+            Some(solver) => Ok(solver.describe()),
+            None => self.ask(role, "--describe", Vec::new(), deadline).await,
+        }
     }
 
-    /// Returns the description, checked; each program is asked once in the life of this process, since
-    /// all runs of a study use the same programs. One of another contract version is not checked.
+    /// Returns the checked description. Each program is asked once in the life of this process,
+    /// because all runs of a study use the same programs. A description of another contract version
+    /// is not checked.
     pub async fn known(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
         if let Some((_, description)) = known().iter().find(|(program, _)| program == self) {
             return Ok(description.clone());
@@ -49,7 +53,7 @@ impl Program {
         Ok(description)
     }
 
-    /// Checks and keeps a description.
+    /// Checks and stores a description.
     pub(crate) fn learn(&self, role: &str, description: Description) -> Result<(), RunError> {
         if description.protocol == contract::PROTOCOL_VERSION {
             description.check().map_err(|fault| self.misled(role, fault))?;
@@ -60,23 +64,29 @@ impl Program {
         Ok(())
     }
 
-    /// What the program makes of a configuration.
+    /// Asks the program for its estimate of a run with this configuration.
     pub async fn estimate(
         &self,
         configuration: &Configuration,
         deadline: Duration,
     ) -> Result<Estimate, RunError> {
+        if let Some(solver) = &self.linked {
+            return Ok(solver.estimate(configuration));
+        }
         let input = serde_json::to_vec(configuration).expect("a configuration is plain data");
         self.ask(&configuration.role, "--estimate", input, deadline).await
     }
 
-    /// What the program says of its effects in a scene.
+    /// Asks the program for its opinion on effects in a scene.
     pub async fn advise(
         &self,
         role: &str,
         scene: &Scene,
         deadline: Duration,
     ) -> Result<Opinion, RunError> {
+        if let Some(solver) = &self.linked {
+            return Ok(solver.advise(scene));
+        }
         let input = serde_json::to_vec(scene).expect("a scene is plain data");
         self.ask(role, "--advise", input, deadline).await
     }
@@ -100,10 +110,11 @@ impl Program {
         })
     }
 
-    /// What the program writes to its standard output when it is asked (`--describe`), as it is.
+    /// Asks the program a question (such as `--describe`), and returns its standard output
+    /// unchanged.
     ///
     /// # Errors
-    /// It is not there, fails, or is late; the user wants to stop.
+    /// The program does not exist, fails, or is late, or the user has interrupted the command.
     pub async fn answer(
         &self,
         role: &str,
@@ -157,7 +168,7 @@ impl Program {
         let (over, ended) = watch::channel(());
         let say = async {
             if let Some(mut stdin) = stdin {
-                // A program that does not read its input may close it early; its answer decides.
+                // A program that ignores its input may close it early; the answer decides.
                 let mut ended = ended.clone();
                 tokio::select! {
                     _ = stdin.write_all(&input) => (),
@@ -175,7 +186,7 @@ impl Program {
         Ok(Output { status: status?, stdout: stdout?, stderr: stderr? })
     }
 
-    /// The error for an answer that cannot be.
+    /// Returns the error for an invalid answer.
     #[must_use]
     pub fn misled(&self, role: &str, fault: String) -> RunError {
         RunError::Failed(Failure {
@@ -196,8 +207,8 @@ impl Program {
     }
 }
 
-/// How many JSON values a text begins with, or how many answers are mixed up in it: each has its
-/// `protocol` or is a layout with `grids`, once.
+/// Returns the number of JSON values at the beginning of a text, or of interleaved answers: each
+/// answer holds `protocol`, or `grids` if it is a layout, exactly once.
 fn answers(text: &[u8]) -> usize {
     let values = serde_json::Deserializer::from_slice(text).into_iter::<serde::de::IgnoredAny>();
     let whole = values.take_while(Result::is_ok).count();
@@ -206,8 +217,9 @@ fn answers(text: &[u8]) -> usize {
     mixed.into_iter().fold(whole, usize::max)
 }
 
-/// What a program has to say, up to [`LONGEST_ANSWER`]; beyond that it gets no reader. Its end is the
-/// end of its answer, whatever else holds the pipe open: what it has written lies there to be read.
+/// Reads the output of a program, up to [`LONGEST_ANSWER`]; output beyond is not read. The answer
+/// ends when the program ends, even if other processes hold the pipe open: the written bytes are
+/// still in the pipe.
 async fn read_some(
     pipe: Option<impl AsyncRead + AsFd + Unpin>,
     mut ended: watch::Receiver<()>,
@@ -230,7 +242,7 @@ async fn read_some(
     Ok(bytes)
 }
 
-/// Reads what lies in a pipe that does not block.
+/// Reads the remaining bytes of a non-blocking pipe.
 fn read_the_rest(pipe: &impl AsFd, bytes: &mut Vec<u8>) {
     let mut piece = [0; 4096];
     while bytes.len() < LONGEST_ANSWER {
@@ -243,7 +255,8 @@ fn read_the_rest(pipe: &impl AsFd, bytes: &mut Vec<u8>) {
     }
 }
 
-/// Programs beside the coordinator that look like participants, for `coordinator solvers`.
+/// Returns the programs beside the coordinator that look like participants, for `coordinator
+/// solvers`.
 #[must_use]
 pub fn installed() -> Vec<(String, Program)> {
     let Some(folder) = our_folder() else { return Vec::new() };
@@ -252,7 +265,7 @@ pub fn installed() -> Vec<(String, Program)> {
         .filter_map(|entry| {
             let name = entry.file_name().into_string().ok()?;
             let role = name.strip_suffix("-solver")?.to_owned();
-            Some((role, Program { path: entry.path(), arguments: Vec::new() }))
+            Some((role, Program::new(entry.path(), Vec::new())))
         })
         .collect();
     found.sort_by(|a, b| a.0.cmp(&b.0));

@@ -1,4 +1,4 @@
-//! How far a run is.
+//! Progress of a run, and of long work in it.
 
 use crate::format::clock;
 use contract::message::ProgressReport;
@@ -7,19 +7,19 @@ use std::fmt;
 use std::rc::Rc;
 use std::time::Duration;
 
-/// Shows how far a run is; one that shows nothing is `()`.
+/// Shows the progress of a run; `()` shows nothing.
 pub trait Progress: fmt::Debug {
-    /// `done` windows are done, up to the time `reached` [s].
+    /// Reports that `done` windows are complete, up to the time `reached` [s].
     fn window(&self, done: u64, reached: f64);
 
-    /// A participant is further with the long work that it does.
+    /// Reports that a participant has advanced in long work.
     fn working(&self, work: &Work<'_>);
 
-    /// The run is over.
+    /// Reports the end of the run.
     fn finish(&self);
 }
 
-/// Shows nothing.
+/// Returns a display that shows nothing.
 #[must_use]
 pub fn silent() -> Rc<dyn Progress> {
     Rc::new(())
@@ -33,20 +33,20 @@ impl Progress for () {
     fn finish(&self) {}
 }
 
-/// Long work of a participant, as it counts it itself.
+/// Long work of a participant, as counted by the participant.
 #[derive(Clone, Copy, Debug)]
 pub struct Work<'a> {
-    /// Its role.
+    /// Role of the participant.
     pub role: &'a str,
-    /// What it was asked for ("building").
+    /// Present participle for the current command ("building").
     pub doing: &'a str,
-    /// How far it is.
+    /// Newest report.
     pub report: ProgressReport,
-    /// What is left, at the pace so far; absent if nobody knows.
+    /// Remaining time at the pace so far, if known.
     pub left: Option<Duration>,
 }
 
-/// "thermal building: factorising 37/60, 0:23 left".
+/// Formats the work like "thermal building: factorising 37/60, 0:23 left".
 impl fmt::Display for Work<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ProgressReport { done, of, what, .. } = self.report;

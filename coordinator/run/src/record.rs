@@ -1,10 +1,9 @@
-//! Recording a run (`--record`): every sample and every word of the conversation, in a file.
+//! Recording of a run (`--record`): every sample, command and reply, in a file.
 //!
-//! The coupling loop only notes what happened; a thread of its own takes the samples from shared
-//! memory, as one more subscriber of each topic, and writes. So nothing is copied on the coupling
-//! path. The thread may be [`LAG`] iterations behind, no more: when the disk is slower than the run
-//! the run waits, and nothing is lost. What is in memory is bounded by those iterations and a chunk
-//! of the file.
+//! The coupling loop only notes the events. A separate thread takes the samples from shared memory,
+//! as a further subscriber of each topic, and writes them. Thus the coupling path copies nothing.
+//! The thread may lag by [`LAG`] iterations: if the disk is slower than the run, the run waits, and
+//! no data is lost. Memory use is limited to these iterations and a chunk of the file.
 
 mod portable;
 mod writing;
@@ -29,14 +28,14 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use writing::{Job, Listener, Progress, lock, write_all};
 
-/// Iterations that the disk may be behind: one is being written while the next one runs. With the
-/// one noted and the one under way no topic's queue ever holds more than it can.
+/// Number of iterations by which the disk may lag: one is written while the next one runs. Together
+/// with the noted and the current iteration, no topic's queue overflows.
 pub const LAG: u64 = 1;
 
-/// From one look at signals to the next while the run waits for the disk.
+/// Time between two checks for signals while the run waits for the disk.
 const NAP: Duration = Duration::from_millis(20);
 
-/// Longest wait for the disk once the user wants to stop.
+/// Longest wait for the disk after the user has interrupted the run.
 const LAST_WORDS: Duration = Duration::from_secs(2);
 
 /// A recording in progress.
@@ -49,26 +48,26 @@ pub struct Recorder {
     patience: Duration,
 }
 
-/// What has been noted and not yet handed over.
+/// Notes that have not been passed to the writing thread.
 #[derive(Debug)]
 struct Notes {
     jobs: Sender<Vec<Job>>,
     batch: Vec<Job>,
-    /// Iterations handed over.
+    /// Number of iterations passed on.
     begun: u64,
     topics: usize,
     thread: Option<JoinHandle<()>>,
 }
 
-/// The number of a topic among those that are recorded.
+/// Number of a recorded topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TopicNumber(usize);
 
 impl Recorder {
-    /// Creates the file and writes what is known before the run.
+    /// Creates the file and writes the data that are known before the run.
     ///
     /// # Errors
-    /// The file, or one that the case names, cannot be written or read.
+    /// The file cannot be written, or a file that the case names cannot be read.
     pub fn start(
         path: &Path,
         compression: Compression,
@@ -97,7 +96,7 @@ impl Recorder {
         Ok(Self { path: path.to_owned(), files, notes, progress, patience })
     }
 
-    /// Where it is written.
+    /// Path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -120,11 +119,11 @@ impl Recorder {
         Ok(number)
     }
 
-    /// The writers of all topics are there: connects to them, so that what they send is received
-    /// even from one that has left by then.
+    /// Connects to the writers of all topics, which must exist by now. Their samples are then
+    /// received even if a writer has ended.
     ///
     /// # Errors
-    /// As [`Recorder::wait_for_room`].
+    /// The errors of [`Recorder::wait_for_room`].
     pub fn connect(&self) -> Result<(), RunError> {
         self.notes().batch.push(Job::Connect);
         self.hand_over();
@@ -132,11 +131,11 @@ impl Recorder {
         self.wait_until(|progress| progress.done == begun)
     }
 
-    /// A command has been sent.
+    /// Records a command.
     pub fn command(&self, participant: ParticipantIndex, command: &Command, body: &[u8]) {
         let body = match CommandKind::from_number(command.kind) {
             Some(CommandKind::Configure) => portable_body(body, &self.files),
-            // They hold paths on this machine; the states themselves are recorded.
+            // Both bodies hold paths on this machine; the states themselves are recorded.
             Some(CommandKind::Save) => Vec::new(),
             Some(CommandKind::Restore) => without_files(body),
             _ => body.to_vec(),
@@ -145,28 +144,28 @@ impl Recorder {
         self.event(Event::Command { participant, command: *command, body });
     }
 
-    /// A reply has come.
+    /// Records a reply.
     pub fn reply(&self, participant: ParticipantIndex, reply: &Reply, body: &[u8]) {
         let (participant, reply) = (index(participant), *reply);
         let body = match Status::from_number(reply.status) {
             Some(Status::Done) => body.to_vec(),
-            // The words of a failure may name anything.
+            // The text of a failure may contain any path.
             _ => without_paths(&String::from_utf8_lossy(body)).into_bytes(),
         };
         self.event(Event::Reply { participant, reply, body });
     }
 
-    /// Something else has happened.
+    /// Records any other event.
     pub fn event(&self, event: Event) {
         self.notes().batch.push(Job::Event(event));
     }
 
-    /// A sample has come on a topic.
+    /// Records the sample of this sequence number on a topic.
     pub fn sample(&self, topic: TopicNumber, sequence: u64) {
         self.notes().batch.push(Job::Sample { topic: topic.0, sequence });
     }
 
-    /// A participant has written its state into a file, or is about to read it.
+    /// Records the state file that a participant has written or is about to read.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -176,30 +175,30 @@ impl Recorder {
         Ok(())
     }
 
-    /// Hands over what has been noted; called while the participants compute.
+    /// Passes the notes to the writing thread; called while the participants compute.
     pub fn hand_over(&self) {
         let mut notes = self.notes();
         notes.begun += 1;
         notes.batch.push(Job::IterationEnds);
         let batch = std::mem::take(&mut notes.batch);
-        // The thread ends only after `finish`.
+        // Sending cannot fail: the thread ends only after `finish`.
         let _ = notes.jobs.send(batch);
     }
 
-    /// Waits until the disk is no more than [`LAG`] iterations behind.
+    /// Waits until the disk lags by no more than [`LAG`] iterations.
     ///
     /// # Errors
-    /// The disk has failed, or does not take anything for as long as a solve may last; or the user
-    /// wants to stop.
+    /// The disk has failed, accepts no data for as long as a solve may last, or the user has
+    /// interrupted the run.
     pub fn wait_for_room(&self) -> Result<(), RunError> {
         let begun = self.notes().begun;
         self.wait_until(|progress| begun - progress.done <= LAG)
     }
 
-    /// Unsubscribes from every topic, when everything noted has been taken from them.
+    /// Unsubscribes from every topic, after all noted samples have been taken.
     ///
     /// # Errors
-    /// As [`Recorder::wait_for_room`].
+    /// The errors of [`Recorder::wait_for_room`].
     pub fn stop_listening(&self) -> Result<(), RunError> {
         self.notes().batch.push(Job::CloseAll);
         self.hand_over();
@@ -213,8 +212,8 @@ impl Recorder {
         lock(&self.progress.0).reported = reported;
     }
 
-    /// Returns the error that ends a run. An earlier failure of the recording replaces it: the recorder
-    /// leaves its topics then, and the next sender on them fails as a consequence.
+    /// Returns the error that ends a run. An earlier failure of the recording replaces it: the
+    /// recorder then unsubscribes from its topics, so that the next sender fails as a consequence.
     #[must_use]
     pub fn cause(&self, error: RunError) -> RunError {
         let mut progress = lock(&self.progress.0);
@@ -228,10 +227,11 @@ impl Recorder {
         }
     }
 
-    /// Ends the recording with how the run ended; the length of the file \[byte\].
+    /// Completes the recording with the end of the run, and returns the length of the file
+    /// \[byte\].
     ///
     /// # Errors
-    /// The file could not be written, now or before.
+    /// The file could not be written, now or earlier.
     pub fn finish(&self, error: Option<&str>) -> Result<u64, RunError> {
         self.event(Event::Ended { error: error.map(without_paths) });
         self.notes().batch.push(Job::Finish);
@@ -248,13 +248,14 @@ impl Recorder {
         length.map_err(|error| file_failure(&self.path, &error))
     }
 
-    /// A failure of the recording has already ended the run.
+    /// Returns whether a failure of the recording has already ended the run.
     #[must_use]
     pub fn has_reported(&self) -> bool {
         lock(&self.progress.0).reported
     }
 
-    /// The last of the file is written, and flushed; less patiently once the user wants to stop.
+    /// Waits until the end of the file is written and flushed. The wait is shorter after the user
+    /// has interrupted the run.
     fn wait_for_end(&self, thread: &JoinHandle<()>) -> Result<(), RunError> {
         let start = Instant::now();
         while !thread.is_finished() {

@@ -1,11 +1,11 @@
-//! The result directory: `summary.json`, `iterations.csv`, `history.csv`, `fields/`, the case as run, `log.jsonl`.
+//! The result directory: `summary.json`, `iterations.csv`, `history.csv`, `fields/`, the case as
+//! run, `log.jsonl`.
 
 pub mod cells;
 pub mod claim;
 mod clear;
 pub mod derived;
 pub mod dir;
-mod extremes;
 pub mod figures;
 mod folder;
 pub mod history;

@@ -1,10 +1,11 @@
-//! Folders for results that nobody keeps.
+//! Folders for temporary results.
 //!
-//! A process that is killed removes nothing. Therefore each folder holds a locked file, and whoever
-//! makes the next folder removes those whose lock is free: their process has ended.
+//! A killed process removes nothing. Therefore each folder holds a locked file. The creator of the
+//! next folder removes all folders whose lock is free, because their process has ended.
 
 use crate::error::{RunError, file_failure};
-use rustix::fs::{FlockOperation, OFlags, flock};
+use proto::lock_file::LockFile;
+use rustix::fs::OFlags;
 use std::fs::{self, File};
 use std::io;
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
@@ -12,31 +13,31 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// Begins the name of every such folder.
+/// Beginning of the name of every such folder.
 const PREFIX: &str = "cosim-scratch-";
-/// The file that the owner of a folder has locked.
+/// File that the owner of a folder has locked.
 const LOCK: &str = "lock";
-/// The folder for the user of a folder.
+/// Subfolder for the results.
 const CONTENT: &str = "content";
-/// Names of such folders in versions before 0.3, which had no lock.
+/// Beginnings of the names in versions before 0.3, which had no lock.
 const WITHOUT_LOCK: [&str; 2] = ["cosim-study-", "cosim-drive-"];
-/// Age from which a folder without a lock has no owner.
+/// Age from which a folder without a lock counts as abandoned.
 const AGE: Duration = Duration::from_secs(7 * 24 * 3600);
 
-/// An empty folder below the temporary directory; it is removed when this is dropped.
+/// An empty folder below the temporary directory. Dropping this removes the folder.
 #[derive(Debug)]
 pub struct Scratch {
-    /// The empty folder, beside the lock.
+    /// Path of the empty folder, which lies beside the lock.
     path: PathBuf,
     _folder: TempDir,
-    _lock: File,
+    _lock: LockFile,
 }
 
 impl Scratch {
-    /// Makes a folder, and removes those that killed processes have left.
+    /// Creates a folder, and removes the folders that killed processes have left.
     ///
     /// # Errors
-    /// The file system.
+    /// The folder cannot be created.
     pub fn new() -> Result<Self, RunError> {
         let place = std::env::temp_dir();
         Self::within(&place).map_err(|error| file_failure(&place, &error))
@@ -46,9 +47,9 @@ impl Scratch {
         remove_abandoned(place);
         loop {
             let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(place)?;
-            let lock = File::create_new(folder.path().join(LOCK))?;
-            let held = flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok();
-            // Another process may have met the folder before the lock was held, and removes it.
+            let lock = LockFile::from(File::create_new(folder.path().join(LOCK))?);
+            let held = lock.try_lock().is_ok();
+            // Another process may have found the folder before the lock was held, and removes it.
             if held && folder.path().join(LOCK).exists() {
                 let path = folder.path().join(CONTENT);
                 fs::create_dir(&path)?;
@@ -57,14 +58,14 @@ impl Scratch {
         }
     }
 
-    /// Path of the folder.
+    /// Returns the path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 }
 
-/// Removes the folders of ours whose owner has ended; one that cannot be removed stays.
+/// Removes the user's folders whose owner has ended. A folder that cannot be removed stays.
 fn remove_abandoned(place: &Path) {
     for entry in fs::read_dir(place).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -80,24 +81,24 @@ fn remove_abandoned(place: &Path) {
     }
 }
 
-/// A folder, no link to one, of this user.
+/// Returns whether this is a folder of this user, and not a link.
 fn is_ours(path: &Path) -> bool {
     let user = rustix::process::getuid().as_raw();
     path.symlink_metadata().is_ok_and(|found| found.is_dir() && found.uid() == user)
 }
 
-/// Takes the lock of a folder whose owner has ended; `None` if it has an owner. The lock has to stay
-/// held while the folder is removed: a process that has just made the folder would else lock it, and
-/// then lose it. A folder without a lock file stands for its own lock.
-fn abandoned(folder: &Path) -> Option<File> {
+/// Takes the lock of a folder whose owner has ended; `None` if the owner lives. The lock must be
+/// held while the folder is removed: otherwise a process that has just made the folder could lock
+/// it, and then lose it. A folder without a lock file serves as its own lock.
+fn abandoned(folder: &Path) -> Option<LockFile> {
     let no_link = OFlags::NOFOLLOW.bits().cast_signed();
     match File::options().read(true).custom_flags(no_link).open(folder.join(LOCK)) {
-        Ok(lock) => flock(&lock, FlockOperation::NonBlockingLockExclusive).is_ok().then_some(lock),
-        // It is being made, or was made by an earlier version.
+        Ok(lock) => Some(LockFile::from(lock)).filter(|lock| lock.try_lock().is_ok()),
+        // The folder is being made, or was made by an earlier version.
         Err(error) if error.kind() == io::ErrorKind::NotFound => {
             let changed = folder.symlink_metadata().and_then(|found| found.modified());
             let is_old = changed.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > AGE));
-            is_old.then(|| File::open(folder).ok())?
+            is_old.then(|| File::open(folder).ok())?.map(LockFile::from)
         }
         Err(_) => None,
     }
@@ -107,13 +108,14 @@ fn abandoned(folder: &Path) -> Option<File> {
 mod tests {
     use super::*;
 
-    /// A folder whose owner lives stays, one whose lock is free goes, and nothing else is touched.
+    /// A folder with a living owner stays, one with a free lock is removed, and all others stay
+    /// untouched.
     #[test]
     fn only_abandoned_folders_are_removed() {
         let place = tempfile::tempdir().unwrap();
         let living = Scratch::within(place.path()).unwrap();
         let killed = Scratch::within(place.path()).unwrap();
-        // A killed process leaves the folder and a lock that nobody holds.
+        // A killed process leaves the folder with a free lock.
         assert_eq!(fs::read_dir(killed.path()).unwrap().count(), 0);
         fs::write(killed.path().join("results"), "x").unwrap();
         let Scratch { _folder: folder, _lock: lock, .. } = killed;
@@ -134,8 +136,8 @@ mod tests {
         assert!(!path.exists());
     }
 
-    /// The lock of a folder is held while it is removed, so a process that has just made it notices,
-    /// and makes another.
+    /// The lock of a folder is held while the folder is removed. A process that has just made it
+    /// notices this, and makes another.
     #[test]
     fn a_folder_that_is_removed_is_nobody_elses() {
         let place = tempfile::tempdir().unwrap();

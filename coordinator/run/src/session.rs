@@ -1,65 +1,57 @@
-//! A run in progress: the conversation with its participants.
+//! A run in progress: the exchange with its participants.
 //!
-//! [`Session::start`] brings everybody to the point where the first window can be solved;
-//! [`Session::solve`], [`Session::accept`] and [`Session::finish`] do what they say. Every wait
-//! notices within [`Doorbell::NAP`] that a participant has ended or that the user wants to stop,
-//! and has a deadline. Dropping a session, at any point, ends all processes and removes everything
-//! that the run has left on the machine.
+//! [`Session::start`] prepares all participants up to the first window. `Session::solve`,
+//! [`Session::accept`] and [`Session::finish`] carry out the commands of the same names. Every wait
+//! has a deadline, and notices within [`proto::transport::Doorbell::NAP`] that a participant has
+//! ended or that the user has interrupted the run. Dropping a session, at any point, ends all
+//! processes and removes all files that the run has left on the machine.
 
 mod audit;
 mod checkpoint;
-mod collect;
-mod feedback;
-mod figures;
+mod exchange;
+mod fields;
 mod geometry;
-mod given;
-mod index;
-mod iterates;
 mod layout;
 mod live;
-mod mapped;
 mod mapping;
 mod memory;
-mod moving;
 pub(crate) mod open_files;
-mod outlet;
-mod solved;
+mod reports;
 mod start;
-mod subscription;
-mod tap;
-mod topics;
 mod window;
 
-pub use audit::{HeatBalance, Receipt};
+pub use audit::{Balance, Receipt};
+pub use fields::{Consumer, FieldIndex, FieldSubscription};
+pub use geometry::MovingGrid;
 pub use layout::layout_fault;
 pub use memory::room_for;
-pub use moving::MovingGrid;
-pub use outlet::header;
-pub use solved::SolveRecord;
-pub use tap::{Consumer, Tap};
-pub use window::Leaving;
+pub use reports::SolveRecord;
+pub use window::PendingExits;
 
-use crate::peers::{EndsFirst, Peers};
+use crate::error::RunError;
+use crate::peers::{Peers, ProcessGuard};
 use crate::record::Recorder;
 use crate::warnings::Warning;
+use contract::step::Step;
 use coupling::{Part, ParticipantIndex};
-use feedback::Feedback;
-use figures::Figures;
-use index::{MappedIndex, MovingIndex, PartIndex, TapIndex};
+use fields::{CoupledField, MappingIndex, MovingIndex, PartIndex};
 use live::LiveValues;
-use mapped::Mapped;
+use mapping::FieldMapping;
 use memory::SharedMemory;
+use reports::Figures;
+use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 use typed_index_collections::{TiSlice, TiVec};
 
-/// Which participants publish their observed fields when a window is accepted.
+/// Participants that publish their observed fields when a window is accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observed {
-    /// All of them.
+    /// All participants.
     Everybody,
-    /// Those of which no other participant consumes anything: they publish nothing else.
+    /// Participants whose fields have no consumer: this is all that they publish.
     Unconsumed,
-    /// None.
+    /// No participant.
     Nobody,
 }
 
@@ -69,21 +61,21 @@ pub enum Observed {
 #[derive(Debug)]
 pub struct Session {
     _recording: Recording,
-    guard: EndsFirst,
-    /// All participants may stay after the run.
+    guard: ProcessGuard,
+    /// Whether all participants may stay after the run.
     reusable: bool,
-    taps: TiVec<TapIndex, Tap>,
-    feedback: TiVec<PartIndex, Feedback>,
-    mapped: TiVec<MappedIndex, Mapped>,
+    fields: TiVec<FieldIndex, FieldSubscription>,
+    coupled: TiVec<PartIndex, CoupledField>,
+    mapped: TiVec<MappingIndex, FieldMapping>,
     moving: TiVec<MovingIndex, MovingGrid>,
     live: LiveValues,
     memory: SharedMemory,
-    /// The fields of `feedback` as parts of the coupling vector.
+    /// Fields of `coupled` as parts of the coupling vector.
     parts: TiVec<PartIndex, Part>,
     solved: TiVec<ParticipantIndex, SolveRecord>,
     figures: Figures,
     computed_seconds: f64,
-    /// A participant has no answer to the window.
+    /// Whether a participant has no answer to the window.
     unanswered: bool,
     bytes_exchanged: u64,
     /// Warnings raised during the run.
@@ -92,71 +84,125 @@ pub struct Session {
 }
 
 impl Session {
-    /// Every field of the run with its newest sample.
+    /// Returns every field of the run, with its newest sample.
     #[must_use]
-    pub fn taps(&self) -> &TiSlice<TapIndex, Tap> {
-        &self.taps
+    pub fn fields(&self) -> &TiSlice<FieldIndex, FieldSubscription> {
+        &self.fields
     }
 
-    /// What each participant reported of its last solve, in the plan's order.
+    /// Returns the report of each participant on its last solve, in the order of the plan.
     #[must_use]
     pub fn solved(&self) -> &TiSlice<ParticipantIndex, SolveRecord> {
         &self.solved
     }
 
-    /// The figures that the participants gave when the last window was accepted, in the plan's order; NaN
-    /// for those that there are not.
+    /// Returns the figures that the participants gave for the last accepted window, in the order of
+    /// the plan; NaN for a missing one.
     #[must_use]
     pub fn figures(&self) -> &[f64] {
         self.figures.values()
     }
 
-    /// The shortest window that a participant wants from the start of the last one [s].
+    /// Returns the shortest window that a participant asks for, from the start of the last one [s].
     #[must_use]
     pub fn wanted_window(&self) -> Option<f64> {
         self.solved.iter().filter_map(|record| record.wanted_window).reduce(f64::min)
     }
 
-    /// What the participants sent last to each other, field by field.
+    /// Returns the values that the participants sent last to each other, field by field.
     pub fn exchanged(&self) -> impl Iterator<Item = &[f64]> + Clone {
-        self.taps.iter().filter(|tap| !tap.observed_only).filter_map(Tap::values)
+        self.fields
+            .iter()
+            .filter(|field| !field.observed_only)
+            .filter_map(FieldSubscription::values)
     }
 
-    /// Bytes of field values exchanged so far.
+    /// Returns the size of the field values exchanged so far [byte].
     #[must_use]
     pub fn bytes_exchanged(&self) -> u64 {
         self.bytes_exchanged
     }
 
-    /// Warnings raised during the run.
+    /// Returns the warnings raised during the run.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
 
-    /// Seconds so far in which some model computed; models that compute at the same time count
-    /// once, with the longest.
+    /// Returns the time so far in which at least one model computed [s]. Models that compute at the
+    /// same time count once, with the longest time.
     #[must_use]
     pub fn computed_seconds(&self) -> f64 {
         self.computed_seconds
     }
 
-    /// Heat sent and received in the last iteration.
+    /// Returns the balance of the conservative fields in the last iteration.
     #[must_use]
-    pub fn heat_balance(&self) -> HeatBalance {
+    pub fn balance(&self) -> Balance {
         let mapping = audit::of_mappings(&self.mapped);
-        HeatBalance { mapping, ..HeatBalance::of(&self.solved) }
+        Balance { mapping, ..Balance::of(&self.solved) }
+    }
+
+    /// Checks whether a live key may take this value.
+    ///
+    /// # Errors
+    /// The key does not exist, or the value is beyond its limits; the message names the reason.
+    pub fn judge(&self, key: &str, value: f64) -> Result<(), String> {
+        self.live.judge(key, value).map(drop)
+    }
+
+    /// Sets a live key, from the next solved window on.
+    ///
+    /// # Errors
+    /// The errors of [`Session::judge`].
+    pub fn give(&mut self, key: &str, value: f64) -> Result<(), String> {
+        self.live.give(key, value)
+    }
+
+    /// Returns the live values that the coordinator sends, by key.
+    pub fn given(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.live.sent.iter().map(|sent| (sent.key.as_str(), sent.value))
+    }
+
+    /// Returns the last value that a participant has sent for a live key in a window. Returns
+    /// `None` if no participant sends the key.
+    #[must_use]
+    pub fn provided(&self, key: &str, step: &Step) -> Option<f64> {
+        let mut fields = self.live.provided.iter().map(|provided| &self.fields[provided.field]);
+        let sample = fields.find(|field| field.kind.name == key)?.sample.as_ref()?;
+        (sample.header().window == step.window).then(|| sample.values().first().copied()).flatten()
+    }
+
+    /// Returns the folder of the run, which is in memory and is removed at the end of the run.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.peers.info().folder
+    }
+
+    /// Returns whether a grid of the run moves.
+    #[must_use]
+    pub fn has_moving_grid(&self) -> bool {
+        !self.moving.is_empty()
+    }
+
+    /// Lets time pass while watching processes and signals.
+    ///
+    /// # Errors
+    /// A process has ended, or the user has interrupted the run.
+    pub fn idle(&mut self, time: Duration) -> Result<(), RunError> {
+        self.peers.idle(time, || ()).map_err(|stopped| self.peers.stopped(stopped))
     }
 }
 
-/// The recording of a run, closed at its end however that comes.
+/// Recording of a run, closed whenever the run ends.
 #[derive(Debug)]
 struct Recording(Option<Arc<Recorder>>);
 
 impl Drop for Recording {
     fn drop(&mut self) {
         if let Some(recorder) = &self.0 {
-            // Its failure has been reported by whatever noticed it, or will be by `finish`.
+            // A failure of the recording is reported elsewhere: where it was noticed, or by
+            // `finish`.
             recorder.close();
         }
     }

@@ -1,8 +1,9 @@
-//! Ctrl-C, SIGTERM and SIGHUP: noted as soon as the program starts, acted upon wherever it waits.
+//! Ctrl-C, SIGTERM and SIGHUP: noted from the start of the program, handled wherever the program
+//! waits.
 //!
-//! One that is ignored when the program starts stays so, as `nohup` wants it. While nothing has to be
-//! put in order ([`end_at_once`]) a signal ends the program there and then; so does a second one,
-//! whatever goes on: participants notice that, and leave by themselves.
+//! A signal that is ignored at the start stays ignored, as `nohup` requires. While no clean-up is
+//! needed ([`end_at_once`]), a signal ends the program immediately. A second signal does so at any
+//! time; participants notice the end and leave by themselves.
 
 use crate::processes;
 use std::io::{self, Write};
@@ -13,23 +14,24 @@ use std::sync::atomic::{AtomicI32, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use tokio::signal::unix::{SignalKind, signal};
 
-/// Number of the signal that asked us to stop; 0 for none. Signals belong to the whole process.
+/// Number of the signal that asked the program to stop; 0 for none. Signals concern the whole
+/// process.
 static RECEIVED: AtomicI32 = AtomicI32::new(0);
 
-/// How many have said that nothing has to be put in order.
+/// Number of [`AtOnce`] guards in force.
 static AT_ONCE: AtomicUsize = AtomicUsize::new(0);
 
-/// From one look to the next.
+/// Time between two checks for a signal.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Processes of one job are signalled within this time.
+/// Time within which the processes of one job are signalled.
 const SAME_JOB: Duration = Duration::from_millis(500);
 
-/// A signal that comes twice within this time was sent once (`timeout` signals a process and then its
-/// group).
+/// Time within which a repeated signal counts as the same one (`timeout` signals a process and then
+/// its group).
 const REPEATED: Duration = Duration::from_secs(1);
 
-/// Listens from now on, on a thread of its own, for as long as the process lives.
+/// Listens for signals from now on, on a separate thread, for the life of the process.
 pub fn listen() -> io::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let ignored = ignored();
@@ -54,7 +56,7 @@ pub fn listen() -> io::Result<()> {
     Ok(())
 }
 
-/// The signals that the process ignores: bit n − 1 for signal n.
+/// Returns the signals that the process ignores: bit n − 1 for signal n.
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -70,20 +72,21 @@ fn note(number: i32) {
     }
 }
 
-/// Ends the program, and what it has started.
+/// Ends the program and all processes that it has started.
 fn leave() -> ! {
     processes::end_all();
     let name = received().unwrap_or("a signal");
     let _ = writeln!(io::stderr(), "error: interrupted by {name}");
-    // As a shell has it.
+    // Exit code as reported by a shell.
     std::process::exit(128 + RECEIVED.load(Ordering::SeqCst));
 }
 
-/// For as long as it lives a signal ends the program at once: nothing has to be put in order.
+/// Guard during whose life a signal ends the program at once, because no clean-up is needed.
 #[derive(Debug)]
 pub struct AtOnce(());
 
-/// See [`AtOnce`]. A signal that has been received before ends the program too.
+/// Lets signals end the program at once, while the returned guard lives. A signal received before
+/// ends the program too.
 #[must_use]
 pub fn end_at_once() -> AtOnce {
     AT_ONCE.fetch_add(1, Ordering::SeqCst);
@@ -99,7 +102,7 @@ impl Drop for AtOnce {
     }
 }
 
-/// The signal that asked us to stop, by name.
+/// Returns the name of the signal that asked the program to stop.
 #[must_use]
 pub fn received() -> Option<&'static str> {
     match RECEIVED.load(Ordering::SeqCst) {
@@ -110,8 +113,9 @@ pub fn received() -> Option<&'static str> {
     }
 }
 
-/// The signal that asks us to stop, where the one that has ended another process is such a signal. Whoever stops a whole job, as schedulers
-/// do, signals all of its processes, and this one may learn of it after the other has ended: it is waited for a moment.
+/// Returns the signal that asks this program to stop, if another process was ended by such a
+/// signal. A scheduler that stops a job signals all of its processes. This process may receive its
+/// signal after the other has ended, so the function waits for half a second at most.
 #[must_use]
 pub fn received_like(other: ExitStatus) -> Option<&'static str> {
     let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
@@ -126,7 +130,7 @@ pub fn received_like(other: ExitStatus) -> Option<&'static str> {
     None
 }
 
-/// Ends when a signal has been received.
+/// Waits until a signal has been received.
 pub async fn wait() -> &'static str {
     loop {
         if let Some(name) = received() {

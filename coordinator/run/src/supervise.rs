@@ -1,13 +1,17 @@
-//! Starting, watching and ending the participants' processes, on a tokio thread of its own.
+//! Starting, watching and ending of participants: processes, watched by a tokio runtime on a
+//! separate thread, and threads of linked solvers.
 //!
-//! Every participant is its own process group, so that Ctrl-C in a terminal reaches the
-//! coordinator alone, which then ends everything in order, and so that what a participant starts
-//! ends with it ([`crate::processes`]). Output goes into the log line by line. An exit is known within milliseconds.
+//! Every participant has its own process group. Thus Ctrl-C in a terminal reaches only the
+//! coordinator, which then ends the run in order, and all processes that a participant starts end
+//! with it ([`crate::processes`]). Output goes into the log line by line. An exit is noticed within
+//! milliseconds.
 
 mod words;
 
+use crate::linked::LinkedSolver;
 use crate::processes::Process;
 use crate::programs::Program;
+use proto::participant::Stop;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::fmt;
 use std::io;
@@ -20,28 +24,29 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::process::Command;
 use tokio::sync::oneshot;
-use words::{Words, relay};
+use words::{ProcessOutput, relay};
 
-/// A participant's process as last seen.
+/// End of a participant's process.
 #[derive(Clone, Debug)]
 pub struct Exit {
     /// Role of the participant.
     pub role: String,
     /// Exit status; absent if the operating system did not report it.
     pub status: Option<ExitStatus>,
-    /// The last line it wrote, if any.
+    /// Last line that the process wrote, if any.
     pub last_words: Option<String>,
 }
 
 impl Exit {
-    /// Whether the process ended with exit code 0.
+    /// Returns whether the process ended with exit code 0.
     #[must_use]
     pub fn is_success(&self) -> bool {
         self.status.is_some_and(|status| status.success())
     }
 }
 
-/// "ended with exit code 3, saying: out of memory", to follow the name of the process.
+/// Formats the exit like "ended with exit code 3, saying: out of memory", to follow the name of the
+/// process.
 impl fmt::Display for Exit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let status = self.status;
@@ -57,18 +62,18 @@ impl fmt::Display for Exit {
     }
 }
 
-/// Shared between the supervising thread and the coupling loop.
+/// State shared between the supervising thread and the coupling loop.
 #[derive(Debug, Default)]
 struct Observations {
-    /// Raised by every exit, so that the coupling loop looks only when there is news.
+    /// Number of exits: the coupling loop takes the lock only if there are any.
     exits_seen: AtomicUsize,
     exits: Mutex<Vec<Exit>>,
     processes: Mutex<Vec<Pid>>,
 }
 
 impl Observations {
-    /// Records that a process has ended, also if its exit status could not be read: the run must not
-    /// wait for it any longer.
+    /// Records that a process has ended, even if its exit status could not be read, because the run
+    /// must not wait for it any longer.
     fn record(&self, role: String, waited: io::Result<ExitStatus>, last_words: Option<String>) {
         let status = match waited {
             Ok(status) => {
@@ -91,17 +96,20 @@ impl Observations {
 pub struct Launch {
     /// Role to play.
     pub role: String,
-    /// What to start.
+    /// Program to start.
     pub program: Program,
 }
 
-/// The participants' processes. Dropping it ends them all.
+/// Processes and threads of the participants. Dropping this ends the processes, and asks threads to
+/// leave; a thread deep in a solve may end later.
 #[derive(Debug)]
 pub struct Supervisor {
     seen: Arc<Observations>,
     quit: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
     started: usize,
+    /// Requests to linked solvers to leave.
+    stops: Vec<Stop>,
 }
 
 impl Supervisor {
@@ -109,6 +117,7 @@ impl Supervisor {
     pub fn start(launches: &[Launch], run_folder: &Path) -> Result<Self, (String, io::Error)> {
         let seen = Arc::new(Observations::default());
         let (quit, quitting) = oneshot::channel();
+        let mut stops = Vec::new();
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
             .build()
@@ -116,20 +125,25 @@ impl Supervisor {
         {
             let _inside = runtime.enter();
             for launch in launches {
-                start_one(launch, run_folder, &seen).map_err(|e| (launch.role.clone(), e))?;
+                let started = match &launch.program.linked {
+                    Some(solver) => start_linked(&launch.role, solver, run_folder, &seen)
+                        .map(|stop| stops.push(stop)),
+                    None => start_one(launch, run_folder, &seen),
+                };
+                started.map_err(|e| (launch.role.clone(), e))?;
             }
         }
         let thread = std::thread::Builder::new()
             .name("supervise".to_owned())
             .spawn(move || {
-                // The runtime drives the tasks spawned above until we are asked to quit.
+                // The runtime drives the tasks spawned above until the supervisor is dropped.
                 let _ = runtime.block_on(quitting);
             })
             .map_err(|e| ("coordinator".to_owned(), e))?;
-        Ok(Self { seen, quit: Some(quit), thread: Some(thread), started: launches.len() })
+        Ok(Self { seen, quit: Some(quit), thread: Some(thread), started: launches.len(), stops })
     }
 
-    /// The participants that have ended so far; cheap while there is none.
+    /// Returns the participants that have ended so far. Cheap while there are none.
     #[must_use]
     pub fn exits(&self) -> Vec<Exit> {
         if self.seen.exits_seen.load(Ordering::Acquire) == 0 {
@@ -142,7 +156,7 @@ impl Supervisor {
         self.seen.exits_seen.load(Ordering::Acquire) >= self.started
     }
 
-    /// Waits until every process has ended by itself; false when the time is up.
+    /// Waits until every process has ended by itself. Returns false after `patience`.
     #[must_use]
     pub fn wait_for_exits(&self, patience: Duration) -> bool {
         let deadline = Instant::now() + patience;
@@ -152,8 +166,9 @@ impl Supervisor {
         self.all_ended()
     }
 
-    /// Ends what still runs: SIGTERM, and SIGKILL for what does not follow.
+    /// Ends all running processes: by SIGTERM, then by SIGKILL. Threads are asked to leave.
     pub fn end_all(&self) {
+        self.stops.iter().for_each(Stop::ask);
         for (signal, patience) in [(Signal::TERM, 1), (Signal::KILL, 10)] {
             if self.all_ended() {
                 return;
@@ -194,7 +209,7 @@ fn start_one(launch: &Launch, run_folder: &Path, seen: &Arc<Observations>) -> io
     let pid = process.group.id();
     tracing::info!(role = launch.role, pid = pid.as_raw_nonzero().get(), "participant started");
     seen.processes.lock().unwrap_or_else(PoisonError::into_inner).push(pid);
-    let words = Arc::new(Mutex::new(Words::new(&launch.role)));
+    let words = Arc::new(Mutex::new(ProcessOutput::new(&launch.role)));
     let out = process.child.stdout.take().map(|pipe| relay(pipe, &words));
     let err = process.child.stderr.take().map(|pipe| relay(pipe, &words));
     let role = launch.role.clone();
@@ -202,18 +217,36 @@ fn start_one(launch: &Launch, run_folder: &Path, seen: &Arc<Observations>) -> io
     Ok(())
 }
 
+/// Starts a thread on which a linked solver takes part.
+fn start_linked(
+    role: &str,
+    solver: &LinkedSolver,
+    run_folder: &Path,
+    seen: &Arc<Observations>,
+) -> io::Result<Stop> {
+    let (role, solver, folder) = (role.to_owned(), solver.clone(), run_folder.to_owned());
+    let (seen, stop) = (Arc::clone(seen), Stop::default());
+    let wanted = stop.clone();
+    std::thread::Builder::new().name(role.clone()).spawn(move || {
+        let (code, last_words) = solver.take_part(&folder, &role, wanted);
+        let status = ExitStatus::from_raw(i32::from(code) << 8);
+        seen.record(role, Ok(status), last_words);
+    })?;
+    Ok(stop)
+}
+
 async fn watch(
     mut process: Process,
     role: String,
     relays: [Option<tokio::task::JoinHandle<()>>; 2],
-    words: Arc<Mutex<Words>>,
+    words: Arc<Mutex<ProcessOutput>>,
     seen: Arc<Observations>,
 ) {
     let waited = process.child.wait().await;
-    // What it started ends with it.
+    // All processes that it started end with it.
     drop(process);
     for relay in relays.into_iter().flatten() {
-        // A grandchild may hold the pipe open; its words are not worth waiting for.
+        // A grandchild may hold the pipe open; its output is not worth a longer wait.
         let _ = tokio::time::timeout(Duration::from_millis(50), relay).await;
     }
     let last_words = words.lock().unwrap_or_else(PoisonError::into_inner).end();
@@ -244,7 +277,7 @@ mod tests {
             last_words: last_words.map(str::to_owned),
         };
         assert_eq!(exit(9, None).to_string(), "was killed by signal 9");
-        // Quoted words stay as they were said.
+        // Quoted words stay unchanged.
         let told = "ended with exit code 3, saying: the mesh was ended";
         assert_eq!(exit(3 << 8, Some("the mesh was ended")).to_string(), told);
     }

@@ -1,8 +1,8 @@
-//! Warnings: what may not be meant, in a case, in a plan, or in an answer.
+//! Warnings about a case, a plan or a result that may not be as intended.
 //!
-//! There is one list. Planning begins it ([`crate::plan::Plan::warnings`]); `check` and `plan` print it,
-//! commands that run something write it to standard error and the log; a run adds what it has found, and
-//! the summary holds them all. With `--strict` each of them is an error.
+//! There is a single list. Planning starts it ([`crate::plan::Plan::warnings`]). `check` and `plan`
+//! print it; commands that run a case write it to standard error and the log. A run adds its own
+//! warnings, and the summary holds all of them. With `--strict` each of them is an error.
 
 use case::Problem;
 use contract::figure::{FigureSpec, value};
@@ -11,13 +11,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fmt;
 
-/// A warning: the case runs, but may not be what was meant.
+/// A warning: the case runs, but may not be as intended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Warning {
     /// A value beyond what its description expects.
     Value(Implausible),
-    /// Anything else.
+    /// Any other warning.
     Remark(Remark),
 }
 
@@ -29,20 +29,20 @@ pub struct Implausible {
     /// Place in the case; absent for a key of the summary.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
-    /// Quantity derived from the key, if the value is not that of the key itself.
+    /// Name of a derived quantity, if the value is not that of the key itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quantity: Option<String>,
-    /// The value (SI).
+    /// Value in SI units.
     pub value: f64,
-    /// Its SI unit.
+    /// SI unit.
     pub unit: String,
-    /// The bound that it is beyond.
+    /// Bound that the value exceeds, or falls below.
     pub bound: f64,
-    /// Why that is a bound.
+    /// Reason for the bound.
     pub why: String,
 }
 
-/// Something else that may not be meant, in words.
+/// Any other warning, as text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remark {
     /// Dotted key of the case, or of the summary; several are separated by commas.
@@ -57,13 +57,14 @@ pub struct Remark {
 }
 
 impl Warning {
-    /// A remark about a key of the summary, or about no place of the case.
+    /// Returns a remark about a key of the summary, or about a key without a place in the case.
     pub(crate) fn remark(key: &str, reason: impl Into<String>, fix: &str) -> Self {
         let (key, reason, fix) = (key.to_owned(), reason.into(), fix.to_owned());
         Self::Remark(Remark { key, place: None, reason, fix })
     }
 
-    /// A warning of a value, if it is beyond what is expected.
+    /// Returns a warning about a value that is beyond its expected bounds; `None` if it is within
+    /// them.
     pub(crate) fn of(
         key: &str,
         place: Option<String>,
@@ -77,12 +78,12 @@ impl Warning {
         Some(Self::Value(Implausible { key, place, quantity: None, value, unit, bound, why }))
     }
 
-    /// Another warning has the same words, wherever its key stands.
+    /// Returns whether another warning has the same text, even if its key stands elsewhere.
     pub(crate) fn says_the_same(&self, other: &Self) -> bool {
         self.to_string() == other.to_string()
     }
 
-    /// Dotted key of the case, or of the summary.
+    /// Returns the dotted key of the case, or of the summary.
     #[must_use]
     pub fn key(&self) -> &str {
         match self {
@@ -91,7 +92,7 @@ impl Warning {
     }
 }
 
-/// Remark with place, reason and fix that is no error of the case.
+/// Turns a problem that is no error into a remark with place, reason and fix.
 impl From<Problem> for Warning {
     fn from(problem: Problem) -> Self {
         let Problem { place, key, reason, fix } = problem;
@@ -126,19 +127,19 @@ impl fmt::Display for Implausible {
     }
 }
 
-/// A number as a person would write it.
+/// Formats a number as written by hand.
 fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     if (1e-3..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
-/// The warnings that a summary has.
+/// Returns the warnings in a summary.
 #[must_use]
 pub fn of_summary(summary: &Value) -> Vec<Warning> {
     summary.get("warnings").and_then(|list| Vec::deserialize(list).ok()).unwrap_or_default()
 }
 
-/// The warnings of the figures of a summary.
+/// Returns the warnings about the figures of a summary.
 #[must_use]
 pub fn of_figures(summary: &Value, figures: &[FigureSpec]) -> Vec<Warning> {
     let of = |figure: &FigureSpec| {

@@ -1,12 +1,11 @@
-//! Text for people in lines of a terminal's width: what is longer goes on below, under the column in
-//! which it stands.
+//! Text for a terminal: longer lines continue below, under the column in which they stand.
 
 /// Width of a line.
 pub const WIDTH: usize = 80;
-/// The farthest to the right that a line goes on.
+/// Largest column under which a line continues.
 const FARTHEST: usize = 46;
 
-/// A head and what it is about, with three spaces between entries; entries stay whole.
+/// Entries after a head, three spaces apart; entries are not broken.
 #[must_use]
 pub fn entries(head: &str, all: &[&str]) -> String {
     let mut out = head.to_owned();
@@ -28,8 +27,8 @@ pub fn entries(head: &str, all: &[&str]) -> String {
     out
 }
 
-/// A text whose lines have columns, two spaces or more apart: a line that is too long goes on under its
-/// last column, or under its beginning.
+/// Wraps lines with columns that are two spaces or more apart. A line that is too long continues
+/// under its last column, or else two characters further than its own indent.
 #[must_use]
 pub fn columns(text: &str) -> String {
     let lines = text.split('\n').map(|line| match line.chars().count() > WIDTH {
@@ -39,9 +38,26 @@ pub fn columns(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
+/// An item of a list: a name in a column of `width`, and a text beside it. The text begins on the
+/// next line if the name is wider than its column.
+#[must_use]
+pub fn item(name: &str, width: usize, text: &str) -> String {
+    let indent = width + 2;
+    let (above, line) = match name.chars().count() <= width {
+        true => (String::new(), format!("{name:width$}  {text}")),
+        false => (format!("{name}\n"), format!("{:indent$}{text}", "")),
+    };
+    format!("{above}{}\n", wrapped_at(&line, indent, indent))
+}
+
 fn wrapped(line: &str) -> String {
     let (kept, indent) = hanging(line);
-    // What stands before the last column stays as it is.
+    wrapped_at(line, kept, indent)
+}
+
+/// Wraps a line behind its first `kept` characters, with an indent of the lines below.
+fn wrapped_at(line: &str, kept: usize, indent: usize) -> String {
+    // The columns before the last one are not broken.
     let mut out: String = line.chars().take(kept).collect();
     let mut column = kept;
     let rest: String = line.chars().skip(kept).collect();
@@ -61,7 +77,7 @@ fn wrapped(line: &str) -> String {
     out
 }
 
-/// Where the last column of a line begins, and where the line goes on.
+/// Start of the last column of a line, and indent of the lines below.
 fn hanging(line: &str) -> (usize, usize) {
     let mut found = None;
     let mut spaces = 0;
@@ -72,7 +88,7 @@ fn hanging(line: &str) -> (usize, usize) {
         spaces = if c == ' ' { spaces + 1 } else { 0 };
     }
     let indent = line.chars().take_while(|c| *c == ' ').count();
-    // An indent alone is no column.
+    // An indent alone is not a column.
     found.filter(|at| *at > indent).map_or((indent, indent + 2), |at| (at, at))
 }
 
@@ -90,6 +106,16 @@ mod tests {
     }
 
     #[test]
+    fn a_text_stands_beside_its_name() {
+        let words = "word ".repeat(20);
+        let beside = item("name", 10, words.trim());
+        assert!(beside.lines().all(|line| line.chars().count() <= WIDTH), "{beside}");
+        assert!(beside.starts_with("name        word"), "{beside}");
+        assert!(beside.lines().nth(1).unwrap().starts_with("            word"), "{beside}");
+        assert!(item("a_long_name", 10, "word").ends_with("name\n            word\n"));
+    }
+
+    #[test]
     fn a_line_goes_on_under_its_last_column() {
         let words = "word ".repeat(20);
         let text = columns(&format!("effects    on  name    {}\nshort", words.trim()));
@@ -99,7 +125,7 @@ mod tests {
         assert_eq!(lines.last(), Some(&"short"));
         let plain = columns(words.trim());
         assert!(plain.lines().nth(1).is_some_and(|line| line.starts_with("  word")), "{plain}");
-        // One word that is longer than a line stays.
+        // A word longer than a line is not broken.
         assert_eq!(columns(&"x".repeat(90)), "x".repeat(90));
     }
 }

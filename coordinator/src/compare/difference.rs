@@ -1,28 +1,29 @@
-//! What differs between two results, as plain data.
+//! Differences between two results, as plain data.
 
 use super::fields::{self, FieldDifference, NEGLIGIBLE};
-use super::flat;
 use contract::figure::Measure;
 use pages::source::Results;
 use run::format::stem_and_unit;
 use run::results::figures::{Group, groups};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use studies::study::quantity::{Quantities, Quantity};
+use toml::Value;
 
-/// What differs.
+/// Differences between two results.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct Comparison {
-    /// Keys of the case with other values, or which one of them lacks.
+    /// Keys of the case whose values differ, or that one result lacks.
     pub case: Vec<KeyDifference>,
-    /// Figures that differ, the largest share of the larger magnitude first.
+    /// Figures that differ, the largest relative difference first.
     pub figures: Vec<FigureDifference>,
-    /// Number of figures that are the same to the last digit.
+    /// Number of figures with equal digits.
     pub same_figures: usize,
-    /// Fields that differ, and those that one of them lacks.
+    /// Fields that differ, and those that one result lacks.
     pub fields: Vec<FieldDifference>,
-    /// Number of fields that are the same to the bit.
+    /// Number of bit-identical fields.
     pub same_fields: usize,
-    /// Times \[s\] that both have.
+    /// Times \[s\] of both results.
     pub times: Vec<(String, [f64; 2])>,
 }
 
@@ -31,9 +32,9 @@ pub(crate) struct Comparison {
 pub(crate) struct KeyDifference {
     /// Dotted key.
     pub key: String,
-    /// Its value in A; absent if it has none.
+    /// Value in A, if any.
     pub a: Option<String>,
-    /// And in B.
+    /// Value in B, if any.
     pub b: Option<String>,
 }
 
@@ -42,21 +43,21 @@ pub(crate) struct KeyDifference {
 pub(crate) struct FigureDifference {
     /// Dotted key in `summary.json`.
     pub key: String,
-    /// What it is.
+    /// Name for people.
     pub name: String,
-    /// Its value in A; absent if it has none.
+    /// Value in A, if any.
     pub a: Option<f64>,
-    /// And in B.
+    /// Value in B, if any.
     pub b: Option<f64>,
     /// Scale of the change.
     pub measure: Measure,
-    /// Change from A to B: B/A − 1 for a relative measure, else B − A. Absent where A is zero or one
-    /// of them has no value.
+    /// Change from A to B: B/A − 1 for a relative measure, else B − A. `None` if A is zero or a
+    /// value is missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub change: Option<f64>,
 }
 
-/// The same for a place \[m\], whose differences are absolute.
+/// Largest difference of two places \[m\] that counts as rounding.
 const NEGLIGIBLE_PLACE: f64 = 1e-9;
 
 impl FigureDifference {
@@ -66,13 +67,13 @@ impl FigureDifference {
         Self { key, name, a, b, measure, change }
     }
 
-    /// The difference over the larger magnitude; infinite where one has no value.
+    /// Returns the difference over the larger magnitude; infinite if a value is missing.
     fn size(&self) -> f64 {
         let share = |(a, b): (f64, f64)| (b - a).abs() / a.abs().max(b.abs());
         self.a.zip(self.b).map_or(f64::INFINITY, share)
     }
 
-    /// Both values are the same but for rounding.
+    /// Both values agree within rounding.
     pub(super) fn is_negligible(&self) -> bool {
         let close = |(a, b): (f64, f64)| match self.measure {
             Measure::Absolute if stem_and_unit(&self.key).1 == "m" => {
@@ -86,13 +87,13 @@ impl FigureDifference {
 }
 
 impl Comparison {
-    /// Nothing differs but times.
+    /// Returns true if only times differ.
     #[must_use]
     pub(crate) fn is_same(&self) -> bool {
         self.case.is_empty() && self.figures.is_empty() && self.fields.is_empty()
     }
 
-    /// Of these two.
+    /// Compares two results.
     #[must_use]
     pub(super) fn of(a: &Results, b: &Results) -> Self {
         let (figures, same_figures) = figures(a, b);
@@ -102,7 +103,7 @@ impl Comparison {
 }
 
 fn keys(a: &Results, b: &Results) -> Vec<KeyDifference> {
-    let [of_a, of_b] = [a, b].map(|one| flat::case(&one.case));
+    let [of_a, of_b] = [a, b].map(|one| dotted(&one.case));
     let all: std::collections::BTreeSet<&String> = of_a.keys().chain(of_b.keys()).collect();
     let of = |key: &&String| KeyDifference {
         key: (*key).clone(),
@@ -112,14 +113,14 @@ fn keys(a: &Results, b: &Results) -> Vec<KeyDifference> {
     all.iter().map(of).filter(|one| one.a != one.b).collect()
 }
 
-/// Figures that differ, and how many do not.
+/// Returns the figures that differ, and the number of equal ones.
 fn figures(a: &Results, b: &Results) -> (Vec<FigureDifference>, usize) {
     let shown = [shown(a), shown(b)].concat();
     let described = [a.figures(), b.figures()].concat();
     let quantities = Quantities::of_figures(&described);
     let mut known: Vec<&str> = Vec::new();
     for one in a.figures().iter().chain(b.figures()).filter(|one| !one.is_of_a_list()) {
-        // What neither of them shows is rounding.
+        // Differences below the shown digits of both values are rounding.
         let is_rounding = one.line.is_some() && !shown.contains(&one.key.as_str());
         if !is_rounding && !known.contains(&one.key.as_str()) {
             known.push(&one.key);
@@ -138,7 +139,7 @@ fn figures(a: &Results, b: &Results) -> (Vec<FigureDifference>, usize) {
     (different, same)
 }
 
-/// Keys of the figures that a person is shown.
+/// Returns the keys of the figures that are shown on the terminal.
 fn shown(of: &Results) -> Vec<&str> {
     let lines = groups(&of.summary, of.figures()).into_iter().filter_map(|group| match group {
         Group::Line(line) => Some(line.entries),
@@ -155,4 +156,40 @@ fn times(a: &Results, b: &Results) -> Vec<(String, [f64; 2])> {
         Some((name.to_owned(), [of_a.as_f64()?, of_b]))
     });
     both.collect()
+}
+
+/// Returns the keys of a case with their values as written; empty if the text is not a case.
+fn dotted(text: &str) -> BTreeMap<String, String> {
+    let mut all = BTreeMap::new();
+    if let Ok(table) = toml::from_str::<toml::Table>(text) {
+        spread(&Value::Table(table), String::new(), &mut all);
+    }
+    all
+}
+
+fn spread(value: &Value, key: String, all: &mut BTreeMap<String, String>) {
+    match value {
+        Value::Table(entries) if !entries.is_empty() => {
+            for (name, value) in entries {
+                let inner = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
+                spread(value, inner, all);
+            }
+        }
+        Value::String(text) => drop(all.insert(key, text.clone())),
+        other => drop(all.insert(key, other.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_spread_and_empty_ones_stay() {
+        let all = dotted("[a]\nb = \"1 kN\"\nc = [1, 2]\n[effects.x]\n[a.d]\ne = 2.5\n");
+        let all: Vec<(&str, &str)> = all.iter().map(|(k, v)| (k.as_str(), v.as_str())).collect();
+        let expected = [("a.b", "1 kN"), ("a.c", "[1, 2]"), ("a.d.e", "2.5"), ("effects.x", "{}")];
+        assert_eq!(all, expected);
+        assert!(dotted("= 3").is_empty());
+    }
 }

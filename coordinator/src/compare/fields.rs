@@ -1,31 +1,32 @@
-//! Fields beside each other: norms of their difference, and where it is largest.
+//! Comparison of fields: norms of the difference, and the place of the largest one.
 //!
-//! A field of A is compared with the field of B that has the same name and lies in the same plane,
-//! whatever its grid is called: every program names its own grids.
+//! A field of A is compared with the field of B of the same name in the same plane. Names of grids
+//! are ignored, because every program chooses its own.
 //!
-//! On another grid the field of B is interpolated, bilinearly between the middles of its cells, at the
-//! middles of A's cells that lie between them.
+//! If the grids differ, the field of B is interpolated bilinearly between its cell centres, at the
+//! cell centres of A inside them.
 
+use pages::axis::largest_magnitude;
 use pages::source::{Field, Image, Results};
 use serde::Serialize;
 
-/// Share of the larger value up to which a difference is rounding or the residual of an iteration.
+/// Largest relative difference that counts as rounding or as the residual of an iteration.
 pub(super) const NEGLIGIBLE: f64 = 1e-6;
 
-/// How a field differs.
+/// Difference of a field, which one result may lack.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct FieldDifference {
     /// Name of the field.
     pub field: String,
     /// Participant and grid, in A if it has the field.
     pub grid: String,
-    /// Its SI unit.
+    /// SI unit.
     pub unit: String,
-    /// Largest magnitude in A; absent where A has no such field.
+    /// Largest magnitude in A, if it has the field.
     pub largest_a: Option<f64>,
-    /// And in B.
+    /// Largest magnitude in B, if it has the field.
     pub largest_b: Option<f64>,
-    /// The difference where both have the field in a common place.
+    /// Difference, if both fields overlap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub difference: Option<Difference>,
 }
@@ -33,26 +34,26 @@ pub(crate) struct FieldDifference {
 /// The difference of two fields.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Difference {
-    /// √(∫|B − A|² / ∫|A|²) over the common area \[-\]; absent where A is zero.
+    /// √(∫|B − A|² / ∫|A|²) over the common area \[-\]; `None` if A is zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub l2: Option<f64>,
     /// Largest |B − A|.
     pub max: f64,
-    /// Where that is \[m\].
+    /// Place of the largest difference \[m\].
     pub at: [f64; 3],
-    /// B was interpolated, as its grid is another one.
+    /// B was interpolated, because the grids differ.
     pub interpolated: bool,
 }
 
 impl FieldDifference {
-    /// Both fields are the same but for rounding.
+    /// Both fields agree within rounding.
     pub(super) fn is_negligible(&self) -> bool {
         let largest = [self.largest_a, self.largest_b].into_iter().flatten().fold(0.0, f64::max);
         self.difference.as_ref().is_some_and(|one| one.max <= NEGLIGIBLE * largest)
     }
 }
 
-/// A field where it lies.
+/// A field with its grid.
 type Placed<'a> = (&'a str, &'a Image, &'a Field);
 
 fn all(of: &Results) -> Vec<Placed<'_>> {
@@ -60,7 +61,7 @@ fn all(of: &Results) -> Vec<Placed<'_>> {
     images.flat_map(|(name, image)| image.fields.iter().map(move |f| (name, image, f))).collect()
 }
 
-/// Fields that differ, and how many do not.
+/// Returns the fields that differ, and the number of equal ones.
 pub(super) fn differences(a: &Results, b: &Results) -> (Vec<FieldDifference>, usize) {
     let [of_a, of_b] = [all(a), all(b)];
     let (mut different, mut same) = (Vec::new(), 0);
@@ -85,8 +86,8 @@ pub(super) fn differences(a: &Results, b: &Results) -> (Vec<FieldDifference>, us
     (different, same)
 }
 
-/// For each field of A the place of its partner among those of B: of the same name on the grid of the
-/// same name, else of the same name in the plane of the same axes that is nearest.
+/// Returns, for each field of A, the index of its partner in B: the field of the same name on the
+/// grid of the same name, or else in the nearest plane with the same axes.
 fn partners(of_a: &[Placed<'_>], of_b: &[Placed<'_>]) -> Vec<Option<usize>> {
     let named = |(name, _, field): &Placed<'_>| {
         of_b.iter().position(|(grid, _, other)| grid == name && other.name == field.name)
@@ -116,7 +117,7 @@ fn partners(of_a: &[Placed<'_>], of_b: &[Placed<'_>]) -> Vec<Option<usize>> {
     partners
 }
 
-/// A field that only A has.
+/// Returns the entry of a field that only A has.
 fn lacking(grid: &str, field: &Field) -> FieldDifference {
     FieldDifference {
         field: field.name.clone(),
@@ -129,7 +130,7 @@ fn lacking(grid: &str, field: &Field) -> FieldDifference {
 }
 
 fn largest(field: &Field) -> f64 {
-    field.magnitudes().iter().fold(0.0, |largest: f64, value| largest.max(value.abs()))
+    largest_magnitude(&field.magnitudes())
 }
 
 fn same_grid(a: &Image, b: &Image) -> bool {
@@ -175,14 +176,14 @@ fn difference(a: (&Image, &Field), b: (&Image, &Field)) -> Option<Difference> {
     (max >= 0.0).then_some(Difference { l2, max, at, interpolated })
 }
 
-/// The four cells round a place with their weights; `None` outside their middles.
+/// Returns the four cells around a place with their weights; `None` outside the cell centres.
 fn between(image: &Image, axes: [usize; 2], place: [f64; 2]) -> Option<[(usize, f64); 4]> {
     let mut cells = [[0; 2]; 2];
     let mut parts = [0.0; 2];
     for n in 0..2 {
         let (axis, count) = (axes[n], image.cells[axes[n]]);
         let along = (place[n] - image.middle(axis, 0)) / image.spacing[axis];
-        // What rounding puts outside lies on the border.
+        // A place that is outside by rounding lies on the border.
         let along = if along.abs() < 1e-9 { 0.0 } else { along };
         if along < 0.0 || along > (count - 1) as f64 + 1e-9 {
             return None;
@@ -232,7 +233,7 @@ mod tests {
         assert_eq!((found.max, found.at, found.interpolated), (0.5, [-0.25, -0.25, 0.0], false));
         let own: f64 = field.values.iter().map(|v| v * v).sum();
         assert!((found.l2.unwrap() - 0.5 / own.sqrt()).abs() < 1e-15);
-        // Against zero there is a largest difference and no ratio.
+        // A difference from zero has no ratio.
         let mut zero = field.clone();
         zero.values.fill(0.0);
         let found = difference((&image, &zero), (&image, &field)).unwrap();

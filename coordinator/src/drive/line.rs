@@ -1,15 +1,15 @@
-//! The language in which a run is driven: one JSON object a line, each way. Numbers are exact: the shortest
+//! Requests and answers of a driven run: one JSON object per line. Numbers are exact: the shortest
 //! decimals that give the same double.
 
 use run::error::RunError;
-use run::perform::{Accepted, Fault};
+use run::perform::{Accepted, DriverError};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Version of the language.
+/// Version of the protocol.
 pub(super) const VERSION: u32 = 1;
 
-/// What is asked for.
+/// A request on standard input.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 pub(super) enum Request {
@@ -20,29 +20,29 @@ pub(super) enum Request {
         /// Values of live keys, from this window on.
         #[serde(default)]
         set: BTreeMap<String, f64>,
-        /// Where the window ends [s]; of a steady case the time of its row.
+        /// End of the window [s]; of a steady case the time of its row.
         end: Option<f64>,
-        /// Its fields are written.
+        /// True if the fields of the window are written.
         #[serde(default)]
         observe: bool,
     },
     /// Keep the state after the last window.
     Save {},
-    /// Go back to a state, which stays.
+    /// Return to a state, which stays available.
     Restore { state: u64 },
-    /// Forget a state.
+    /// Discard a state.
     Free { state: u64 },
-    /// End the run, and begin it again with the same participants.
+    /// End the run, and start it again with the same participants.
     Reset {},
     /// End the run.
     Finish {},
 }
 
 impl Request {
-    /// Reads a line.
+    /// Parses a line.
     ///
     /// # Errors
-    /// It is none of this language, in words.
+    /// Describes why the line is not a request.
     pub(super) fn read(line: &str) -> Result<Self, String> {
         serde_json::from_str(line).map_err(|error| {
             format!("the line is no request: {error}; write one as {{\"do\": \"step\"}}")
@@ -50,7 +50,7 @@ impl Request {
     }
 }
 
-/// A value that may be set.
+/// A value of a live key.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct LiveKey<'a> {
     pub(super) key: &'a str,
@@ -60,21 +60,21 @@ pub(super) struct LiveKey<'a> {
     pub(super) to: f64,
 }
 
-/// What is answered.
+/// An answer on standard output.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub(super) enum Answer<'a> {
-    /// At the beginning of a run, before anything is asked for.
+    /// First line of a run, before any request.
     Ready {
-        /// Version of this language.
+        /// Version of the protocol.
         ready: u32,
         case: &'a str,
-        /// Length of a window [s]; `null` where windows have none.
+        /// Length of a window [s]; `null` if windows have no fixed length.
         window: Option<f64>,
         live: Vec<LiveKey<'a>>,
-        /// Keys of the figures that every step gives.
+        /// Keys of the figures of every step.
         figures: Vec<&'a str>,
-        /// Why no state can be saved; `null` if it can.
+        /// Reason why no state can be saved, or `null`.
         one_way: Option<&'a str>,
     },
     /// A window has been solved and accepted.
@@ -84,18 +84,18 @@ pub(super) enum Answer<'a> {
         end: f64,
         status: &'a str,
         iterations: u32,
-        /// In the order of `figures` of the first line; `null` for what there is not.
+        /// Figures, in the order of the first line; `null` for missing ones.
         figures: Vec<Option<f64>>,
     },
     /// A state is kept under this number.
     Saved { state: u64 },
-    /// What was asked for is done.
+    /// The request has succeeded.
     Done { done: bool },
-    /// It is not done.
+    /// The request has failed.
     Failed {
         error: String,
-        /// `refused`: nothing has changed; `no-answer`: the window has none, the state is that before it;
-        /// `ended`: the run is over.
+        /// `refused`: nothing has changed; `no-answer`: the window has no answer, and the state
+        /// before it stays; `ended`: the run is over.
         kind: &'static str,
     },
 }
@@ -107,14 +107,14 @@ impl Answer<'_> {
         Self::Failed { error, kind: "refused" }
     }
 
-    /// The answer to what did not succeed, and what ends the run.
-    pub(super) fn of_fault(fault: Fault) -> (Self, Option<RunError>) {
+    /// Returns the answer to a failed request, and the error that ends the run, if any.
+    pub(super) fn of_fault(fault: DriverError) -> (Self, Option<RunError>) {
         match fault {
-            Fault::Refused(error) => (Self::refused(error), None),
-            Fault::NoAnswer(error) => {
+            DriverError::Refused(error) => (Self::refused(error), None),
+            DriverError::NoAnswer(error) => {
                 (Self::Failed { error: error.to_string(), kind: "no-answer" }, None)
             }
-            Fault::Ended(error) => {
+            DriverError::Ended(error) => {
                 (Self::Failed { error: error.to_string(), kind: "ended" }, Some(error))
             }
         }
@@ -126,7 +126,7 @@ impl Answer<'_> {
         Self::Stepped { window, start, end, status, iterations, figures }
     }
 
-    /// As one line.
+    /// Writes the answer as one line.
     pub(super) fn line(&self) -> String {
         serde_json::to_string(self).expect("an answer is plain data") + "\n"
     }

@@ -1,4 +1,4 @@
-//! `modelDescription.xml` of FMI 3.0.
+//! Descriptions inside an FMU: `modelDescription.xml` of FMI 3.0, and the page about its variables.
 
 use super::variables::{Variable, Variables};
 use case::si_exponents;
@@ -7,10 +7,10 @@ use pages::html::escape;
 use std::collections::BTreeSet;
 use std::fmt::{Result, Write};
 
-/// Names of the exponents that [`si_exponents`] gives, in FMI.
+/// Names in FMI of the exponents of [`si_exponents`].
 const BASE: [&str; 7] = ["m", "kg", "s", "K", "A", "mol", "cd"];
 
-/// What the description says of the FMU as a whole.
+/// Properties of the FMU as a whole.
 pub(super) struct About<'a> {
     pub(super) name: &'a str,
     pub(super) title: Option<&'a str>,
@@ -18,14 +18,18 @@ pub(super) struct About<'a> {
     pub(super) version: &'a str,
 }
 
-/// The text of the file.
-pub(super) fn text(about: &About<'_>, variables: &Variables, manifest: &Manifest) -> String {
+/// Returns the text of the file.
+pub(super) fn model_description(
+    about: &About<'_>,
+    variables: &Variables,
+    manifest: &Manifest,
+) -> String {
     let mut text = String::new();
-    write(&mut text, about, variables, manifest).expect("a text can be written to");
+    write_model(&mut text, about, variables, manifest).expect("a text can be written to");
     text
 }
 
-fn write(f: &mut String, about: &About<'_>, of: &Variables, manifest: &Manifest) -> Result {
+fn write_model(f: &mut String, about: &About<'_>, of: &Variables, manifest: &Manifest) -> Result {
     let About { name, title, identifier, version } = about;
     writeln!(f, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
     writeln!(
@@ -112,7 +116,7 @@ fn variable(f: &mut String, of: &Variable, reference: u32) -> Result {
     }
 }
 
-/// A dotted key as a structured name: parts that are no identifiers stand in quotes.
+/// Returns a dotted key as a structured name. Parts that are not identifiers are quoted.
 pub(super) fn structured(key: &str) -> String {
     let part = |part: &str| {
         let begins = part.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
@@ -122,6 +126,44 @@ pub(super) fn structured(key: &str) -> String {
         }
     };
     key.split('.').map(part).collect::<Vec<_>>().join(".")
+}
+
+/// Returns a page about an FMU.
+pub(super) fn page(name: &str, title: Option<&str>, variables: &Variables) -> String {
+    let title = escape(title.unwrap_or(name));
+    let row = |one: &Variable| {
+        let limits = one
+            .input
+            .map(|(first, [least, most])| format!("{first} at first, from {least} to {most}"));
+        format!(
+            "<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+            escape(&one.key),
+            escape(&one.unit),
+            escape(&one.words),
+            limits.unwrap_or_default()
+        )
+    };
+    let step = match variables.window {
+        _ if variables.algebraic => "Outputs follow from the inputs by a surrogate, at any time. Outside of the limits of the inputs they are NaN, with a warning.".to_owned(),
+        None => "Every step is a steady contact of its own, with the inputs that hold at its start; its length does not matter.".to_owned(),
+        Some(window) => format!("Every step is one coupling window, with the inputs that hold at its start. The case has windows of {window} s; others are possible."),
+    };
+    let states = match variables.rewinds {
+        true => "States can be kept and returned to.",
+        false => "No state can be returned to.",
+    };
+    let source = match variables.algebraic {
+        true => "The surrogate is resources/surrogate.json.",
+        false => {
+            "Outputs are NaN before the first step, and for what the models do not give. The case is resources/case.toml."
+        }
+    };
+    let rows: String = variables.all().map(row).collect();
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title></head><body>\n\
+         <h1>{title}</h1>\n<p>{step} {states} {source}</p>\n<table>\n\
+         <tr><th>variable</th><th>unit</th><th>what</th><th>input</th></tr>\n{rows}</table>\n</body></html>\n"
+    )
 }
 
 #[cfg(test)]

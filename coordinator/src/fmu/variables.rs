@@ -12,31 +12,32 @@ use surrogate::{Document, FittedFigure, Key, Measure};
 pub(super) struct Variable {
     /// Dotted key.
     pub(super) key: String,
-    /// SI unit, "1" for a plain number.
+    /// SI unit; "1" for a plain number.
     pub(super) unit: String,
-    /// What it is.
+    /// One line for people.
     pub(super) words: String,
-    /// First value and limits of an input; absent for an output.
+    /// First value and limits of an input; `None` for an output.
     pub(super) input: Option<(f64, [f64; 2])>,
 }
 
-/// All of an FMU.
+/// Variables of an FMU, and capabilities of its steps.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Variables {
     pub(super) inputs: Vec<Variable>,
     pub(super) outputs: Vec<Variable>,
-    /// Length of a window of a case in time [s].
+    /// Length of a window of a transient case [s].
     pub(super) window: Option<f64>,
-    /// States can be kept and returned to.
+    /// States can be saved and restored.
     pub(super) rewinds: bool,
     /// Steps may differ in length.
     pub(super) varies_step: bool,
-    /// Outputs follow from the inputs alone: it is for model exchange too, and its states are a few bytes.
+    /// Outputs depend only on inputs. The FMU supports model exchange too, and its states are a
+    /// few bytes.
     pub(super) algebraic: bool,
 }
 
 impl Variables {
-    /// Those of a plan that is to be driven.
+    /// Returns the variables of a driven plan.
     pub(super) fn of(plan: &Plan) -> Self {
         let input = |live: &LiveValue| Variable {
             key: live.kind.name.clone(),
@@ -65,7 +66,8 @@ impl Variables {
         }
     }
 
-    /// Those of a surrogate: its keys, which begin in the middle of its box, and its figures.
+    /// Returns the variables of a surrogate: its keys, whose start values are the middle of its
+    /// box, and its figures.
     pub(super) fn of_surrogate(document: &Document) -> Self {
         let middle = middle(document);
         let input = |(key, first): (&Key, f64)| Variable {
@@ -89,7 +91,7 @@ impl Variables {
     }
 }
 
-/// A figure of a surrogate, with the largest error at points held out.
+/// Describes a figure of a surrogate, with the largest error at points held out.
 fn fitted(figure: &FittedFigure) -> Variable {
     let unit = match stem_and_unit(&figure.key).1 {
         "-" => "1",
@@ -110,7 +112,7 @@ fn fitted(figure: &FittedFigure) -> Variable {
     }
 }
 
-/// The middle of the box; where a quotient limits it, with the middle of that.
+/// Returns the middle of the box. A quotient that limits the box has its middle value, too.
 fn middle(document: &Document) -> Vec<f64> {
     let half = |from: f64, to: f64| 0.5 * (from + to);
     let mut at: Vec<f64> = document.keys.iter().map(|key| half(key.from, key.to)).collect();
@@ -131,7 +133,7 @@ fn every_model(plan: &Plan, can: impl Fn(&ModelSpec) -> bool) -> bool {
     })
 }
 
-/// A grid moves.
+/// Returns true if a grid moves.
 fn moves(plan: &Plan) -> bool {
     plan.participants.iter_enumerated().any(|(index, one)| {
         one.estimate.iter().any(|layout| plan.travelling(index, layout).next().is_some())

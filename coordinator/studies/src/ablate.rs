@@ -1,25 +1,26 @@
-//! `coordinator ablate`: what each effect changes, and what it costs.
+//! `coordinator ablate`: measures the influence and the cost of each effect.
 //!
-//! A case is run as it is, and once more without each of its effects. The difference in the answer is what
-//! the effect is worth in this scene; the difference in time is its price. Effects that need another, or
-//! that a model cannot do without, are reported with the reason. Which effects there are is in the
-//! plan; nothing here names one.
+//! A case runs unmodified, and once more without each of its effects. The difference between the
+//! results is the influence of the effect in this case; the difference in time is its cost. Effects
+//! that another effect or a model requires are reported with the reason. The effects come from the
+//! plan; the code knows none by name.
 
-mod page;
-mod perform;
-mod runs;
 mod study;
+mod table;
 
 pub(crate) use study::Study;
 
-use crate::study::arguments::{CaseArguments, RepeatArguments, StudyArguments};
-use crate::study::output::{Kept, Printing, Shown};
+use crate::study::arguments::{RepeatArguments, StudyArguments};
+use crate::study::finished::FinishedRuns;
+use crate::study::output::{Printing, StudyFile, StudyPage};
 use crate::study::planned;
+use crate::study::runner::Runner;
 use clap::Args;
+use console::case_arguments::CaseArguments;
 use console::command::{Command, Context, Group};
-use perform::{Request, study};
 use run::error::RunError;
-use run::scratch::Scratch;
+use serde_json::json;
+use study::study;
 
 /// Options of `coordinator ablate`.
 #[derive(Debug, Args)]
@@ -38,21 +39,23 @@ pub struct AblateCommand {
 impl Command for AblateCommand {
     const NAME: &'static str = "ablate";
     const GROUP: Group = Group::Study;
-    const ABOUT: &'static str =
-        "Switch off each effect in turn: what it changes in the answer, and what it costs";
+    const ABOUT: &'static str = "Measure what each effect changes, and what it costs";
+    const EXAMPLES: &'static [&'static str] = &["coordinator ablate CASE"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let _participants = self.folder.keep();
-        let (case, base) = (self.of.case.clone(), self.of.base());
-        let standing = planned(&case, &base)?;
+        let standing = planned(&self.of.case, &self.of.changes)?;
         console::logging::log_warnings(&standing.plan.warnings);
+        let none = FinishedRuns::none(&json!(self.times.repeat), &standing)?;
         let name = format!("{}-ablate", standing.plan.name);
-        let folder = self.folder.choose(Study::COMMAND, &name, &|_| false)?;
-        let scratch = Scratch::new()?;
+        let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let request = Request { case, base, repeat: self.times.repeat };
-        let study = study(&request, printing.is_silent(), scratch.path())?;
+        let mut runner = Runner::new(&self.of.case, &self.folder, printing.is_silent())?
+            .keep_finished(none, &folder)?;
+        runner.repeat = self.times.repeat;
+        let study = study(&self.of, &standing, &mut runner)?;
         study.publish(&folder)?;
-        printing.print(&study, || runs::text(&study), &folder)
+        runner.complete()?;
+        printing.print(&study, || table::text(&study), &folder)
     }
 }

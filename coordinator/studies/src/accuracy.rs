@@ -1,25 +1,27 @@
-//! `run --accuracy 1%`: the cheapest models and resolution expected to meet a target, with the error
-//! that their grids show.
+//! `run --accuracy 1%`: finds the cheapest models and resolution that meet a target, and states the
+//! error estimated from several grids.
 //!
-//! 1. **Models.** Of all choices of models that can run the case those count whose expected errors
-//!    ([`contract::accuracy`]) leave room for a grid; the one that expects to be cheapest is taken.
-//! 2. **Pilot.** It runs on its two coarsest grids, and the two tell the error
-//!    ([`crate::study::richardson`]). If it is within the target, the second is the answer.
-//! 3. **Climb.** If not, it runs on the next finer grid, and so on until the error is within the
-//!    target. The finest grid that misses it ends the search. All coarser grids together cost less
+//! 1. **Models.** The expected error ([`contract::accuracy`]) of a candidate must leave room for
+//!    the error of a grid. Among all combinations of models that can run the case and satisfy this,
+//!    the one with the lowest expected cost is chosen.
+//! 2. **Pilot.** The case runs on the two coarsest grids, which give an error estimate
+//!    ([`crate::study::richardson`]). If the estimate is within the target, the second run is the
+//!    answer.
+//! 3. **Climb.** Otherwise the case runs on ever finer grids until the error is within the target.
+//!    The search fails if the finest grid misses the target. All coarser grids together cost less
 //!    than the last one.
 //!
-//! `run --extrapolate` has no target: the models of the case on its own grid and on two coarser ones, and what the three
-//! are extrapolated to, with its error.
+//! With three or more grids, the extrapolated limit may meet the target before the finest grid
+//! does. The limit then is the answer, with its own error.
 //!
-//! From three grids on, what they are extrapolated to may meet the target before the finest of them does: it is the answer
-//! then, with an error of its own.
+//! `run --extrapolate` has no target: the models of the case run on the case's own grid and on two
+//! coarser ones, and the result is the extrapolated limit with its error.
 //!
-//! The error that is stated is that of the grid, with its factor of safety, and what the models are
-//! expected to err by. A peak that jumps between elements can agree on two grids by chance; so the
-//! error of a figure is never taken below that of the figure that drives it, as described: of a
-//! temperature, the power that heats; nor below what the models expect of the grid. In a transient
-//! case windows are shortened and lengthened along with the grid.
+//! The stated error is the error of the grid, including the factor of safety, plus the expected
+//! error of the models. A peak that jumps between elements can agree on two grids by chance. Hence
+//! the error of a figure is at least the error of its driver, as described by the participant: for
+//! a temperature, the heating power. The error is also at least the grid error that the models
+//! expect. In a transient case, the windows are refined together with the grid.
 
 mod choice;
 mod section;
@@ -30,70 +32,73 @@ pub use target::Target;
 use crate::study::levels::{Level, standing};
 use crate::study::quantity::{Quantities, Quantity};
 use crate::study::richardson::{Estimate, Limit, Sample};
-use crate::study::{Variant, planned, run};
+use crate::study::{planned, run};
 use choice::Choice;
+use console::case_arguments::Changes;
 use contract::figure::Measure;
 use run::error::RunError;
 use run::scratch::Scratch;
-use section::{Stated, StatedFigure, StatedRun, Taken};
+use section::{ResultSource, Stated, StatedFigure, StatedRun};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The longest windows that a pilot takes, as a power of two of the case's own.
+/// Limit of the window length in a pilot, as a power of two: the longest windows are four times the
+/// case's own.
 const LONGEST_WINDOW: i32 = -2;
-/// Order of the error in the length of a window.
+/// Order of convergence with the window length.
 const WINDOW_ORDER: f64 = 1.0;
 
-/// How much coarser the grids are that a plain run is extrapolated with.
+/// Coarsening factors of the additional grids of `run --extrapolate`.
 const COARSER: [u32; 2] = [4, 2];
 
 /// One run of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridRun {
-    /// The resolution: the place among those of the level, coarsest first.
+    /// Index of the resolution among those of the level, coarsest first.
     pub step: usize,
-    /// Values of the quantity and of what drives it.
+    /// Values of all compared quantities.
     values: Vec<Option<f64>>,
-    /// Seconds that it took.
+    /// Time of the run \[s\].
     pub wall_s: f64,
 }
 
-/// What to do after a run.
+/// Next step after a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
     /// The estimated error is within the target.
     Met,
-    /// It is not; a finer run is next.
+    /// The error is too large; a finer grid is next.
     Refine,
-    /// It is not, and nothing finer is left to try.
+    /// The error is too large, and no finer grid is left.
     Missed,
 }
 
-/// The search for the cheapest run that meets a target.
+/// Search for the cheapest run that meets a target.
 #[derive(Debug)]
 pub struct Search {
     case: PathBuf,
     target: Target,
     known: Quantities,
-    /// The quantity of the target, what drives it, and then all others with a relative error.
+    /// Quantity of the target and its driver, followed by all others with a relative error.
     quantities: Vec<Quantity>,
-    /// How many of them the target is for.
+    /// Number of quantities that must meet the target: the first ones.
     watched: usize,
     level: Level,
-    /// Length of a window at the resolution of a step, and end of the run \[s\]; `None` for a steady
-    /// case.
+    /// Window length and end of the run \[s\], and the step of the resolution at which this window
+    /// length applies; `None` for a steady case.
     window: Option<([f64; 2], usize)>,
     step: usize,
     runs: Vec<GridRun>,
 }
 
 impl Search {
-    /// Chooses the models, and runs the coarser half of the pilot.
+    /// Chooses the models and runs the first, coarser half of the pilot.
     ///
     /// # Errors
-    /// A case that cannot run, a quantity that no run has, a pilot that fails.
-    pub fn begin(case: &Path, base: &Variant, target: Target) -> Result<Self, RunError> {
+    /// The case cannot run, no models can meet the target, no run has the quantity, or the pilot
+    /// fails.
+    pub fn begin(case: &Path, base: &Changes, target: Target) -> Result<Self, RunError> {
         let standing = planned(case, base)?;
         let Choice { level, step } = choice::choose(case, base, &standing, &target)?;
         choice::refuse_resolution(&level, base)?;
@@ -116,13 +121,13 @@ impl Search {
         Ok(search)
     }
 
-    /// Takes the models and the grid that the case has, and runs on two coarser grids.
+    /// Keeps the models and the grid of the case, and runs on two coarser grids.
     ///
     /// # Errors
-    /// A case that cannot run, models without a resolution, a run that fails.
+    /// The case cannot run, its models have no resolution, or a run fails.
     pub fn extrapolate(
         case: &Path,
-        base: &Variant,
+        base: &Changes,
         quantity: Option<String>,
     ) -> Result<Self, RunError> {
         let planned = planned(case, base)?;
@@ -143,13 +148,13 @@ impl Search {
         Ok(search)
     }
 
-    /// The case of the next run.
+    /// Changes of the case for the next run.
     #[must_use]
-    pub fn variant(&self) -> Variant {
+    pub fn variant(&self) -> Changes {
         self.at(self.step)
     }
 
-    fn at(&self, step: usize) -> Variant {
+    fn at(&self, step: usize) -> Changes {
         let variant = self.level.at(step);
         match self.window {
             None => variant,
@@ -160,7 +165,7 @@ impl Search {
         }
     }
 
-    /// Runs at a resolution, for its quantities alone.
+    /// Performs a run without fields at a resolution and notes its quantities.
     fn try_out(&mut self, step: usize) -> Result<(), RunError> {
         let begun = Instant::now();
         let folder = Scratch::new()?;
@@ -186,7 +191,7 @@ impl Search {
         Ok(())
     }
 
-    /// The order with which the error falls when grid and windows are refined together.
+    /// Order of convergence when grid and windows are refined together.
     fn order(&self) -> Option<f64> {
         let windows = self.window.map_or(f64::INFINITY, |_| WINDOW_ORDER);
         self.level.order().map(|order| order.min(windows))
@@ -196,8 +201,8 @@ impl Search {
         self.level.keys_at(step).next().map_or(1.0, |(_, level)| f64::from(level))
     }
 
-    /// Estimated relative error of the finest grid so far; `None` with fewer than two. It is never
-    /// below what the models expect of that grid.
+    /// Estimated relative error of the finest grid so far, at least the error that the models
+    /// expect of that grid. `None` with fewer than two grids.
     fn grid_error(&self) -> Option<f64> {
         let last = self.runs.last()?;
         let errors = (0..self.watched).filter_map(|index| {
@@ -208,8 +213,8 @@ impl Search {
         errors.max_by(f64::total_cmp).map(|error| error.max(expected))
     }
 
-    /// Estimated relative error of what the grids are extrapolated to; `None` with fewer than
-    /// three. It is never below half of what the models expect of the finest.
+    /// Estimated relative error of the extrapolated limit, at least half the error that the models
+    /// expect of the finest grid. `None` with fewer than three grids.
     fn limit_error(&self) -> Option<f64> {
         let limits = (0..self.watched).filter_map(|index| self.limit(index));
         let error =
@@ -217,12 +222,12 @@ impl Search {
         Some(error.max(0.5 * self.level.grid_error(self.runs.last()?.step)))
     }
 
-    /// What the grids say of a quantity.
+    /// Error estimate of a quantity from all grids.
     fn estimate(&self, index: usize) -> Option<Estimate> {
         Estimate::of(&self.samples(index), self.order()?)
     }
 
-    /// What the grids are extrapolated to.
+    /// Extrapolated limit of a quantity.
     fn limit(&self, index: usize) -> Option<Limit> {
         Limit::of(&self.samples(index), self.order()?)
     }
@@ -234,15 +239,15 @@ impl Search {
         self.runs.iter().filter_map(sample).collect()
     }
 
-    /// Takes the summary of the run of [`Search::variant`], adds what is known of its error to it, and
-    /// says what is next.
+    /// Takes the summary of the run of [`Search::variant`], adds the section `accuracy` and returns
+    /// the next step.
     ///
     /// # Errors
-    /// A summary without the quantity.
+    /// The summary lacks the quantity.
     pub fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Decision, RunError> {
         self.note(self.step, summary, wall_s)?;
         let stated = self.stated();
-        summary["accuracy"] = serde_json::to_value(&stated).expect("what is stated is plain data");
+        summary["accuracy"] = serde_json::to_value(&stated).expect("plain data");
         if stated.met {
             return Ok(Decision::Met);
         }
@@ -252,32 +257,36 @@ impl Search {
         }
     }
 
-    /// Goes on to the next finer grid.
+    /// Moves to the next finer grid.
     pub fn refine(&mut self) {
         self.step += 1;
     }
 
-    /// What the runs so far say of the last one's error.
+    /// States the error of the last run, or of the limit, from all runs so far.
     fn stated(&self) -> Stated {
         let of_run = self.runs.last().and_then(|run| run.values[0]).unwrap_or(f64::NAN);
-        // Models without a resolution have no error of a grid.
+        // Models without a resolution have no grid error.
         let run_error = self.grid_error().unwrap_or(0.0);
         let model_error = self.level.model_error();
         let meets = |error: f64| error + model_error <= self.target.most();
-        // Without a target the better of both is the answer.
+        // The more accurate of the two is the answer if there is no target.
         let enough = |error: f64| self.target.relative.is_some() && meets(error);
         let limit = self.limit_error().zip(self.limit(0));
         let (taken, value, grid_error) = match limit.filter(|_| !enough(run_error)) {
-            Some((error, limit)) if error < run_error => (Taken::Extrapolated, limit.value, error),
-            _ => (Taken::Run, of_run, run_error),
+            Some((error, limit)) if error < run_error => {
+                (ResultSource::Extrapolated, limit.value, error)
+            }
+            _ => (ResultSource::Run, of_run, run_error),
         };
         let figure = |(index, of): (usize, &Quantity)| {
             let Limit { value, error } = self.limit(index)?;
             Some(StatedFigure { key: of.key.clone(), value, grid_error: relative(error, value) })
         };
         let figures = match taken {
-            Taken::Extrapolated => self.quantities.iter().enumerate().filter_map(figure).collect(),
-            Taken::Run => Vec::new(),
+            ResultSource::Extrapolated => {
+                self.quantities.iter().enumerate().filter_map(figure).collect()
+            }
+            ResultSource::Run => Vec::new(),
         };
         let estimated_error = grid_error + model_error;
         let run = |run: &GridRun| StatedRun {
@@ -303,7 +312,7 @@ impl Search {
         }
     }
 
-    /// The error of an answer that misses the target.
+    /// Error for a search that misses its target.
     #[must_use]
     pub fn missed(&self) -> RunError {
         let Stated { quantity, estimated_error, target, .. } = self.stated();
@@ -311,12 +320,13 @@ impl Search {
             quantity,
             estimated: estimated_error,
             target: target.unwrap_or_default(),
-            fix: "ask for less, or set a finer resolution and run without --accuracy".to_owned(),
+            fix: "relax the target, or set a finer resolution and run without --accuracy"
+                .to_owned(),
         }
     }
 }
 
-/// An error over a value; nothing of nothing is nothing.
+/// Relative error; zero if the error is zero, also for a value of zero.
 fn relative(error: f64, value: f64) -> f64 {
     if error == 0.0 { 0.0 } else { (error / value).abs() }
 }
@@ -330,7 +340,7 @@ mod tests {
     const RISE: &str = "temperature.rail.max_rise_k";
     const POWER: &str = "contact.friction_power_w";
 
-    /// A search on grids of 5, 10 and 20 elements of which the coarsest has run.
+    /// A search on grids of 5, 10 and 20 elements; the coarsest one has already run.
     fn search(target: f64, order: f64, rise: f64, power: f64) -> Search {
         let refinement = Refinement {
             key: "mech.resolution".to_owned(),
@@ -344,7 +354,7 @@ mod tests {
             refinements: vec![refinement],
             left_out: vec![Simplification::always("something", 0.001, "a study")],
             silent: Vec::new(),
-            variant: Variant::default(),
+            variant: Changes::default(),
         };
         let values = vec![Some(rise), Some(power)];
         Search {
@@ -369,7 +379,7 @@ mod tests {
         let mut search = search(0.07, 1.0, 102.0, 102.0);
         let mut summary = summary(100.0, 100.0);
         assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Met);
-        // The limit is 98; three times 2 %, and what the models leave out.
+        // The limit is 98. The stated error is three times 2 %, plus the error of the models.
         let stated = summary["accuracy"]["estimated_error"].as_f64().unwrap();
         assert!((stated - 0.061).abs() < 1e-12, "{stated}");
         assert!((summary["accuracy"]["extrapolated"].as_f64().unwrap() - 98.0).abs() < 1e-9);
@@ -384,7 +394,7 @@ mod tests {
         assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.3).abs() < 1e-12);
     }
 
-    /// Grids that agree are not believed to err by less than the model expects of them.
+    /// If grids agree, the stated error is still at least the one that the model expects.
     #[test]
     fn what_a_model_expects_is_the_least_error() {
         let mut search = search(0.05, 1.0, 100.0, 100.0);
@@ -413,7 +423,7 @@ mod tests {
         );
     }
 
-    /// Three grids whose limits agree: the finest errs by 5 %, what they are extrapolated to by 1 %.
+    /// Three grids with agreeing limits: the finest has an error of 5 %, the limit an error of 1 %.
     #[test]
     fn a_limit_may_be_the_answer() {
         let mut search = search(0.02, 1.0, 120.0, 240.0);

@@ -1,11 +1,13 @@
-//! What the effects of a case are worth, before it is run: `coordinator plan CASE --advise`.
+//! `coordinator plan CASE --advise`: estimates the influence and the cost of effects before a run.
 //!
-//! Participants estimate which figure an effect moves, and by how much; what it costs is the difference of two plans.
+//! Participants estimate which figure an effect changes and by how much. The cost is the difference
+//! in expected time between two plans.
 
 use crate::study::levels::reason;
 use crate::study::quantity::Quantities;
-use crate::study::{Variant, ends_study, expected_seconds, planned};
-use contract::advice::{Advice, Change, MATTERS};
+use crate::study::{ends_study, expected_seconds, planned};
+use console::case_arguments::Changes;
+use contract::advice::{Advice, Change, SIGNIFICANT_CHANGE};
 use contract::figure::FigureSpec;
 use run::advice::ask;
 use run::error::RunError;
@@ -14,64 +16,64 @@ use run::plan::Planned;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Costs that differ by less than this part are the same.
+/// Relative difference below which costs count as equal.
 const SAME: f64 = 0.05;
 
-/// An effect, with what there is to say of it.
+/// An effect with its estimated influence and cost.
 #[derive(Clone, Debug)]
 pub struct Advised {
-    /// The advice of its participant.
+    /// Advice of the participant.
     pub advice: Advice,
-    /// The case names it.
+    /// Whether the case includes the effect.
     pub active: bool,
-    /// The case without it, or with it.
+    /// Plan of the case with the effect toggled.
     other: Other,
 }
 
-/// A case with an effect more or less.
+/// Plan of the case with one effect more or less.
 #[derive(Clone, Debug)]
 enum Other {
-    /// It could run.
+    /// The case could run.
     Runs {
-        /// Expected processor seconds of the case as it is, and of the other one.
+        /// Expected processor time of the case, and of the case with the effect toggled \[s\].
         seconds: [f64; 2],
-        /// Whether each of them iterates.
+        /// Whether each of the two iterates.
         iterates: [bool; 2],
     },
-    /// It would be refused, for this reason.
+    /// The case would be refused for this reason.
     Refused(String),
-    /// The case has to give what cannot be guessed.
+    /// Unknown, because the effect needs inputs that only the user can give.
     Open,
 }
 
 impl Advised {
-    /// What makes the case have the effect, or not have it.
-    pub fn variant(&self, base: &Variant) -> Variant {
-        let mut variant = base.clone();
+    /// Changes that add or remove the effect.
+    pub fn changes(&self, base: &Changes) -> Changes {
+        let mut changes = base.clone();
         match self.active {
-            true => variant.unset.push(format!("effects.{}", self.advice.effect)),
-            false => variant.set.extend(self.advice.set.iter().cloned()),
+            true => changes.unset.push(format!("effects.{}", self.advice.effect)),
+            false => changes.set.extend(self.advice.set.iter().cloned()),
         }
-        variant
+        changes
     }
 
-    /// It is not in the case, matters, and could be.
+    /// Returns whether the effect matters and could be added, but is missing from the case.
     pub fn is_missing(&self) -> bool {
         !self.active && self.advice.matters() && matches!(self.other, Other::Runs { .. })
     }
 }
 
-/// All effects that somebody has something to say of, those that matter first.
+/// Collects the advice on all effects, most influential first.
 ///
 /// # Errors
-/// A program that fails.
-pub fn advise(case: &Path, base: &Variant, standing: &Planned) -> Result<Vec<Advised>, RunError> {
+/// A program fails.
+pub fn advise(case: &Path, base: &Changes, standing: &Planned) -> Result<Vec<Advised>, RunError> {
     let mut all = Vec::new();
     for advice in ask(standing)? {
         let active = standing.case.effects.contains(&advice.effect);
         let mut one = Advised { advice, active, other: Other::Open };
         if active || !one.advice.set.is_empty() {
-            one.other = other(case, &one.variant(base), standing)?;
+            one.other = other(case, &one.changes(base), standing)?;
         }
         all.push(one);
     }
@@ -81,8 +83,8 @@ pub fn advise(case: &Path, base: &Variant, standing: &Planned) -> Result<Vec<Adv
     Ok(all)
 }
 
-fn other(case: &Path, variant: &Variant, standing: &Planned) -> Result<Other, RunError> {
-    match planned(case, variant) {
+fn other(case: &Path, changes: &Changes, standing: &Planned) -> Result<Other, RunError> {
+    match planned(case, changes) {
         Ok(other) => {
             let plans = [&standing.plan, &other.plan];
             Ok(Other::Runs {
@@ -95,12 +97,13 @@ fn other(case: &Path, variant: &Variant, standing: &Planned) -> Result<Other, Ru
     }
 }
 
-/// As a person reads it.
+/// Formats the advice for the terminal.
 pub fn text(all: &[Advised], standing: &Planned) -> String {
     let quantities = Quantities::of_figures(&figures(standing));
     let name = |key: &str| quantities.of(key).name;
     let mut text = String::from(
-        "\nadvice     what each effect is worth here, estimated; `coordinator ablate` measures it\n",
+        "\nadvice     estimated influence of each effect in this case; `coordinator ablate` \
+         measures it\n",
     );
     for one in all {
         let Advised { advice, active, .. } = one;
@@ -123,7 +126,7 @@ pub fn text(all: &[Advised], standing: &Planned) -> String {
     text
 }
 
-/// The figures of the case, and of the effects that it does not have.
+/// Figures of the case, and of effects that the case lacks.
 fn figures(standing: &Planned) -> Vec<FigureSpec> {
     let plan = &standing.plan;
     let effects = plan.participants.iter().flat_map(|one| &one.description.effects);
@@ -134,26 +137,26 @@ fn figures(standing: &Planned) -> Vec<FigureSpec> {
     plan.figures.iter().cloned().chain(others.flat_map(of_bodies)).collect()
 }
 
-/// Whether it matters, and which figure it moves.
+/// Summary of the advice: whether the effect matters, and which figure changes.
 fn verdict(advice: &Advice, name: &impl Fn(&str) -> String) -> String {
     if advice.impossible {
-        return "matters: with it the scene has no answer".to_owned();
+        return "matters: the case has no result with this effect".to_owned();
     }
     let Some(Change { figure, relative }) = &advice.change else {
         return "not estimated".to_owned();
     };
     let figure = name(figure);
     match *relative {
-        f64::INFINITY => format!("matters: no {figure} without it"),
-        0.0 => format!("does not matter: {figure} stays"),
-        relative if relative.abs() >= MATTERS => {
+        f64::INFINITY => format!("matters: no {figure} without this effect"),
+        0.0 => format!("does not matter: {figure} unchanged"),
+        relative if relative.abs() >= SIGNIFICANT_CHANGE => {
             format!("matters: {figure} about {}", percent(relative))
         }
         relative => format!("hardly matters: {figure} about {}", percent(relative)),
     }
 }
 
-/// A relative change, in per cent with its sign.
+/// Formats a relative change in per cent, with its sign.
 pub fn percent(relative: f64) -> String {
     let sign = if relative > 0.0 { "+" } else { "" };
     format!("{sign}{} %", number(100.0 * relative, 2))
@@ -180,7 +183,7 @@ fn cost(one: &Advised) -> Option<String> {
     }
 }
 
-/// For a shell.
+/// Quotes an option for a shell.
 fn quoted(option: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "._=-+/".contains(c);
     if option.chars().all(plain) { option.to_owned() } else { format!("'{option}'") }

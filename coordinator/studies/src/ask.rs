@@ -1,4 +1,4 @@
-//! `coordinator ask`: the figures of a surrogate at a point, or at the rows of a table.
+//! `coordinator ask`: evaluates a surrogate at a point, or at the rows of a table.
 
 mod file;
 mod table;
@@ -20,19 +20,19 @@ use surrogate::{Figure, Measure, Surrogate};
 /// Options of `coordinator ask`.
 #[derive(Debug, Args)]
 pub struct AskCommand {
-    /// The surrogate, or the folder of a sweep that has one.
+    /// Surrogate file, or folder of a sweep that contains a surrogate.
     file: PathBuf,
-    /// The point: a value for each key, in SI units or with a unit.
+    /// Point to evaluate: a value for each key, in SI units or with a unit.
     #[arg(value_name = "KEY=VALUE")]
     at: Vec<String>,
-    /// Print this figure alone; may be given several times.
+    /// Print only this figure; may be repeated.
     #[arg(long, value_name = "KEY")]
     figure: Vec<String>,
-    /// Answer the rows of a CSV file, or of - for standard input: keys in its first line, values below
-    /// them. The answer is CSV, with the figures in SI units.
+    /// Evaluate the rows of a CSV file, or of standard input for `-`: keys in the first line,
+    /// values below. The output is CSV, with the figures in SI units.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["at", "json"])]
     table: Option<PathBuf>,
-    /// Print JSON: value and error of each figure, in SI units.
+    /// Print the value and error of each figure as JSON, in SI units.
     #[arg(long)]
     json: bool,
 }
@@ -40,8 +40,8 @@ pub struct AskCommand {
 impl Command for AskCommand {
     const NAME: &'static str = "ask";
     const GROUP: Group = Group::Study;
-    const ABOUT: &'static str =
-        "Print the figures of a surrogate at a point, with their errors, or at the rows of a table";
+    const ABOUT: &'static str = "Evaluate a surrogate at a point or over a table";
+    const EXAMPLES: &'static [&'static str] = &["coordinator ask results/latest motion.speed=25"];
 
     fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
         let surrogate = read(&self.file, &self.figure)?;
@@ -60,7 +60,7 @@ impl Command for AskCommand {
     }
 }
 
-/// The values of the keys, in the order of the surrogate.
+/// Parses the values of the keys, in the order of the surrogate.
 fn point(surrogate: &Surrogate, given: &[String]) -> Result<Vec<f64>, RunError> {
     let mut at: Vec<Option<f64>> = vec![None; surrogate.keys().len()];
     for option in given {
@@ -80,7 +80,10 @@ fn point(surrogate: &Surrogate, given: &[String]) -> Result<Vec<f64>, RunError> 
         .collect();
     match missing.as_slice() {
         [] => Ok(at.into_iter().flatten().collect()),
-        some => Err(RunError::Usage(format!("give a value for {}", some.join(", ")))),
+        some => Err(RunError::Usage(format!(
+            "missing values: {}; add KEY=VALUE for each",
+            some.join(", ")
+        ))),
     }
 }
 
@@ -88,7 +91,7 @@ fn as_json((figure, value): (&Figure, f64)) -> (String, Value) {
     (figure.key.clone(), json!({"value": value, "error": figure.held.bound(value)}))
 }
 
-/// A figure with its error, in the unit that suits it.
+/// Formats a figure and its error in a suitable unit.
 fn line((figure, value): (&Figure, f64)) -> String {
     let error = match figure.held.measure {
         Measure::Relative => format!("{} %", run::format::number(100.0 * figure.held.largest, 2)),

@@ -1,20 +1,19 @@
-//! `coordinator cost`: what accuracy costs in time.
+//! `coordinator cost`: accuracy against run time.
 //!
-//! One case is run with every choice of models that can run it, over their resolutions, and, where
-//! the case has them, over the length of its windows and the tolerance of its coupling ([`sweep`]).
-//! Each quantity of interest is compared with a reference ([`analysis`]): its closed form where a
-//! participant knows one, else the finest runs of the most faithful models, extrapolated. So every run
-//! has an error and a cost; those that no other beats in both are the Pareto front.
+//! A case runs with every possible combination of models and over their resolutions. Where
+//! applicable, the window length and the tolerance of the coupling vary as well ([`sweep`]). Each
+//! quantity of interest is compared with a reference ([`analysis`]): a closed form if a participant
+//! knows one, otherwise the extrapolated finest runs of the most faithful models. Every run thus
+//! has an error and a cost. The runs that no other beats in both form the Pareto front.
 //!
 //! ```text
 //! Request ──sweep──► Run (quantities, cost) ──analysis──► Study ──► table, cost.json, cost.csv, page
 //! ```
 //!
-//! Models, resolutions and what models leave out come from the descriptions of the programs
-//! ([`contract::accuracy`]); nothing here names one.
+//! Models, resolutions and simplifications come from the descriptions of the programs
+//! ([`contract::accuracy`]); the code knows none by name.
 
 mod analysis;
-mod finished;
 mod page;
 mod runs;
 mod show;
@@ -23,19 +22,18 @@ mod sweep;
 
 pub(crate) use study::Study;
 
-use crate::study::arguments::{CaseArguments, RepeatArguments, StudyArguments};
+use crate::study::arguments::{RepeatArguments, StudyArguments};
 use crate::study::axis::Axis;
+use crate::study::finished::FinishedRuns;
 use crate::study::folder::StudyFolder;
-use crate::study::output::{Kept, Printing, Shown};
+use crate::study::output::{Printing, StudyFile, StudyPage};
 use crate::study::planned;
+use crate::study::runner::Runner;
 use clap::Args;
+use console::case_arguments::CaseArguments;
 use console::command::{Command, Context, Group};
-use finished::FinishedRuns;
 use run::error::RunError;
-use run::scratch::Scratch;
-use std::path::Path;
 use study::Request;
-use sweep::Places;
 
 /// Options of `coordinator cost`.
 #[derive(Debug, Args)]
@@ -44,19 +42,19 @@ pub struct CostCommand {
     of: CaseArguments,
     #[command(flatten)]
     times: RepeatArguments,
-    /// Vary a key, coarsest value first, in place of the default plan: a model, a resolution, a
-    /// window, a tolerance; may be given several times.
+    /// Vary a key instead of the default plan, coarsest value first: a model, a resolution, a
+    /// window or a tolerance; may be repeated.
     #[arg(long, value_name = "KEY=V1,V2")]
     vary: Vec<String>,
-    /// The quantity that ranks the runs, a dotted key of summary.json [default: the first that is
-    /// described].
+    /// Quantity that ranks the runs, a dotted key of summary.json [default: the first described
+    /// quantity].
     #[arg(long, value_name = "KEY")]
     quantity: Option<String>,
-    /// Compare a quantity with this value [default: its closed form, or the finest runs
-    /// extrapolated].
+    /// Compare a quantity with this value [default: its closed form, or the extrapolated finest
+    /// runs].
     #[arg(long, value_name = "KEY=VALUE")]
     reference: Vec<String>,
-    /// Leave out runs whose solvers expect to take longer.
+    /// Skip runs with a longer expected solver time.
     #[arg(long, value_name = "SECONDS", default_value_t = 2.0)]
     longest_run: f64,
     #[command(flatten)]
@@ -69,57 +67,38 @@ pub struct CostCommand {
 impl Command for CostCommand {
     const NAME: &'static str = "cost";
     const GROUP: Group = Group::Study;
-    const ABOUT: &'static str =
-        "Show what accuracy costs in time, over models, resolutions, windows and tolerances";
+    const ABOUT: &'static str = "Measure error against run time, over models and grids";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator cost CASE", "coordinator cost CASE --vary mech.resolution=5,10,20"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let _participants = self.folder.keep();
         let request = request(self)?;
         let standing = planned(&request.case, &request.base)?;
         console::logging::log_warnings(&standing.plan.warnings);
-        let none = FinishedRuns::none(&request, &standing)?;
+        let none = FinishedRuns::none(&request.decides_runs(), &standing)?;
         let name = format!("{}-cost", standing.plan.name);
-        let goes_on = |folder: &Path| none.read(folder).is_some();
-        let folder = self.folder.choose(Study::COMMAND, &name, &goes_on)?;
-        let kept = if self.folder.replace { none } else { none.resume(folder.path())? };
-        tell_kept(kept.count());
-        let scratch = Scratch::new()?;
+        let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut places = Places { scratch: scratch.path(), study: &folder, kept };
-        let swept = sweep::sweep(&request, &standing, printing.is_silent(), &mut places);
-        let swept = swept.inspect_err(|error| tell_stopped(error, &places))?;
+        let mut runner = Runner::new(&self.of.case, &self.folder, printing.is_silent())?
+            .keep_finished(none, &folder)?;
+        (runner.repeat, runner.longest_run) = (request.repeat, request.longest_run);
+        let swept = sweep::sweep(&request, &standing, &mut runner)?;
         let study = analysis::study(&request, swept)?;
         write(&study, &folder)?;
+        runner.complete()?;
         printing.print(&study, || show::text(&study), &folder)
     }
 }
 
-/// Runs of a study that was stopped are not made again.
-fn tell_kept(count: usize) {
-    if count > 0 {
-        tracing::warn!("{count} runs of the interrupted study are reused; --replace repeats all");
-    }
-}
-
-/// What becomes of the runs of a study that is stopped.
-fn tell_stopped(error: &RunError, places: &Places<'_>) {
-    let (count, path) = (places.kept.count(), places.study.path().display());
-    if error.is_interrupt() && count > 0 {
-        tracing::warn!(
-            "{count} finished runs are kept in {path}; the same command resumes with them"
-        );
-    }
-}
-
-/// Writes the files of a study in the place of its finished runs.
+/// Writes the files of the study.
 fn write(study: &Study, folder: &StudyFolder) -> Result<(), RunError> {
     folder.write("cost.csv", runs::csv(study).as_bytes())?;
     let first = study.quantities.first();
     if let Some(figure) = first.and_then(|one| page::work_precision(study, one)) {
         folder.write("work-precision.svg", figure.standalone().as_bytes())?;
     }
-    study.publish(folder)?;
-    FinishedRuns::remove(folder)
+    study.publish(folder)
 }
 
 fn request(asked: &CostCommand) -> Result<Request, RunError> {
@@ -132,7 +111,7 @@ fn request(asked: &CostCommand) -> Result<Request, RunError> {
     }
     Ok(Request {
         case: asked.of.case.clone(),
-        base: asked.of.base(),
+        base: asked.of.changes.clone(),
         vary: axes.collect::<Result<_, _>>()?,
         quantity: asked.quantity.clone(),
         references: references.collect::<Result<_, _>>()?,

@@ -1,19 +1,20 @@
-//! `coordinator fit`, and `sweep --fit`: a surrogate of a sweep, its figures as functions of the keys that varied.
+//! `coordinator fit` and `sweep --fit`: fits a surrogate to a sweep, which gives the figures as
+//! functions of the keys that varied.
 //!
-//! The table of a sweep → [`samples`] (numbers in SI units; [`region`]: a box without points that have no answer) →
-//! for each figure its scales ([`scales`]) and its terms ([`grow`]), by the error at points held out ([`held`]) →
-//! a [`surrogate::Document`], which that crate reads and evaluates. docs/surrogate.md has the mathematics.
+//! Steps: the table of a sweep is converted to numbers in SI units, and restricted to a box free of
+//! failed points ([`samples`]). For each figure, the scales ([`scales`]) and the terms ([`grow`])
+//! with the smallest error at held-out points ([`held`]) are chosen. The result is a
+//! [`surrogate::Document`], which the crate `surrogate` reads and evaluates. docs/surrogate.md
+//! explains the mathematics.
 
 mod grow;
 mod held;
 mod make;
-mod region;
 mod samples;
 mod scales;
-mod show;
 
 use crate::study::folder::StudyFolder;
-use crate::study::output::Kept as _;
+use crate::study::output::StudyFile as _;
 use crate::sweep::Study;
 use clap::Args;
 use console::command::{Command, Context, Group};
@@ -25,23 +26,23 @@ use run::results::write::replace;
 use samples::Quotient;
 use std::path::PathBuf;
 
-/// The file in the folder of the sweep.
+/// Name of the surrogate in the folder of the sweep.
 pub(crate) const FILE: &str = "fit.json";
 
 /// Options of `coordinator fit`.
 #[derive(Debug, Args)]
 pub struct FitCommand {
-    /// The folder of a sweep that has come to its end.
+    /// Folder of a finished sweep.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Take the quotient of two keys as coordinate in the place of the first: where that bounds what has an
-    /// answer, or the figures go with it.
+    /// Use the quotient of two keys as a coordinate in place of the first key: for a quotient that
+    /// limits where results exist, or on which the figures depend.
     #[arg(long, value_name = "KEY/KEY", value_parser = Quotient::read)]
     per: Vec<Quotient>,
-    /// Where it is written [default: DIR/fit.json].
+    /// File to write [default: DIR/fit.json].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Print JSON: the file.
+    /// Print the contents of the file as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -49,8 +50,8 @@ pub struct FitCommand {
 impl Command for FitCommand {
     const NAME: &'static str = "fit";
     const GROUP: Group = Group::Study;
-    const ABOUT: &'static str =
-        "Fit the figures of a sweep, with errors, for `ask` and for simulations that link to them";
+    const ABOUT: &'static str = "Fit a surrogate to the figures of a sweep";
+    const EXAMPLES: &'static [&'static str] = &["coordinator fit results/creep"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let study = Study::read(&self.folder)?;
@@ -61,20 +62,21 @@ impl Command for FitCommand {
             (true, _) => print(&json(&made.document)),
             (false, true) => Ok(()),
             (false, false) => {
-                print(&format!("{}  surrogate {}\n", show::text(&made), out.display()))
+                print(&format!("{}  surrogate {}\n", make::text(&made), out.display()))
             }
         }
     }
 }
 
-/// Makes the surrogate of a sweep that has just come to its end, and writes it into its folder.
+/// Fits the surrogate of a sweep that has just finished, and writes it into the folder of the
+/// sweep.
 ///
 /// # Errors
-/// Those of [`main`].
+/// No surrogate can be fitted, or the file cannot be written.
 pub(crate) fn after_sweep(study: &Study, folder: &StudyFolder) -> Result<String, RunError> {
     let made = Made::of(study, &[])?;
     folder.write(FILE, &made.file())?;
-    Ok(show::text(&made))
+    Ok(make::text(&made))
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
-//! Studies: a case run many times, with a table and a page of the answers.
+//! Studies run a case many times with changed values, and collect the results in a table and a
+//! page.
 //!
-//! [`study`] has the parts that they share: variants of a case, their runs, the folder and the file
-//! of a study, its table and its page. A study is a module with its command; [`KINDS`] lists those
-//! whose page `coordinator report` can make again.
+//! [`study`] holds the shared parts: variants of a case, their runs, the folder and the file of a
+//! study, its table and its page. Every study is a module with a command of its own. [`KINDS`]
+//! lists the studies whose page `coordinator report` can rebuild.
 
 pub mod ablate;
 pub mod accuracy;
@@ -18,7 +19,7 @@ pub mod sweep;
 
 use study::output::{Kind, kind};
 
-/// Every kind of study that leaves a page.
+/// All kinds of study that leave a page.
 pub const KINDS: [Kind; 6] = [
     kind::<cost::Study>(),
     kind::<ablate::Study>(),

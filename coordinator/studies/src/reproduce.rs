@@ -1,33 +1,30 @@
-//! `coordinator reproduce`: a published study run again, and laid beside what was printed.
+//! `coordinator reproduce`: repeats a published study and compares the results with the printed
+//! values.
 //!
-//! A [`study::Study`] is data: cases and what is changed in them, printed values, and how tables and
-//! figures are made of both; the text is a template ([`text`]). Every run is a run like any other,
-//! processes and shared memory included. Nothing here knows what a study is about: a further level of
-//! fidelity is one more `[[run]]` in its file.
+//! A [`study::Study`] is data: cases with their changes, printed values, and the tables and figures
+//! to make from both. The text is a template ([`text`]). Every run is an ordinary run, in the same
+//! processes and with the same shared memory. The code does not depend on the subject of a study: a
+//! further level of fidelity is one more `[[run]]` in its file.
 //!
 //! ```text
 //! study.toml + text ─ check, rehearse ─▶ runs/*, reproduce.json ─ render ─▶ paper.md, img/*.svg, report.html
 //! ```
 //!
-//! A rehearsal fills every template with stand-ins before anything runs, so that a mistake in the text
-//! is reported at once. Rendering needs the folder alone: `coordinator report FOLDER` does it
-//! again.
+//! Before anything runs, a rehearsal fills every template with placeholder values, so that mistakes
+//! in the text are reported at once. Rendering needs only the folder: `coordinator report FOLDER`
+//! repeats it.
 
 mod check;
 mod drawing;
 mod perform;
-mod record;
 mod render;
-pub(crate) mod stale;
 pub(crate) mod study;
-mod table;
-mod text;
 mod values;
 
-pub(crate) use record::Record;
+pub(crate) use perform::Record;
 
 use crate::study::arguments::StudyArguments;
-use crate::study::output::{Kept, Shown};
+use crate::study::output::{StudyFile, StudyPage};
 use clap::Args;
 use console::command::{Command, Context, Group};
 use console::output::Speaker;
@@ -40,15 +37,15 @@ use study::Study;
 /// Options of `coordinator reproduce`.
 #[derive(Debug, Args)]
 pub struct ReproduceCommand {
-    /// The study: its cases, tables, figures and text.
+    /// File of the study: its cases, tables, figures and text.
     #[arg(default_value = "cases/paper/study.toml")]
     study: PathBuf,
     #[command(flatten)]
     folder: StudyArguments,
-    /// Write the text here too, and its plots into img/NAME beside it.
+    /// Also write the text to this file, with its plots in img/NAME beside it.
     #[arg(long, value_name = "FILE")]
     write: Option<PathBuf>,
-    /// Compare this text, which was written earlier, with the new one; exit 4 if it is stale.
+    /// Compare this earlier text with the new one; exit with 4 if the earlier text is outdated.
     #[arg(long, value_name = "FILE")]
     check: Option<PathBuf>,
 }
@@ -56,8 +53,9 @@ pub struct ReproduceCommand {
 impl Command for ReproduceCommand {
     const NAME: &'static str = "reproduce";
     const GROUP: Group = Group::Study;
-    const ABOUT: &'static str =
-        "Run a published study again, and lay tables and figures beside what was printed";
+    const ABOUT: &'static str = "Run a published study, and compare tables and figures";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator reproduce", "coordinator reproduce cases/paper/elements.toml"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let _participants = self.folder.keep();
@@ -73,24 +71,24 @@ impl Command for ReproduceCommand {
     }
 }
 
-/// What the command is asked for.
+/// Request for one reproduction.
 #[derive(Debug)]
 pub(crate) struct Request<'a> {
-    /// The study's file.
+    /// File of the study.
     pub study: &'a Path,
-    /// Where runs, text and plots go.
+    /// Folder for the runs, the text and the plots.
     pub folder: &'a StudyArguments,
-    /// A further place for the text; its plots go into `img/NAME` beside it.
+    /// Additional file for the text; its plots go into `img/NAME` beside it.
     pub write: Option<&'a Path>,
-    /// A text that is kept, with its plots, to be compared.
+    /// Earlier text, with its plots, to compare with the new one.
     pub check: Option<&'a Path>,
 }
 
-/// Runs a study, and writes or compares what is asked for.
+/// Runs a study and writes or compares the text as requested.
 ///
 /// # Errors
-/// [`RunError::Usage`] for a study that is wrong, before anything has run; those of its runs;
-/// [`RunError::Stale`] if a text that is kept says something else.
+/// [`RunError::Usage`] if the study is invalid, before anything runs; an error of a run;
+/// [`RunError::Stale`] if the earlier text differs from the new one.
 pub(crate) fn reproduce(request: &Request, speaker: &mut Speaker) -> Result<(), RunError> {
     let file = request.study;
     let study = Study::read(file)?;
@@ -111,12 +109,12 @@ pub(crate) fn reproduce(request: &Request, speaker: &mut Speaker) -> Result<(), 
     Ok(())
 }
 
-/// The folder of a text's plots, as seen from the text.
+/// Folder of a text's plots, relative to the text.
 fn images_beside(path: &Path) -> String {
     format!("img/{}", path.file_stem().unwrap_or_default().to_string_lossy())
 }
 
-/// Compares a text that is kept, and its plots, with what was rendered.
+/// Compares an earlier text and its plots with the new ones.
 fn compare(rendered: &Rendered, kept: &Path) -> Result<(), RunError> {
     let images = images_beside(kept);
     let folder = kept.parent().unwrap_or(Path::new(""));
@@ -129,10 +127,10 @@ fn compare(rendered: &Rendered, kept: &Path) -> Result<(), RunError> {
 
 fn same(kept: &Path, new: &str) -> Result<(), RunError> {
     let text = fs::read_to_string(kept).map_err(|error| file_failure(kept, &error))?;
-    match stale::difference(&text, new) {
+    match check::difference(&text, new) {
         None => Ok(()),
-        Some(stale::Difference { line, kept: old, new }) => Err(RunError::Stale(format!(
-            "{}:{line}: it says\n  {old}\nand would say now\n  {new}",
+        Some(check::Difference { line, kept: old, new }) => Err(RunError::Stale(format!(
+            "{}:{line}: the file is outdated; it says\n  {old}\nbut should say\n  {new}",
             kept.display()
         ))),
     }

@@ -1,34 +1,32 @@
-//! `coordinator stability`: the hard cases, each with what is expected of it and why.
+//! `coordinator stability`: runs the hard cases and checks each against its expected outcome.
 //!
-//! A suite file lists cases, the bounds of their quantities with the physical reason of each, and
-//! parameters that are driven to the edge where the answer ends. Every run is a run like any other,
-//! with a recording, so that the ranges of whole fields are known.
+//! A suite file lists cases, bounds of their quantities with physical reasons, and parameters to
+//! vary up to the edge where results end. Every run is an ordinary run, with a recording for the
+//! ranges of whole fields.
 //!
 //! ```text
 //! suite.toml ──Suite::read──► Suite ──each case and sweep──► CaseRun ──judge──► RunResult ──► Report
 //! ```
 //!
-//! Nothing here knows a model or an effect by name: one that comes later joins by an entry in the
+//! The code does not depend on particular models or effects: a new case is one more entry in the
 //! file.
 
 mod case_run;
-mod figure;
 mod judge;
-mod limits;
 mod page;
 mod report;
 mod rows;
-mod show;
 mod suite;
 
 pub(crate) use report::{CaseReport, Report, RunResult, SweepReport};
 pub(crate) use suite::Suite;
 
 use crate::study::arguments::StudyArguments;
-use crate::study::output::{Kept, Shown};
-use crate::study::{Variant, expected_run_seconds, planned};
+use crate::study::output::{StudyFile, StudyPage};
+use crate::study::{expected_run_seconds, planned};
 use case_run::CaseRun;
 use clap::Args;
+use console::case_arguments::Changes;
 use console::command::{Command, Context, Group};
 use console::output::{Speaker, print};
 use console::steps::Steps;
@@ -43,13 +41,13 @@ use suite::{Entry, Expected, Sweep};
 /// Options of `coordinator stability`.
 #[derive(Debug, Args)]
 pub struct StabilityCommand {
-    /// The suite.
+    /// Suite file.
     #[arg(default_value = "cases/hard/suite.toml")]
     suite: PathBuf,
-    /// Run this case alone; may be given several times.
+    /// Run only this case; may be repeated.
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
-    /// Run the cases alone, without driving parameters to their edges.
+    /// Run only the cases, without varying parameters up to their edges.
     #[arg(long)]
     no_sweep: bool,
     /// Print JSON.
@@ -57,7 +55,7 @@ pub struct StabilityCommand {
     json: bool,
     #[command(flatten)]
     folder: StudyArguments,
-    /// Write the edges that were found, as Markdown.
+    /// Write the edges to this file, as Markdown.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["only", "no_sweep"])]
     write_limits: Option<PathBuf>,
 }
@@ -65,30 +63,32 @@ pub struct StabilityCommand {
 impl Command for StabilityCommand {
     const NAME: &'static str = "stability";
     const GROUP: Group = Group::Study;
-    const ABOUT: &'static str =
-        "Run the hard cases, drive their parameters to the edge, and print what held";
+    const ABOUT: &'static str = "Run the hard cases to the edges of their parameters";
+    const EXAMPLES: &'static [&'static str] =
+        &["coordinator stability", "coordinator stability --only tiny-load --no-sweep"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let _participants = self.folder.keep();
         let suite = Suite::read(&self.suite)?;
-        // A case that the suite does not have is reported before anything is printed.
+        // Report an unknown case before anything is printed.
         suite.chosen(&self.only)?;
         let folder =
             self.folder.choose(Report::COMMAND, Report::COMMAND, &Report::is_unfinished)?;
         let request =
             Request { suite, only: self.only.clone(), sweeps: !self.no_sweep, out: folder.open()? };
         let mut speaker = Speaker::new(context.quiet || self.json);
-        // What is interrupted can be begun again in the same folder.
+        // Mark the study as unfinished, so that an interrupted one can be restarted in the same
+        // folder.
         Report { schema: Report::SCHEMA, ..Report::default() }.write(&folder)?;
-        speaker.say(&show::head());
+        speaker.say(&rows::head());
         let report = stability(&request, &mut speaker)?;
         report.publish(&folder)?;
         if self.json {
             print(&json(&report))?;
         }
-        speaker.say(&show::tail(&report, folder.path()));
+        speaker.say(&rows::tail(&report, folder.path()));
         let written = verdict(&report).and_then(|()| match &self.write_limits {
-            Some(path) => replace(path, limits::text(&report).as_bytes()),
+            Some(path) => replace(path, page::text(&report).as_bytes()),
             None => Ok(()),
         });
         speaker.end(written)
@@ -105,28 +105,27 @@ fn verdict(report: &Report) -> Result<(), RunError> {
         who: report.suite.clone(),
         when: format!("in {} of {} cases", names.len(), report.cases.len()),
         what: format!("{} did not meet expectations", names.join(", ")),
-        fix: "`coordinator stability --only NAME` runs one alone".to_owned(),
+        fix: "run a single case with `coordinator stability --only NAME`".to_owned(),
     }))
 }
 
-/// What is to be run.
+/// Request for one run of a suite.
 #[derive(Clone, Debug)]
 pub(crate) struct Request {
-    /// The suite.
     pub suite: Suite,
     /// Names of the cases to run; all if empty.
     pub only: Vec<String>,
-    /// Parameters are driven to their edges.
+    /// Whether to vary parameters up to their edges.
     pub sweeps: bool,
-    /// Where the runs write.
+    /// Folder for the runs.
     pub out: PathBuf,
 }
 
-/// Runs the cases, and says how each went as soon as it and its sweeps are done.
+/// Runs the cases and reports each as soon as the case and its sweeps are done.
 ///
 /// # Errors
-/// A case that the suite does not have, a folder that cannot be written, or the user has stopped. A
-/// case that goes otherwise than expected is no error here.
+/// The suite lacks a requested case, a folder cannot be written, or the user interrupts. An
+/// unexpected outcome of a case is part of the report and not an error.
 pub(crate) fn stability(request: &Request, speaker: &mut Speaker) -> Result<Report, RunError> {
     let begun = Instant::now();
     let mut report =
@@ -138,7 +137,7 @@ pub(crate) fn stability(request: &Request, speaker: &mut Speaker) -> Result<Repo
     for entry in chosen {
         steps.step(&entry.name);
         let case = run_entry(request, entry)?;
-        steps.aside(|| speaker.say(&show::case(&case)));
+        steps.aside(|| speaker.say(&rows::case(&case)));
         report.cases.push(case);
     }
     steps.finish();
@@ -147,11 +146,11 @@ pub(crate) fn stability(request: &Request, speaker: &mut Speaker) -> Result<Repo
     Ok(report)
 }
 
-/// What a case and its sweeps are expected to take \[s\]. The runs of a quick case's sweeps count like the case itself; it would
-/// take longer to plan them.
+/// Expected time of a case and its sweeps \[s\]. In the sweeps of a quick case, every run counts
+/// like the case itself, because planning them would take longer.
 fn expected_seconds(request: &Request, entry: &Entry) -> f64 {
     const QUICK: f64 = 0.5;
-    let of = |variant: &Variant| expected_run_seconds(planned(&entry.case, variant).ok().as_ref());
+    let of = |variant: &Changes| expected_run_seconds(planned(&entry.case, variant).ok().as_ref());
     let base = entry.variant();
     let own = of(&base);
     let sweeps = if request.sweeps { entry.sweeps.as_slice() } else { &[] };
@@ -200,7 +199,7 @@ fn run_sweep(request: &Request, entry: &Entry, sweep: &Sweep) -> Result<SweepRep
 fn run_one(
     request: &Request,
     entry: &Entry,
-    variant: &Variant,
+    variant: &Changes,
     name: &str,
     expected: &Expected,
 ) -> Result<RunResult, RunError> {

@@ -1,14 +1,14 @@
-//! `coordinator sweep`: a case over values of its keys, one row a point.
+//! `coordinator sweep`: runs a case over values of its keys, with one row per point.
 //!
-//! `--vary` → [`design`], the points → [`perform`] here, or [`engine`] on other machines → [`rows`], a file that grows by
-//! a line a point: a sweep that was stopped goes on with what it lacks → [`table`], and [`page`], which draws what
-//! has changed.
+//! `--vary` determines the points ([`design`]). They run here ([`crate::study::runner`]) or on
+//! other machines ([`engine`]). A file gains one line per point ([`rows`]), so an interrupted sweep
+//! resumes with the missing points. The results are a table ([`table`]) and a page with plots
+//! ([`page`]).
 
 mod collect;
 mod design;
 mod engine;
 mod page;
-mod perform;
 mod rows;
 mod study;
 mod table;
@@ -16,25 +16,26 @@ mod table;
 pub(crate) use study::Study;
 
 use crate::fit;
-use crate::study::arguments::{CaseArguments, StudyArguments};
+use crate::study::arguments::StudyArguments;
 use crate::study::axis::Axis;
 use crate::study::folder::StudyFolder;
-use crate::study::output::{Kept, Printing, Shown};
+use crate::study::output::{Printing, StudyFile, StudyPage};
 use crate::study::quantity::Quantities;
-use crate::study::{Variant, expected_run_seconds, planned, refuse_unread};
+use crate::study::runner::{Point, Runner};
+use crate::study::{expected_run_seconds, planned, refuse_unread};
 use clap::Args;
 use collect::earlier;
+use console::case_arguments::CaseArguments;
+use console::case_arguments::Changes;
 use console::command::{Command, Context, Group};
 use console::output;
 use contract::text::json;
-use design::{Asked, Part};
+use design::{Part, PointArguments};
 use engine::{Name, Tasks};
-use perform::{How, fill};
-use rows::Growing;
+use rows::SweepInProgress;
 use run::error::{Failure, RunError};
 use run::format::counted;
 use run::plan::Planned;
-use run::scratch::Scratch;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -44,23 +45,24 @@ pub struct SweepCommand {
     #[command(flatten)]
     of: CaseArguments,
     #[command(flatten)]
-    points: Asked,
-    /// Run one part of the points alone, the third of eight say: for other machines, and jobs of a scheduler.
+    points: PointArguments,
+    /// Run only one part of the points, for example the third of eight; for other machines and
+    /// scheduler jobs.
     #[arg(long, value_name = "I/N", value_parser = Part::read, conflicts_with = "collect")]
     part: Option<Part>,
-    /// Take what these folders have found of the same points, parts for instance; what is missing is
-    /// named, and run here.
+    /// Collect the results of the same points from these folders, for example from parts. Missing
+    /// points are listed and run here.
     #[arg(long, value_name = "DIR", num_args = 1..)]
     collect: Vec<PathBuf>,
-    /// Points that are run at a time, in each task of a scheduler too [default: as many as there are cores, or
-    /// as a task has].
+    /// Number of points to run at a time, also in each task of a scheduler [default: the number of
+    /// cores of the machine or task].
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// Fit the figures that were found, with errors, for `ask`: fit.json.
+    /// Fit a surrogate to the results, with errors, for `ask`: fit.json.
     #[arg(long, conflicts_with = "part")]
     fit: bool,
     #[command(flatten)]
-    engine: engine::Asked,
+    engine: engine::EngineArguments,
     #[command(flatten)]
     folder: StudyArguments,
     /// Print JSON.
@@ -71,13 +73,16 @@ pub struct SweepCommand {
 impl Command for SweepCommand {
     const NAME: &'static str = "sweep";
     const GROUP: Group = Group::Study;
-    const ABOUT: &'static str =
-        "Run a case over values of its keys: a row a point, plots over what varies";
+    const ABOUT: &'static str = "Run a case over values of its keys";
+    const EXAMPLES: &'static [&'static str] = &[
+        "coordinator sweep CASE --vary motion.speed=10..80/8",
+        "coordinator sweep CASE --vary load.normal_force=60e3..134e3/9cheb --fit",
+    ];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let (case, base) = (self.of.case.clone(), self.of.base());
+        let (case, base) = (self.of.case.clone(), self.of.changes.clone());
         let design = self.points.design()?;
-        let first = |all: Variant, one: &Axis| all.with(&one.key, &one.values[0]);
+        let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
         let standing = planned(&case, &design.vary.iter().fold(base.clone(), first))?;
         refuse_unread_keys(&case, &base, &design.vary, &standing)?;
         console::logging::log_warnings(&standing.plan.warnings);
@@ -106,23 +111,23 @@ impl Command for SweepCommand {
         folder.create("sweep.csv", |out| table::csv(&study, out))?;
         #[cfg(feature = "parquet")]
         folder.create("sweep.parquet", |out| table::columnar::write(&study, out))?;
-        // Removes the file of an earlier table, which a build with the feature has written.
+        // This build lacks the feature; remove a file written by an earlier build with it.
         #[cfg(not(feature = "parquet"))]
         folder.remove("sweep.parquet")?;
         study.publish(&folder)?;
-        // That of an earlier table is none of this one.
+        // A surrogate of an earlier sweep is obsolete.
         folder.remove(fit::FILE)?;
         let fitted = if self.fit { fit::after_sweep(&study, &folder)? } else { String::new() };
         match printing.json {
             true => output::print(&json(&study.whole())),
             false => printing.print(&study, || page::text(&study) + &fitted, &folder),
         }?;
-        // A part is judged with the others, where they are collected.
+        // A part is judged only together with the others, when all are collected.
         if self.part.is_some() { Ok(()) } else { without_answers(&study) }
     }
 }
 
-/// A sweep in which every point has failed is an error.
+/// Returns an error if every point has failed.
 fn without_answers(study: &Study) -> Result<(), RunError> {
     let failures: Vec<&String> = study.rows.iter().filter_map(|row| row.failed.as_ref()).collect();
     match failures.first() {
@@ -136,15 +141,15 @@ fn without_answers(study: &Study) -> Result<(), RunError> {
     }
 }
 
-/// Refuses keys that no point of the sweep reads. Which keys are read may depend on others that vary,
-/// such as a model: their words are tried one by one.
+/// Refuses keys that no point of the sweep reads. Other varied keys, such as the choice of a model,
+/// may decide whether a key is read, so their values are tried one by one.
 fn refuse_unread_keys(
     case: &Path,
-    base: &Variant,
+    base: &Changes,
     vary: &[Axis],
     standing: &Planned,
 ) -> Result<(), RunError> {
-    let first = |all: Variant, one: &Axis| all.with(&one.key, &one.values[0]);
+    let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
     for Axis { key, .. } in vary {
         let Err(refused) = refuse_unread(standing, key, "--vary") else { continue };
         let words = vary.iter().filter(|other| other.key != *key && other.numbers().is_none());
@@ -152,7 +157,7 @@ fn refuse_unread_keys(
             let values = other.values.iter().skip(1);
             values.map(move |value| vary.iter().fold(base.clone(), first).with(&other.key, value))
         });
-        let reads = |variant: Variant| {
+        let reads = |variant: Changes| {
             planned(case, &variant).is_ok_and(|other| refuse_unread(&other, key, "--vary").is_ok())
         };
         if !others.any(reads) {
@@ -162,9 +167,10 @@ fn refuse_unread_keys(
     Ok(())
 }
 
-/// The folder of a sweep; that of the same one if it was stopped.
+/// Chooses the folder of the sweep; an interrupted sweep of the same points is resumed.
 fn folder(asked: &SweepCommand, study: &Study) -> Result<StudyFolder, RunError> {
-    // A fitted sweep need not be run again. A stopped sweep of another case is refused in `begin`.
+    // Fitting a finished sweep needs no new runs. `begin` refuses to resume a sweep of another
+    // case.
     let goes_on = |folder: &Path| {
         earlier(folder, asked.fit).is_some_and(|other| {
             let same = !other.complete || other.identity == study.identity;
@@ -176,45 +182,60 @@ fn folder(asked: &SweepCommand, study: &Study) -> Result<StudyFolder, RunError> 
     asked.folder.choose(Study::COMMAND, &name, &goes_on)
 }
 
-/// Begins a sweep, or goes on with the one that was stopped, with all that is known of its points.
-fn begin(asked: &SweepCommand, begun: Study, folder: &StudyFolder) -> Result<Growing, RunError> {
+/// Begins a sweep or resumes an interrupted one, with all known results.
+fn begin(
+    asked: &SweepCommand,
+    begun: Study,
+    folder: &StudyFolder,
+) -> Result<SweepInProgress, RunError> {
     let same = |other: &Study| !asked.folder.replace && other.asks_the_same(&begun);
     let mut sweep = match earlier(folder.path(), asked.fit).filter(same) {
         Some(earlier) => {
-            let fix = "--replace begins anew, --out DIR leaves it as it is";
+            let fix = "--replace starts again, --out DIR leaves that sweep untouched";
             begun.require_same_case(&earlier, &folder.path().display().to_string(), fix)?;
             engine::refuse_other(folder, asked.engine.engine)?;
-            let mut sweep = Growing::again(earlier, folder)?;
+            let mut sweep = SweepInProgress::again(earlier, folder)?;
             engine::parts(folder)?.iter().try_for_each(|part| collect::part(&mut sweep, part))?;
             sweep
         }
         None => {
             engine::clear(folder)?;
-            // A surrogate of an earlier sweep is none of this one.
+            // A surrogate of an earlier sweep is obsolete.
             folder.remove(fit::FILE)?;
             begun.write(folder)?;
-            Growing::begin(begun, folder)?
+            SweepInProgress::begin(begun, folder)?
         }
     };
     asked.collect.iter().try_for_each(|other| collect::folder(&mut sweep, other))?;
     Ok(sweep)
 }
 
-/// Runs what is missing on this machine.
+/// Runs the missing points on this machine and writes each row as soon as its run ends.
 fn here(
-    sweep: &mut Growing,
+    sweep: &mut SweepInProgress,
     asked: &SweepCommand,
     quantities: &Quantities,
     quiet: bool,
 ) -> Result<(), RunError> {
-    let scratch = Scratch::new()?;
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let (case, base, scratch) = (&*asked.of.case, &asked.of.base(), scratch.path());
-    let jobs = asked.jobs.map_or_else(cores, usize::from);
-    fill(sweep, &How { case, base, quantities, jobs, scratch, quiet, study: &asked.folder })
+    let mut runner = Runner::new(&asked.of.case, &asked.folder, quiet)?;
+    runner.jobs = asked.jobs.map_or_else(cores, usize::from);
+    let study = &sweep.study;
+    let missing: Vec<Vec<usize>> = study.missing().into_iter().map(|n| study.point(n)).collect();
+    let point = |at: &Vec<usize>| {
+        let set = |all: Changes, (one, at): (&Axis, &usize)| all.with(&one.key, &one.values[*at]);
+        let changes = study.vary.iter().zip(at).fold(asked.of.changes.clone(), set);
+        Point { name: study.told(at), changes }
+    };
+    let points: Vec<Point> = missing.iter().map(point).collect();
+    runner.run(&points, |n, attempt| {
+        let row = sweep.study.row(&missing[n], attempt, quantities);
+        sweep.add(row)
+    })
 }
 
-/// The parts for a scheduler: as many as are under way, as are asked for, or as make tasks of a minute.
+/// Divides the points into tasks for a scheduler: as many parts as are already submitted, as
+/// requested, or as give tasks of about a minute.
 fn tasks(
     asked: &SweepCommand,
     study: &Study,
@@ -222,7 +243,8 @@ fn tasks(
     folder: &StudyFolder,
 ) -> Result<Tasks, RunError> {
     if asked.of.case == Path::new("-") {
-        let fix = "--engine needs a case in a file: its tasks read it too";
+        let fix = "--engine needs a case file rather than standard input, because every task reads \
+                   the case";
         return Err(RunError::Usage(fix.to_owned()));
     }
     let seconds = expected_run_seconds(Some(standing));
@@ -230,11 +252,12 @@ fn tasks(
     let parts = parts.unwrap_or_else(|| Tasks::parts_for(study.count(), seconds));
     let case = asked.of.case.display().to_string();
     let fresh = asked.folder.fresh.then(|| "--fresh".to_owned()).into_iter().collect();
-    let options = [vec![case], asked.of.base().options(), asked.points.options(), fresh].concat();
+    let options =
+        [vec![case], asked.of.changes.clone().options(), asked.points.options(), fresh].concat();
     Tasks::new(folder, parts, options, asked.jobs)
 }
 
-/// Says on standard error what parts lack.
+/// Reports on standard error how many points the collected folders lack.
 fn tell_missing(study: &Study) {
     let missing = study.missing().len() as u64;
     let text = match missing {

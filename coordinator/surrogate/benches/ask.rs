@@ -1,12 +1,15 @@
-//! A surrogate of four keys: one figure, and thirty with the terms that figures of a contact have in common.
+//! Benchmarks a surrogate of four keys, with a single figure and with thirty figures that share
+//! terms.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 use surrogate::{
-    Coordinate, Document, FittedFigure, Held, Key, Measure, Origin, SCHEMA, Scale, Surrogate,
+    Coordinate, Document, FittedFigure, HeldOutError, Key, Measure, Origin, SCHEMA, Scale,
+    Surrogate,
 };
 
-/// Every product of degrees of this sum at most, in the first coordinate three times as many.
+/// Products whose weighted sum of degrees is at most 7, where the first coordinate has weight 1 and
+/// the others weight 3.
 fn degrees() -> Vec<Vec<u8>> {
     let all = (0..4096u32).map(|n| (0..4).map(|i| (n >> (3 * i) & 7) as u8).collect::<Vec<u8>>());
     let weight = |term: &Vec<u8>| {
@@ -22,7 +25,7 @@ fn document(figures: usize) -> Document {
     let figure = |n: usize| FittedFigure {
         key: format!("figure.{n}"),
         words: "a figure".to_owned(),
-        held: Held { measure: Measure::Relative, largest: 0.01, rms: 0.002 },
+        held: HeldOutError { measure: Measure::Relative, largest: 0.01, rms: 0.002 },
         scale: Scale::Log,
         negative: false,
         scales: vec![Scale::Linear, Scale::Log, Scale::Log, Scale::Log],

@@ -1,25 +1,25 @@
-//! A surrogate ready to be asked.
+//! A surrogate ready for evaluation.
 //!
-//! All figures are made of one list of numbers, the [`Room`]: 1, the Chebyshev polynomials of each coordinate
-//! in each scale that a figure needs, and the products of those, each of two numbers before it. A figure is a
-//! sum over that list.
+//! All figures are computed from one list of numbers, held in a [`Workspace`]: 1, the Chebyshev
+//! polynomials of each coordinate in each scale in use, and products of earlier entries of the
+//! list, two factors each. A figure is a weighted sum of entries.
 
-use crate::file::{Coordinate, Document, Fault, FittedFigure, Held, Key, Origin, Scale};
+use crate::file::{Coordinate, Document, Fault, FittedFigure, HeldOutError, Key, Origin, Scale};
 use std::collections::HashMap;
 
-/// A surrogate.
+/// A surrogate ready for evaluation.
 #[derive(Clone, Debug)]
 pub struct Surrogate {
     origin: Origin,
     keys: Vec<Key>,
-    /// Quotients, which have bounds of their own.
+    /// Quotients of keys, which have bounds of their own.
     quotients: Vec<Quotient>,
     axes: Vec<Axis>,
-    /// Each is the product of two numbers before it; the first one comes after the polynomials.
+    /// Each product multiplies two earlier entries of the list; products follow the polynomials.
     products: Vec<[u32; 2]>,
     figures: Vec<Figure>,
     terms: Vec<(u32, f64)>,
-    /// Numbers in all.
+    /// Length of the list of numbers.
     length: usize,
 }
 
@@ -31,16 +31,16 @@ struct Quotient {
     to: f64,
 }
 
-/// The polynomials of one coordinate in one scale.
+/// Polynomials of one coordinate in one scale.
 #[derive(Clone, Debug)]
 struct Axis {
     of: usize,
     by: Option<usize>,
     scale: Scale,
-    /// `s = x · slope - shift`, or with `ln x`.
+    /// Scaling `s = x · slope - shift`, or the same with `ln x`.
     slope: f64,
     shift: f64,
-    /// Where the polynomial of degree 1 stands, and the largest degree.
+    /// Position of the polynomial of degree 1 in the list, and the largest degree.
     first: usize,
     degree: usize,
 }
@@ -50,55 +50,56 @@ struct Axis {
 pub struct Figure {
     /// Dotted key in `summary.json`.
     pub key: String,
-    /// What it is, in words.
+    /// Description in words.
     pub words: String,
-    /// Its error at points that the fit had not seen.
-    pub held: Held,
+    /// Error at points that were held out of the fit.
+    pub held: HeldOutError,
     scale: Scale,
     sign: f64,
-    /// The end of its terms; they begin where those of the figure before it end.
+    /// End of the figure's terms, which begin at the end of the previous figure's terms.
     end: usize,
 }
 
-/// Numbers of one evaluation; made once, used for any number of them.
+/// Buffers of an evaluation, allocated once and reused.
 #[derive(Clone, Debug)]
-pub struct Room {
+pub struct Workspace {
     numbers: Vec<f64>,
     figures: Vec<f64>,
 }
 
-/// A point outside of the region that a surrogate was made in.
+/// A point outside the region of a surrogate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{key} = {value}{unit} is outside {from} to {to}{unit}, where the surrogate was made")]
+#[error("{key} = {value}{unit} is outside {from} to {to}{unit}, the range of the surrogate")]
 pub struct Outside {
-    /// The key; of a quotient both, with a stroke between them.
+    /// Key; for a quotient, both keys separated by a slash.
     pub key: String,
-    /// Its value \[SI\].
+    /// Value of the key \[SI\].
     pub value: f64,
-    /// Least value that there is an answer for.
+    /// Smallest value in the region.
     pub from: f64,
-    /// Largest value that there is an answer for.
+    /// Largest value in the region.
     pub to: f64,
-    /// A space and its unit; empty for a plain number.
+    /// A space followed by the unit; empty for a plain number.
     pub unit: String,
 }
 
-/// Why there is no answer.
+/// Reason for a refused evaluation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Refused {
-    /// The point is outside.
+    /// The point lies outside the region.
     #[error(transparent)]
     Outside(#[from] Outside),
-    /// Too many values, or too few.
-    #[error("there are {given} values, and the surrogate has {keys} keys")]
+    /// The number of values is wrong.
+    #[error("got {given} values, but the surrogate has {keys} keys")]
     Count {
-        /// Values given.
+        /// Number of values given.
         given: usize,
-        /// Keys of the surrogate.
+        /// Number of keys of the surrogate.
         keys: usize,
     },
-    /// A figure has no finite value at a point inside: its coefficients are none of a fit.
-    #[error("{figure} has no finite value here; make the surrogate again")]
+    /// A figure has no finite value at a point inside the region, so its coefficients cannot stem
+    /// from a fit.
+    #[error("{figure} has no finite value here; create the surrogate again")]
     NotFinite {
         /// Key of the figure.
         figure: String,
@@ -106,68 +107,69 @@ pub enum Refused {
 }
 
 impl Surrogate {
-    /// Reads a file.
+    /// Reads a surrogate from the contents of its file.
     ///
     /// # Errors
-    /// It is no surrogate.
+    /// The contents are not a valid surrogate. See [`Document::read`].
     pub fn read(text: &[u8]) -> Result<Self, Fault> {
         Ok(Self::of(&Document::read(text)?))
     }
 
-    /// Makes a document that was just made, or read, ready to be asked.
+    /// Prepares a document for evaluation.
     ///
     /// # Errors
-    /// Something in it cannot be.
+    /// The document is invalid. See [`Document::check`].
     pub fn new(document: &Document) -> Result<Self, Fault> {
         document.check()?;
         Ok(Self::of(document))
     }
 
-    /// What it was made of.
+    /// Sweep to which the surrogate is fitted.
     #[must_use]
     pub fn origin(&self) -> &Origin {
         &self.origin
     }
 
-    /// The keys, in the order in which values are given.
+    /// Keys, in the order of the values of a point.
     #[must_use]
     pub fn keys(&self) -> &[Key] {
         &self.keys
     }
 
-    /// The figures, in the order of the answer.
+    /// Figures, in the order of the results.
     #[must_use]
     pub fn figures(&self) -> &[Figure] {
         &self.figures
     }
 
-    /// Where a figure stands in the answer.
+    /// Index of a figure in the results.
     #[must_use]
     pub fn position(&self, key: &str) -> Option<usize> {
         self.figures.iter().position(|one| one.key == key)
     }
 
-    /// What an evaluation needs.
+    /// Allocates the buffers of an evaluation.
     #[must_use]
-    pub fn room(&self) -> Room {
-        Room { numbers: vec![1.0; self.length], figures: vec![0.0; self.figures.len()] }
+    pub fn room(&self) -> Workspace {
+        Workspace { numbers: vec![1.0; self.length], figures: vec![0.0; self.figures.len()] }
     }
 
-    /// All figures at a point, which has the value of each key \[SI\]. Nothing is allocated but the words of a
-    /// refusal.
+    /// Evaluates all figures at a point, given by the value of each key \[SI\]. Only the text of a
+    /// refusal is allocated.
     ///
     /// # Errors
-    /// The point is outside of the region that the surrogate was made in, or has another number of values.
+    /// The point lies outside the region of the surrogate, the number of values is wrong, or a
+    /// figure has no finite value.
     ///
     /// # Panics
-    /// The room is that of another surrogate.
-    pub fn ask<'a>(&self, at: &[f64], room: &'a mut Room) -> Result<&'a [f64], Refused> {
+    /// If the room belongs to another surrogate.
+    pub fn ask<'a>(&self, at: &[f64], room: &'a mut Workspace) -> Result<&'a [f64], Refused> {
         self.admit(at)?;
-        let Room { numbers, figures } = room;
+        let Workspace { numbers, figures } = room;
         assert_eq!(
             (numbers.len(), figures.len()),
             (self.length, self.figures.len()),
-            "a room of its own"
+            "the room belongs to another surrogate"
         );
         for axis in &self.axes {
             axis.fill(at, numbers);
@@ -194,16 +196,16 @@ impl Surrogate {
         Ok(figures)
     }
 
-    /// Looks whether a point is where the surrogate was made.
+    /// Checks that a point lies in the region of the surrogate.
     ///
     /// # Errors
-    /// It is not, or has another number of values.
+    /// The point lies outside, or the number of values is wrong.
     pub fn admit(&self, at: &[f64]) -> Result<(), Refused> {
         if at.len() != self.keys.len() {
             return Err(Refused::Count { given: at.len(), keys: self.keys.len() });
         }
         for (key, value) in self.keys.iter().zip(at) {
-            // What is no number is outside.
+            // NaN counts as outside.
             if !(key.from..=key.to).contains(value) {
                 return Err(outside(key, *value).into());
             }
@@ -275,7 +277,7 @@ fn outside(key: &Key, value: f64) -> Outside {
 }
 
 impl Axis {
-    /// Writes its polynomials from degree 1 on.
+    /// Writes the polynomials from degree 1 upwards.
     fn fill(&self, at: &[f64], numbers: &mut [f64]) {
         let x = self.by.map_or(at[self.of], |by| at[self.of] / at[by]);
         let x = if self.scale == Scale::Log { x.ln() } else { x };
@@ -296,9 +298,9 @@ impl Figure {
     }
 }
 
-/// The list of numbers as it is laid out.
+/// Layout of the list of numbers.
 struct List {
-    /// A coordinate in a scale, where its polynomials stand, and their largest degree.
+    /// A coordinate in a scale, the position of its polynomials, and their largest degree.
     axes: Vec<((usize, Scale), usize, usize)>,
     products: Vec<[u32; 2]>,
     first_product: usize,
@@ -330,7 +332,7 @@ impl List {
         }
     }
 
-    /// Where the product of these polynomials stands; it is added if it is not there.
+    /// Position of the product of these polynomials, which is added if necessary.
     fn product(&mut self, degrees: &[u8], scales: &[Scale]) -> u32 {
         let mut at = 0;
         for (of, degree) in scales.iter().copied().enumerate().zip(degrees) {

@@ -1,7 +1,7 @@
-//! The file of a surrogate: its layout, and all that has to hold before it is evaluated.
+//! Layout and validation of the file of a surrogate.
 //!
-//! It comes from outside. Its length limits what reading it allocates, its numbers of keys, figures, degrees and
-//! terms what evaluating it does.
+//! The file is untrusted. The limit on its length bounds the memory for reading; the limits on
+//! keys, figures, degrees and terms bound the work of an evaluation.
 
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -10,32 +10,32 @@ use std::collections::HashSet;
 pub const SCHEMA: u32 = 1;
 /// Largest degree of a coordinate.
 pub const LARGEST_DEGREE: u8 = 32;
-/// Longest file \[byte\].
+/// Largest length of the file \[byte\].
 pub const LONGEST: usize = 8 << 20;
-/// Most keys, and most coordinates.
+/// Maximum number of keys, and of coordinates.
 const MOST_KEYS: usize = 16;
-/// Most figures.
+/// Maximum number of figures.
 const MOST_FIGURES: usize = 4096;
-/// Most terms of all figures.
+/// Maximum number of terms of all figures together.
 const MOST_TERMS: usize = 1 << 17;
 
-/// A surrogate as its file has it.
+/// Contents of the file of a surrogate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Document {
     /// Version of the layout, [`SCHEMA`].
     pub schema: u32,
-    /// What it was made of.
+    /// Sweep to which the surrogate is fitted.
     pub origin: Origin,
-    /// The keys of the case that varied, in the order in which values are given.
+    /// Varied keys of the case, in the order of the values of a point.
     pub keys: Vec<Key>,
-    /// What the figures are functions of.
+    /// Arguments of the figures.
     pub coordinates: Vec<Coordinate>,
-    /// The figures.
+    /// Fitted figures.
     pub figures: Vec<FittedFigure>,
 }
 
-/// What a surrogate was made of.
+/// Origin of a surrogate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
@@ -43,80 +43,80 @@ pub struct Origin {
     pub case: String,
     /// The case file.
     pub file: String,
-    /// What was changed for all runs, as options of `run`.
+    /// Changes common to all runs, as options of `run`.
     pub options: Vec<String>,
     /// Identity of the sweep: a digest of its programs, values and files.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub identity: String,
-    /// Points of the sweep that it is fitted to.
+    /// Number of points used for the fit.
     pub points: usize,
-    /// Points that have no answer, or were left out with them.
+    /// Number of points left out: points without a result, and points outside the box.
     pub left_out: usize,
 }
 
-/// A key of the case.
+/// A varied key of the case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Key {
     /// Dotted key.
     pub key: String,
-    /// Its SI unit, "1" for a plain number; empty if it is not known.
+    /// SI unit, "1" for a plain number; empty if unknown.
     pub unit: String,
-    /// Least value \[SI\].
+    /// Smallest value \[SI\].
     pub from: f64,
     /// Largest value \[SI\].
     pub to: f64,
 }
 
-/// A key, or the quotient of two.
+/// A coordinate: a key, or the quotient of two keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Coordinate {
     /// Dotted key.
     pub key: String,
-    /// Dotted key by whose value it is divided.
+    /// Dotted key of the divisor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub per: Option<String>,
-    /// Least value \[SI\].
+    /// Smallest value \[SI\].
     pub from: f64,
     /// Largest value \[SI\].
     pub to: f64,
 }
 
-/// How a coordinate or a figure is scaled.
+/// Scale of a coordinate or figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scale {
-    /// As it is.
+    /// Linear scale.
     Linear,
-    /// Its logarithm.
+    /// Logarithmic scale.
     Log,
 }
 
-/// What an error is relative to.
+/// Measure of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
-    /// The value of the figure.
+    /// Relative to the value of the figure.
     Relative,
-    /// Nothing: it has the unit of the figure.
+    /// Absolute, in the unit of the figure.
     Absolute,
 }
 
-/// Errors at points that the fit had not seen.
+/// Errors at points that were held out of the fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Held {
-    /// What they are relative to.
+pub struct HeldOutError {
+    /// Measure of the errors.
     pub measure: Measure,
-    /// The largest.
+    /// Largest error.
     pub largest: f64,
-    /// The root of their mean square.
+    /// Root mean square of the errors.
     pub rms: f64,
 }
 
-impl Held {
-    /// The largest error of a value, in the unit of the figure.
+impl HeldOutError {
+    /// Largest error for a value, in the unit of the figure.
     #[must_use]
     pub fn bound(&self, value: f64) -> f64 {
         match self.measure {
@@ -126,47 +126,47 @@ impl Held {
     }
 }
 
-/// A figure.
+/// A fitted figure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FittedFigure {
     /// Dotted key in `summary.json`.
     pub key: String,
-    /// What it is, in words.
+    /// Description in words.
     pub words: String,
-    /// Its error.
-    pub held: Held,
-    /// It is a sum, or the exponential of one.
+    /// Error of the fit.
+    pub held: HeldOutError,
+    /// Scale: the figure is a sum, or the exponential of a sum.
     pub scale: Scale,
-    /// The exponential is taken negative.
+    /// Whether the exponential has a negative sign.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub negative: bool,
-    /// How each coordinate is scaled for it.
+    /// Scale of each coordinate.
     pub scales: Vec<Scale>,
-    /// The terms: a degree for each coordinate.
+    /// Terms: one degree for each coordinate.
     pub degrees: Vec<Vec<u8>>,
-    /// The factor of each term.
+    /// Coefficient of each term.
     pub coefficients: Vec<f64>,
 }
 
-/// Why a file is no surrogate.
+/// Reason why a file is not a valid surrogate.
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// It is too long.
-    #[error("it has {0} bytes, and a surrogate has at most {LONGEST}")]
+    /// The file is too long.
+    #[error("the file has {0} bytes; at most {LONGEST} are allowed")]
     Long(usize),
-    /// It is no JSON, or not of this layout.
-    #[error("it is not of the layout of a surrogate: {0}")]
+    /// The file is not JSON, or has another layout.
+    #[error("the file does not have the layout of a surrogate: {0}")]
     Layout(#[from] serde_json::Error),
-    /// It is of another version.
-    #[error("its layout has version {0}, supported is {SCHEMA}")]
+    /// The file has another version.
+    #[error("the layout has version {0}, supported is {SCHEMA}")]
     Version(u64),
-    /// Something in it cannot be.
+    /// The contents are invalid.
     #[error("{place}: {what}")]
     Content {
-        /// Where.
+        /// Place of the problem: a key or a list.
         place: String,
-        /// What.
+        /// Description of the problem.
         what: String,
     },
 }
@@ -175,17 +175,17 @@ fn refuse<T>(place: &str, what: impl Into<String>) -> Result<T, Fault> {
     Err(Fault::Content { place: place.to_owned(), what: what.into() })
 }
 
-/// What the file of every version begins with.
+/// Keys common to the files of all versions.
 #[derive(Deserialize)]
 struct Head {
     schema: u64,
 }
 
 impl Document {
-    /// Reads a file.
+    /// Reads and validates a surrogate.
     ///
     /// # Errors
-    /// It is too long, of another version or layout, or something in it cannot be.
+    /// The file is too long, has another version or layout, or its contents are invalid.
     pub fn read(text: &[u8]) -> Result<Self, Fault> {
         if text.len() > LONGEST {
             return Err(Fault::Long(text.len()));
@@ -199,10 +199,11 @@ impl Document {
         Ok(document)
     }
 
-    /// Looks whether everything in it can be.
+    /// Validates the contents.
     ///
     /// # Errors
-    /// The first thing that cannot.
+    /// The first problem found: too few or too many entries, duplicate or unknown keys, empty
+    /// intervals, or inconsistent figures.
     pub fn check(&self) -> Result<(), Fault> {
         let most = [
             ("keys", self.keys.len(), MOST_KEYS),
@@ -212,14 +213,14 @@ impl Document {
         ];
         for (what, count, most) in most {
             if !(1..=most).contains(&count) {
-                return refuse(what, format!("there are {count}; there have to be 1 to {most}"));
+                return refuse(what, format!("there are {count}; allowed are 1 to {most}"));
             }
         }
         let mut names = HashSet::new();
         let named =
             self.keys.iter().map(|one| &one.key).chain(self.figures.iter().map(|one| &one.key));
         if let Some(twice) = named.into_iter().find(|name| !names.insert(*name)) {
-            return refuse(twice, "it is there twice");
+            return refuse(twice, "defined twice");
         }
         for Key { key, from, to, .. } in &self.keys {
             check_interval(key, *from, *to)?;
@@ -228,16 +229,16 @@ impl Document {
         self.figures.iter().try_for_each(|one| self.check_figure(one))
     }
 
-    /// Where a key is among those of the surrogate.
+    /// Index of a key.
     #[must_use]
     pub fn place(&self, key: &str) -> Option<usize> {
         self.keys.iter().position(|one| one.key == key)
     }
 
-    /// The same with these figures only, in this order.
+    /// Returns a copy with only these figures, in this order.
     ///
     /// # Errors
-    /// The first that it has not.
+    /// The first figure that does not exist.
     pub fn only<'a>(&self, figures: &[&'a str]) -> Result<Self, &'a str> {
         let find = |key: &&'a str| {
             let found = self.figures.iter().find(|one| one.key == **key);
@@ -251,12 +252,12 @@ impl Document {
         check_interval(&one.key, one.from, one.to)?;
         for key in std::iter::once(&one.key).chain(&one.per) {
             if self.place(key).is_none() {
-                return refuse(key, "a coordinate is made of it, and it is none of the keys");
+                return refuse(key, "a coordinate refers to this key, which does not exist");
             }
         }
         let divisor = one.per.as_ref().and_then(|key| self.keys.get(self.place(key)?));
         match divisor.filter(|key| key.from <= 0.0 && key.to >= 0.0) {
-            Some(zero) => refuse(&zero.key, "it can be 0, and a coordinate is divided by it"),
+            Some(zero) => refuse(&zero.key, "its range includes 0, but it is a divisor"),
             None => Ok(()),
         }
     }
@@ -264,18 +265,21 @@ impl Document {
     fn check_figure(&self, one: &FittedFigure) -> Result<(), Fault> {
         let FittedFigure { key, held, scales, degrees, coefficients, .. } = one;
         if scales.len() != self.coordinates.len() {
-            return refuse(key, "it has another number of scales than there are coordinates");
+            return refuse(key, "its number of scales differs from the number of coordinates");
         }
         let logarithmic =
             |(scale, one): (&Scale, &Coordinate)| *scale == Scale::Log && one.from <= 0.0;
         if scales.iter().zip(&self.coordinates).any(logarithmic) {
-            return refuse(key, "it takes the logarithm of a coordinate that can be 0 or less");
+            return refuse(key, "it takes the logarithm of a coordinate that can be 0 or negative");
         }
         if degrees.len() != coefficients.len() || degrees.is_empty() {
             return refuse(key, "each of its terms needs a coefficient");
         }
         if degrees.iter().any(|term| term.len() != self.coordinates.len()) {
-            return refuse(key, "a term has another number of degrees than there are coordinates");
+            return refuse(
+                key,
+                "the number of degrees of a term differs from the number of coordinates",
+            );
         }
         if degrees.iter().flatten().any(|degree| *degree > LARGEST_DEGREE) {
             return refuse(key, format!("a degree is above {LARGEST_DEGREE}"));
@@ -285,16 +289,16 @@ impl Document {
             || held.largest < 0.0
             || held.rms < 0.0
         {
-            return refuse(key, "a number of it is not finite, or an error is negative");
+            return refuse(key, "a number is not finite, or an error is negative");
         }
         Ok(())
     }
 }
 
-/// An interval has two finite ends, a finite length, and the larger one last.
+/// Checks that an interval has finite ends and a positive, finite length.
 fn check_interval(key: &str, from: f64, to: f64) -> Result<(), Fault> {
     match from < to && (to - from).is_finite() && (to + from).is_finite() {
         true => Ok(()),
-        false => refuse(key, format!("its values go from {from} to {to}, which is no interval")),
+        false => refuse(key, format!("the range from {from} to {to} is not an interval")),
     }
 }

@@ -1,28 +1,29 @@
-//! Figures of a sweep between its points, for whatever links to them: a vehicle simulation that asks for the
-//! contact of each wheel in each step.
+//! Surrogates of sweeps: figures of a contact between the points of a sweep, for programs such as a
+//! vehicle simulation that needs the contact of each wheel in each step.
 //!
-//! `coordinator sweep --fit` and `coordinator fit` write a surrogate; [`Surrogate::read`] reads it, and refuses
-//! a file that is none; [`Surrogate::ask`] gives all its figures at a point, without an allocation, and refuses
-//! a point outside the region that it was made in. Each figure has the error that it was found to have at points
-//! that its fit had not seen ([`Held`]).
+//! `coordinator sweep --fit` and `coordinator fit` write a surrogate. [`Surrogate::read`] reads and
+//! validates the file. [`Surrogate::ask`] evaluates all figures at a point without allocating, and
+//! refuses a point outside the region of the sweep. Each figure states its error at points that
+//! were held out of the fit ([`HeldOutError`]).
 //!
 //! # Mathematics
 //!
-//! The keys of a case that varied are the numbers `p_k`; a coordinate is one of them, or the quotient of two,
-//! `x_i = p_k / p_l`. On the interval `[from, to]` it is scaled to `s ∈ [-1, 1]`,
+//! The varied keys of a case are the numbers `p_k`. A coordinate is one of them, or the quotient of
+//! two, `x_i = p_k / p_l`. On the interval `[from, to]` it is scaled to `s ∈ [-1, 1]`:
 //!
 //! ```text
 //! linear:  s = (2 x - from - to) / (to - from)          log:  s = (2 ln x - ln from - ln to) / (ln to - ln from)
 //! ```
 //!
-//! and a figure is a sum of products of Chebyshev polynomials, or its exponential,
+//! A figure is a sum of products of Chebyshev polynomials, or the exponential of such a sum:
 //!
 //! ```text
 //! z = Σ_j c_j Π_i T_{n_ij}(s_i)                         linear:  y = z          log:  y = ± exp(z)
 //! ```
 //!
-//! so that a power law `y = c Π x_i^{m_i}` has one term a coordinate in logarithmic scales. Products that
-//! figures have in common are made once. docs/surrogate.md has the format and where it comes from.
+//! A power law `y = c Π x_i^{m_i}` thus has one term per coordinate in logarithmic scales. Products
+//! common to several figures are computed once. docs/surrogate.md describes the format and its
+//! origin.
 //!
 //! ```no_run
 //! let text = std::fs::read("results/wheel-rail-sweep/fit.json")?;
@@ -41,8 +42,8 @@ mod file;
 #[cfg(test)]
 mod tests;
 
-pub use evaluate::{Figure, Outside, Refused, Room, Surrogate};
+pub use evaluate::{Figure, Outside, Refused, Surrogate, Workspace};
 pub use file::{
-    Coordinate, Document, Fault, FittedFigure, Held, Key, LARGEST_DEGREE, LONGEST, Measure, Origin,
-    SCHEMA, Scale,
+    Coordinate, Document, Fault, FittedFigure, HeldOutError, Key, LARGEST_DEGREE, LONGEST, Measure,
+    Origin, SCHEMA, Scale,
 };

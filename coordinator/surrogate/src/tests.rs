@@ -1,4 +1,4 @@
-//! What a surrogate says is what its terms say, and a file from elsewhere is refused or evaluated.
+//! A surrogate evaluates to the sum of its terms, and a damaged file is refused or evaluated.
 
 use crate::*;
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 /// A power law of two keys, and a polynomial of a quotient.
 fn document() -> Document {
     let key = |key: &str, from, to| Key { key: key.to_owned(), unit: "N".to_owned(), from, to };
-    let held = |measure| Held { measure, largest: 0.01, rms: 0.002 };
+    let held = |measure| HeldOutError { measure, largest: 0.01, rms: 0.002 };
     let [e, p] = [1.0f64.exp(), 2.0f64.exp()];
     Document {
         schema: SCHEMA,
@@ -71,19 +71,16 @@ fn figures_are_the_sums_of_their_terms() {
 fn a_point_outside_is_refused_with_its_bounds() {
     let surrogate = Surrogate::new(&document()).unwrap();
     let told = |at: &[f64]| surrogate.admit(at).unwrap_err().to_string();
-    assert_eq!(
-        told(&[4.0, 4.5]),
-        "load.b = 4.5 N is outside 1 to 4 N, where the surrogate was made"
-    );
+    assert_eq!(told(&[4.0, 4.5]), "load.b = 4.5 N is outside 1 to 4 N, the range of the surrogate");
     assert!(told(&[4.0, f64::NAN]).contains("load.b = NaN N is outside"));
     assert!(
         told(&[3.0, 4.0]).contains("load.b/load.a = 1.3333333333333333 is outside 0.25 to 1.25")
     );
-    assert!(told(&[3.0]).contains("1 values, and the surrogate has 2 keys"));
+    assert!(told(&[3.0]).contains("1 values, but the surrogate has 2 keys"));
     assert_eq!(surrogate.admit(&[4.0, 4.0]), Ok(()));
 }
 
-/// Finite coefficients whose exponential is none.
+/// The coefficients are finite, but their exponential is not.
 #[test]
 fn a_figure_that_overflows_is_refused() {
     let mut document = document();
@@ -104,20 +101,20 @@ fn a_file_is_what_was_written() {
     assert!(matches!(Document::read(newer.as_bytes()), Err(Fault::Version(2))));
 }
 
-/// Each change makes it wrong, and is told.
+/// Each change invalidates the document and is reported.
 #[test]
 fn what_cannot_be_is_refused() {
     type Change = fn(&mut Document);
     let wrong: [(Change, &str); 12] = [
         (|d| d.keys.clear(), "keys: there are 0"),
         (|d| d.figures.clear(), "figures: there are 0"),
-        (|d| d.keys[1].key = "load.a".to_owned(), "load.a: it is there twice"),
-        (|d| d.keys[0].from = d.keys[0].to, "no interval"),
-        (|d| d.keys[0].from = f64::NAN, "no interval"),
-        (|d| d.coordinates[0].key = "load.c".to_owned(), "it is none of the keys"),
-        (|d| d.keys[0].from = -1.0, "load.a: it can be 0"),
+        (|d| d.keys[1].key = "load.a".to_owned(), "load.a: defined twice"),
+        (|d| d.keys[0].from = d.keys[0].to, "not an interval"),
+        (|d| d.keys[0].from = f64::NAN, "not an interval"),
+        (|d| d.coordinates[0].key = "load.c".to_owned(), "which does not exist"),
+        (|d| d.keys[0].from = -1.0, "load.a: its range includes 0"),
         (|d| d.coordinates[0].from = 0.0, "logarithm of a coordinate"),
-        (|d| d.figures[0].scales.truncate(1), "another number of scales"),
+        (|d| d.figures[0].scales.truncate(1), "its number of scales differs"),
         (|d| d.figures[0].coefficients.truncate(1), "needs a coefficient"),
         (|d| d.figures[1].degrees[0][1] = LARGEST_DEGREE + 1, "a degree is above"),
         (|d| d.figures[1].held.rms = -1.0, "an error is negative"),
@@ -130,7 +127,7 @@ fn what_cannot_be_is_refused() {
     }
 }
 
-/// The sum of the terms, product by product.
+/// Evaluates the sum of the terms directly.
 fn plainly(document: &Document, at: &[f64]) -> Vec<f64> {
     let x = |one: &Coordinate| {
         let value = |key: &str| at[document.place(key).unwrap()];
@@ -167,7 +164,7 @@ prop_compose! {
     }
 }
 
-/// A number of bytes overwritten, from a place that is a part of the length.
+/// Overwrites bytes at places given as a fraction of the length.
 fn edited(text: &[u8], edits: &[(f64, Vec<u8>)]) -> Vec<u8> {
     let mut text = text.to_vec();
     for (part, bytes) in edits {
@@ -181,7 +178,8 @@ fn edited(text: &[u8], edits: &[(f64, Vec<u8>)]) -> Vec<u8> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(fuzz_cases()))]
 
-    /// Products that figures share give what each alone gives. The arc cosine costs some digits at the ends.
+    /// Shared products give the same values as separate ones. The arc cosine loses some digits at
+    /// the ends.
     #[test]
     fn shared_products_change_nothing(all in prop::collection::vec(figures(), 1..5), a in 0.0..1.0, b in 0.0..1.0) {
         let named = |(n, one): (usize, FittedFigure)| FittedFigure { key: n.to_string(), ..one };
@@ -209,7 +207,7 @@ proptest! {
     }
 }
 
-/// A few hundred, or as many as `FUZZ_CASES` says.
+/// Number of fuzz cases: 400, or the value of `FUZZ_CASES`.
 fn fuzz_cases() -> u32 {
     std::env::var("FUZZ_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(400)
 }

@@ -1,7 +1,9 @@
-//! The documentation as a site that opens offline: pages of this repository in the order of docs/SUMMARY.md, with search, made by mdBook.
+//! The documentation as a site that opens offline, with search: the pages of this repository in the
+//! order of docs/SUMMARY.md, built by mdBook.
 //!
-//! Pages stay where they are and link to each other as they do in a repository. They and the files that they link to are copied
-//! into a folder in the same places ([`stage`]), of which mdBook makes the site; then every link of every page is followed ([`links`]).
+//! Pages link to each other as in the repository. [`stage`] copies pages and linked files into a
+//! folder with the same structure, from which mdBook builds the site. [`links`] then follows every
+//! link of every page.
 
 mod links;
 mod stage;
@@ -11,20 +13,20 @@ use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
 use std::path::Path;
 
-/// What a site has.
+/// Counts of a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Site {
-    /// Its pages.
+    /// Number of pages.
     pub pages: usize,
-    /// Links that were followed, those to other sites left out.
+    /// Number of links within the site, all of which were followed.
     pub links: usize,
 }
 
-/// Makes the site of the repository at `root` in the folder `into`, which is replaced.
+/// Builds the site of the repository at `root` in the folder `into`, which is replaced.
 ///
 /// # Errors
-/// A page or a file that a page links to is not there, a folder that is no site stands in the way, or links that lead nowhere: all of
-/// them, with the page that each is on.
+/// A page or a linked file is missing, `into` is a folder that is not a site, or links are broken.
+/// The error lists all broken links with their pages.
 pub fn build(root: &Path, into: &Path) -> Result<Site> {
     replaceable(into)?;
     let stage = tempfile::tempdir().context("a folder for the pages")?;

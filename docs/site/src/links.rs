@@ -5,21 +5,21 @@ use scraper::{Html, Selector};
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
-/// What was found.
+/// Results of following all links.
 #[derive(Debug, Default)]
 pub(crate) struct Followed {
     pub(crate) links: usize,
-    /// Each with the page that it is on.
+    /// Broken links, each with its page.
     pub(crate) broken: Vec<String>,
 }
 
-/// A page: the names that links may lead to, and the addresses of its own links, scripts, styles and pictures.
+/// A page: its anchors, and the addresses of its links, scripts, styles and pictures.
 struct Page {
     names: HashSet<String>,
     addresses: Vec<String>,
 }
 
-/// Follows the links of all pages under a folder, but those to other sites.
+/// Follows the links of all pages under a folder, except links to other sites.
 pub(crate) fn follow(site: &Path) -> Result<Followed> {
     let site = site.canonicalize()?;
     let mut pages = BTreeMap::new();

@@ -59,8 +59,8 @@ fn place(items: &mut [SummaryItem], docs: &Path, pages: &mut BTreeSet<PathBuf>) 
     }
 }
 
-/// The text of a page as the site has it, whose links to files that a browser does not open lead to copies that it does; the files are
-/// added to `files`.
+/// Returns the text of a page for the site. Links to files that a browser does not open lead to
+/// copies that it does; these files are added to `files`.
 fn linked(
     page: &Path,
     text: &str,
@@ -90,7 +90,7 @@ fn linked(
         let at = text[range.clone()].rfind(path).context("a link has its address in the text")?;
         let address = range.start + at..range.start + at + path.len();
         if is_page {
-            // mdBook makes the index of its folder of such a page, but leaves links to it as they are.
+            // mdBook turns README.md into the index of its folder, but does not change links to it.
             if let Some(folder) = path.strip_suffix("README.md") {
                 changes.push((address, format!("{folder}index.md")));
             }
@@ -108,7 +108,7 @@ fn linked(
     Ok(text)
 }
 
-/// Where a file stands in the site.
+/// Returns the place of a file in the site.
 fn shown(file: &Path) -> PathBuf {
     let opens = file.extension().is_some_and(|kind| OPENS.iter().any(|one| kind == *one));
     match opens {

@@ -1,4 +1,5 @@
-//! The documentation as a site: every link leads somewhere, its search finds, and nothing is asked of the network.
+//! The documentation as a site: every link leads to a page or a file, the search finds entries, and
+//! no page loads anything from the network.
 
 #![allow(missing_docs, reason = "a test has no readers")]
 

@@ -1,37 +1,39 @@
-//! The axle of the upper body: a mass on a primary suspension, that runs over an irregularity of a surface.
+//! Axle of the upper body: a mass on a primary suspension that runs over an irregularity of a
+//! surface.
 
 use std::f64::consts::PI;
 
-/// A mass on a primary suspension that carries the load, and the irregularity that it runs over.
+/// Mass on a primary suspension that carries the load, and the irregularity under it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axle {
     /// Unsprung mass [kg].
     pub mass: f64,
-    /// Stiffness of the suspension to a car body whose height does not change [N/m].
+    /// Stiffness of the suspension to a car body of constant height [N/m].
     pub stiffness: f64,
-    /// Its damping [N·s/m].
+    /// Damping of the suspension [N·s/m].
     pub damping: f64,
-    /// Rotary inertia of a body that a constant torque drives [kg·m²]; absent: its surface speed is held.
+    /// Rotary inertia of a body driven by a constant torque [kg·m²]; `None` holds the surface speed
+    /// constant.
     pub rotary_inertia: Option<f64>,
-    /// Irregularity of a surface, if there is one.
+    /// Irregularity of a surface, if any.
     pub irregularity: Option<Irregularity>,
 }
 
-/// Forms of an irregularity.
+/// Shape of an irregularity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// A hollow of the lower body, a period of a cosine: a dipped weld, a squat.
+    /// Hollow in the lower body, one period of a cosine: a dipped weld, a squat.
     Dip,
     /// Two straight ramps of the lower body that meet in a kink: a dipped joint.
     Joint,
-    /// Waves of the lower body, without end.
+    /// Endless waves of the lower body.
     Corrugation,
-    /// A hollow of the upper body, a period of a cosine, once a turn: a worn wheel flat.
+    /// Hollow in the upper body, one period of a cosine, once per turn: a worn wheel flat.
     Flat,
 }
 
 impl Form {
-    /// All, by name.
+    /// All forms by name.
     pub const NAMES: [(&'static str, Self); 4] = [
         ("dip", Self::Dip),
         ("joint", Self::Joint),
@@ -40,28 +42,29 @@ impl Form {
     ];
 }
 
-/// An irregularity of a surface along the way of rolling.
+/// Irregularity of a surface along the rolling direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Irregularity {
-    /// Its form.
+    /// Shape of the irregularity.
     pub form: Form,
-    /// Depth, of waves from crest to trough [m].
+    /// Depth [m]; for waves, from crest to trough.
     pub depth: f64,
-    /// Length, of waves the wavelength [m].
+    /// Length [m]; for waves, the wavelength.
     pub length: f64,
-    /// Way along the surface from where the contact is at the beginning to the middle of it; of waves, to the
-    /// first crest [m].
+    /// Distance along the surface from the initial position of the contact to the middle of the
+    /// irregularity [m]; for waves, to the first crest.
     pub at: f64,
 }
 
 impl Irregularity {
-    /// The body that has it: 0 the upper, 1 the lower one.
+    /// Index of the body with the irregularity: 0 the upper, 1 the lower.
     #[must_use]
     pub fn body(&self) -> usize {
         usize::from(self.form != Form::Flat)
     }
 
-    /// Way along the surface from where the contact is at the beginning to where it begins [m].
+    /// Distance along the surface from the initial position of the contact to the start of the
+    /// irregularity [m].
     #[must_use]
     pub fn begins(&self) -> f64 {
         match self.form {
@@ -70,8 +73,8 @@ impl Irregularity {
         }
     }
 
-    /// Depth of the surface below the smooth one [m] at a way along it [m]; of a body with so long a circumference [m], if
-    /// it has one, again after every turn.
+    /// Depth of the surface below the smooth surface [m] at a distance along it [m]. On a body with
+    /// a finite `circumference` [m] it repeats with every turn.
     #[must_use]
     pub fn hollow(&self, way: f64, circumference: f64) -> f64 {
         let Self { form, depth, length, .. } = *self;
@@ -89,7 +92,7 @@ impl Irregularity {
         }
     }
 
-    /// Derivative of [`Self::hollow`] by the way [-].
+    /// Derivative of [`Self::hollow`] with respect to the distance [-].
     #[must_use]
     pub fn slope(&self, way: f64, circumference: f64) -> f64 {
         let Self { form, depth, length, .. } = *self;
@@ -104,7 +107,7 @@ impl Irregularity {
         }
     }
 
-    /// Way from the middle, or from the first crest [m].
+    /// Distance from the middle of the irregularity, or from the first crest [m].
     fn way_from_middle(&self, way: f64, circumference: f64) -> f64 {
         let from = way - self.at;
         match self.form {

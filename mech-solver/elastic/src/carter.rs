@@ -15,9 +15,9 @@
 //!
 //! Source: F. W. Carter, On the action of a locomotive driving wheel, Proc. R. Soc. Lond. A 112
 //! (1926) 151–157; J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990); the
-//! two prefactors: Naeimi et al., eq. 18. Deviations: the minus sign of eq. 18 is left
-//! out, creep here is a magnitude; the two forms, printed there as equal, are two
-//! laws; m, not k, is the variable, so that nothing cancels when the slip zone is small.
+//! two prefactors: Naeimi et al., eq. 18. Deviations: the minus sign of eq. 18 is left out, as
+//! creep here is a magnitude. The two forms, printed there as equal, are two laws. The variable is
+//! m instead of k, so that nothing cancels when the slip zone is small.
 
 /// Fraction m = 1 − √(1 − r) of every strip that slips [-], for a force ratio r in [0, 1].
 #[must_use]
@@ -54,7 +54,7 @@ pub fn creep(prefactor: f64, force_ratio: f64) -> f64 {
     prefactor * slip_fraction(force_ratio)
 }
 
-/// Traction at X = `position` ∈ [−1, 1] over its strip's greatest bound f p_0 √(1 − y²/b²) [-].
+/// Traction at X = `position` ∈ [−1, 1] over the strip's largest bound f p_0 √(1 − y²/b²) [-].
 #[must_use]
 pub fn traction_shape(position: f64, slip_fraction: f64) -> f64 {
     let (ahead, behind) = ((1.0 - position).max(0.0).sqrt(), (1.0 + position).max(0.0).sqrt());
@@ -62,7 +62,7 @@ pub fn traction_shape(position: f64, slip_fraction: f64) -> f64 {
     if from_border <= 0.0 {
         return ahead * behind;
     }
-    // The difference of the two half ellipses, by the difference of their squares.
+    // Difference of the two half ellipses, from the difference of their squares.
     ahead * 2.0 * slip_fraction / (behind + from_border.sqrt())
 }
 
@@ -73,8 +73,8 @@ pub fn slip_shape(position: f64, slip_fraction: f64) -> f64 {
     ((1.0 - position) * to_border).sqrt()
 }
 
-/// Largest value of [`traction_shape`]: at the centre of the strip when that slips, else at the
-/// border of the stick zone.
+/// Largest value of [`traction_shape`]: at the centre of the strip if the centre slips, otherwise
+/// at the border of the stick zone.
 #[must_use]
 pub fn largest_traction_shape(slip_fraction: f64) -> f64 {
     if slip_fraction >= 0.5 { 1.0 } else { 2.0 * (slip_fraction * (1.0 - slip_fraction)).sqrt() }
@@ -100,7 +100,7 @@ mod tests {
     const SEMI_AXIS_A: f64 = 7.98e-3;
     const MAX_PRESSURE: f64 = 1352e6;
 
-    /// The creepages of the table in question, to the digits they are quoted with.
+    /// Creepages of the table in question, to the printed digits.
     #[test]
     fn creepages_of_the_pressure_law() {
         let prefactor = prefactor_by_pressure(FRICTION, MAX_PRESSURE, STEEL);
@@ -112,7 +112,7 @@ mod tests {
         }
     }
 
-    /// Fails with the printed eq. 18, in which both forms are equal.
+    /// This test fails with the printed eq. 18, in which both forms are equal.
     #[test]
     fn the_two_laws_differ_for_an_elliptic_patch() {
         let by_radius = prefactor_by_radius(FRICTION, SEMI_AXIS_A, 0.46);
@@ -131,7 +131,7 @@ mod tests {
         assert!((by_pressure / by_radius - 1.0).abs() < 1e-4, "{}", by_pressure / by_radius);
     }
 
-    /// The friction power of a strip is V s F exactly. Tolerance: the quadrature, and the digits
+    /// The friction power of a strip is exactly V s F. Tolerance: the quadrature, and the digits
     /// that X = −1 + u loses in a small slip zone.
     #[test]
     fn force_and_power_of_a_strip() {
@@ -146,7 +146,7 @@ mod tests {
         }
     }
 
-    /// The shapes as they are usually written, with k. Tolerance: their cancellation.
+    /// The shapes in their usual form, with k. Tolerance: the cancellation in that form.
     #[test]
     fn shapes_in_the_usual_form() {
         for (x, k) in [(-0.9, 0.3f64), (0.2, 0.3), (0.9, 0.3), (-0.9, 0.8), (-0.5, 0.8), (0.7, 0.8)]
@@ -178,8 +178,9 @@ mod tests {
             prop_assert!((0.0..=1.0).contains(&fraction));
         }
 
-        /// Coulomb's law: never above the bound, at the bound where it slips, opposed to no slip
-        /// where it sticks; and the largest values are not exceeded. Tolerance: rounding.
+        /// Coulomb's law: the traction is never above the bound, is at the bound in the slip zone,
+        /// and slip is zero in the stick zone; the largest values are not exceeded. Tolerance:
+        /// rounding.
         #[test]
         fn bounds(x in -1.0..1.0f64, fraction in 0.0..=1.0) {
             let bound = (1.0 - x * x).sqrt();

@@ -1,16 +1,17 @@
 //! Tangential loading of a circular Hertz contact without rolling.
 //!
-//! Under a tangential force F < f N the circle of radius c = a(1 − F/fN)^(1/3) sticks, the ring
+//! Under a tangential force F < f N the circle of radius c = a(1 − F/fN)^(1/3) sticks, and the ring
 //! around it slips. The traction is the difference of two ellipsoids,
-//! f p_0 [√(1 − r²/a²) − (c/a)√(1 − r²/c²)], the second within the stick circle only, and the bodies
-//! shift by
+//! f p_0 [√(1 − r²/a²) − (c/a)√(1 − r²/c²)], with the second only within the stick circle. The
+//! bodies shift by
 //!
 //! δ = 3 f N (2 − ν)/(8 a G) · [1 − (1 − F/fN)^(2/3)],
 //!
-//! G and ν those of the pair, 1/G = ½(1/G₁ + 1/G₂), ν/G = ½(ν₁/G₁ + ν₂/G₂).
+//! with G and ν of the pair, 1/G = ½(1/G₁ + 1/G₂), ν/G = ½(ν₁/G₁ + ν₂/G₂).
 //!
-//! The slip is taken along the force everywhere; for ν ≠ 0 a small part across is neglected.
-//! Source: Cattaneo (1938), Mindlin (1949); Johnson, *Contact Mechanics* (1985) §7.2, eqs. 7.39–7.43.
+//! The slip is taken along the force everywhere; for ν ≠ 0 a small transverse part is neglected.
+//! Source: Cattaneo (1938), Mindlin (1949); Johnson, *Contact Mechanics* (1985) §7.2, eqs.
+//! 7.39–7.43.
 
 use std::f64::consts::PI;
 
@@ -21,7 +22,7 @@ pub struct Shift {
     pub force_ratio: f64,
     /// Radius a of the contact [m].
     pub radius: f64,
-    /// Traction bound f p_0 at its centre [Pa].
+    /// Traction bound f p_0 at the centre [Pa].
     pub bound: f64,
 }
 
@@ -57,7 +58,7 @@ mod tests {
     use super::*;
     use numerics::quadrature::simpson;
 
-    /// The traction carries the force. Tolerance: Simpson's rule at the ends' roots.
+    /// The traction carries the force. Tolerance: Simpson's rule at the roots at the ends.
     #[test]
     fn traction_carries_the_force() {
         for force_ratio in [0.1, 0.5, 0.875] {
@@ -70,7 +71,7 @@ mod tests {
         }
     }
 
-    /// A small force meets the stiffness of a rigid punch's stick, δ = F (2 − ν)/(4 a G).
+    /// For a small force, the stiffness of a sticking rigid punch, δ = F (2 − ν)/(4 a G).
     #[test]
     fn slope_of_a_small_force() {
         let shift = Shift { force_ratio: 1e-6, radius: 2.0, bound: 3.0 };

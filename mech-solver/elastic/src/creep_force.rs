@@ -11,23 +11,25 @@
 //! F/(f N) = 2/π · [4τ(s − s³/3) − τ²(θ_m + s cos θ_m) + τ³ s/3
 //!           + 8/3 (3π/16 − 3θ_m/8 − sin 2θ_m/4 − sin 4θ_m/32)], s = sin θ_m, for τ < 2; else 1.
 //!
-//! For small τ it is 16 τ/(3π) = 8 a² b w/(3 L), which with L = 8a/(3 G C) is G a b C w: Kalker's
-//! linear theory. The whole contact slips for τ ≥ 2.
+//! For small τ it is 16 τ/(3π) = 8 a² b w/(3 L), which with L = 8a/(3 G C) is G a b C w, as in
+//! Kalker's linear theory. The whole contact slips for τ ≥ 2.
 //!
-//! **Elliptic bound**, g = g_0 √(1 − x²/a² − y²/b²), g_0 = 3 f N/(2π a b). With τ = a w/(L g_0) every strip sticks down to the
-//! same X, where τ (1 − X) = √(1 − X²): with τ = tan α at X = −cos 2α. Then F/(f N) = (2/π)(α + ½ sin 2α), that is
-//! (2/π)(arctan τ + τ/(1 + τ²)), which is Polach's formula, with the same slope. No creepage makes all of it slip.
+//! **Elliptic bound**, g = g_0 √(1 − x²/a² − y²/b²), g_0 = 3 f N/(2π a b). With τ = a w/(L g_0)
+//! every strip sticks down to the same X, where τ (1 − X) = √(1 − X²); τ = tan α gives X = −cos 2α.
+//! Then F/(f N) = (2/π)(α + ½ sin 2α), that is (2/π)(arctan τ + τ/(1 + τ²)): Polach's formula, with
+//! the same slope. No finite creepage makes the whole contact slip.
 //!
-//! **Strip theory** in the stick zone, under the same bound, with d/a = 16 τ/(3π²) behind the trailing edge:
-//! F/(f N) = 1 − (3/2)(s − s³/3 − δ θ), δ = d/a = cos θ < 1, s = sin θ, with the same slope again; 1 beyond.
+//! **Strip theory** in the stick zone, under the same bound; every strip slips over the length 2d
+//! at its trailing edge, d/a = 16 τ/(3π²): F/(f N) = 1 − (3/2)(s − s³/3 − δ θ),
+//! δ = d/a = cos θ < 1, s = sin θ, with the same slope again; 1 beyond.
 //!
 //! Sources: J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle
-//! System Dynamics 11 (1982) 1–13; O. Polach, Wear 258 (2005) 992–1000; D. J. Haines and E. Ollerton, Proc. Inst. Mech. Engrs 177 (1963)
-//! 95–114. The sums over the strips are worked out here.
+//! System Dynamics 11 (1982) 1–13; O. Polach, Wear 258 (2005) 992–1000; D. J. Haines and E.
+//! Ollerton, Proc. Inst. Mech. Engrs 177 (1963) 95–114. The sums over the strips are derived here.
 
 use std::f64::consts::PI;
 
-/// The reduced creepage at which the whole contact slips [-].
+/// Reduced creepage at which the whole contact slips [-].
 pub const FULL_SLIP: f64 = 2.0;
 
 /// Force over f N [-] at a reduced creepage τ ≥ 0.
@@ -46,14 +48,14 @@ pub fn force_ratio(reduced_creepage: f64) -> f64 {
     2.0 / PI * (stick + 8.0 / 3.0 * slip)
 }
 
-/// Force over f N under the elliptic bound [-] at a reduced creepage τ ≥ 0 with its own g_0.
+/// Force over f N under the elliptic bound [-] at a reduced creepage τ ≥ 0, with g_0 of that bound.
 #[must_use]
 pub fn elliptic_force_ratio(reduced_creepage: f64) -> f64 {
     let tau = reduced_creepage;
     2.0 / PI * (tau.atan() + tau / (1.0 + tau * tau))
 }
 
-/// The same with strip theory where surfaces stick.
+/// Force over f N under the elliptic bound, with strip theory in the stick zone [-].
 #[must_use]
 pub fn strip_force_ratio(reduced_creepage: f64) -> f64 {
     let slipping = 16.0 * reduced_creepage / (3.0 * PI * PI);
@@ -69,7 +71,8 @@ mod tests {
     use super::*;
     use numerics::quadrature::simpson;
 
-    /// A strip of each by quadrature of its traction, with X = sin t. Tolerance: Simpson's rule.
+    /// Strips under both theories, by quadrature of the traction with X = sin t. Tolerance:
+    /// Simpson's rule.
     #[test]
     fn strips_under_the_elliptic_bound() {
         for tau in [1e-3, 0.1, 0.7, 1.3, 4.0] {
@@ -93,8 +96,8 @@ mod tests {
         }
     }
 
-    /// The strips' force by quadrature of the traction, then over the strips. Tolerance: Simpson's
-    /// rule at the kink where the strips begin to slip altogether.
+    /// Force of the strips by quadrature of the traction, then over the strips. Tolerance:
+    /// Simpson's rule at the kink where strips begin to slip entirely.
     #[test]
     fn sum_over_the_strips() {
         for tau in [1e-3, 0.1, 0.7, 1.3, 1.9, 1.999, 2.0, 5.0] {

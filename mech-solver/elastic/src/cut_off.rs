@@ -1,14 +1,17 @@
-//! Force of an elliptic contact all of which slides, where friction is cut off at a largest traction.
+//! Force of a fully sliding elliptic contact whose friction is cut off at a largest traction.
 //!
-//! |p_t| = min(g, τ), with g of height g₀ at the centre, g₀(y) = f(y) p₀ for friction that varies across the contact, η = √(1 − y²/b²) and
-//! X = x/(a η), over strips of half length a η:
+//! The traction is |p_t| = min(g, τ), with a bound g of height g₀ at the centre. For friction that
+//! varies across the contact, g₀(y) = f(y) p₀. With η = √(1 − y²/b²) and X = x/(a η), over strips
+//! of half length a η:
 //!
-//! - half ellipse, g = g₀ η √(1 − X²): with t = τ/(g₀ η) < 1 and c = √(1 − t²) a strip carries 2 a η [τ c + g₀ η (arccos c − c t)/2];
-//! - parabola, g = (4/3) g₀ η² (1 − X²), of the same sum: with G = (4/3) g₀ η², t = τ/G < 1 and c = √(1 − t) a strip carries
-//!   2 a η [τ c + G (2/3 − c + c³/3)].
+//! - half ellipse, g = g₀ η √(1 − X²): with t = τ/(g₀ η) < 1 and c = √(1 − t²) a strip carries 2 a
+//!   η [τ c + g₀ η (arccos c − c t)/2];
+//! - parabola, g = (4/3) g₀ η² (1 − X²), of the same sum: with G = (4/3) g₀ η², t = τ/G < 1 and
+//!   c = √(1 − t) a strip carries 2 a η [τ c + G (2/3 − c + c³/3)].
 //!
-//! Where τ is not reached they are (π/2) a g₀ η² and (16/9) a g₀ η³. With one f the sums over the strips are, with t = τ/(f p₀) and of f N,
-//! (3t − t³)/2 for t < 1 under the half ellipse, and (3/2) t (1 − 3t/8) for t < 4/3 under the parabola; else 1. Worked out here.
+//! Where τ is not reached, strips carry (π/2) a g₀ η² and (16/9) a g₀ η³. For uniform f the sums
+//! over the strips, as shares of f N with t = τ/(f p₀), are (3t − t³)/2 for t < 1 under the half
+//! ellipse, and (3/2) t (1 − 3t/8) for t < 4/3 under the parabola; otherwise 1. Derived here.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -21,7 +24,8 @@ pub enum Shape {
     Parabola,
 }
 
-/// Share of f N that a contact carries under one friction coefficient, for a largest traction over f p₀ [-].
+/// Share of f N that a contact carries under uniform friction, for a largest traction over f p₀
+/// [-].
 #[must_use]
 pub fn force_share(shape: Shape, largest: f64) -> f64 {
     match shape {
@@ -36,8 +40,9 @@ pub fn force_share(shape: Shape, largest: f64) -> f64 {
     }
 }
 
-/// Force [N] on an ellipse of semi-axes a, b [m] and the largest pressure p₀ [Pa], with friction coefficients over y and a largest traction τ
-/// [Pa]. The sum over y is the midpoint rule in the angle of the strips: rounding for a smooth f, of first order for one with steps.
+/// Force [N] on an ellipse of semi-axes a, b [m] and peak pressure p₀ [Pa], with friction
+/// coefficients over y and a largest traction τ [Pa]. The sum over y is the midpoint rule in the
+/// angle of the strips: exact to rounding for a smooth f, of first order for an f with steps.
 #[must_use]
 pub fn force(
     shape: Shape,
@@ -57,7 +62,7 @@ pub fn force(
     (0..STRIPS).map(strip).sum()
 }
 
-/// ∫ min(g, τ) dX over half a strip whose half ellipse is so high [Pa].
+/// ∫ min(g, τ) dX over half a strip, whose half ellipse has this height [Pa].
 fn half_strip(shape: Shape, height: f64, eta: f64, largest: f64) -> f64 {
     match shape {
         Shape::HalfEllipse => {
@@ -84,8 +89,9 @@ fn half_strip(shape: Shape, height: f64, eta: f64, largest: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Sums over strips are the shares of one friction coefficient, and of friction that varies over y those of its mean where nothing is cut
-    /// off. Tolerance: the midpoint rule at the border of what is cut off.
+    /// Sums over strips equal the shares under uniform friction. For friction that varies over y
+    /// without cut-off they equal the share of its mean. Tolerance: the midpoint rule at the border
+    /// of the cut-off.
     #[test]
     fn strips_and_whole() {
         let [a, b, pressure, friction] = [3e-3, 5e-3, 1e9, 0.4];

@@ -28,14 +28,14 @@ impl Elasticity {
         }
     }
 
-    /// Constants of a body of its own, the other one rigid: body 1, or body 2 below it.
+    /// Constants of each body with the other rigid: body 1, and body 2 below it.
     #[must_use]
     pub fn of_bodies(bodies: &[Material; 2]) -> [Self; 2] {
         let rigid = Material { youngs_modulus: f64::INFINITY, poisson_ratio: 0.0 };
         [Self::of_pair(&bodies[0], &rigid), Self::of_pair(&rigid, &bodies[1])]
     }
 
-    /// The compliances times a factor.
+    /// Returns the compliances times a factor.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
@@ -45,7 +45,7 @@ impl Elasticity {
         }
     }
 
-    /// The compliances of both together.
+    /// Returns the sum of both compliances.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self {

@@ -9,7 +9,7 @@
 //!
 //! Source: B. C. Carlson, Numerical computation of real or complex elliptic integrals, Numerical
 //! Algorithms 10 (1995) 13–26 (also DLMF §19.36): duplication theorem, then a Taylor series of the
-//! fifth degree. Nothing cancels, from circular to very long ellipses. Deviation: none; the
+//! fifth degree. No terms cancel, from circular to very long ellipses. Deviation: none; the
 //! tolerance is set for double precision.
 
 /// Bound on the relative truncation error of the series [-].
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// Rounding of some ten additions and roots; the truncation is a tenth of that.
+    /// Rounding of about ten additions and roots; the truncation is a tenth of it.
     const ROUNDING: f64 = 2e-15;
 
     #[track_caller]
@@ -104,8 +104,8 @@ mod tests {
         assert_close(carlson_rd(0.0, 3e-8, 2e-3), 1e9 * carlson_rd(0.0, 3e-2, 2e3));
     }
 
-    /// Legendre's relation E K' + E' K − K K' = π/2 ties the complete integrals of complementary
-    /// moduli together, at any aspect ratio; E from R_D by DLMF 19.25.1.
+    /// Legendre's relation E K' + E' K − K K' = π/2 between the complete integrals of complementary
+    /// moduli, at any aspect ratio; E from R_D by DLMF 19.25.1.
     #[test]
     fn legendre_relation() {
         let first = |z: f64| carlson_rf(0.0, z, 1.0);

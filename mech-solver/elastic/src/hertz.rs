@@ -10,13 +10,14 @@
 //! - B = ⅓ p_0 a b E* R_D(0, a², b²),
 //! - δ = p_0 a b E* R_F(0, a², b²), the approach of the bodies.
 //!
-//! The quotient B/A fixes the aspect ratio, A then the size. R_F and R_D are the integrals of
-//! [`super::elliptic_integrals`]; in Legendre's form they are K, and (K − E)/k² up to factors,
+//! The quotient B/A determines the aspect ratio, A then the size. R_F and R_D are the integrals of
+//! [`super::elliptic_integrals`]. In Legendre's form they are K, and (K − E)/k² up to factors,
 //! whose cancellation near the circle is thus avoided.
 //!
-//! **Line.** Bodies of the gap A x² that touch along a line of width w under N: a² = 2N E*/(π A w),
-//! p_0 = 2N/(π a w). A half-plane has no displacement of its own zero; in the middle of the width, w ≫ a, the
-//! bodies approach by δ = (2 E* N/(π w)) (ln(2w/a) + ½), the displacement by the semi-elliptic pressure of that width.
+//! **Line.** Bodies with the gap A x² touch along a line of width w under N: a² = 2N E*/(π A w),
+//! p_0 = 2N/(π a w). The displacement of a half-plane has no natural zero. In the middle of the
+//! width, w ≫ a, the bodies approach by δ = (2 E* N/(π w)) (ln(2w/a) + ½), the displacement by the
+//! semi-elliptic pressure over that width.
 //!
 //! Source: K. L. Johnson, Contact Mechanics (1985), §3.5 and §4.2. Deviation: symmetric integrals;
 //! E* is the sum of compliances (Naeimi et al., eq. 19), the inverse of Johnson's E*. The longer
@@ -25,7 +26,7 @@
 use super::elliptic_integrals::{carlson_rd, carlson_rf};
 use std::f64::consts::PI;
 
-/// The solution of a Hertz contact.
+/// Solution of a Hertz contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EllipticContact {
     /// Semi-axis a along x [m].
@@ -66,8 +67,9 @@ pub fn elliptic_contact(
     }
 }
 
-/// Solves the contact of bodies with the gap A x² along a line: `gap_x` is A [1/m], `width` w [m], `normal_force` N [N],
-/// `contact_compliance` the sum (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa]. In the place of b is half the width.
+/// Solves the contact of bodies with the gap A x² along a line. `gap_x` is A [1/m], `width` w [m],
+/// `normal_force` N [N], `contact_compliance` the sum (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa]. The
+/// semi-axis b of the result is half the width.
 #[must_use]
 pub fn line_contact(
     gap_x: f64,
@@ -85,7 +87,8 @@ pub fn line_contact(
     }
 }
 
-/// Normal force along a line at an approach δ [m], by Newton's method for a: δ = A a² (ln(2w/a) + ½) [N].
+/// Normal force on a line contact at an approach δ [N], by Newton's method for a: δ = A a²
+/// (ln(2w/a) + ½).
 #[must_use]
 pub fn line_force_at_approach(
     gap_x: f64,
@@ -106,18 +109,18 @@ pub fn line_force_at_approach(
     0.5 * gap_x * a * a * PI * width / contact_compliance
 }
 
-/// Normal force at an approach δ [m]: δ grows with N^(2/3) [N].
+/// Normal force at an approach δ [N], from δ ∝ N^(2/3).
 #[must_use]
 pub fn force_at_approach(gap_x: f64, gap_y: f64, approach: f64, contact_compliance: f64) -> f64 {
     let unit = elliptic_contact(gap_x, gap_y, 1.0, contact_compliance).approach;
     (approach / unit).powf(1.5)
 }
 
-/// Shorter over longer semi-axis g for a ratio ≥ 1 of the gap's coefficients.
+/// Shorter over longer semi-axis g, for a ratio ≥ 1 of the gap's coefficients.
 ///
-/// Solves ln(R_D(0, 1, g²)/R_D(0, g², 1)) = ln(ratio) for ln g by secants. The left side falls with a slope
-/// between −3/2 (circle) and −2 (line), which bounds the secants': a step leaves a quarter of the error or less,
-/// from any start, and soon only its square.
+/// Solves ln(R_D(0, 1, g²)/R_D(0, g², 1)) = ln(ratio) for ln g by secants. The left side falls with
+/// a slope between −3/2 (circle) and −2 (line), which bounds the secants. A step leaves at most a
+/// quarter of the error from any start, and convergence is soon quadratic.
 fn aspect_ratio(ratio: f64) -> f64 {
     const STEPS: usize = 30;
     let target = ratio.ln();
@@ -176,8 +179,9 @@ mod tests {
         assert!(error < tolerance, "{value} is not {expected}, relative error {error}");
     }
 
-    /// The displacement of the pressure closes the gap at the edge as in the middle, by Gauss's rule on the logarithm;
-    /// and the force of an approach is the one that makes it. Tolerance: the rule, and rounding.
+    /// The displacement of the pressure closes the gap at the edge and in the middle, by Gauss's
+    /// rule on the logarithm. The force at an approach inverts the approach under a force.
+    /// Tolerance: the rule, and rounding.
     #[test]
     fn a_line_closes_its_gap() {
         let (gap, width, force) = (1.1, 0.02, 4e4);
@@ -186,7 +190,7 @@ mod tests {
         let count = 20_000;
         let displacement = |x: f64| -> f64 {
             let at = |k: usize| (PI * (k as f64 + 0.5) / f64::from(count)).cos();
-            // p dx with x = a cos t.
+            // Pressure times dx, with x = a cos t.
             let part = |s: f64| (1.0 - s * s) * 2.0 * (width / (a * s - x).abs()).ln();
             let sum: f64 = (0..count as usize).map(|k| part(at(k))).sum();
             STEEL / PI * line.max_pressure * a * PI / f64::from(count) * sum
@@ -199,8 +203,8 @@ mod tests {
         assert_close(line_force_at_approach(gap, width, line.approach, STEEL), force, 1e-12);
     }
 
-    /// Table 1 of Naeimi et al. with the inferred crown radius of 0.300 m. Tolerance: the digits
-    /// with which the figures are quoted.
+    /// Table 1 of Naeimi et al. with the inferred crown radius of 0.300 m. Tolerance: the printed
+    /// digits.
     #[test]
     fn the_papers_contact() {
         let contact = elliptic_contact(0.5 / 0.46, 0.5 / 0.3, 134e3, STEEL);
@@ -243,8 +247,8 @@ mod tests {
         step * (inner + 0.5 * (function(0.0) + function(PI / 2.0)))
     }
 
-    /// Puts a solution back into the equations, with integrals by another route:
-    /// u's curvature along x is p_0 a b E* ∫₀^{π/2} cos²θ dθ / (a² √(a² sin²θ + b² cos²θ)).
+    /// Substitutes a solution into the equations, with integrals by another route: u's curvature
+    /// along x is p_0 a b E* ∫₀^{π/2} cos²θ dθ / (a² √(a² sin²θ + b² cos²θ)).
     fn assert_satisfies_the_equations(gap_x: f64, gap_y: f64, force: f64, compliance: f64) {
         let contact = elliptic_contact(gap_x, gap_y, force, compliance);
         let (a, b) = (contact.semi_axis_a, contact.semi_axis_b);
@@ -283,7 +287,7 @@ mod tests {
             assert_satisfies_the_equations(gap_x, gap_y, force, 1.0 / modulus);
         }
 
-        /// Exchanging the axes exchanges the semi-axes and nothing else, bit for bit.
+        /// Exchanging the axes only exchanges the semi-axes, bit for bit.
         #[test]
         fn independent_of_the_direction(gap_x in 1e-3..1e3, gap_y in 1e-3..1e3) {
             let one = elliptic_contact(gap_x, gap_y, 1.0, 1.0);

@@ -1,35 +1,38 @@
-//! Rolling of a rigid cylinder on a viscoelastic half-space, or of two such cylinders, in plane strain.
+//! Rolling of a rigid cylinder on a viscoelastic half-space, or of two such cylinders, in plane
+//! strain.
 //!
-//! Both bodies have the creep J(t) = J [1 + f (1 − e^{−t/τ})] of a standard linear solid and a common
-//! τ; c is the instantaneous compliance (1 − ν²)/E of the pair, R the relative radius, N the load per
-//! length, V the speed, l = Vτ. The contact is |x − d| < a, d ahead of the middle. Outside it there
-//! is no pressure, inside the displacement is δ − x²/2R. With w the displacement of elastic bodies under
-//! the same pressure, u = w + f ∫₀^∞ w(x + s) e^{−s/l} ds/l, so that u − l u' = (1 + f) w − l w'. With
-//! λ = l/(1 + f), t = x − d and κ = 1/(2cR(1 + f)) the pressure obeys
+//! Both bodies have the creep compliance J(t) = J [1 + f (1 − e^{−t/τ})] of a standard linear solid
+//! and a common τ. c is the instantaneous compliance (1 − ν²)/E of the pair, R the relative radius,
+//! N the load per length, V the speed, l = Vτ. The contact is |x − d| < a, with its middle ahead by
+//! d. Outside, the pressure is zero; inside, the displacement is δ − x²/2R. With w the displacement
+//! of elastic bodies under the same pressure, u = w + f ∫₀^∞ w(x + s) e^{−s/l} ds/l, so that
+//! u − l u' = (1 + f) w − l w'. With λ = l/(1 + f), t = x − d and
+//! κ = 1/(2cR(1 + f)) the pressure obeys
 //!
 //! p − λ p' = q,   ∫ q(s)/(t − s) ds = πκ (t + d − l),
 //!
 //! q = κ [a² − t² − (d − l) t + C]/√(a² − t²),   N = πκ (a²/2 + C).
 //!
-//! p vanishes at both ends, from which on the one hand ∫ q e^{−t/λ} dt = 0; on the other hand the surface, which comes
-//! in relaxed, has to meet the cylinder at the leading edge with its slope, C K₀(a/l) = a d K₁(a/l). So
+//! p vanishes at both ends, hence ∫ q e^{−t/λ} dt = 0. In addition the surface, which enters
+//! relaxed, has to meet the cylinder at the leading edge with the cylinder's slope, C K₀(a/l) = a d
+//! K₁(a/l). So
 //!
 //! d = (l − λ) ρ_I/(ρ_I + ρ_K),   C = a d ρ_K,   ρ_I = I₁/I₀ (a/λ),   ρ_K = K₁/K₀ (a/l),
 //!
-//! with modified Bessel functions. The centre of pressure is x̄ = d − λ − κπa²(d − l)/(2N), the
-//! resistance to rolling N x̄/R.
+//! with modified Bessel functions. The centre of pressure is x̄ = d − λ − κπa²(d − l)/(2N), and the
+//! rolling resistance N x̄/R.
 //!
 //! Source: S. C. Hunter, The rolling contact of a rigid cylinder with a viscoelastic half space, J.
-//! Appl. Mech. 28 (1961) 611–617; derived here as above.
+//! Appl. Mech. 28 (1961) 611–617; the derivation above is this project's.
 
 use numerics::bessel::scaled_k0_k1;
 use numerics::search::root_between;
 use std::f64::consts::PI;
 
-/// Steps of the trapezoidal rule for Bessel functions, whose error then is rounding.
+/// Steps of the trapezoidal rule for Bessel functions, enough to leave only rounding.
 const STEPS: usize = 400;
 
-/// A rolling cylinder.
+/// Rolling cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     /// Instantaneous compliance c of the pair [1/Pa].
@@ -42,22 +45,22 @@ pub struct Cylinder {
     pub radius: f64,
 }
 
-/// Its contact.
+/// Contact of a rolling cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Half-width a [m].
     pub half_width: f64,
     /// Load per length N [N/m].
     pub load: f64,
-    /// Place of the middle of the contact, d [m].
+    /// Position d of the middle of the contact [m].
     pub middle: f64,
-    /// Centre of the pressure, x̄ [m].
+    /// Centre of pressure x̄ [m].
     pub centre: f64,
     cylinder: Cylinder,
 }
 
 impl Cylinder {
-    /// The contact of a half-width [m].
+    /// Contact of a given half-width [m].
     #[must_use]
     pub fn of_half_width(&self, half_width: f64) -> Contact {
         let (a, l) = (half_width, self.length);
@@ -70,30 +73,30 @@ impl Cylinder {
         Contact { half_width, load, middle, centre, cylinder: *self }
     }
 
-    /// The contact under a load per length [N/m].
+    /// Contact under a load per length [N/m].
     #[must_use]
     pub fn under(&self, load: f64) -> Contact {
-        // Between those of elastic bodies at once and relaxed.
+        // The half-width lies between those of the instantaneous and of the relaxed elastic bodies.
         let hertz = (4.0 * load * self.radius * self.compliance / PI).sqrt();
         let ends = [hertz, hertz * (1.0 + self.delayed).sqrt()];
         let half_width = root_between(ends, |a| self.of_half_width(a).load - load);
-        // The ends are equal if the bodies do not relax.
+        // Both ends are equal if the bodies do not relax.
         self.of_half_width(half_width.unwrap_or(hertz))
     }
 
-    /// λ = l/(1 + f) [m].
+    /// Length λ = l/(1 + f) [m].
     fn late(&self) -> f64 {
         self.length / (1.0 + self.delayed)
     }
 
-    /// κ [Pa/m].
+    /// Factor κ [Pa/m].
     fn curvature(&self) -> f64 {
         1.0 / (2.0 * self.compliance * self.radius * (1.0 + self.delayed))
     }
 }
 
 impl Contact {
-    /// Force that resists rolling, per length, over the load: x̄/R [-].
+    /// Coefficient of rolling resistance x̄/R: resisting force over load [-].
     #[must_use]
     pub fn resistance_coefficient(&self) -> f64 {
         self.centre / self.cylinder.radius
@@ -109,7 +112,7 @@ impl Contact {
         }
         let (l, late) = (self.cylinder.length, self.cylinder.late());
         let weight = self.load / (PI * self.cylinder.curvature()) - 0.5 * a * a;
-        // s = a cos θ, up to where the exponential has vanished.
+        // Substitutes s = a cos θ and stops where the exponential has vanished.
         let nearest = (t / a).acos();
         let farthest = ((t + 40.0 * late) / a).min(1.0).acos();
         let step = (nearest - farthest) / STEPS as f64;
@@ -124,8 +127,8 @@ impl Contact {
     }
 }
 
-/// I₁/I₀ by π I_n(z) = ∫₀^π e^{z cos θ} cos nθ dθ, whose trapezoidal rule converges geometrically; from where its asymptotic
-/// series is exact to rounding, by that.
+/// I₁/I₀ by π I_n(z) = ∫₀^π e^{z cos θ} cos nθ dθ, whose trapezoidal rule converges geometrically.
+/// For large z, the asymptotic series, which is exact to rounding there.
 fn ratio_i(z: f64) -> f64 {
     if z > 1e3 {
         let inverse = 1.0 / z;
@@ -169,7 +172,7 @@ mod tests {
         assert!((ratio_i(1000.1) - ratio_i(999.9)).abs() < 2e-7);
     }
 
-    /// Pressure carries the load, and its moment is that of the centre; it is the displacement's: u' = −x/R
+    /// The pressure carries the load, has the given centre, and causes the displacement: u' = −x/R
     /// in the contact, by quadrature over the pressure and over the memory.
     #[test]
     fn pressure_solves_the_problem() {
@@ -187,7 +190,7 @@ mod tests {
         }
     }
 
-    /// At once, and relaxed, it is Hertz's, and nothing resists.
+    /// The limits of very fast and very slow rolling are Hertz contacts without resistance.
     #[test]
     fn fast_and_slow_limits() {
         for (length, factor) in [(1e-6, 1.0 + CYLINDER.delayed), (1e5, 1.0)] {

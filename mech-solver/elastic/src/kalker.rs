@@ -11,9 +11,9 @@
 //! ν₂/G₂). A driving wheel has ξ < 0 and F_x > 0. The coefficients depend on a/b and ν; they are
 //! tabulated for a/b from 0.1 to 10 and ν = 0, ¼, ½.
 //!
-//! Between the ratios ln C is a cubic Hermite polynomial of ln(a/b), its slopes those of the
-//! parabolas through three neighbours, so that value and slope are continuous. Between the ν,
-//! (1 − ν) C is the parabola through the three: for a/b → 0 it is exactly linear in ν.
+//! Between the ratios ln C is a cubic Hermite polynomial of ln(a/b). Its slopes are those of the
+//! parabolas through three neighbours, so that value and slope are continuous. Between the values
+//! of ν, (1 − ν) C is the parabola through all three: for a/b → 0 it is exactly linear in ν.
 //!
 //! Beyond the table Kalker's asymptotes hold, with g the smaller of a/b and b/a, Λ = ln(16/g²):
 //!
@@ -24,16 +24,16 @@
 //! | C23 | π√g/(3(1 − ν)) · (1 + ν(½Λ + ln 4 − 5)) | 2π/(3g^{3/2}) / ((1 − ν)Λ − 2 + 4ν) |
 //! | C33 | π²/(16(1 − ν)g) | π/4 · (1 − ν(Λ − 2)/((1 − ν)Λ − 2 + 4ν)) |
 //!
-//! Source: J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990), table E.3; also
-//! in his On the rolling contact of two elastic bodies in the presence of dry friction (Delft 1967).
-//! Deviations: the asymptotes miss the table's end rows by up to 7 %; they are multiplied by
-//! 1 + (q − 1)·10g, q the table's end over the asymptote there, which closes the gap at g = 0.1 and
-//! vanishes as g → 0. For bodies of different materials the linear theory couples the normal and
-//! the tangential problem; that is left out.
+//! Source: J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990), table E.3;
+//! also in his On the rolling contact of two elastic bodies in the presence of dry friction (Delft
+//! 1967). Deviations: the asymptotes miss the table's end rows by up to 7 %. They are multiplied by
+//! 1 + (q − 1)·10g, with q the table's end over the asymptote there, which closes the gap at
+//! g = 0.1 and vanishes as g → 0. For bodies of different materials the linear theory couples the
+//! normal and the tangential problem; this coupling is neglected.
 
 use std::f64::consts::{LN_2, PI};
 
-/// The creep coefficients [-].
+/// Creep coefficients [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CreepCoefficients {
     /// C11: longitudinal force by longitudinal creepage [-].
@@ -60,7 +60,7 @@ pub struct LinearForces {
 /// Coefficients by ratio a/b and Poisson's ratio.
 type Table = [[f64; 3]; 19];
 
-/// The ratios a/b of the table's rows.
+/// Ratios a/b of the table's rows.
 const RATIOS: [f64; 19] = [
     0.1,
     0.2,
@@ -83,7 +83,7 @@ const RATIOS: [f64; 19] = [
     1.0 / 0.1,
 ];
 
-/// C11, longitudinal, one row a ratio a/b, for ν = 0, ¼, ½.
+/// Coefficient C11 (longitudinal), one row per ratio a/b, for ν = 0, ¼, ½.
 #[rustfmt::skip]
 const C11: Table = [
     [2.51, 3.31, 4.85], [2.59, 3.37, 4.81], [2.68, 3.44, 4.80],
@@ -95,7 +95,7 @@ const C11: Table = [
     [10.7, 11.7, 12.9],
 ];
 
-/// C22, lateral, one row a ratio a/b, for ν = 0, ¼, ½.
+/// Coefficient C22 (lateral), one row per ratio a/b, for ν = 0, ¼, ½.
 #[rustfmt::skip]
 #[expect(clippy::approx_constant, reason = "an entry happens to be close to π")]
 const C22: Table = [
@@ -108,7 +108,7 @@ const C22: Table = [
     [10.7, 12.8, 16.0],
 ];
 
-/// C23, lateral force by spin, one row a ratio a/b, for ν = 0, ¼, ½.
+/// Coefficient C23 (lateral force by spin), one row per ratio a/b, for ν = 0, ¼, ½.
 #[rustfmt::skip]
 const C23: Table = [
     [0.334, 0.473, 0.731], [0.483, 0.603, 0.809], [0.607, 0.715, 0.889],
@@ -120,7 +120,7 @@ const C23: Table = [
     [12.2, 14.6, 18.0],
 ];
 
-/// C33, moment by spin, one row a ratio a/b, for ν = 0, ¼, ½.
+/// Coefficient C33 (moment by spin), one row per ratio a/b, for ν = 0, ¼, ½.
 #[rustfmt::skip]
 const C33: Table = [
     [6.42, 8.28, 11.7], [3.46, 4.27, 5.66], [2.49, 2.96, 3.72],
@@ -134,7 +134,7 @@ const C33: Table = [
 
 const TABLES: [&Table; 4] = [&C11, &C22, &C23, &C33];
 
-/// The coefficients for an ellipse of any ratio a/b > 0 and a Poisson's ratio ν in [0, ½].
+/// Coefficients for an ellipse of any ratio a/b > 0 and a Poisson's ratio ν in [0, ½].
 #[must_use]
 pub fn creep_coefficients(aspect: f64, poisson_ratio: f64) -> CreepCoefficients {
     let (first, last) = (0, RATIOS.len() - 1);
@@ -149,7 +149,7 @@ pub fn creep_coefficients(aspect: f64, poisson_ratio: f64) -> CreepCoefficients 
 }
 
 impl CreepCoefficients {
-    /// The linear theory's forces for semi-axes [m], a shear modulus [Pa] and the creepages ξ, η
+    /// Forces of the linear theory for semi-axes [m], a shear modulus [Pa] and the creepages ξ, η
     /// [-] and φ [rad/m].
     #[must_use]
     pub fn forces(
@@ -168,7 +168,7 @@ impl CreepCoefficients {
     }
 }
 
-/// The asymptote at g < 0.1, led over from the table's row at g = 0.1.
+/// Asymptote at g < 0.1, scaled to join the table's row at g = 0.1.
 fn beyond(g: f64, row: usize, nu: f64, asymptote: fn(f64, f64) -> [f64; 4]) -> [f64; 4] {
     const END: f64 = RATIOS[0];
     let (here, there) = (asymptote(g, nu), asymptote(END, nu));
@@ -178,7 +178,7 @@ fn beyond(g: f64, row: usize, nu: f64, asymptote: fn(f64, f64) -> [f64; 4]) -> [
     })
 }
 
-/// a/b = g → 0.
+/// Asymptotes for a/b = g → 0.
 fn asymptote_short(g: f64, nu: f64) -> [f64; 4] {
     let half_logarithm = 0.5 * (16.0 / (g * g)).ln();
     let c22 = PI * PI / 4.0;
@@ -187,7 +187,7 @@ fn asymptote_short(g: f64, nu: f64) -> [f64; 4] {
     [c22 / (1.0 - nu), c22, c23, c22 / (4.0 * (1.0 - nu) * g)]
 }
 
-/// b/a = g → 0.
+/// Asymptotes for b/a = g → 0.
 fn asymptote_long(g: f64, nu: f64) -> [f64; 4] {
     let logarithm = (16.0 / (g * g)).ln();
     let (next, rest) = (3.0 - 2.0 * LN_2, 1.0 - nu);
@@ -202,7 +202,7 @@ fn asymptote_long(g: f64, nu: f64) -> [f64; 4] {
     ]
 }
 
-/// The parabola of (1 − ν) C through ν = 0, ¼, ½.
+/// Parabola of (1 − ν) C through ν = 0, ¼, ½.
 fn by_poisson_ratio([zero, quarter, half]: [f64; 3], nu: f64) -> f64 {
     let to_zero = (1.0 - 4.0 * nu) * (1.0 - 2.0 * nu);
     let to_quarter = 8.0 * nu * (1.0 - 2.0 * nu);
@@ -223,8 +223,8 @@ fn interpolated(table: &Table, aspect: f64, nu: f64) -> f64 {
     (value(row) + t * rise + bend).exp()
 }
 
-/// Slope at a row of the parabola through it and its neighbours; at an end, through the first or
-/// last three.
+/// Slope at a row of the parabola through the row and its neighbours; at an end, through the first
+/// or last three rows.
 fn slope(row: usize, place: impl Fn(usize) -> f64, value: impl Fn(usize) -> f64) -> f64 {
     let middle = row.clamp(1, RATIOS.len() - 2);
     let chord = |row: usize| (value(row + 1) - value(row)) / (place(row + 1) - place(row));
@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Values of the printed table, read where no interpolation is needed. Tolerance: rounding.
+    /// Values of the printed table at nodes, without interpolation. Tolerance: rounding.
     #[test]
     fn entries_of_the_table() {
         for (aspect, nu, expected) in [
@@ -279,7 +279,7 @@ mod tests {
         }
     }
 
-    /// At ν = 0 both directions are alike.
+    /// At ν = 0 both directions are equivalent.
     #[test]
     fn no_direction_is_special_without_lateral_contraction() {
         for aspect in [1e-4, 0.05, 0.1, 0.37, 1.0, 2.9, 10.0, 30.0, 1e4] {
@@ -288,8 +288,8 @@ mod tests {
         }
     }
 
-    /// Continuous where the table ends; close to the bare asymptotes far beyond. Tolerance: the
-    /// step, and the gap of 7 % that is left of g = 0.1 at g = 1e-4.
+    /// The coefficients are continuous at the ends of the table, and close to the bare asymptotes
+    /// far beyond. Tolerance: the step, and the remainder at g = 1e-4 of the 7 % gap at g = 0.1.
     #[test]
     fn table_and_asymptotes_join() {
         for nu in [0.0, 0.1, 0.25, 0.3, 0.5] {
@@ -313,7 +313,7 @@ mod tests {
         }
     }
 
-    /// A misprint in a row would show as a kink: every entry against the cubic through its four
+    /// A misprint would show as a kink: compares every entry with the cubic through its four
     /// neighbours. Tolerance: the table's three digits, and the cubic.
     #[test]
     fn entries_lie_on_a_smooth_curve() {
@@ -332,7 +332,7 @@ mod tests {
         }
     }
 
-    /// Power is never gained: C11, C22 and C33 are positive.
+    /// Power is always dissipated: C11, C22 and C33 are positive.
     #[test]
     fn signs_of_the_forces() {
         let c = creep_coefficients(1.0, 0.25);
@@ -346,7 +346,8 @@ mod tests {
     }
 
     proptest! {
-        /// Between neighbouring entries, up to the overshoot of a curve that turns there.
+        /// Values lie between neighbouring entries, up to the overshoot of a curve that turns
+        /// there.
         #[test]
         fn between_the_entries(aspect in 0.1..10.0f64, nu in 0.0..0.5f64) {
             let row = RATIOS.iter().rposition(|r| *r <= aspect).unwrap_or(0).min(17);

@@ -1,18 +1,18 @@
 #![doc = include_str!("../README.md")]
 //! # Modules
 //!
-//! | module | what |
+//! | module | contents |
 //! |---|---|
 //! | [`Material`], [`Elasticity`] | elastic constants of a body, and of a pair of bodies |
 //! | [`hertz`] | Hertz's contact of ellipses and lines; `elliptic_integrals` |
-//! | [`carter`], [`cattaneo`] | a line that rolls or is sheared with partial slip |
+//! | [`carter`], [`cattaneo`] | partial slip: a rolling line, a circle under shear |
 //! | [`kalker`] | Kalker's creep coefficients and forces of the linear theory |
 //! | [`creep_force`] | creep forces of the simplified theory in closed form, Polach's formula |
 //! | [`strips`], [`slip`] | Carter's solution in strips of an ellipse, and means over elements |
-//! | [`fastsim`] | springs in the place of half-spaces: FASTSIM and FASTRIP, strip by strip |
+//! | [`fastsim`] | springs in place of half-spaces: FASTSIM and FASTRIP, strip by strip |
 //! | [`hunter`] | a cylinder that rolls on a viscoelastic half-space |
 //! | [`dissimilar`] | bodies of different elastic constants |
-//! | [`cut_off`], [`shakedown`] | a friction that is cut off; limits of shakedown |
+//! | [`cut_off`], [`shakedown`] | friction cut off at a largest traction; limits of shakedown |
 //! | [`subsurface`], [`Stress`] | stresses inside bodies; a stress tensor |
 //! | [`axle`] | a mass on a suspension that runs over an irregularity |
 //!

@@ -1,52 +1,57 @@
-//! The pressure up to which a surface that is rolled over shakes down to elastic: what flows in the first passages leaves
-//! residual stresses that keep the later ones elastic.
+//! Largest pressure at which a surface under repeated rolling shakes down to elastic behaviour:
+//! plastic flow in the first passages leaves residual stresses that keep the later ones elastic.
 //!
-//! Of residual stresses that do not change along the motion, equilibrium with a free surface leaves normal ones in the plane of
-//! the surface, which can take away what makes the material yield but for the shear stress τ_xz. So (Melan) the limit is
-//! p₀/k = 1/max |τ_xz/p₀|, with the yield stress k in shear. Under a pressure p₀√(1 − x²), all of which slides with a traction
-//! coefficient μ, in half widths a of a line contact,
+//! Residual stresses do not change along the motion. Equilibrium with a free surface then allows
+//! only normal stresses in the plane of the surface. They can cancel every cause of yielding except
+//! the shear stress τ_xz. The limit (Melan) is therefore p₀/k = 1/max |τ_xz/p₀|, with the yield
+//! stress k in shear. Under a pressure p₀√(1 − x²) in full sliding with a traction coefficient μ,
+//! in half widths a of a line contact,
 //!
 //! τ_xz/p₀ = −n (m² − z²)/(m² + n²) − μ [m (1 + (z² + n²)/(m² + n²)) − 2z],
 //!
-//! m² = ½ [√((1 − x² + z²)² + 4x²z²) + (1 − x² + z²)], n² = m² − (1 − x² + z²), n with the sign of x.
+//! m² = ½ [√((1 − x² + z²)² + 4x²z²) + (1 − x² + z²)], n² = m² − (1 − x² + z²),
+//! n with the sign of x.
 //!
-//! Without friction that is 4.0 (half a width below the surface); from μ = 0.367 on it is 1/μ, at the surface. Other
-//! contacts bear more: a circular one 4.7 without friction.
+//! Without friction the limit is 4.0 (half a width below the surface); from μ = 0.367 it is 1/μ, at
+//! the surface. Other contacts have higher limits: 4.7 for a circular contact without friction.
 //!
-//! In the first passage, before there are residual stresses, it flows beyond a lower pressure: where von Mises' stress reaches
-//! √3 k. With the stresses under the pressure, σ_x/p₀ = −[m (1 + (z² + n²)/(m² + n²)) − 2z], σ_z/p₀ = −m [1 − (z² + n²)/(m² + n²)],
-//! and those under the traction, σ_x/p₀ = μ [n (2 − (z² − m²)/(m² + n²)) − 2x], σ_z/p₀ = −μ n (m² − z²)/(m² + n²), in plane strain.
+//! In the first passage, without residual stresses, the body flows from a lower pressure, at which
+//! the von Mises stress reaches √3 k. Stresses under the pressure are
+//! σ_x/p₀ = −[m (1 + (z² + n²)/(m² + n²)) − 2z], σ_z/p₀ = −m [1 − (z² + n²)/(m² + n²)]. Stresses
+//! under the traction are σ_x/p₀ = μ [n (2 − (z² − m²)/(m² + n²)) − 2x],
+//! σ_z/p₀ = −μ n (m² − z²)/(m² + n²), in plane strain.
 //!
 //! Source: Johnson, *Contact Mechanics* (1985), 4.2(c), 7.1 and 9.2.
 
-/// Steps across half of the contact's width in which the largest shear stress is looked for.
+/// Steps per half-width in the search for the largest shear stress.
 const STEPS: i32 = 32;
-/// As far as it is looked for, in half widths: beside the middle, and below the surface.
+/// Extent of the search in steps: to either side of the middle, and below the surface.
 const REACH: [i32; 2] = [STEPS * 3 / 2, STEPS];
 
 /// Poisson's ratio of metals.
 const POISSON: f64 = 0.3;
 
-/// p₀/k up to which a surface shakes down, at a traction coefficient [-].
+/// Shakedown limit p₀/k at a traction coefficient [-].
 #[must_use]
 pub fn limit(traction: f64) -> f64 {
     largest(|x, z| stresses(x, z, traction.abs())[2].abs()).recip()
 }
 
-/// p₀/k up to which nothing flows, at a traction coefficient [-].
+/// Elastic limit p₀/k of first yield at a traction coefficient [-].
 #[must_use]
 pub fn elastic_limit(traction: f64) -> f64 {
     largest(|x, z| von_mises(stresses(x, z, traction.abs()))).recip() * 3.0_f64.sqrt()
 }
 
-/// The largest value at the surface and below it; at the ends of the contact on the surface, where stresses jump, there is none.
+/// Largest value at and below the surface, without the ends of the contact on the surface, where
+/// stresses jump.
 fn largest(value: impl Fn(f64, f64) -> f64) -> f64 {
     let place = |step: i32| f64::from(step) / f64::from(STEPS);
     let places = (-REACH[0]..=REACH[0]).flat_map(|i| (0..=REACH[1]).map(move |k| (i, k)));
     places.map(|(i, k)| value(place(i), place(k))).fold(0.0, f64::max)
 }
 
-/// Measure of σ_x, σ_z and τ_xz in plane strain.
+/// Von Mises stress from σ_x, σ_z and τ_xz in plane strain.
 fn von_mises([along, deep, shear]: [f64; 3]) -> f64 {
     let across = POISSON * (along + deep);
     let differences = [along - deep, deep - across, across - along];
@@ -54,7 +59,7 @@ fn von_mises([along, deep, shear]: [f64; 3]) -> f64 {
     (0.5 * sum + 3.0 * shear * shear).sqrt()
 }
 
-/// σ_x, σ_z and τ_xz over p₀ at a place in half widths, below the surface.
+/// Stresses σ_x, σ_z and τ_xz over p₀ at a point below the surface, coordinates in half-widths.
 fn stresses(x: f64, z: f64, traction: f64) -> [f64; 3] {
     let part = 1.0 - x * x + z * z;
     let m2 = 0.5 * ((part * part + 4.0 * x * x * z * z).sqrt() + part);
@@ -73,8 +78,8 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// Johnson's figures: 4.0 without friction, 0.25 p₀ at 0.87 and 0.5 half widths; from 0.367 on at the surface. Tolerance: the
-    /// steps, of second order, and the digits quoted.
+    /// Johnson's values: 4.0 without friction, 0.25 p₀ at 0.87 and 0.5 half-widths; from 0.367 at
+    /// the surface. Tolerance: the steps, of second order, and the printed digits.
     #[test]
     fn johnsons_figures() {
         assert!((limit(0.0) - 4.0).abs() < 2e-3, "{}", limit(0.0));
@@ -85,9 +90,10 @@ mod tests {
         assert!(limit(-0.1) < limit(0.05));
     }
 
-    /// Without friction p₀ is 1.79 times the yield stress, 3.10 k (Johnson, table 4.1). With much friction the surface flows, behind the
-    /// contact: of σ_x = 2μp₀ alone, in plane strain. Less is borne elastically than after shakedown. Tolerance: the digits quoted, and the
-    /// first point beside the jump at the end of the contact.
+    /// Without friction p₀ is 1.79 times the yield stress, 3.10 k (Johnson, table 4.1). With high
+    /// friction the surface flows behind the contact under σ_x = 2μp₀ alone, in plane strain. The
+    /// elastic limit is below the shakedown limit. Tolerance: the printed digits, and the first
+    /// point beside the jump at the end of the contact.
     #[test]
     fn first_yield() {
         let frictionless = elastic_limit(0.0);
@@ -101,8 +107,9 @@ mod tests {
         }
     }
 
-    /// Equilibrium along the motion of the stress that the pressure makes: far below, what passes a plane in depth is nothing of it and
-    /// all of the traction. Tolerance: a tenth of what is beyond the ends X of the sum, where stresses fall like those of a line load, 4z/πX of it.
+    /// Equilibrium along the motion: the shear stress summed over a plane far below is zero under
+    /// the pressure and carries the whole traction. Tolerance: a tenth of the part beyond the ends
+    /// X of the sum, where stresses fall like those of a line load, 4z/πX of the total.
     #[test]
     fn shear_stresses_carry_the_traction() {
         let traction = 0.4;

@@ -1,12 +1,12 @@
-//! How a contact slips: what the models of strips decide.
+//! Slip of a contact, as determined by the strip models.
 //!
-//! Slip velocities are V · s · g(ξ), with ξ = −X = −x/a_y of every strip, from −1 at the leading
-//! to +1 at the trailing edge.
+//! Slip velocities are V · s · g(ξ), with ξ = −X = −x/a_y on every strip, from −1 at the leading to
+//! +1 at the trailing edge.
 
 use crate::carter;
 use grids::Structured;
 
-/// Rigid slip: motion of the bodies over each other if they were rigid.
+/// Rigid slip: relative motion of the bodies if they were rigid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidSlip {
     /// Longitudinal and lateral creepage [-], and spin [rad/m].
@@ -24,19 +24,19 @@ impl RigidSlip {
     }
 }
 
-/// Slip of a contact: its place and its velocity.
+/// Slip zone and slip velocity of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Slip {
-    /// Nowhere: no tangential motion, no traction.
+    /// No slip: no tangential motion, no traction.
     Adhesion,
-    /// In the trailing fraction of every strip, after Carter.
+    /// Slip in the trailing fraction of every strip, after Carter.
     Partial {
         /// Fraction m of every strip that slips, in (0, 1) [-].
         fraction: f64,
         /// Prefactor A of the creep law [-].
         prefactor: f64,
     },
-    /// Everywhere, with the slip s + A ξ; s ≥ A ≥ 0.
+    /// Slip everywhere, s + A ξ; s ≥ A ≥ 0.
     Sliding {
         /// Mean slip s [-].
         creep: f64,
@@ -46,12 +46,12 @@ pub enum Slip {
 }
 
 impl Slip {
-    /// The slip at a prescribed force ratio r = |F|/(f N) in [0, 1].
+    /// Slip at a prescribed force ratio r = |F|/(f N) in [0, 1].
     pub fn at_force_ratio(force_ratio: f64, prefactor: f64) -> Self {
         Self::at_fraction(carter::slip_fraction(force_ratio), prefactor)
     }
 
-    /// The slip at a prescribed magnitude s of the creepage; s ≥ A is full slip, s + A ξ.
+    /// Slip at a prescribed magnitude s of the creepage; s ≥ A is full slip, s + A ξ.
     pub fn at_creep(creep: f64, prefactor: f64) -> Self {
         if creep >= prefactor {
             Self::Sliding { creep, gradient: prefactor }

@@ -1,4 +1,4 @@
-//! A stress tensor and what a material makes of it.
+//! Stress tensor, its invariants and equivalent stresses.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -11,11 +11,11 @@ pub struct Stress {
     pub yy: f64,
     /// Normal stress along the depth [Pa].
     pub zz: f64,
-    /// Shear stress [Pa].
+    /// Shear stress in the plane of y and z [Pa].
     pub yz: f64,
-    /// Shear stress [Pa].
+    /// Shear stress in the plane of x and z [Pa].
     pub xz: f64,
-    /// Shear stress [Pa].
+    /// Shear stress in the plane of x and y [Pa].
     pub xy: f64,
 }
 
@@ -46,8 +46,8 @@ impl Stress {
         (self.xx + self.yy + self.zz) / 3.0
     }
 
-    /// Equivalent stress of von Mises, √(3 J₂) [Pa]: in uniaxial tension that tension, in pure
-    /// shear √3 of it.
+    /// Equivalent stress of von Mises, √(3 J₂) [Pa]: equal to the stress in uniaxial tension, and
+    /// to √3 times the stress in pure shear.
     #[must_use]
     pub fn von_mises(&self) -> f64 {
         let normal = [self.xx - self.yy, self.yy - self.zz, self.zz - self.xx];
@@ -64,18 +64,20 @@ impl Stress {
         0.5 * (largest - smallest)
     }
 
-    /// Principal stresses, the largest first [Pa].
+    /// Principal stresses in descending order [Pa].
     #[must_use]
     pub fn principal(&self) -> [f64; 3] {
         self.principal_directions().map(|(value, _)| value)
     }
 
-    /// Principal stresses, the largest first [Pa], with the unit vectors of their directions, which are determined but for
-    /// their sign; where two stresses are equal any two across the third will do.
+    /// Principal stresses in descending order [Pa], with the unit vectors of their directions. The
+    /// signs of the vectors are arbitrary; for two equal stresses the directions are any two across
+    /// the third.
     ///
-    /// Jacobi's rotations on the deviator: right to a few units in the last place of its largest
-    /// value, be principal stresses equal or the mean stress large; the closed form with the angle
-    /// of Lode loses half of the digits where two are equal, as on the axis of a round contact.
+    /// Uses Jacobi rotations on the deviator, accurate to a few units in the last place of its
+    /// largest value, even for equal principal stresses or a large mean stress. The closed form
+    /// with the Lode angle loses half of the digits where two are equal, as on the axis of a round
+    /// contact.
     #[must_use]
     pub fn principal_directions(&self) -> [(f64, [f64; 3]); 3] {
         const SWEEPS: usize = 8;
@@ -100,8 +102,8 @@ impl Stress {
     }
 }
 
-/// One rotation of Jacobi, after which element (p, q) of the symmetric matrix is zero; r is the
-/// third axis; `axes` turn with it.
+/// One Jacobi rotation, after which element (p, q) of the symmetric matrix is zero. r is the third
+/// axis; `axes` turn too.
 fn rotate(matrix: &mut [[f64; 3]; 3], axes: &mut [[f64; 3]; 3], p: usize, q: usize, r: usize) {
     let off = matrix[p][q];
     if off == 0.0 {

@@ -1,22 +1,22 @@
-//! Element means of fields that are known in closed form along every strip of an ellipse.
+//! Element means of fields with a closed form along every strip of an ellipse.
 //!
 //! A strip is the line y = const of an ellipse (a, b), of half length a_y = a η, η = √(1 − y²/b²).
-//! A field is given as amplitude · η^n · g(u), u = 1 + x/a_y ∈ [0, 2], through the integral
-//! G(u) = ∫₀^u g. Its mean over the element [x₁, x₂] × [y₁, y₂] is
+//! A field is amplitude · η^n · g(u), u = 1 + x/a_y ∈ [0, 2], given by the integral G(u) = ∫₀^u g.
+//! The mean of the field over the element [x₁, x₂] × [y₁, y₂] is
 //!
 //! 1/(Δx Δy) ∫_{y₁}^{y₂} amplitude · η^n · a_y · [G(u(x₂)) − G(u(x₁))] dy,
 //!
-//! exact along x. Along y a row is cut wherever a curve on which g is not smooth (the ellipse
-//! itself, and x = ±κ a η, a kink at X = ±κ) passes an element's corner, and at |y| = b. Between
-//! the cuts the integrand is smooth except for roots at the ends, (y − y_cut)^{n/2}; the
-//! substitution y = middle + half · s(3 − s²)/2, whose slope vanishes at both ends, turns those
-//! into polynomials, and a Gauss–Legendre rule of seven nodes integrates the rest.
+//! which is exact along x. Along y a row is cut at |y| = b and wherever a curve on which g is not
+//! smooth passes an element's corner: the ellipse itself, and x = ±κ a η for a kink at X = ±κ.
+//! Between the cuts the integrand is smooth except for roots at the ends, (y − y_cut)^{n/2}. The
+//! substitution y = middle + half · s(3 − s²)/2, whose slope vanishes at both ends, turns the roots
+//! into polynomials, and a Gauss–Legendre rule of seven nodes integrates the result.
 //!
 //! Since G telescopes along x, and the rule is exact for a strip total proportional to η², the sum
 //! over all elements equals the exact surface integral to rounding, at every resolution. Rows at ±y
 //! are copies of each other. The cost is proportional to the number of elements.
 //!
-//! Along a line of contact η = 1: there is one row, as wide as the line.
+//! A line contact has η = 1: one row, as wide as the line.
 
 pub mod carter;
 pub mod semi_ellipse;
@@ -25,7 +25,7 @@ pub mod sliding;
 use grids::Structured;
 use numerics::quadrature::GAUSS_7;
 
-/// A field along a strip, up to its amplitude.
+/// Field along a strip, up to the amplitude.
 pub trait StripDensity {
     /// G(u) = ∫₀^u g(u') du' for u = 1 + x/a_y in [0, 2]; the strip's trailing end is u = 0.
     fn cumulative(&self, u: f64) -> f64;
@@ -47,25 +47,25 @@ pub enum Lateral {
 
 /// A field on all strips of an ellipse.
 pub struct StripField<D> {
-    /// Its course along a strip.
+    /// Course of the field along a strip.
     pub density: D,
-    /// Its amplitude, in the field's unit, with its sign.
+    /// Signed amplitude, in the field's unit.
     pub amplitude: f64,
     /// Variation of the amplitude from strip to strip.
     pub lateral: Lateral,
 }
 
-/// An ellipse, or a line of contact, on the grid that covers it, centre on centre.
+/// Ellipse or line contact on the grid that covers it; both have the same centre.
 #[derive(Clone, Copy, Debug)]
 pub struct Strips {
     semi_axis_a: f64,
     semi_axis_b: f64,
-    /// All strips are as long as the middle one.
+    /// All strips have the length of the middle one.
     line: bool,
     grid: Structured,
 }
 
-/// Nodes in [-1, 1] and weights, of sum 1, of the substituted seven-node rule.
+/// Nodes in [-1, 1] and weights, with the sum 1, of the substituted seven-node rule.
 const RULE: [(f64, f64); 7] = {
     let mut rule = GAUSS_7;
     let mut k = 0;
@@ -78,18 +78,19 @@ const RULE: [(f64, f64); 7] = {
 };
 
 impl Strips {
-    /// The ellipse with these semi-axes [m] on a grid with an element centred on the origin, odd
-    /// counts, and elements along x and y.
+    /// Creates the strips of an ellipse with these semi-axes [m], on a grid with odd counts along x
+    /// and y and an element centred on the origin.
     pub fn new(semi_axis_a: f64, semi_axis_b: f64, grid: Structured) -> Self {
         Self { semi_axis_a, semi_axis_b, line: false, grid }
     }
 
-    /// A line of contact of half length a and half width b [m] on the grid of one row that it fills.
+    /// Creates a line contact of half length a and half width b [m], on the grid of one row that it
+    /// fills.
     pub fn of_line(semi_axis_a: f64, semi_axis_b: f64, grid: Structured) -> Self {
         Self { semi_axis_a, semi_axis_b, line: true, grid }
     }
 
-    /// Writes the element means of a field, one value an element, zero outside the ellipse.
+    /// Writes the element means of a field, one value per element, zero outside the ellipse.
     pub fn write_means(&self, field: &StripField<impl StripDensity>, means: &mut [f64]) {
         let (columns, middle_row) = (self.grid.ni, self.grid.nj / 2);
         let mut cuts = Vec::new();
@@ -108,7 +109,7 @@ impl Strips {
         }
     }
 
-    /// Start of row `row` ≥ 0, counted from the middle; of the middle row the upper half.
+    /// Start of row `row` ≥ 0, counted from the middle; for the middle row, of the upper half.
     fn row_start(&self, row: usize) -> f64 {
         (row as f64 - 0.5).max(0.0) * self.grid.dy()
     }
@@ -117,7 +118,7 @@ impl Strips {
         (row as f64 + 0.5) * self.grid.dy()
     }
 
-    /// Fills `cuts` with the ends of the row's part inside the ellipse and all cuts between.
+    /// Fills `cuts` with the ends of the row's part inside the ellipse and all cuts between them.
     fn cut_row(&self, row: usize, kink: Option<f64>, cuts: &mut Vec<f64>) {
         let (from, to) = (self.row_start(row), self.row_end(row).min(self.semi_axis_b));
         cuts.clear();
@@ -181,7 +182,7 @@ impl Strips {
     ) {
         let reach = half_length / self.grid.dx();
         let middle = (values.len() / 2) as f64;
-        // Columns that hold the ends; column i spans [i − middle − ½, i − middle + ½] · Δx.
+        // Columns that contain the ends; column i spans [i − middle − ½, i − middle + ½] · Δx.
         let first = (middle + 0.5 - reach).max(0.0) as usize;
         let last = ((middle + 0.5 + reach) as usize).min(values.len() - 1);
         let mut before = 0.0;
@@ -216,7 +217,7 @@ mod tests {
         means
     }
 
-    /// g = 1: the share of every element that lies inside the ellipse.
+    /// Field g = 1: the share of every element that lies inside the ellipse.
     struct Inside;
 
     impl StripDensity for Inside {
@@ -225,7 +226,7 @@ mod tests {
         }
     }
 
-    /// Tolerance: the rule, for the ellipse's area, which is no polynomial in y.
+    /// Tolerance: the rule, since the ellipse's area is not polynomial in y.
     #[test]
     fn share_of_every_element_inside_the_ellipse() {
         for (resolution, b) in [(1, 0.3), (1, 1.0), (7, 0.752), (40, 0.752), (5, 12.0), (9, 0.01)] {
@@ -251,7 +252,7 @@ mod tests {
         }
     }
 
-    /// An element of the coarse grid is made of nine of the fine one. Tolerance: the rule in the
+    /// An element of the coarse grid consists of nine fine elements. Tolerance: the rule in the
     /// elements that the ellipse cuts, whose values are of the order of 1.
     #[test]
     fn means_of_a_coarse_grid_are_means_of_a_fine_grid() {

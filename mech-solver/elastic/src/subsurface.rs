@@ -1,7 +1,7 @@
 //! Stresses below Hertz contacts, frictionless and sliding.
 //!
-//! Frame and signs are those of [`half_space::subsurface`]: z into the body, tractions on
-//! that body, tension positive. Sliding means a traction q = q_0/p_0 · p along x everywhere.
+//! Frame and signs follow `half_space::subsurface`: z into the body, tractions on that body,
+//! tension positive. Sliding means a traction q = q_0/p_0 · p along x everywhere.
 //!
 //! Line contact, p = p_0 √(1 − x²/a²), with (n + im)² = (x + iz)² − a², m ≥ 0, n of the sign of x,
 //! and the shapes
@@ -25,15 +25,15 @@
 //! - σ_xz = −q_0 [3t/2 − w/2], the other components zero.
 //!
 //! Source: K. L. Johnson, Contact Mechanics (1985), eq. 3.45 (circle), 4.49 and §7.1 (line, after
-//! McEwen 1949). σ_xz on the axis is not printed there: it follows from the kernel −3x²z/(2πR⁵),
-//! of which ν = ½ makes σ_xx under pressure the same integral.
+//! McEwen 1949). σ_xz on the axis is not printed there. It follows from the kernel −3x²z/(2πR⁵),
+//! which for ν = ½ gives the same integral as σ_xx under pressure.
 
 use crate::Stress;
 
 /// Stress below a line contact of half-width `semi_axis_a` [m], at (x, depth) from its centre [m],
 /// under `max_pressure` p_0 and `max_traction` q_0 [Pa].
 ///
-/// On the surface the edges x = ±a belong to no side: NaN.
+/// Returns NaN at the edges x = ±a on the surface, which belong to neither side.
 #[must_use]
 pub fn line_contact(
     semi_axis_a: f64,
@@ -45,7 +45,7 @@ pub fn line_contact(
     let (x, z) = (x / semi_axis_a, depth / semi_axis_a);
     let real = x * x - z * z - 1.0;
     let modulus = real.hypot(2.0 * x * z);
-    // The smaller of m² and n² by their product x²z², free of cancellation.
+    // The smaller of m² and n² follows from their product x²z², free of cancellation.
     let larger = 0.5 * (modulus + real.abs());
     let smaller = if x * z == 0.0 { 0.0 } else { (x * z).powi(2) / larger };
     let (m_square, n_square) = if real > 0.0 { (smaller, larger) } else { (larger, smaller) };
@@ -89,7 +89,7 @@ mod tests {
     use numerics::quadrature::simpson;
     use std::f64::consts::PI;
 
-    /// The depth where a function of it is largest, and the value, by golden section in (0, 2).
+    /// Argument in (0, 2) at which a function is largest, and the value, by golden section.
     fn largest(function: impl Fn(f64) -> f64) -> (f64, f64) {
         let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
         let (mut low, mut high) = (0.05, 2.0);
@@ -100,7 +100,7 @@ mod tests {
         (low, function(low))
     }
 
-    /// Johnson, §3.4 and Table 4.1: the figures of the textbooks. Tolerance: their digits.
+    /// Textbook values of Johnson, §3.4 and Table 4.1. Tolerance: their digits.
     #[test]
     fn textbook_maxima() {
         let circle = |z: f64| circular_contact_axis(1.0, 1.0, 0.0, 0.3, z);
@@ -128,7 +128,8 @@ mod tests {
         }
     }
 
-    /// Sums of line loads: 2D kernels −(2/π) x_i x_j (x·f)/R⁴. Tolerance: the quadrature.
+    /// Agrees with sums of line loads: 2D kernels −(2/π) x_i x_j (x·f)/R⁴. Tolerance: the
+    /// quadrature.
     #[test]
     fn line_contact_equals_quadrature() {
         let kernel = |x: f64, z: f64, i: i32| {
@@ -148,7 +149,7 @@ mod tests {
         }
     }
 
-    /// Rings of point loads. Tolerance: the quadrature.
+    /// Agrees with rings of point loads. Tolerance: the quadrature.
     #[test]
     fn axis_of_a_circular_contact_equals_quadrature() {
         let nu = 0.3;
@@ -169,8 +170,8 @@ mod tests {
         }
     }
 
-    /// On the surface the tractions come back, and σ_xx changes from −2f p_0 at the leading edge of
-    /// the traction to +2f p_0 behind it (Johnson, eq. 7.5). Tolerance: rounding.
+    /// On the surface the stresses equal the tractions, and σ_xx changes from −2f p_0 at the
+    /// leading edge of the traction to +2f p_0 behind it (Johnson, eq. 7.5). Tolerance: rounding.
     #[test]
     fn surface_of_a_sliding_line_contact() {
         let at = |x: f64| line_contact(1.0, 1.0, 0.3, 0.3, [x, 0.0]);

@@ -1,5 +1,5 @@
-//! Steps of bodies of explicit elements: element updates a second of one straight and one about an axis, by size, of both on one and
-//! two threads, and of both with their contact.
+//! Benchmark of steps of explicit elements: element updates per second of a straight body and of
+//! one about an axis, by size; of both on one and two threads; and of both with their contact.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use explicit_fe::block::{Block, Solid, Support};
@@ -18,7 +18,7 @@ fn block(element: f64, radius: f64) -> Block {
     let crown = if radius.is_finite() { f64::INFINITY } else { 0.3 };
     let section = Section::new(&sizes, circle(crown));
     let mut block = Block::new(columns, element, section, solid, Support::Faces);
-    // Numbers that move, so that nothing is denormal.
+    // Nonzero values, so that nothing becomes denormal.
     let values = block.damped.iter_mut().flatten().enumerate();
     values.for_each(|(n, u)| *u = 1e-9 * ((n % 17) as f64 - 8.0));
     block
@@ -39,7 +39,7 @@ fn steps(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Steps of two bodies without contact, and of as many that roll on each other.
+/// Steps of two bodies without contact, and of two bodies that roll on each other.
 fn pairs(criterion: &mut Criterion) {
     let (element, speed) = (0.6e-3, 40.0);
     let mut group = criterion.benchmark_group("explicit/pair");

@@ -1,7 +1,8 @@
 //! A body: rows of elements along the motion, their state, and a step in time.
 //!
-//! Held are the first and last column, both sides and the bottom, or nothing. The state is w = u + βv and v: what resists is w, so
-//! that damping costs nothing, and u = w − βv.
+//! Either the first and last column, both sides and the bottom are fixed, or the body is free. The
+//! state consists of w = u + βv and v. Elements resist w, so that damping has no extra cost, and
+//! u = w − βv.
 
 use super::frequency;
 use super::kernel::{Energy, Flow, Forces, LANES, PLASTIC, Row, Rows, Stiffness};
@@ -9,15 +10,17 @@ use super::section::Section;
 use super::shape::Shape;
 use pulp::{Arch, NullaryFnOnce};
 
-/// Nodes of a row beyond its elements: one, and what vectors reach over.
+/// Nodes of a row beyond its elements: one node, and padding for vector access.
 const PADDING: usize = 2 * LANES;
-/// Parts of an element that are rounding.
+/// Share of an element that counts as rounding.
 const ROUNDING: f64 = 1e-9;
-/// Share of the shear modulus that resists hourglass modes: of steel it is 0.05 of the wave modulus (Flanagan & Belytschko's
-/// measure), and it does not grow without bound towards a Poisson's ratio of 0.5, where shapes change by shear alone.
+/// Share of the shear modulus that resists hourglass modes. For steel it is 0.05 of the wave
+/// modulus (the measure of Flanagan & Belytschko). It stays bounded towards a Poisson's ratio of
+/// 0.5, where shapes change by shear alone.
 const HOURGLASS: f64 = 0.175;
 
-/// Something of a kernel whose constants are whether elements are curved, flow, and are softer than their row.
+/// Calls a kernel specialised by constants: whether elements are curved, flow plastically, and are
+/// softer than their row.
 macro_rules! of_facts {
     ($facts:expr, $kernel:ident $fields:tt, |$it:ident| $use:expr) => {
         match $facts {
@@ -37,65 +40,69 @@ macro_rules! of_facts {
     }};
 }
 
-/// Material of a body, and its radius of rolling.
+/// Material of a body, and its rolling radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid {
     /// Lamé's constants λ and μ [Pa].
     pub lame: [f64; 2],
     /// Density [kg/m³].
     pub density: f64,
-    /// Plastic flow, if there is any.
+    /// Plastic flow, if any.
     pub flow: Option<Flow>,
-    /// Radius of rolling [m]; infinite for a straight body.
+    /// Rolling radius [m]; infinite for a straight body.
     pub radius: f64,
 }
 
-/// Part of a body that does not move.
+/// Part of a body that is fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
-    /// All its faces but the surface.
+    /// All faces except the surface.
     Faces,
     /// Nothing.
     Nothing,
 }
 
-/// A body.
+/// Body of explicit elements.
 pub struct Block {
     arch: Arch,
-    /// Elements along, across and in depth.
+    /// Numbers of elements along, across and in depth.
     pub counts: [usize; 3],
-    /// Nodes from one row to the next.
+    /// Number of nodes from one row to the next.
     pub stride: usize,
     /// Length of an element along the surface [m].
     pub length: f64,
     /// Material of the body.
     pub solid: Solid,
-    /// Its cross-section.
+    /// Cross-section.
     pub section: Section,
     stiffness: Vec<Stiffness>,
     held: Support,
-    /// 1/M of the nodes of a row [1/kg]; 0 of those that are held. A free end has half of M.
+    /// 1/M of the nodes of a row [1/kg]; 0 for fixed nodes. A node at a free end has half of M.
     pub inverse_mass: Vec<f64>,
-    /// u + βv [m] by component: node after node along a row, row after row across, plane after plane in depth.
+    /// w = u + βv [m] by component: node after node along a row, row after row across, plane after
+    /// plane in depth.
     pub damped: [Vec<f64>; 3],
     /// v [m/s].
     pub velocity: [Vec<f64>; 3],
-    /// Plastic strains and κ of a material that flows: row of elements after row, of each row strain after strain.
+    /// Plastic strains and κ of a material that flows: row of elements after row, strain after
+    /// strain within a row.
     pub plastic: Vec<f64>,
     /// β [s].
     pub damping: f64,
-    /// Distance of the columns behind their places [m], less than an element.
+    /// Distance of the columns behind their nominal positions [m], less than an element.
     pub behind: f64,
-    /// Thermal expansion, if there is any.
+    /// Thermal expansion, if any.
     expansion: Option<Expansion>,
-    /// Thermal softening, if there is any.
+    /// Thermal softening, if any.
     softening: Option<Softening>,
-    /// Forces on a plane of nodes: of the layer above it, of the one below, on the plane below that one.
+    /// Forces on planes of nodes: from the layer above the current plane, from the layer below it,
+    /// and on the next plane.
     planes: [[Vec<f64>; 3]; 3],
 }
 
 impl Block {
-    /// A body without displacements, of at least so many columns of elements of a length [m].
+    /// Creates a body without displacements, with at least this number of columns of elements of a
+    /// length [m].
     #[must_use]
     pub fn new(columns: usize, length: f64, section: Section, solid: Solid, held: Support) -> Self {
         let columns = columns.next_multiple_of(LANES);
@@ -144,31 +151,31 @@ impl Block {
         }
     }
 
-    /// State on which the next step depends, without the distance behind.
+    /// State on which the next step depends, except the distance behind.
     pub fn state(&mut self) -> [&mut [f64]; 7] {
         let Self { damped: [x, y, z], velocity: [vx, vy, vz], plastic, .. } = self;
         [x, y, z, vx, vy, vz, plastic].map(Vec::as_mut_slice)
     }
 
-    /// Elements.
+    /// Number of elements.
     #[must_use]
     pub fn elements(&self) -> usize {
         self.counts.iter().product()
     }
 
-    /// Place along the surface [m] of a column from the middle of the block.
+    /// Position of a column along the surface, from the middle of the block [m].
     #[must_use]
     pub fn place(&self, column: usize) -> f64 {
         (column as f64 - 0.5 * self.counts[0] as f64) * self.length - self.behind
     }
 
-    /// A component of a node's displacement [m].
+    /// Component of a node's displacement [m].
     #[must_use]
     pub fn displacement(&self, node: usize, component: usize) -> f64 {
         self.damped[component][node] - self.damping * self.velocity[component][node]
     }
 
-    /// Gives a node of the surface a velocity [m/s] besides, in a step [s] that has been taken.
+    /// Adds a velocity [m/s] to a node of the surface, for a step [s] already taken.
     pub fn push(&mut self, node: usize, velocity: [f64; 3], step: f64) {
         for (k, more) in velocity.into_iter().enumerate() {
             self.velocity[k][node] += more;
@@ -176,8 +183,9 @@ impl Block {
         }
     }
 
-    /// Lets its first layer expand: `stretch` is the strain without stress, integrated over the depth [m], at a place
-    /// (x, y) [m] of the contact, where it stays while the material goes back. What softens has to be known before.
+    /// Applies thermal expansion to the first layer. `stretch` is the stress-free strain integrated
+    /// over the depth [m] at a position (x, y) [m] of the contact. It stays there while the
+    /// material moves back. Softening must be applied before.
     pub fn expand(&mut self, stretch: impl Fn(f64, f64) -> f64) {
         let ([columns, across, _], stride) = (self.counts, self.stride);
         let [lambda, mu] = self.solid.lame;
@@ -208,11 +216,12 @@ impl Block {
         self.expansion = Some(Expansion { forces });
     }
 
-    /// Lets its first layer be softer: `shares` are those of its stiffness and of its yield stress, above 0 and 1 at most, at a
-    /// place (x, y) [m] of the contact where the layer is so deep [m]. They stay there while the material goes back.
+    /// Applies thermal softening to the first layer. `shares` are those of the stiffness and of the
+    /// yield stress, above 0 and at most 1, at a position (x, y) [m] of the contact with this depth
+    /// of the layer [m]. They stay there while the material moves back.
     ///
     /// # Errors
-    /// Errors of `shares`.
+    /// Passes on errors of `shares`.
     pub fn soften<E>(
         &mut self,
         mut shares: impl FnMut(f64, f64, f64) -> Result<[f64; 2], E>,
@@ -234,7 +243,7 @@ impl Block {
         Ok(())
     }
 
-    /// Adds what the expansion does to a plane of nodes to those forces.
+    /// Adds the forces of the expansion on a plane of nodes.
     fn add_expansion(&mut self, plane: usize, to: usize) {
         let Some(Expansion { forces }) = &self.expansion else { return };
         let part = self.behind / self.length;
@@ -246,7 +255,7 @@ impl Block {
         }
     }
 
-    /// A step in time [s], as if nothing touched the surface.
+    /// Takes a step in time [s], as if nothing touched the surface.
     pub fn step(&mut self, step: f64) {
         let deep = self.counts[2];
         for force in &mut self.planes[0] {
@@ -271,7 +280,8 @@ impl Block {
         }
     }
 
-    /// Velocities and displacements of a plane of nodes under the forces from above and below.
+    /// Updates velocities and displacements of a plane of nodes under the forces from above and
+    /// below.
     fn advance(&mut self, plane: usize, step: f64) {
         let Self { planes: [above, own, _], damped, velocity, inverse_mass, stride, .. } = self;
         let (last, rows, damping) = (self.counts[0], self.counts[1] + 1, self.damping);
@@ -301,7 +311,7 @@ impl Block {
         }
     }
 
-    /// Forces of a layer on the planes of nodes above and below it.
+    /// Computes the forces of a layer on the planes of nodes above and below it.
     fn resist(&mut self, layer: usize) {
         let [elements, across, _] = self.counts;
         let plane = (across + 1) * self.stride;
@@ -338,7 +348,7 @@ impl Block {
         }
     }
 
-    /// Elastic energy of u + βv [J]: of strains, and of hourglass modes.
+    /// Elastic energy of u + βv [J]: of the strains, and of the hourglass modes.
     #[must_use]
     pub fn elastic_energy(&self) -> [f64; 2] {
         let [elements, across, _] = self.counts;
@@ -361,7 +371,7 @@ impl Block {
         sums
     }
 
-    /// Plastic work that was done in the elements of a column [J], and the largest κ in them.
+    /// Plastic work done in the elements of a column [J], and the largest κ in them.
     #[must_use]
     pub fn plastic_work(&self, column: usize) -> [f64; 2] {
         let (Some(flow), elements) = (self.solid.flow, self.counts[0]) else { return [0.0; 2] };
@@ -393,7 +403,8 @@ impl Block {
         self.inverse_mass.iter().enumerate().map(of_row).sum()
     }
 
-    /// Lets the material go back by a way [m], at most an element; whether the columns were shifted.
+    /// Moves the material back by a distance [m], at most one element. Returns true if the columns
+    /// were shifted.
     pub fn travel(&mut self, way: f64) -> bool {
         self.behind += way;
         if self.behind < self.length * (1.0 - ROUNDING) {
@@ -407,7 +418,7 @@ impl Block {
         for values in self.damped.iter_mut().chain(&mut self.velocity) {
             for row in values.chunks_exact_mut(self.stride) {
                 row.copy_within(1..=last, 0);
-                // The first column is held, and the last two come in without displacement.
+                // The first column is fixed, and the last two enter without displacement.
                 for node in [0, last - 1, last] {
                     row[node] = 0.0;
                 }
@@ -420,7 +431,7 @@ impl Block {
         true
     }
 
-    /// Upper bound of the highest angular frequency [1/s] of small vibrations ([`frequency`]).
+    /// Upper bound of the highest angular frequency of small vibrations [1/s] ([`frequency`]).
     #[must_use]
     pub fn highest_frequency(&self) -> f64 {
         let held = self.held == Support::Faces;
@@ -428,22 +439,24 @@ impl Block {
     }
 }
 
-/// Forces by which nodes resist while the first layer expands.
+/// Nodal forces due to the expansion of the first layer.
 struct Expansion {
-    /// On the first and the second plane of nodes [N], where columns are at their places.
+    /// Forces on the first and the second plane of nodes [N], for columns at their nominal
+    /// positions.
     forces: [[Vec<f64>; 3]; 2],
 }
 
 /// Shares of the stiffness and of the yield stress in the first layer: row of elements after row.
 struct Softening {
-    /// Shares while the columns are at their places.
+    /// Shares for columns at their nominal positions.
     shares: [Vec<f64>; 2],
-    /// Shares where the columns are now.
+    /// Shares at the present positions of the columns.
     now: [Vec<f64>; 2],
 }
 
 impl Softening {
-    /// Follows columns that are behind their places by a part of an element.
+    /// Interpolates the shares for columns that are a part of an element behind their nominal
+    /// positions.
     fn follow(&mut self, columns: usize, part: f64) {
         for (now, from) in self.now.iter_mut().zip(&self.shares) {
             for (now, from) in now.chunks_exact_mut(columns).zip(from.chunks_exact(columns)) {
@@ -460,7 +473,7 @@ impl Softening {
     }
 }
 
-/// A step of a row of nodes in one direction.
+/// Step of a row of nodes in one direction.
 struct Advance<'a> {
     forces: [&'a [f64]; 2],
     velocity: &'a mut [f64],
@@ -494,7 +507,7 @@ fn rows_of(values: &[Vec<f64>; 3], start: usize, plane: usize, stride: usize) ->
     })
 }
 
-/// Two rows of nodes that follow each other.
+/// Two consecutive rows of nodes.
 fn two_rows(values: &mut [f64], start: usize, stride: usize) -> (&mut [f64], &mut [f64]) {
     values[start..start + 2 * stride].split_at_mut(stride)
 }

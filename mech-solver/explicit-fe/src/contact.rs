@@ -1,32 +1,36 @@
-//! Contact of the surfaces of two blocks: impulses that keep them from overlapping, and friction.
+//! Contact of the surfaces of two blocks: impulses that prevent overlap, and friction.
 //!
-//! Every node of the upper surface near the lower one meets the point of it that is below or above it, by the shares N of the four nodes
-//! round that point. With what both do in a step as if nothing touched, and impulses p on the upper body,
+//! Every node of the upper surface near the lower one faces a point of the lower surface, with the
+//! shares N of the four nodes around that point. Starred quantities are those of a step without
+//! contact. With the impulses p on the upper body,
 //!
 //! - gap at the end of the step: g = g* + Δt n·W p ≥ 0, p_n ≥ 0, g p_n = 0;
-//! - velocity during the step: v = v* + W p; v_t = 0 where |p_t| < f p_n, p_t = −f p_n v_t/|v_t| elsewhere;
+//! - velocity during the step: v = v* + W p; v_t = 0 where |p_t| < f p_n, p_t = −f p_n v_t/|v_t|
+//!   elsewhere;
 //!
-//! W the inverse masses, coupled where nodes share one below. Solved by projected Gauss–Seidel sweeps from the impulses of the
-//! step before (Moreau; Jean, Comput. Methods Appl. Mech. Engng 177 (1999) 235–257). Momentum is conserved to rounding; what
-//! friction takes is −p_t · (v⁻ + v⁺)/2, which closes the energy balance of central differences.
+//! W are the inverse masses, coupled where nodes share a node below. Projected Gauss–Seidel sweeps
+//! solve this, starting from the impulses of the previous step (Moreau; Jean, Comput. Methods Appl.
+//! Mech. Engng 177 (1999) 235–257). Momentum is conserved to rounding. The friction work is −p_t ·
+//! (v⁻ + v⁺)/2, which closes the energy balance of central differences.
 //!
-//! Surfaces that yield, as those of a penalty method or of a layer between them, have flexibilities L [m/Pa]: with c = L/(A Δt) at a
-//! node of area A the gap is −c_n p_n at the end of a step, and a node that sticks is c_t p_t away from where it would be. Taken at
-//! the end of the step, that is stable for any stiffness, and multipliers are L = 0. Springs keep c p²/2Δt; what friction takes is
-//! less by what they gain.
+//! Surfaces that yield, as in a penalty method or with a layer between them, have flexibilities L
+//! [m/Pa]. With c = L/(A Δt) at a node of area A, the gap at the end of a step is −c_n p_n, and a
+//! sticking node is displaced by c_t p_t. Evaluated at the end of the step, this is stable for any
+//! stiffness; multipliers are the case L = 0. The springs store c p²/2Δt, and the friction work is
+//! reduced by the increase of this energy.
 
 use super::block::Block;
 use super::plane::{Event, Plane};
 use elastic::axle::Irregularity;
 use std::f64::consts::PI;
 
-/// Gap below which a node is watched [m].
+/// Gap below which a node is included in the contact search [m].
 const NEAR: f64 = 1e-6;
-/// Largest change of an impulse over the largest impulse at which sweeps end, and most of them.
+/// Relative change of an impulse at which the sweeps end, and their largest number.
 const SETTLED: f64 = 1e-4;
 const MOST_SWEEPS: usize = 50;
 
-/// Velocities of a node that was not watched.
+/// Velocities of a node outside the contact search.
 const NOT_WATCHED: [[f64; 3]; 2] = [[f64::NAN; 3]; 2];
 
 /// Rigid motion of the bodies.
@@ -36,22 +40,22 @@ pub struct Frame {
     pub approach: f64,
     /// Velocity of the upper body upwards [m/s].
     pub rising: f64,
-    /// Speeds at which the material of the upper and lower surface goes back [m/s].
+    /// Speeds at which the material of the upper and lower surface moves back [m/s].
     pub speeds: [f64; 2],
-    /// Ways that it goes back in the step [m].
+    /// Distances by which the material moves back in the step [m].
     pub ways: [f64; 2],
     /// Irregularity of one of the surfaces.
     pub irregularity: Option<Irregularity>,
-    /// Ways that both surfaces have gone back before the step [m].
+    /// Distances by which both surfaces have moved back before the step [m].
     pub travelled: [f64; 2],
 }
 
-/// Law of friction between the surfaces.
+/// Friction law between the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
     /// Coulomb's friction coefficient [-].
     pub coefficient: f64,
-    /// Surfaces may stick; otherwise all slide against the rigid motion.
+    /// True if surfaces may stick; otherwise all slide against the rigid motion.
     pub sticks: bool,
     /// Flexibilities, normal and tangential [m/Pa].
     pub flexibility: [f64; 2],
@@ -64,20 +68,20 @@ pub struct Sums {
     pub impulse: [f64; 3],
     /// Normal impulse of all nodes [N·s].
     pub pressed: f64,
-    /// Work of friction [J].
+    /// Friction work [J].
     pub friction: f64,
-    /// Work that the rigid motion does on the contact [J].
+    /// Work of the rigid motion on the contact [J].
     pub work: f64,
-    /// Area of the nodes that are pressed, and of those of them that slide [m²].
+    /// Area of the pressed nodes, and of the sliding ones among them [m²].
     pub areas: [f64; 2],
-    /// Sweeps.
+    /// Number of sweeps.
     pub sweeps: usize,
-    /// 1 if the impulses have not come to rest in them.
+    /// 1 if the impulses did not converge.
     pub unsettled: usize,
 }
 
 impl Sums {
-    /// Adds those of a step.
+    /// Adds the sums of a step.
     pub fn add(&mut self, more: &Self) {
         self.impulse = add(self.impulse, more.impulse);
         self.pressed += more.pressed;
@@ -89,7 +93,7 @@ impl Sums {
     }
 }
 
-/// A node of the upper surface and the point below it.
+/// Node of the upper surface and the point below it.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     node: usize,
@@ -102,14 +106,14 @@ struct Pair {
     angle: f64,
     velocity: [f64; 3],
     rigid: [f64; 3],
-    /// 1/m of the node, of those below, and of all against each other [1/kg].
+    /// Inverse masses [1/kg]: of the node, of the nodes below, and of the pair together.
     inverse: f64,
     inverse_below: [f64; 4],
     together: f64,
-    /// Normal and tangential flexibility over area and step [m/(N·s)].
+    /// Normal and tangential flexibility per area and step [m/(N·s)].
     yields: [f64; 2],
     impulse: [f64; 3],
-    /// Impulse of the step before [N·s].
+    /// Impulse of the previous step [N·s].
     before: [f64; 3],
 }
 
@@ -119,16 +123,16 @@ pub struct Contact {
     pairs: Vec<Pair>,
     /// Impulses of the last step on the nodes of the upper surface, forward, left, up [N·s].
     impulses: Vec<[f64; 3]>,
-    /// Velocities against the lower surface of the nodes that were watched [m/s]: whole, and of the rigid motion; NaN of those
-    /// that were not.
+    /// Velocities of the nodes relative to the lower surface [m/s], total and of the rigid motion;
+    /// NaN for nodes outside the contact search.
     last: Vec<[[f64; 3]; 2]>,
-    /// The last step [s].
+    /// Length of the last step [s].
     step: f64,
     changes: [Vec<[f64; 3]>; 2],
 }
 
 impl Contact {
-    /// Between two blocks.
+    /// Creates the contact between two blocks.
     #[must_use]
     pub fn new(upper: &Block, lower: &Block) -> Self {
         let nodes = |block: &Block| block.stride * (block.counts[1] + 1);
@@ -148,7 +152,7 @@ impl Contact {
         [impulses.as_flattened_mut(), last, std::slice::from_mut(step)]
     }
 
-    /// The columns of the upper body have been shifted.
+    /// Follows a shift of the upper body's columns.
     pub fn shift(&mut self, upper: &Block) {
         let last = upper.counts[0];
         for row in self.impulses.chunks_exact_mut(upper.stride) {
@@ -161,8 +165,8 @@ impl Contact {
         }
     }
 
-    /// Lets the surfaces touch where they would overlap at the end of a step [s]; what happens to the nodes is added to
-    /// `plane`, whose extent is where they may.
+    /// Prevents overlap of the surfaces at the end of a step [s]. The events of the nodes are added
+    /// to `plane`, whose extent limits the contact search.
     pub fn resolve(
         &mut self,
         [upper, lower]: [&mut Block; 2],
@@ -218,7 +222,8 @@ impl Contact {
         sums
     }
 
-    /// Forces of the last step, over a step of this length [s].
+    /// Rescales the impulses of the last step to a step of this length [s], so that the forces stay
+    /// the same.
     fn last_for(&mut self, step: f64) {
         if self.step > 0.0 {
             let ratio = step / self.step;
@@ -227,7 +232,7 @@ impl Contact {
         self.step = step;
     }
 
-    /// Finds the nodes that are near the other surface, and what is below them.
+    /// Finds the nodes near the other surface, and the points below them.
     fn meet(
         &mut self,
         [upper, lower]: [&Block; 2],
@@ -294,7 +299,7 @@ impl Contact {
         }
     }
 
-    /// Adds what an impulse at a pair does to the velocities of its nodes.
+    /// Adds the effect of an impulse at a pair to the velocities of its nodes.
     fn spread(&mut self, index: usize, impulse: [f64; 3]) {
         let pair = &self.pairs[index];
         let [upper, lower] = &mut self.changes;
@@ -307,7 +312,7 @@ impl Contact {
         }
     }
 
-    /// Change of the velocity of a pair's surfaces against each other.
+    /// Change of the relative velocity of a pair's surfaces.
     fn change(&self, pair: &Pair) -> [f64; 3] {
         let mut change = self.changes[0][pair.node];
         for (node, share) in pair.below.iter().zip(pair.shares) {
@@ -316,7 +321,8 @@ impl Contact {
         change
     }
 
-    /// Sweeps over the pairs until their impulses rest; the sweeps, and whether they do.
+    /// Sweeps over the pairs until their impulses converge. Returns the number of sweeps, and
+    /// whether they converged.
     fn sweep(&mut self, law: Law, step: f64) -> (usize, bool) {
         for sweep in 1..=MOST_SWEEPS {
             let (mut largest, mut change) = (0.0_f64, 0.0_f64);
@@ -359,7 +365,8 @@ impl Contact {
         (MOST_SWEEPS, false)
     }
 
-    /// Gives the nodes of both surfaces their changes of velocity, and takes those away: a node below is shared.
+    /// Applies the velocity changes to the nodes of both surfaces and resets them, because several
+    /// pairs share a node below.
     fn apply(&mut self, upper: &mut Block, lower: &mut Block, frame: &Frame, step: f64) {
         let [changes, below] = &mut self.changes;
         for pair in &self.pairs {
@@ -377,10 +384,11 @@ impl Contact {
     }
 }
 
-/// A surface in the frame of the contact: x forward, y left, z up, the origin where the undeformed bodies touch.
+/// A surface in the frame of the contact: x forward, y left, z up, with the origin where the
+/// undeformed bodies touch.
 struct Surface<'a> {
     block: &'a Block,
-    /// 1 of the upper body, into which is up, −1 of the lower one.
+    /// 1 for the upper body, which extends upwards, −1 for the lower one.
     side: f64,
     height: f64,
     rising: f64,
@@ -390,7 +398,7 @@ struct Surface<'a> {
     travelled: f64,
 }
 
-/// A point of a surface, and the gap to it.
+/// Point of a surface, and the gap to it.
 struct SurfacePoint {
     nodes: [usize; 4],
     shares: [f64; 4],
@@ -446,7 +454,8 @@ impl<'a> Surface<'a> {
         [x, y + u[1], self.height + self.side * z]
     }
 
-    /// Velocity of a node in the rigid motion, in the middle of the step [m/s]: its way in the step over the step.
+    /// Velocity of a node in the rigid motion, in the middle of the step [m/s]: its displacement in
+    /// the step over the step.
     fn rigid(&self, node: usize, row: usize, column: usize) -> [f64; 3] {
         let radius = self.block.solid.radius;
         if radius.is_infinite() {
@@ -461,20 +470,20 @@ impl<'a> Surface<'a> {
         [x, y, z + self.rising]
     }
 
-    /// A node's own velocity [m/s].
+    /// Velocity of a node beyond the rigid motion [m/s].
     fn own(&self, node: usize, column: usize) -> [f64; 3] {
         let own = std::array::from_fn(|k| self.block.velocity[k][node]);
         lab_directions(own, self.angle(column), self.side)
     }
 
-    /// The point of this surface that a place meets.
+    /// Point of this surface that faces a position.
     fn below(&self, place: [f64; 3]) -> SurfacePoint {
         let block = self.block;
         let [columns, across, _] = block.counts;
         let last = |value: f64, most: usize| (value.max(0.0) as usize).min(most - 1);
         let (mut along, mut lateral) = (place[0], place[1]);
         let mut met = SurfacePoint { nodes: [0; 4], shares: [0.0; 4], normal: [0.0; 3], gap: 0.0 };
-        // The place is that of the material: what has moved is looked for again.
+        // The position is that of the material: repeat the search with the displacement found.
         for _ in 0..3 {
             let at = (along + block.behind + self.way) / block.length + 0.5 * columns as f64;
             let column = last(at, columns);
@@ -507,13 +516,13 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// From forward, left and up to along, across and into a body at an angle.
+/// Converts forward, left and up to along, across and into a body at an angle.
 fn own_directions([x, y, z]: [f64; 3], angle: f64, side: f64) -> [f64; 3] {
     let ((sine, cosine), z) = (angle.sin_cos(), side * z);
     [x * cosine + z * sine, y, -x * sine + z * cosine]
 }
 
-/// The other way.
+/// Converts along, across and into a body at an angle to forward, left and up.
 fn lab_directions([u, v, w]: [f64; 3], angle: f64, side: f64) -> [f64; 3] {
     let (sine, cosine) = angle.sin_cos();
     [u * cosine - w * sine, v, side * (u * sine + w * cosine)]
@@ -527,7 +536,6 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// a − scale b.
 fn sub_scaled(a: [f64; 3], b: [f64; 3], scale: f64) -> [f64; 3] {
     [a[0] - scale * b[0], a[1] - scale * b[1], a[2] - scale * b[2]]
 }

@@ -7,27 +7,28 @@
 //!
 //! ω² ≤ max over the parts p of the largest eigenvalue of K_p u = ω² M_p u.
 //!
-//! With single elements as parts, ρV/8 at each of eight nodes, this is Flanagan & Belytschko's ω² ≤
-//! 8 (λ+2μ)/ρ · Σ B² (Int. J. Numer. Meth. Engng 17 (1981) 679–706; B as of [`super::shape`]). A
-//! lattice of cubes has a third of it, 4 (λ+2μ)/(ρ h²): one element can shorten along all three
-//! axes at once, its neighbours cannot follow. Deviation from the source: a part is a layer of
-//! elements, one element deep, over the whole width and length of the body. Displacements along the
-//! rows are sums of waves u e^{iθn}, n being the number of the node, and at the ends of an element
-//! they split in two classes,
+//! Single elements as parts, with ρV/8 at each of eight nodes, give Flanagan & Belytschko's ω² ≤ 8
+//! (λ+2μ)/ρ · Σ B² (Int. J. Numer. Meth. Engng 17 (1981) 679–706; B as in [`super::shape`]). A
+//! lattice of cubes has a third of it, 4 (λ+2μ)/(ρ h²): a single element can shorten along all
+//! three axes at once, but its neighbours cannot follow. Deviation from the source: a part is a
+//! layer of elements, one element deep, over the whole width and length of the body. Displacements
+//! along the rows are sums of waves u e^{iθn} with the number n of the node. At the ends of an
+//! element they split into two classes,
 //!
-//! - E: u_x differs between the ends, u_y and u_z are equal, of amplitudes sin(θ/2) u_x,
+//! - E: u_x differs between the ends, u_y and u_z are equal, with the amplitudes sin(θ/2) u_x,
 //!   cos(θ/2) u_y, cos(θ/2) u_z;
-//! - O: u_x is equal, u_y and u_z differ, of amplitudes cos(θ/2) u_x, sin(θ/2) u_y, sin(θ/2) u_z,
+//! - O: u_x is equal, u_y and u_z differ, with the amplitudes cos(θ/2) u_x, sin(θ/2) u_y, sin(θ/2)
+//!   u_z,
 //!
-//! so that K(θ) = D_E K_E D_E + D_O K_O D_O is real, and tridiagonal across in blocks of two nodes.
-//! uᵀK(θ)u is α + R cos(θ − φ) with α ≥ R ≥ 0, hence at most 1/cos²(π/2N) times the largest of its
-//! values at θ = 2πj/N. All of σM − K(θ_j) have a Cholesky factorisation if, and only if, σ is
-//! above their eigenvalues; σ is found by bisection.
+//! so that K(θ) = D_E K_E D_E + D_O K_O D_O is real, and block tridiagonal across with blocks of
+//! two nodes. uᵀK(θ)u is α + R cos(θ − φ) with α ≥ R ≥ 0. It is therefore at most 1/cos²(π/2N)
+//! times the largest of its values at θ = 2πj/N. All σM − K(θ_j) have a Cholesky factorisation if
+//! and only if σ is above their eigenvalues; bisection finds σ.
 //!
-//! Rows with held ends are rows without end of which some nodes do not move: the bound holds. At
-//! free ends one element is not held by a neighbour; there both classes are taken by themselves, D = 1,
-//! which is the bound with elements as parts along x. Elements that are softer than their row
-//! have less than K: the bound holds for them too.
+//! Rows with fixed ends are infinite rows in which some nodes do not move: the bound holds. At free
+//! ends an element has no neighbour on one side. There both classes are taken separately, D = 1,
+//! which is the bound with elements as parts along x. Elements that are softer than their row have
+//! a smaller K: the bound holds for them too.
 //!
 //! Sources: the quotient of sums, Irons & Treharne, Proc. 3rd Conf. Matrix Methods in Structural
 //! Mechanics (1971); Fried, J. Sound Vib. 22 (1972) 407–418.
@@ -37,7 +38,7 @@ use super::shape::SIGNS;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 
-/// Waves N in 2π; the bound is higher by 1/cos(π/2N), 0.12 %.
+/// Number N of waves in 2π; the bound is higher by 1/cos(π/2N), 0.12 %.
 const WAVES: usize = 32;
 /// Relative width at which the bisection for ω² ends.
 const WIDTH: f64 = 1e-4;
@@ -52,8 +53,9 @@ type OfElement = SMatrix<f64, 12, 12>;
 /// Factors of (u_x, u_y and u_z) in the classes E and O.
 type Amplitudes = [[f64; 2]; 2];
 
-/// Upper bound of the highest angular frequency [1/s] of a body of rows of elements with these
-/// stiffnesses, `across` to a layer, of a density [kg/m³], which is free, or held at its ends, sides and bottom.
+/// Returns an upper bound of the highest angular frequency [1/s] of a body with rows of elements of
+/// these stiffnesses, `across` rows per layer, and a density [kg/m³]. The body is free, or fixed at
+/// its ends, sides and bottom if `held`.
 #[must_use]
 pub fn highest(rows: &[Stiffness], across: usize, density: f64, held: bool) -> f64 {
     let waves: Vec<Amplitudes> = if held {
@@ -67,7 +69,7 @@ pub fn highest(rows: &[Stiffness], across: usize, density: f64, held: bool) -> f
     };
     let (mut square, last) = (0.0, rows.len() / across - 1);
     for (at, rows) in rows.chunks_exact(across).enumerate() {
-        // The sides and the bottom of a held body.
+        // Sides and bottom of a fixed body do not move.
         let moves = |j: usize| {
             let [left, right, below] = [j > 0, j < across - 1, at < last].map(|it| it || !held);
             [left, left && below, right, right && below]
@@ -85,8 +87,8 @@ pub fn highest(rows: &[Stiffness], across: usize, density: f64, held: bool) -> f
     f64::sqrt(square) / between
 }
 
-/// An element: rows and columns are corner after corner in the order of [`CORNERS`], at each x, y,
-/// z.
+/// Element matrices. Rows and columns are ordered by corner as in [`CORNERS`], with x, y, z at
+/// each.
 struct Element {
     /// K_E and K_O [N/m].
     classes: [OfElement; 2],
@@ -95,7 +97,7 @@ struct Element {
 }
 
 impl Element {
-    /// An element of which these corners move. The others keep their mass.
+    /// Creates an element; corners that do not move keep their mass.
     fn new(row: &Stiffness, density: f64, moves: [bool; 4]) -> Self {
         let held = |i: usize, j: usize| !(moves[i / 3] && moves[j / 3]);
         let classes = [[true, false, false], [false, true, true]].map(|differs| {
@@ -115,15 +117,16 @@ impl Element {
     }
 }
 
-/// Stiffness of an element [N/m] for displacements of which these components are ∓u at the near and
-/// the far end, and the others u at both: what [`super::kernel`] answers to small ones.
+/// Stiffness of an element [N/m] for displacements whose components marked by `differs` are ∓u at
+/// the near and the far end, while the others are u at both; the linearisation of
+/// [`super::kernel`].
 fn class(row: &Stiffness, differs: [bool; 3]) -> OfElement {
     let Stiffness { shape, lame: [lambda, mu], hourglass, .. } = row;
     let signs: [[f64; 3]; 4] = CORNERS.map(|corner| {
         let [_, eta, zeta] = SIGNS[2 * corner];
         [eta, zeta, eta * zeta]
     });
-    // A functional of the amplitudes: of one component, by a weight for each corner.
+    // Linear functional of the amplitudes: one component, with a weight for each corner.
     let of_component = |component: usize, weight: &dyn Fn([f64; 3]) -> f64| {
         let mut row = SVector::<f64, 12>::zeros();
         for (corner, signs) in signs.into_iter().enumerate() {
@@ -146,7 +149,7 @@ fn class(row: &Stiffness, differs: [bool; 3]) -> OfElement {
         })
     });
     let mut stiffness = OfElement::zeros();
-    // Displacements at the nodes are turned to the directions of the element's middle.
+    // Displacements at the nodes are rotated to the directions of the element's middle.
     let (sine, cosine) = shape.half_angle.sin_cos();
     let mut add = |weight: f64, functional: SVector<f64, 12>| {
         let mut row = functional;
@@ -201,7 +204,8 @@ impl Layer {
         Self { own, next, mass }
     }
 
-    /// Returns true if all eigenvalues ω² are below σ: σM − K is factorised from one side to the other.
+    /// Returns true if all eigenvalues ω² are below σ, by factorising σM − K from one side to the
+    /// other.
     fn is_below(&self, sigma: f64) -> bool {
         let mut before = Pair::zeros();
         for (at, (own, mass)) in self.own.iter().zip(&self.mass).enumerate() {
@@ -214,7 +218,7 @@ impl Layer {
         true
     }
 
-    /// A number [1/s²] above all eigenvalues by little, of which the largest is not below `least`.
+    /// Tight upper bound of all eigenvalues [1/s²], at least `least`.
     fn bound(&self, least: f64) -> f64 {
         let quotients =
             self.own.iter().zip(&self.mass).map(|(own, mass)| own.diagonal().max() / mass);

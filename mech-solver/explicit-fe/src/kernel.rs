@@ -1,31 +1,38 @@
-//! Forces of a row of elements from the displacements of its four rows of nodes, vectorised along the row.
+//! Forces of a row of elements from the displacements of its four rows of nodes, vectorised along
+//! the row.
 //!
-//! In the frame of the element's middle: sums û of the displacements over the Hadamard vectors ([`super::shape`]), their
-//! gradient H, Green's strain E = (H + Hᵀ + HᵀH)/2, stress S = λ tr E + 2μE (St. Venant & Kirchhoff), P = (1 + H) S; hourglass
-//! modes q_m = û_m − Σ_r X_mr H_r with the sums X of the places, which no linear field excites, resisted by k q. Forces are the
-//! transpose of all that. A rigid motion, of whatever angle, makes no force.
+//! All quantities are in the frame of the element's middle. û are the sums of the displacements
+//! over the Hadamard vectors ([`super::shape`]), H is their gradient, E = (H + Hᵀ + HᵀH)/2 Green's
+//! strain, S = λ tr E + 2μE the stress (St. Venant & Kirchhoff), and P = (1 + H) S. Hourglass modes
+//! are q_m = û_m − Σ_r X_mr H_r with the sums X of the positions. No linear field excites them, and
+//! k q resists them. Forces follow by the transpose of these operations. A rigid motion of any
+//! angle causes no force.
 //!
-//! A material that flows ([`Flow`]) has plastic strains e: S = λ tr E + 2μ(E − e), by a radial return to the yield surface of
-//! von Mises with linear isotropic and kinematic hardening. In units of strain, with ξ = dev E − (1 + H_k/3μ) e,
+//! A material that flows ([`Flow`]) has plastic strains e and the stress S = λ tr E + 2μ(E − e), by
+//! a radial return to the yield surface of von Mises with linear isotropic and kinematic hardening.
+//! In units of strain, with ξ = dev E − (1 + H_k/3μ) e,
 //!
 //! Δγ = max(0, |ξ| − √(2/3) (σ_y + H_i κ)/2μ)/(1 + (H_i + H_k)/3μ), e += Δγ ξ/|ξ|, κ += √(2/3) Δγ,
 //!
-//! for linear kinematic hardening makes the back stress (2/3) H_k e. What was plastically done is
-//! σ_y κ + H_i κ²/2 + H_k e:e/3, whatever the way (Simo & Hughes, Computational Inelasticity (1998), box 3.1).
+//! because linear kinematic hardening gives the back stress (2/3) H_k e. The plastic work is σ_y
+//! κ + H_i κ²/2 + H_k e:e/3, independent of the path (Simo & Hughes, Computational Inelasticity
+//! (1998), box 3.1).
 //!
-//! Elements that are softer by a share s of their stiffness and yield at a share r of their yield stress have sλ, sμ, a bound of
-//! √(2/3) (r σ_y + s H_i κ)/2sμ, and sk: moduli of hardening fall with the stiffness.
+//! Elements that have a share s of the stiffness and a share r of the yield stress use sλ, sμ, a
+//! bound of √(2/3) (r σ_y + s H_i κ)/2sμ, and sk: the hardening moduli fall with the stiffness.
 //!
-//! In a body that rolls, the nodes of the two ends have their displacements in directions that are turned by half an angle to
-//! either side of the middle's.
+//! The nodes of both ends of an element in a rolling body have their displacements in directions
+//! that are turned by half an angle to either side of those of the middle.
 //!
-//! Source: Flanagan & Belytschko 1981 ("stiffness" form), total Lagrangian. Deviation: forces and displacements are never gathered element by
-//! element: along a row both are contiguous, and an element's far end is its neighbour's near one.
+//! Source: Flanagan & Belytschko 1981 ("stiffness" form), total Lagrangian. Deviation: forces and
+//! displacements are never gathered element by element. Along a row both are contiguous, and an
+//! element's far end is its neighbour's near end.
 
 use super::shape::Shape;
 use pulp::{Simd, WithSimd};
 
-/// Elements of a row are a multiple of this, whatever vectors the machine has.
+/// Granularity of a row: the number of its elements is a multiple of this, whatever vectors the
+/// machine has.
 pub const LANES: usize = 8;
 
 /// Plastic strains xx, yy, xy, yz, xz of an element, and κ.
@@ -36,25 +43,27 @@ pub const PLASTIC: usize = 6;
 pub struct Flow {
     /// Yield stress σ_y [Pa].
     pub yield_stress: f64,
-    /// Moduli of linear isotropic and kinematic hardening, H_i and H_k, of stress over plastic strain [Pa].
+    /// Moduli of linear isotropic and kinematic hardening, H_i and H_k: stress per plastic strain
+    /// [Pa].
     pub hardening: [f64; 2],
 }
 
 /// Stiffness of the elements of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
-    /// Their shape.
+    /// Shape of the elements.
     pub shape: Shape,
     /// λV and μV [N·m].
     pub lame: [f64; 2],
     /// Stiffness of the hourglass modes [N/m].
     pub hourglass: f64,
-    /// √(2/3) σ_y/2μ, H_i/3μ and H_k/3μ; 0 of a material that does not flow.
+    /// √(2/3) σ_y/2μ, H_i/3μ and H_k/3μ; 0 for a material that does not flow.
     pub flow: [f64; 3],
 }
 
 impl Stiffness {
-    /// Stiffness of a shape, with Lamé's constants λ and μ [Pa] and a share of the shear modulus that resists hourglass modes.
+    /// Creates the stiffness of a shape, with Lamé's constants λ and μ [Pa] and the share of the
+    /// shear modulus that resists hourglass modes.
     #[must_use]
     pub fn new(shape: Shape, [lambda, mu]: [f64; 2], share: f64, flow: Option<Flow>) -> Self {
         let volume = shape.volume;
@@ -68,36 +77,40 @@ impl Stiffness {
     }
 }
 
-/// Components of a vector at the nodes of four rows: corner by corner, along, across and into the body.
+/// Components of a vector at the nodes of four rows: corner by corner; along, across and into the
+/// body.
 pub type Rows<T> = [[T; 3]; 4];
 
-/// A row of elements and its rows of nodes, one node longer and padded to a multiple of [`LANES`] beyond that.
+/// Row of elements and its rows of nodes, one node longer and padded to a multiple of [`LANES`]
+/// beyond that.
 pub struct Row<'a> {
-    /// Elements.
+    /// Number of elements.
     pub elements: usize,
-    /// Their stiffness.
+    /// Stiffness of the elements.
     pub stiffness: &'a Stiffness,
     /// Displacements [m].
     pub displacement: Rows<&'a [f64]>,
-    /// Shares of the stiffness and of the yield stress that each element has; of a row that has all of both, nothing.
+    /// Shares of the stiffness and of the yield stress of each element; empty if all elements have
+    /// the full values.
     pub shares: [&'a [f64]; 2],
 }
 
 /// Adds the forces of a row [N] to those of its rows of nodes.
 pub struct Forces<'a, const CURVED: bool, const FLOWS: bool, const SOFTER: bool> {
-    /// The row.
+    /// Row of elements.
     pub row: Row<'a>,
-    /// Forces by which the nodes resist.
+    /// Resisting forces at the nodes.
     pub force: Rows<&'a mut [f64]>,
-    /// Plastic strains of the elements, one array after the other; of a material that does not flow, nothing.
+    /// Plastic strains of the elements, one array after the other; empty for a material that does
+    /// not flow.
     pub plastic: &'a mut [f64],
 }
 
-/// The elastic energy of a row [J]: of the strain, and of the hourglass modes.
+/// Computes the elastic energy of a row [J]: of the strain, and of the hourglass modes.
 pub struct Energy<'a, const CURVED: bool, const FLOWS: bool, const SOFTER: bool> {
-    /// The row.
+    /// Row of elements.
     pub row: Row<'a>,
-    /// As for the forces.
+    /// Plastic strains of the elements, as in [`Forces`].
     pub plastic: &'a [f64],
 }
 
@@ -118,7 +131,7 @@ impl<const CURVED: bool, const FLOWS: bool, const SOFTER: bool> WithSimd
         let plastic = S::as_mut_simd_f64s(plastic).0;
         let zero = s.splat_f64s(0.0);
         let first = s.mask_between_m64s(0, 1).mask();
-        // What the far ends of the elements before leave to the first node.
+        // Forces that the far ends of the previous elements exert on the first node.
         let mut carried = [[zero; 3]; 4];
         #[allow(clippy::needless_range_loop, reason = "it indexes rows of six vectors alike")]
         for group in 0..groups {
@@ -191,7 +204,7 @@ fn views<'a, S: Simd>(rows: &Rows<&'a [f64]>, from: usize, groups: usize) -> Row
     rows.map(|row| row.map(|row| &S::as_simd_f64s(&row[from..from + length]).0[..groups]))
 }
 
-/// The constants of a row, in every lane.
+/// Constants of a row, broadcast to all lanes.
 #[derive(Clone, Copy)]
 struct LaneMaterial<S: Simd> {
     along: [S::f64s; 4],
@@ -223,7 +236,8 @@ impl<S: Simd> LaneMaterial<S> {
 }
 
 impl<S: Simd> LaneMaterial<S> {
-    /// Constants of a group of elements, with their shares of its stiffness and of its yield stress if they are softer.
+    /// Constants of a group of elements, scaled by their shares of stiffness and yield stress if
+    /// they are softer.
     #[inline(always)]
     fn of_group<const SOFTER: bool>(&self, s: S, shares: &[&[S::f64s]; 2], group: usize) -> Self {
         if !SOFTER {
@@ -241,7 +255,7 @@ impl<S: Simd> LaneMaterial<S> {
     }
 }
 
-/// Sums and differences of the two ends along ξ, of the four corners; of forces, halves of them.
+/// Sums and differences of both ends along ξ, at the four corners; for forces, halves of them.
 struct Ends<S: Simd> {
     sum: Rows<S::f64s>,
     difference: Rows<S::f64s>,
@@ -262,7 +276,7 @@ impl<S: Simd> Ends<S> {
         ends
     }
 
-    /// From the directions of the nodes to those of the middle.
+    /// Rotates from the directions of the nodes to those of the middle.
     #[inline(always)]
     fn turned<const CURVED: bool>(mut self, s: S, material: &LaneMaterial<S>) -> Self {
         if !CURVED {
@@ -279,7 +293,7 @@ impl<S: Simd> Ends<S> {
         self
     }
 
-    /// The transpose.
+    /// Transpose of [`Ends::turned`].
     #[inline(always)]
     fn turned_back<const CURVED: bool>(mut self, s: S, material: &LaneMaterial<S>) -> Self {
         if !CURVED {
@@ -310,7 +324,7 @@ fn hadamard<S: Simd>(s: S, [a, b, c, d]: [S::f64s; 4]) -> [S::f64s; 4] {
     ]
 }
 
-/// Answer of elements to displacements: forces, and energies of strain and hourglass modes.
+/// Response of elements to displacements: forces, and energies of strain and hourglass modes.
 struct Answer<S: Simd> {
     ends: Ends<S>,
     energy: [S::f64s; 2],
@@ -322,7 +336,7 @@ fn products<S: Simd>(s: S, [a, b, c, d, e, f, g]: [S::f64s; 7]) -> S::f64s {
     s.mul_add_f64s(a, b, s.mul_add_f64s(c, d, s.mul_add_f64s(e, f, g)))
 }
 
-/// Lets plastic strains follow the strains, and takes them away.
+/// Updates the plastic strains by radial return, and subtracts them from the strains.
 #[inline(always)]
 fn yielding<S: Simd>(
     s: S,
@@ -336,7 +350,7 @@ fn yielding<S: Simd>(
     let mean = s.mul_f64s(all(1.0 / 3.0), s.add_f64s(normal[0], s.add_f64s(normal[1], normal[2])));
     let [pxx, pyy, pxy, pyz, pxz, grown] = *plastic;
     let shared = s.add_f64s(one, *kinematic);
-    // ξ of xx, yy, xy, yz, xz; that of zz is what makes their trace nothing.
+    // ξ of xx, yy, xy, yz, xz; that of zz makes the trace zero.
     let away = |strain: S::f64s, plastic: S::f64s| s.negate_mul_add_f64s(shared, plastic, strain);
     let xi = [
         away(s.sub_f64s(normal[0], mean), pxx),
@@ -379,7 +393,7 @@ fn answer<S: Simd, const FLOWS: bool>(
     let LaneMaterial { along, across: [by, bz], twist, bend, lame, hourglass, flow, .. } = material;
     let (zero, half) = (s.splat_f64s(0.0), s.splat_f64s(0.5));
     let mut h = [[zero; 3]; 3];
-    // ξη, ξζ, ξηζ and ηζ of every component; then what resists them.
+    // Modes ξη, ξζ, ξηζ and ηζ of every component, then the forces that resist them.
     let mut q = [[zero; 4]; 3];
     let mut resisted = zero;
     for k in 0..3 {

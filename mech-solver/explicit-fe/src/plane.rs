@@ -1,15 +1,16 @@
-//! What happens in the contact, summed over time on a plane of cells that travels with it.
+//! Impulses, slip and work of the contact, summed over time on a plane of cells that travels with
+//! it.
 //!
-//! A node of the upper surface deposits what happens to it where it is, in the shares of the two cells whose middles it is
-//! between; rows of cells are the rows of nodes. So sums over the plane are sums over the nodes, to rounding, and a node that
-//! passes leaves an even trace.
+//! A node of the upper surface distributes its values to the two cells between whose middles it
+//! lies. The rows of cells are the rows of nodes. Sums over the plane therefore equal sums over the
+//! nodes to rounding, and a passing node leaves a uniform trace.
 
 use grids::Structured;
 
 /// Sums over the cells of a plane.
 #[derive(Clone, Debug)]
 pub struct Plane {
-    /// The cells.
+    /// Grid of the cells.
     pub grid: Structured,
     /// Row of nodes of the first row of cells.
     pub first_row: usize,
@@ -17,17 +18,17 @@ pub struct Plane {
     pub normal: Vec<f64>,
     /// Tangential impulse on the upper body, along and across [N·s].
     pub tangential: [Vec<f64>; 2],
-    /// Slip of the upper against the lower surface, weighted with the normal impulse [N·m].
+    /// Slip of the upper surface relative to the lower one, weighted with the normal impulse [N·m].
     pub slip: [Vec<f64>; 2],
-    /// Work of friction [J].
+    /// Friction work [J].
     pub work: Vec<f64>,
-    /// The time, and a step of it [s].
+    /// Total time of the sums [s].
     pub time: f64,
-    /// See there.
+    /// Length of a step [s].
     pub step: f64,
 }
 
-/// Events of a node in a step.
+/// Contribution of a node in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Event {
     /// Normal impulse [N·s].
@@ -36,12 +37,12 @@ pub struct Event {
     pub tangential: [f64; 2],
     /// Slip [m].
     pub slip: [f64; 2],
-    /// Work of friction [J].
+    /// Friction work [J].
     pub work: f64,
 }
 
 impl Plane {
-    /// Nothing has happened.
+    /// Creates a plane with all sums zero.
     #[must_use]
     pub fn new(grid: Structured, first_row: usize) -> Self {
         let zeros = || vec![0.0; grid.points()];
@@ -57,7 +58,7 @@ impl Plane {
         }
     }
 
-    /// Forgets what has happened.
+    /// Resets all sums to zero.
     pub fn clear(&mut self) {
         let Self { normal, tangential: [x, y], slip: [slip_x, slip_y], work, time, .. } = self;
         for sums in [normal, x, y, slip_x, slip_y, work] {
@@ -66,7 +67,8 @@ impl Plane {
         *time = 0.0;
     }
 
-    /// Adds what happens to a node of a row at a place [m]; whether it is on the plane.
+    /// Adds the contribution of a node of a row at a position [m]. Returns whether it is on the
+    /// plane.
     pub fn add(&mut self, row: usize, x: f64, event: &Event) -> bool {
         let at = (x - self.grid.x(0)) / self.grid.dx();
         let column = at.floor();

@@ -1,24 +1,26 @@
-//! How good the elements of a body are: what a mesh generator would report of them.
+//! Quality of the elements of a body, with the measures of a mesh generator.
 
 use super::section::Section;
 use super::shape::{SIGNS, nodes};
 
-/// The worst of all elements.
+/// Worst values over all elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Longest over shortest edge of an element.
+    /// Ratio of the longest to the shortest edge of an element.
     pub aspect: f64,
-    /// Scaled Jacobian: the determinant of the three edges of unit length that meet in a node, 1 in a cuboid, not positive in an
-    /// element that folds over (Knupp, Int. J. Numer. Meth. Engng 48 (2000) 1165–1185).
+    /// Scaled Jacobian: the determinant of the unit vectors along the three edges at a node. It is
+    /// 1 in a cuboid, and not positive in an element that folds over (Knupp, Int. J. Numer. Meth.
+    /// Engng 48 (2000) 1165–1185).
     pub jacobian: f64,
-    /// Edge over the next one of the same direction, the larger over the smaller.
+    /// Ratio of an edge to the next one in the same direction, larger to smaller.
     pub growth: f64,
     /// Shortest edge [m].
     pub shortest: f64,
 }
 
 impl Quality {
-    /// Quality of the elements of a cross-section, drawn over a length [m] along x or about an axis.
+    /// Quality of the elements of a cross-section, extruded over a length [m] along x or revolved
+    /// about an axis.
     #[must_use]
     pub fn of(section: &Section, length: f64, radius: f64) -> Self {
         let mut worst = Self { aspect: 1.0, jacobian: 1.0, growth: 1.0, shortest: f64::INFINITY };
@@ -50,7 +52,8 @@ impl Quality {
                                 - y[(k + 2) % 3] * z[(k + 1) % 3])
                         })
                         .sum();
-                    // Edges point into the element: their order is that of the axes where an even number of signs is positive.
+                    // Edges point into the element. They are ordered like the axes if an even
+                    // number of signs is positive.
                     let order = -sign.iter().product::<f64>();
                     worst.jacobian = worst.jacobian.min(order * product);
                     for end in ends {
@@ -81,7 +84,8 @@ mod tests {
         Section { counts: [2, 1], nodes, fine: [0, 2] }
     }
 
-    /// Cuboids 1 and 2 wide, 4 deep, 2 long; then with a corner moved so that its angle is 45°, and folded over.
+    /// Cuboids 1 and 2 wide, 4 deep, 2 long; then with a corner moved such that its angle is 45°,
+    /// and folded over.
     #[test]
     fn cuboids_and_worse() {
         let cuboids = vec![[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [0.0, 4.0], [1.0, 4.0], [3.0, 4.0]];
@@ -97,7 +101,8 @@ mod tests {
         assert!(Quality::of(&section(folded), 2.0, f64::INFINITY).jacobian < 0.0);
     }
 
-    /// About an axis edges along the motion are shorter below: (R − 4)/R of 2 at the chord of the surface.
+    /// About an axis, edges along the motion are shorter at depth: (R − 4)/R times the chord of 2
+    /// at the surface.
     #[test]
     fn about_an_axis_edges_shorten() {
         let nodes = vec![[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [0.0, 4.0], [2.0, 4.0], [4.0, 4.0]];

@@ -1,9 +1,11 @@
 //! Two bodies that roll on each other, step by step.
 //!
-//! The axle of the upper body has a fixed speed forward and turns with a given surface speed. On the way to steady rolling it is
-//! pressed down by the load, with a small mass and critical damping in the place of a vehicle, so that the approach settles within
-//! a few elements' passages; the load rises smoothly from nothing while the bodies roll: static and rolling contact arise
-//! together, and no static solution is needed. From there on it may be an axle on a suspension ([`elastic::axle`]).
+//! The axle of the upper body has a fixed forward speed and turns with a given surface speed. On
+//! the way to steady rolling the load presses it down, with a small mass and critical damping
+//! instead of a vehicle, so that the approach converges within the passage of a few elements. The
+//! load rises smoothly from zero while the bodies roll. Static and rolling contact arise together,
+//! and no static solution is needed. Afterwards the axle may be on a suspension
+//! ([`elastic::axle`]).
 
 use super::block::Block;
 use super::contact::{Contact, Frame, Law, Sums};
@@ -11,15 +13,16 @@ use super::plane::Plane;
 use elastic::axle::Axle;
 use numerics::team;
 
-/// Share of the stable step that is taken.
+/// Ratio of the step to the stable step.
 const SAFETY: f64 = 0.95;
-/// β of a step: damping of the highest frequency.
+/// β of a step: damping ratio of the highest frequency.
 const DAMPING: f64 = 0.05;
-/// Way in half lengths of the contact over which the load rises.
+/// Distance over which the load rises, in half lengths of the contact.
 pub const RISE: f64 = 1.5;
-/// Mass of the axle over the stiffness of the contact and the square of the time in which the load rises.
+/// Mass of the axle, relative to the contact stiffness times the squared time in which the load
+/// rises.
 const AXLE: f64 = 3e-3;
-/// Part of a step that is rounding.
+/// Share of a step that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
 /// Prescribed motion, load and friction.
@@ -29,44 +32,44 @@ pub struct Options {
     pub speed: f64,
     /// Normal force [N].
     pub load: f64,
-    /// Law of friction between the surfaces.
+    /// Friction law between the surfaces.
     pub law: Law,
-    /// Longitudinal creepage, or where the search for it begins [-].
+    /// Longitudinal creepage, or the start of the search for it [-].
     pub creepage: f64,
-    /// Longitudinal force on the upper body over f N, if that is prescribed.
+    /// Longitudinal force on the upper body over f N, if prescribed.
     pub force: Option<f64>,
     /// Expected half length of the contact [m].
     pub half_length: f64,
     /// Expected stiffness of the contact, dN/dδ [N/m].
     pub stiffness: f64,
-    /// Threads, of which two are used at most.
+    /// Number of threads; at most two are used.
     pub threads: usize,
 }
 
-/// Means over some steps.
+/// Means over a number of steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Means {
     /// Force on the upper body, forward, left and up [N].
     pub force: [f64; 3],
     /// Normal forces of all nodes [N].
     pub pressed: f64,
-    /// Power of friction [W].
+    /// Friction power [W].
     pub friction: f64,
-    /// Power that the rigid motion gives the contact [W].
+    /// Power supplied to the contact by the rigid motion [W].
     pub given: f64,
-    /// Area that is pressed, and that slides [m²].
+    /// Pressed area and sliding area [m²].
     pub areas: [f64; 2],
     /// Approach [m].
     pub approach: f64,
-    /// Sweeps of the contact a step.
+    /// Contact sweeps per step.
     pub sweeps: f64,
-    /// Share of the steps in which the impulses did not come to rest.
+    /// Share of the steps in which the impulses did not converge.
     pub unsettled: f64,
     /// Share of the steps in which the bodies did not touch.
     pub apart: f64,
 }
 
-/// Motion of the axle, and the ways and the work so far.
+/// Motion of the axle, and the distances covered so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Creepage [-].
@@ -77,11 +80,11 @@ pub struct Motion {
     pub rising: f64,
     /// Time since the load began to rise [s].
     pub time: f64,
-    /// Ways that both surfaces have gone back since then [m].
+    /// Distances by which both surfaces have moved back since then [m].
     pub travelled: [f64; 2],
-    /// Approach, force forward [N] and ways where steady rolling ended.
+    /// Approach [m], forward force [N] and both distances [m] at the end of steady rolling.
     pub steady: [f64; 4],
-    /// Steps that were taken, a whole number.
+    /// Number of steps taken, a whole number.
     pub steps: f64,
 }
 
@@ -93,23 +96,25 @@ impl Motion {
     }
 }
 
-/// Rolling bodies.
+/// Two bodies that roll on each other.
 pub struct Rolling {
     /// Prescribed motion, load and friction.
     pub asked: Options,
     /// Upper and lower body.
     pub bodies: [Block; 2],
     contact: Contact,
-    /// Nodes of contact, and what has happened to them since they were last cleared.
+    /// Plane of the contact, with the sums since it was last cleared.
     pub plane: Plane,
-    /// Longest step in time [s]; a whole number of them is a passage of an element of the lower body.
+    /// Largest step in time [s]; the passage of an element of the lower body takes a whole number
+    /// of steps.
     pub step: f64,
-    /// The axle.
+    /// Motion of the axle.
     pub motion: Motion,
 }
 
 impl Rolling {
-    /// Two bodies that touch in a point; the plane of the contact has the middle of `plane`.
+    /// Creates two bodies that touch in a point; the plane of the contact has the middle of
+    /// `plane`.
     #[must_use]
     pub fn new(mut bodies: [Block; 2], plane: Plane, asked: Options) -> Self {
         let highest = bodies.iter().map(Block::highest_frequency).fold(0.0, f64::max);
@@ -127,36 +132,39 @@ impl Rolling {
         }
     }
 
-    /// Speeds at which the material of the upper and lower surface goes back [m/s].
+    /// Speeds at which the material of the upper and lower surface moves back [m/s].
     #[must_use]
     pub fn speeds(&self) -> [f64; 2] {
         [self.asked.speed * (1.0 - self.motion.creepage), self.asked.speed]
     }
 
-    /// Steps that were taken.
+    /// Number of steps taken.
     #[must_use]
     pub fn steps(&self) -> u64 {
         self.motion.steps as u64
     }
 
-    /// Rolls over a way in half lengths of the contact, in whole passages of elements; means over it. `told` hears the steps.
+    /// Rolls over a distance in half lengths of the contact, in whole passages of elements. Returns
+    /// the means; `told` receives the steps.
     pub fn roll(&mut self, way: f64, told: &mut dyn FnMut(u64)) -> Means {
         let passages = (way * self.asked.half_length / self.bodies[1].length).ceil();
         let passage = (self.bodies[1].length / (self.asked.speed * self.step)).round();
         self.take((passages * passage) as u64, self.step, None, told)
     }
 
-    /// Lets the first layers of the upper and the lower body expand ([`Block::expand`]).
+    /// Applies thermal expansion to the first layers of the upper and the lower body
+    /// ([`Block::expand`]).
     pub fn expand(&mut self, stretch: impl Fn(usize, f64, f64) -> f64) {
         for (which, body) in self.bodies.iter_mut().enumerate() {
             body.expand(|x, y| stretch(which, x, y));
         }
     }
 
-    /// Lets the first layers of the upper and the lower body be softer ([`Block::soften`]).
+    /// Applies thermal softening to the first layers of the upper and the lower body
+    /// ([`Block::soften`]).
     ///
     /// # Errors
-    /// Errors of `shares`.
+    /// Passes on errors of `shares`.
     pub fn soften<E>(
         &mut self,
         mut shares: impl FnMut(usize, f64, f64, f64) -> Result<[f64; 2], E>,
@@ -167,27 +175,28 @@ impl Rolling {
             .try_for_each(|(which, body)| body.soften(|x, y, depth| shares(which, x, y, depth)))
     }
 
-    /// Begins anew from steady rolling, of which these are means.
+    /// Starts rolling in time from steady rolling with these means.
     pub fn begin(&mut self, means: &Means) {
         let [upper, lower] = self.motion.travelled;
         self.motion.steady = [means.approach, means.force[0], upper, lower];
-        // The axle was light and wavered a little.
+        // The light axle still oscillates slightly.
         self.motion.rising = 0.0;
     }
 
-    /// Rolls for a time [s] on an axle that may move, in steps that are not longer than those of steady rolling; means over it.
+    /// Rolls for a time [s] on an axle that may move, in steps not longer than those of steady
+    /// rolling. Returns the means.
     pub fn pass(&mut self, time: f64, axle: &Axle, told: &mut dyn FnMut(u64)) -> Means {
         let count = self.steps_in(time);
         self.take(count, time / count as f64, Some(axle), told)
     }
 
-    /// Steps that such a time [s] takes.
+    /// Number of steps that [`Rolling::pass`] takes for a time [s].
     #[must_use]
     pub fn steps_in(&self, time: f64) -> u64 {
         (time / self.step * (1.0 - ROUNDING)).ceil().max(1.0) as u64
     }
 
-    /// Takes steps of a length [s]; means over them, and what happens on the plane.
+    /// Takes steps of a length [s]. Returns the means, and updates the plane.
     fn take(
         &mut self,
         count: u64,
@@ -220,13 +229,13 @@ impl Rolling {
         }
     }
 
-    /// A step [s] of both bodies, as if they did not touch.
+    /// Steps both bodies [s], as if they did not touch.
     pub fn step_bodies(&mut self, step: f64) {
         let [upper, lower] = &mut self.bodies;
         team::both(self.asked.threads, || upper.step(step), || lower.step(step));
     }
 
-    /// One step, with contact.
+    /// Takes one step with contact.
     fn advance(&mut self, step: f64, axle: Option<&Axle>) -> Sums {
         self.step_bodies(step);
         let speeds = self.speeds();
@@ -263,7 +272,7 @@ impl Rolling {
         sums
     }
 
-    /// The axle on the way to steady rolling.
+    /// Moves the axle on the way to steady rolling.
     fn press(&mut self, sums: &Sums, step: f64) {
         let Options { half_length, speed, stiffness, load, .. } = self.asked;
         let rise = RISE * half_length / speed;
@@ -275,7 +284,7 @@ impl Rolling {
         self.motion.rising = pushed / (1.0 + step * damping / mass);
     }
 
-    /// An axle on a suspension, and what drives it.
+    /// Moves an axle on a suspension, and its drive.
     fn carry(&mut self, axle: &Axle, sums: &Sums, step: f64) {
         let [approach, force, ..] = self.motion.steady;
         let raised = approach - self.motion.approach;
@@ -289,7 +298,7 @@ impl Rolling {
         }
     }
 
-    /// All that the next step depends on, in one order.
+    /// Visits the complete state on which the next step depends, in a fixed order.
     fn state(&mut self, mut each: impl FnMut(&mut [f64])) {
         for body in &mut self.bodies {
             body.state().into_iter().for_each(&mut each);
@@ -299,16 +308,16 @@ impl Rolling {
         self.motion.numbers().into_iter().for_each(|number| each(std::slice::from_mut(number)));
     }
 
-    /// Copies its state, in which the numbers have one order, to where there is room or will be.
+    /// Copies the complete state, in a fixed order, into a buffer that grows as needed.
     pub fn keep(&mut self, into: &mut Vec<f64>) {
         into.clear();
         self.state(|values| into.extend_from_slice(values));
     }
 
-    /// Takes a state that was kept.
+    /// Restores a state saved by [`Rolling::keep`].
     ///
     /// # Panics
-    /// It is of other bodies.
+    /// Panics if the state belongs to other bodies.
     pub fn restore(&mut self, kept: &[f64]) {
         let mut rest = kept;
         self.state(|values| {

@@ -1,6 +1,7 @@
-//! The cross-section of a body: nodes across and into it, fine near the contact, coarser away from it.
+//! The cross-section of a body: nodes across and into it, fine near the contact, coarser away from
+//! it.
 
-/// Layers across and in depth that stretch from the fine zone to the faces.
+/// Numbers of layers, across and in depth, that grow from the fine zone to the faces.
 const STRETCHED: [usize; 2] = [10, 15];
 
 /// Sizes of a cross-section [m].
@@ -8,7 +9,7 @@ const STRETCHED: [usize; 2] = [10, 15];
 pub struct Sizes {
     /// Edges of the elements in the fine zone.
     pub element: f64,
-    /// Lateral place of the middle.
+    /// Lateral position of the middle.
     pub middle: f64,
     /// Half the width, and the depth, of the fine zone.
     pub fine: [f64; 2],
@@ -21,15 +22,16 @@ pub struct Sizes {
 pub struct Section {
     /// Elements across and in depth.
     pub counts: [usize; 2],
-    /// (y, depth) [m] of the nodes, row by row from the surface on; depth counts from the plane that touches the surface.
+    /// (y, depth) [m] of the nodes, row by row from the surface on; depth counts from the plane
+    /// that touches the surface.
     pub nodes: Vec<[f64; 2]>,
     /// First and last node across of the fine zone.
     pub fine: [usize; 2],
 }
 
 impl Section {
-    /// Cross-section of these sizes, with a surface that is `drop(y)` [m] below the plane. Depths follow the surface's curve at the surface, and are
-    /// even at the bottom.
+    /// Creates a cross-section of these sizes, whose surface is `drop(y)` [m] below the plane.
+    /// Layers follow the curve of the surface at the top, and are flat at the bottom.
     #[must_use]
     pub fn new(sizes: &Sizes, drop: impl Fn(f64) -> f64) -> Self {
         let Sizes { element, middle, fine, whole } = *sizes;
@@ -53,7 +55,7 @@ impl Section {
         [at(j, k), at(j + 1, k), at(j, k + 1), at(j + 1, k + 1)]
     }
 
-    /// Width that a node across stands for [m].
+    /// Width represented by a node across [m].
     #[must_use]
     pub fn width(&self, j: usize) -> f64 {
         let y = |j: usize| self.nodes[j][0];
@@ -61,8 +63,8 @@ impl Section {
     }
 }
 
-/// Depth of a circle below its top, over y [m]: of a radius that is infinite for a straight surface and negative for a concave
-/// one.
+/// Depth of a circle below its top, over y [m]. The radius is infinite for a straight surface and
+/// negative for a concave one.
 pub fn circle(radius: f64) -> impl Fn(f64) -> f64 + Copy {
     move |y| {
         if radius.is_finite() {
@@ -73,7 +75,8 @@ pub fn circle(radius: f64) -> impl Fn(f64) -> f64 + Copy {
     }
 }
 
-/// Places from 0: even ones to `fine` or just beyond, then `count` gaps that grow by one ratio, to `whole`.
+/// Coordinates from 0 on: equal spacing up to `fine` or just beyond, then `count` intervals that
+/// grow by a constant ratio up to `whole`.
 fn graded(even: f64, fine: f64, count: usize, whole: f64) -> Vec<f64> {
     let steps = (fine / even * (1.0 - 1e-9)).ceil().max(1.0) as usize;
     let mut places: Vec<f64> = (0..=steps).map(|step| step as f64 * even).collect();
@@ -104,7 +107,7 @@ mod tests {
         assert_eq!([across, deep], [36, 21]);
         let (first, last) = (section.nodes[0], section.nodes[across]);
         assert!((first[0] + 60e-3).abs() < 1e-12 && (last[0] - 60e-3).abs() < 1e-12);
-        // The sagitta of the circle at the face; the bottom is even.
+        // Sagitta of the circle at the face; the bottom is flat.
         let sagitta = 0.3 - (0.09_f64 - 0.0036).sqrt();
         assert!((last[1] - sagitta).abs() < 1e-15, "{last:?}");
         assert!(section.nodes[deep * (across + 1)..].iter().all(|n| (n[1] - 60e-3).abs() < 1e-12));

@@ -1,15 +1,17 @@
-//! The shape of the elements of a row: what their gradients and their hourglass modes need.
+//! The shape of the elements of a row: data for their gradients and hourglass modes.
 //!
-//! All elements of a row are alike: a quadrilateral of the cross-section, drawn along x over a length, or about an axis over
-//! an angle. In the frame of its middle such an element is symmetric in ξ. With the eight Hadamard vectors Γ of the nodes'
-//! signs, û_m = Σ_a Γ_m(a) u_a, the mean gradient (Flanagan & Belytschko, Int. J. Numer. Meth. Engng 17 (1981) 679–706)
-//! B_ra = ∂V/∂x_ra / V has then ten numbers in the place of 24:
+//! All elements of a row are equal: a quadrilateral of the cross-section, extruded along x over a
+//! length, or revolved about an axis over an angle. In the frame of its middle such an element is
+//! symmetric in ξ. With the eight Hadamard vectors Γ of the nodes' signs, û_m = Σ_a Γ_m(a) u_a, the
+//! mean gradient (Flanagan & Belytschko, Int. J. Numer. Meth. Engng 17 (1981) 679–706)
+//! B_ra = ∂V/∂x_ra / V then has ten numbers instead of 24:
 //!
 //! ∂u/∂x over ξ, ξη, ξζ, ξηζ; ∂u/∂y and ∂u/∂z over η, ζ, ηζ.
 //!
 //! Deviation from the source: none; ∂V/∂x is integrated with 2×2×2 points, which is exact.
 
-/// Signs of ξ, η, ζ at the nodes; nodes 2p and 2p + 1 are the ends along ξ of corner p of the quadrilateral.
+/// Signs of ξ, η, ζ at the nodes; nodes 2p and 2p + 1 are the ends along ξ of corner p of the
+/// quadrilateral.
 pub const SIGNS: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
@@ -32,9 +34,9 @@ const ODD: [[bool; 3]; 4] =
 pub struct Shape {
     /// Volume [m³].
     pub volume: f64,
-    /// ∂/∂x over the sums of ξ, ξη, ξζ and ξηζ [1/m].
+    /// Coefficients of ∂/∂x for the sums over ξ, ξη, ξζ and ξηζ [1/m].
     pub along: [f64; 4],
-    /// ∂/∂y and ∂/∂z over the sums of η, ζ and ηζ [1/m].
+    /// Coefficients of ∂/∂y and ∂/∂z for the sums over η, ζ and ηζ [1/m].
     pub across: [[f64; 3]; 2],
     /// Sums of ξη x, ξζ x and ξηζ x [m].
     pub twist: [f64; 3],
@@ -42,13 +44,14 @@ pub struct Shape {
     pub bend: [f64; 2],
     /// Σ B² over the nodes and directions [1/m²].
     pub squares: f64,
-    /// Half the angle between the ends of an element [rad]; 0 of a straight body.
+    /// Half the angle between the ends of an element [rad]; 0 for a straight body.
     pub half_angle: f64,
 }
 
 impl Shape {
-    /// Shape of a quadrilateral with corners (y, depth z) [m], in the order η, ζ = −−, +−, −+, ++, drawn over `length` [m] at
-    /// z = 0: along x, or about an axis `radius` [m] below.
+    /// Creates the shape of a quadrilateral with corners (y, depth z) [m], in the order η,
+    /// ζ = −−, +−, −+, ++. It is extruded over `length` [m] at z = 0: along x, or about an axis
+    /// `radius` [m] below.
     #[must_use]
     pub fn new(corners: [[f64; 2]; 4], length: f64, radius: f64) -> Self {
         let places = nodes(corners, length, radius);
@@ -72,8 +75,8 @@ impl Shape {
         }
     }
 
-    /// Mean divergence over the displacements of the near and the far end of the four corners [1/m], in the directions of
-    /// the nodes.
+    /// Coefficients of the mean divergence for the displacements of the near and the far end of the
+    /// four corners [1/m], in the directions of the nodes.
     #[must_use]
     pub fn divergence(&self) -> [[[f64; 3]; 4]; 2] {
         let Self { along, across: [by, bz], half_angle, .. } = self;
@@ -94,7 +97,8 @@ impl Shape {
     }
 }
 
-/// Places of the eight nodes in the frame of the element's middle [m]; arguments as of [`Shape::new`].
+/// Positions of the eight nodes in the frame of the element's middle [m]; arguments as in
+/// [`Shape::new`].
 #[must_use]
 pub fn nodes(corners: [[f64; 2]; 4], length: f64, radius: f64) -> [[f64; 3]; 8] {
     let half_angle = 0.5 * length / radius;
@@ -115,7 +119,7 @@ fn mean_gradient(places: &[[f64; 3]; 8]) -> ([[f64; 8]; 3], f64) {
     let mut volume = 0.0;
     for point in SIGNS {
         let at = point.map(|sign| sign / 3.0_f64.sqrt());
-        // Slopes of the shape functions in ξ, η and ζ.
+        // Derivatives of the shape functions with respect to ξ, η and ζ.
         let slopes = SIGNS.map(|sign| {
             let f: [f64; 3] = std::array::from_fn(|k| 1.0 + sign[k] * at[k]);
             [sign[0] * f[1] * f[2], f[0] * sign[1] * f[2], f[0] * f[1] * sign[2]].map(|s| s / 8.0)
@@ -154,7 +158,8 @@ mod tests {
         assert!(shape.twist.iter().chain(&shape.bend).all(|sum| sum.abs() < 1e-16));
     }
 
-    /// Of linear displacements it is their slopes' sum, of a straight element and of a wedge. Rounding.
+    /// For linear displacements the divergence is the sum of their slopes, for a straight element
+    /// and a wedge. Tolerance: rounding.
     #[test]
     fn divergence_of_linear_displacements() {
         for radius in [f64::INFINITY, 0.05] {
@@ -169,7 +174,7 @@ mod tests {
                 for (corner, weights) in of_end.iter().enumerate() {
                     let [x, y, z] =
                         std::array::from_fn(|k| slopes[k] * places[2 * corner + end][k]);
-                    // From the directions of the middle to those of the node.
+                    // Rotates from the directions of the middle to those of the node.
                     let own = [cosine * x + sine * z, y, cosine * z - sine * x];
                     sum += own.iter().zip(weights).map(|(u, weight)| u * weight).sum::<f64>();
                 }
@@ -178,7 +183,8 @@ mod tests {
         }
     }
 
-    /// The volume of a wedge of the faces' trapezia: area times the chord's half sum. Rounding.
+    /// Volume of a wedge with trapezoidal faces: area times half the sum of the chords. Tolerance:
+    /// rounding.
     #[test]
     fn a_wedge_has_its_volume() {
         let (radius, depth, length) = (0.4, 0.1, 0.02);

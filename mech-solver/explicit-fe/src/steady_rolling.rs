@@ -1,24 +1,26 @@
-//! Rolling until that is steady, with the force that is prescribed.
+//! Rolling until steady, with the prescribed force or creepage.
 //!
-//! A creepage for a prescribed force is corrected between measurements along a creep curve ξ(F) that comes near that of the
-//! elements: first by the factor between both that a measurement gives, then along the straight line that ξ of the curve
-//! has over ξ of the elements through the last two.
+//! For a prescribed force the creepage is corrected between measurements along an approximate creep
+//! curve ξ(F). The first correction uses the ratio of the measured creepage to that of the curve.
+//! Later ones use the straight line, of the curve's ξ over the elements' ξ, through the last two
+//! measurements.
 
 use super::rolling::{Means, Options, RISE, Rolling};
 
-/// Ways in half lengths of the contact: after which what is prescribed has settled, and over which is measured.
+/// Distances in half lengths of the contact: for the contact to become steady, the same after a
+/// small change, and for a measurement.
 const SETTLE: f64 = 4.5;
 const SETTLE_AGAIN: f64 = 3.0;
 const MEASURE: f64 = 1.0;
-/// Creepages that are apart, over themselves.
+/// Relative difference above which two creepages count as distinct.
 const APART: f64 = 0.02;
-/// Deviations that are accepted: of the creepage along the curve, over that of the prescribed force, or of the force, over
-/// f N; measurements at most.
+/// Accepted deviations: of the creepage along the curve, relative to that of the prescribed force,
+/// or of the force, relative to f N. Largest number of measurements.
 const CREEPAGE: f64 = 4e-3;
 const FORCE: f64 = 3e-4;
 const MEASUREMENTS: usize = 8;
 
-/// Steps that it will take, about, of a length [s].
+/// Approximate number of steps of a length [s] until rolling is steady.
 #[must_use]
 pub fn expected_steps(asked: &Options, step: f64) -> f64 {
     let measurements = if asked.force.is_some() && asked.law.sticks { 2.0 } else { 1.0 };
@@ -26,18 +28,18 @@ pub fn expected_steps(asked: &Options, step: f64) -> f64 {
     way * asked.half_length / (asked.speed * step)
 }
 
-/// Steps that bodies which roll steadily take, about, until they do so again with something changed.
+/// Approximate number of steps until rolling is steady again after a change.
 #[must_use]
 pub fn expected_steps_again(asked: &Options, step: f64) -> f64 {
     (SETTLE_AGAIN + MEASURE) * asked.half_length / (asked.speed * step)
 }
 
-/// Rolls bodies until they do so steadily with what is prescribed, and measures; `report` hears how many steps of about how
-/// many are taken, and `curve` knows creepages that come near those of forces over f N. The last measurement, and whether the
-/// prescribed force was met.
+/// Rolls the bodies until they are steady under the prescribed values, and measures. `report`
+/// receives the steps taken and their expected total. `curve` returns an approximate creepage for a
+/// force over f N. Returns the last measurement, and whether the prescribed force was met.
 ///
 /// # Errors
-/// Errors of the curve.
+/// Passes on errors of the curve.
 pub fn settle<E>(
     rolling: &mut Rolling,
     curve: impl Fn(f64) -> Result<f64, E>,
@@ -48,10 +50,11 @@ pub fn settle<E>(
     roll_to_force(rolling, RISE + SETTLE, curve, &mut told)
 }
 
-/// The same of bodies that rolled steadily before something changed a little.
+/// Rolls bodies that were steady before a small change until they are steady again, like
+/// [`settle`].
 ///
 /// # Errors
-/// Errors of the curve.
+/// Passes on errors of the curve.
 pub fn settle_again<E>(
     rolling: &mut Rolling,
     curve: impl Fn(f64) -> Result<f64, E>,
@@ -85,29 +88,32 @@ fn roll_to_force<E>(
         }
         rolling.motion.creepage = search.next([rolling.motion.creepage, place], aim);
         rolling.roll(SETTLE_AGAIN, told);
-        // Where a force wavers by more than is accepted, a longer mean wavers less.
+        // If a force oscillates by more than the accepted deviation, average over a longer
+        // distance.
         let longer = before.div_ceil(2).min(4) as f64;
         means = rolling.roll(longer * MEASURE, told);
     }
     Ok((means, false))
 }
 
-/// A search for the creepage of a force.
+/// Search for the creepage of a force.
 struct Search {
-    /// Creepage of a measurement before, of the elements and of the curve; at first nothing, where both curves begin.
+    /// Last measured creepage, of the elements and of the curve; initially zero, where both curves
+    /// begin.
     last: [f64; 2],
     measured: bool,
     slope: f64,
 }
 
 impl Search {
-    /// Before a measurement both curves are taken to be one.
+    /// Until a measurement both curves are assumed equal.
     fn new() -> Self {
         Self { last: [0.0; 2], measured: false, slope: 1.0 }
     }
 
-    /// The creepage for a place on the curve, after a measurement of both. A slope is taken from measurements that are apart, and not
-    /// trusted where both curves would be far from one: forces waver a little.
+    /// Returns the creepage for a target on the curve, after a measurement of both. The slope is
+    /// updated only from distinct creepages, and bounded around one, because forces oscillate
+    /// slightly.
     fn next(&mut self, now: [f64; 2], target: f64) -> f64 {
         let [creepage, place] = now;
         let apart = creepage - self.last[0];
@@ -126,7 +132,7 @@ impl Search {
 mod tests {
     use super::*;
 
-    /// A force of nothing is met too, from no creepage on.
+    /// A force of zero is met as well, starting from zero creepage.
     #[test]
     fn no_force() {
         let (mut creepage, mut search) = (0.0, Search::new());
@@ -136,7 +142,7 @@ mod tests {
         assert!((0.9 * creepage - 5e-5).abs() < 1e-12, "{creepage}");
     }
 
-    /// Along a curve that is proportional one correction is enough, along one with an offset two. Rounding.
+    /// A proportional curve needs one correction, a curve with an offset two. Tolerance: rounding.
     #[test]
     fn a_creepage_is_found() {
         for (offset, corrections) in [(0.0, 1), (5e-4, 2)] {

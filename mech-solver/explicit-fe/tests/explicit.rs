@@ -1,4 +1,4 @@
-//! Explicit finite elements: what every such code has to meet.
+//! Explicit finite elements: tests that every such code has to pass.
 
 use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::contact::{Contact, Frame, Law};
@@ -15,7 +15,7 @@ fn steel(nu: f64, radius: f64) -> Solid {
     Solid { lame, density: DENSITY, flow: None, radius }
 }
 
-/// A cross-section whose quadrilaterals are no rectangles.
+/// Cross-section with quadrilaterals that are not rectangles.
 fn distorted(element: f64) -> Section {
     let sizes = Sizes { element, fine: [4e-3, 3e-3], whole: [40e-3, 30e-3], middle: 0.0 };
     let mut section = Section::new(&sizes, circle(f64::INFINITY));
@@ -27,7 +27,7 @@ fn distorted(element: f64) -> Section {
     section
 }
 
-/// Gives all nodes the displacements of a field over (x, y, z), z into the body.
+/// Displaces all nodes by a field over (x, y, z), z into the body.
 fn displace(block: &mut Block, field: impl Fn([f64; 3]) -> [f64; 3]) {
     let (rows, stride, radius) = (block.section.nodes.len(), block.stride, block.solid.radius);
     for row in 0..rows {
@@ -48,7 +48,7 @@ fn displace(block: &mut Block, field: impl Fn([f64; 3]) -> [f64; 3]) {
     }
 }
 
-/// Largest velocity after a step of inner nodes, and of all.
+/// Largest velocity after a step, of inner nodes and of all nodes.
 fn largest(block: &Block) -> [f64; 2] {
     let [columns, across, deep] = block.counts;
     let mut largest = [0.0_f64; 2];
@@ -69,7 +69,8 @@ fn largest(block: &Block) -> [f64; 2] {
     largest
 }
 
-/// Patch test: a linear field makes no force on inner nodes of distorted elements, straight or about an axis.
+/// Patch test: a linear field causes no force on inner nodes of distorted elements, straight or
+/// about an axis.
 #[test]
 fn a_linear_field_makes_no_force_inside() {
     for radius in [f64::INFINITY, 0.2] {
@@ -83,7 +84,8 @@ fn a_linear_field_makes_no_force_inside() {
     }
 }
 
-/// A layer that expands by its strain makes no force, straight or about an axis: second order in the strain beside what the expansion alone makes.
+/// A layer that expands by its thermal strain has no force, straight or about an axis. Tolerance:
+/// second order in the strain, relative to the force of the expansion alone.
 #[test]
 fn a_layer_that_expands_by_its_strain_makes_no_force() {
     let (thickness, strain) = (0.8e-3, 1e-7);
@@ -91,7 +93,7 @@ fn a_layer_that_expands_by_its_strain_makes_no_force() {
     let nodes = [0.0, thickness].into_iter().flat_map(|z| (0..5).map(move |j| [y(j), z])).collect();
     let section = Section { counts: [4, 1], nodes, fine: [0, 4] };
     for radius in [f64::INFINITY, 0.05] {
-        // Elements about an axis have chords in the place of arcs.
+        // Elements about an axis have chords instead of arcs.
         let angle = 1e-3 / radius;
         let chords = if angle > 0.0 { angle.sin() / angle } else { 1.0 };
         let volume = chords * thickness * (1.0 - 0.5 * thickness / radius);
@@ -109,7 +111,8 @@ fn a_layer_that_expands_by_its_strain_makes_no_force() {
     }
 }
 
-/// A turn by 0.3 makes no force. Rounding, beside what a strain of as much would make.
+/// A rotation by 0.3 causes no force. Tolerance: rounding, relative to the force of an equal
+/// strain.
 #[test]
 fn a_rigid_rotation_makes_no_force() {
     for radius in [f64::INFINITY, 0.2] {
@@ -131,9 +134,10 @@ fn a_rigid_rotation_makes_no_force() {
     }
 }
 
-/// A bar, one end of which is stopped: the front goes at c0 = √(E/ρ), behind it the stress is ρ c0 v and the velocity nothing.
-/// Lateral inertia spreads the front like Airy's integral, of which a third is before x = c0 t (Skalak, J. Appl. Mech. 24
-/// (1957)). Free vibration keeps its energy. Tolerance 1 %: higher orders of that.
+/// A bar with one end stopped suddenly. The front travels at c0 = √(E/ρ); behind it the stress is ρ
+/// c0 v and the velocity is zero. Lateral inertia spreads the front like Airy's integral, of which
+/// a third is before x = c0 t (Skalak, J. Appl. Mech. 24 (1957)). Free vibration conserves energy.
+/// Tolerance 1 %: higher orders of the dispersion.
 #[test]
 fn a_bar_that_is_stopped() {
     let (element, length) = (1e-3, 400);
@@ -156,12 +160,12 @@ fn a_bar_that_is_stopped() {
     let mean = |values: &[f64], stride: usize, column: usize| -> f64 {
         (0..rows).map(|row| values[row * stride + column]).sum::<f64>() / rows as f64
     };
-    // When a third of the front passes two columns.
+    // Times at which a third of the front has passed two columns.
     let columns = [length / 8, 3 * length / 8];
     let mut arrivals = [0.0; 2];
     for count in 1..=steps {
         block.step(step);
-        // The first column stays where it is.
+        // The first column stays fixed.
         for row in 0..rows {
             let node = row * block.stride;
             (block.damped[0][node], block.velocity[0][node]) = (0.0, 0.0);
@@ -174,7 +178,7 @@ fn a_bar_that_is_stopped() {
             }
         }
     }
-    // Shortening of the first half: strain v/c0 behind the front, which is in the middle.
+    // Shortening of the first half: the strain is v/c0 behind the front, which is in the middle.
     let shift = |column: usize| mean(&block.damped[0], block.stride, column);
     let strain = -(shift(length / 4) - shift(length / 20)) / (0.2 * length as f64 * element);
     let way = (columns[1] - columns[0]) as f64 * element;
@@ -184,12 +188,13 @@ fn a_bar_that_is_stopped() {
     assert!((front / c0 - 1.0).abs() < 0.01);
     let elastic: f64 = block.elastic_energy().iter().sum();
     let kept = (elastic + block.kinetic_energy()) / begun;
-    // What the stopped nodes lose at once is one column in 800.
+    // The energy of the nodes stopped at once is that of one column in 800.
     println!("energy {kept:.5}");
     assert!((kept - 1.0).abs() < 0.01);
 }
 
-/// Two free blocks that press on each other with friction exchange momentum, and lose none. Rounding.
+/// Two free blocks pressed together with friction exchange momentum and lose none. Tolerance:
+/// rounding.
 #[test]
 fn contact_conserves_momentum() {
     let section = || {
@@ -216,7 +221,7 @@ fn contact_conserves_momentum() {
             block.inverse_mass.iter().enumerate().map(of_row).sum()
         })
     };
-    // The lower body is straight: its nodes have their displacements in the same directions, so that momenta add up.
+    // The lower body is straight: its nodes have parallel directions, so that momenta add up.
     let frame = Frame {
         approach: 20e-6,
         rising: 0.0,
@@ -243,9 +248,11 @@ fn contact_conserves_momentum() {
     );
 }
 
-/// Flat surfaces of a flexibility L that is far above that of the blocks: the pressure is the overlap over L, the traction the
-/// way over L until f p stops it, and what is given is what friction takes and springs keep. Tolerances: what the
-/// blocks yield beside L, 0.1 % and in their first wave twice that, and four times as much along.
+/// Flat surfaces with a flexibility L far above that of the blocks. The pressure is the overlap
+/// over L, and the traction is the displacement over L until it reaches f p. The supplied energy is
+/// the friction work plus the energy stored in the springs. Tolerances: the flexibility of the
+/// blocks relative to L, 0.1 %, twice that in their first wave, and four times as much along the
+/// surface.
 #[test]
 fn surfaces_that_yield_are_springs() {
     let sizes = Sizes { element: 1e-3, fine: [8e-3, 3e-3], whole: [20e-3, 15e-3], middle: 0.0 };

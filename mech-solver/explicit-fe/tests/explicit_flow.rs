@@ -1,4 +1,4 @@
-//! Explicit finite elements of a material that flows.
+//! Explicit finite elements of a material that flows plastically.
 
 use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::kernel::Flow;
@@ -7,7 +7,7 @@ use explicit_fe::section::Section;
 const MU: f64 = 80e9;
 const LAMBDA: f64 = 120e9;
 
-/// A bar of elements of 1 mm, one across and one deep.
+/// Bar of elements of 1 mm, one across and one deep.
 fn bar(flow: Option<Flow>) -> Block {
     let nodes = vec![[0.0, 0.0], [1e-3, 0.0], [0.0, 1e-3], [1e-3, 1e-3]];
     let section = Section { counts: [1, 1], nodes, fine: [0, 1] };
@@ -15,7 +15,7 @@ fn bar(flow: Option<Flow>) -> Block {
     Block::new(16, 1e-3, section, solid, Support::Nothing)
 }
 
-/// Shear stress [Pa] of a bar all of which has a shear strain γ of planes in depth: what pushes its upper nodes along.
+/// Shear stress [Pa] of a bar under a uniform shear strain γ, from the force along its upper nodes.
 fn shear_stress(block: &mut Block, gamma: f64) -> f64 {
     let step = 1e-12;
     for row in 0..4 {
@@ -32,16 +32,17 @@ fn shear_stress(block: &mut Block, gamma: f64) -> f64 {
         }
     }
     block.step(step);
-    // Both upper rows, at a column inside; the force is over an element's length and width.
+    // Both upper rows, at an inner column; the force is divided by the length and width of an
+    // element.
     let force: f64 = (0..2)
         .map(|row| block.velocity[0][row * block.stride + 8] / (block.inverse_mass[row] * step))
         .sum();
     force / 1e-6
 }
 
-/// Shear to and fro: elastic to σ_y/√3, then with the slope μ H/(3μ + H); on the way back it flows after
-/// 2 σ_y/√3 plus what isotropic hardening has added twice, and kinematic hardening nothing. Tolerance: γ² of
-/// Green's strain.
+/// Cyclic shear: elastic up to σ_y/√3, then with the slope μ H/(3μ + H). After reversal the bar
+/// flows after 2 σ_y/√3 plus twice the increase by isotropic hardening; kinematic hardening adds
+/// nothing. Tolerance: γ² of Green's strain.
 #[test]
 fn shear_to_and_fro() {
     let yield_stress = 240e6;
@@ -60,7 +61,7 @@ fn shear_to_and_fro() {
             top = at(most * f64::from(part) / 40.0);
         }
         assert!((top / expected - 1.0).abs() < 1e-3, "{hardening:?} {top:e} {expected:e}");
-        // How far back it is elastic: isotropic hardening has widened the surface.
+        // Elastic range after reversal; isotropic hardening has enlarged the yield surface.
         let wider = (expected - tau_y) * if all > 0.0 { isotropic / all } else { 0.0 };
         let range = 2.0 * (tau_y + wider);
         let back = at(most - 0.99 * range / MU);
@@ -71,7 +72,8 @@ fn shear_to_and_fro() {
     }
 }
 
-/// What is plastically done is what is done and not kept, to the first order of the path's steps.
+/// Plastic work is the supplied work minus the stored energy, to first order in the steps of the
+/// path.
 #[test]
 fn work_is_kept_or_flows() {
     let yield_stress = 240e6;
@@ -94,7 +96,7 @@ fn work_is_kept_or_flows() {
     assert!(errors[0] < 1e-2 && errors[1] < 0.6 * errors[0] + 1e-4, "{errors:?}");
 }
 
-/// A material that yields nowhere is an elastic one. Rounding of deviators.
+/// A material that never yields is elastic. Tolerance: rounding of deviators.
 #[test]
 fn below_the_yield_stress_it_is_elastic() {
     let mut one = bar(Some(Flow { yield_stress: 1e12, hardening: [0.0; 2] }));
@@ -106,8 +108,8 @@ fn below_the_yield_stress_it_is_elastic() {
     assert_eq!(one.plastic_work(8), [0.0; 2]);
 }
 
-/// A bar all of which has a share of its stiffness and one of its yield stress is one of that stiffness, those moduli of hardening
-/// and that yield stress. Rounding.
+/// A bar with uniform shares of stiffness and yield stress equals a bar with that stiffness, those
+/// hardening moduli and that yield stress. Tolerance: rounding.
 #[test]
 fn softer_is_less_stiff_and_yields_sooner() {
     let [stiffness, yields] = [0.75, 0.5];
@@ -131,9 +133,9 @@ fn softer_is_less_stiff_and_yields_sooner() {
     assert!((one[0] / two[0] - 1.0).abs() < 1e-12, "{one:?} {two:?}");
 }
 
-/// Shares stay where they are while the material goes back: those of a straight line are met between two places of the columns
-/// as at them, and so is the mean of both elements at a node. Tolerance: stress along, γ²/2 of Green's strain, differs between
-/// both elements; a quarter of an element is 7e-3.
+/// Shares stay in place while the material moves back. Linear shares are interpolated exactly
+/// between two columns, and so is the mean of both elements at a node. Tolerance: the stress along
+/// the bar, γ²/2 of Green's strain, differs between both elements; a quarter of an element is 7e-3.
 #[test]
 fn shares_stay_in_their_place() {
     let share = |x: f64| 0.7 - 20.0 * x;

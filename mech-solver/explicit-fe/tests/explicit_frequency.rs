@@ -1,4 +1,4 @@
-//! The bound of the highest frequency, against all eigenvalues of small bodies.
+//! Upper bound of the highest frequency, against all eigenvalues of small bodies.
 
 use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::section::{Section, Sizes, circle};
@@ -12,8 +12,8 @@ fn solid(nu: f64, radius: f64) -> Solid {
     Solid { lame, density: DENSITY, flow: None, radius }
 }
 
-/// A cross-section with these edges across and in depth [m], its nodes moved by shares of the
-/// shortest of them.
+/// Cross-section with these edges across and in depth [m], its nodes moved by a share of the
+/// shortest edge.
 fn section(across: &[f64], deep: &[f64], moved: f64) -> Section {
     let places = |edges: &[f64]| -> Vec<f64> {
         let mut place = 0.0;
@@ -35,8 +35,8 @@ fn section(across: &[f64], deep: &[f64], moved: f64) -> Section {
     Section { counts: [across.len(), deep.len()], nodes, fine: [0, across.len()] }
 }
 
-/// Highest angular frequency [1/s] from all eigenvalues of M⁻¹K, a column of which is what a step
-/// of one second gives a displacement.
+/// Highest angular frequency [1/s] from all eigenvalues of M⁻¹K. A step of one second for a unit
+/// displacement gives one column of this matrix.
 fn dense(mut block: Block) -> f64 {
     let (last, stride, size) = (block.counts[0], block.stride, 1e-12);
     let nodes: Vec<(usize, f64)> = (0..block.inverse_mass.len())
@@ -46,7 +46,7 @@ fn dense(mut block: Block) -> f64 {
             (row * stride + column, end * block.inverse_mass[row])
         })
         .collect();
-    // Nodes that move, and the root of their inverse mass.
+    // Moving nodes, and the square root of their inverse mass.
     let moves = |block: &mut Block, node: usize| {
         block.velocity.iter_mut().chain(&mut block.damped).for_each(|values| values.fill(0.0));
         block.damped[0][node] = size;
@@ -72,10 +72,10 @@ fn dense(mut block: Block) -> f64 {
     matrix.symmetric_eigenvalues().max().sqrt()
 }
 
-/// The bound is above the highest frequency of cubes, graded, flat and distorted elements, straight
-/// and about an axis, for every Poisson's ratio, whether the body is held or free. By how much is
-/// that of bodies of four elements across: a small element has large ones or held nodes beside it
-/// in all of them (20 %), and of a free corner the elements have no neighbours to hold them (35 %).
+/// The bound is above the highest frequency for cubes and for graded, flat and distorted elements,
+/// straight and about an axis, for every Poisson's ratio, fixed or free. The excess is measured on
+/// bodies four elements wide. All of them have small elements next to large ones or to fixed nodes
+/// (20 %), and the elements at a free corner have no neighbours to restrain them (35 %).
 #[test]
 fn the_bound_is_above_the_highest_frequency_by_little() {
     let cubes = [1e-3; 4];
@@ -125,7 +125,7 @@ fn power_iteration(mut block: Block, iterations: usize) -> f64 {
         block.velocity.iter_mut().for_each(|v| v.fill(0.0));
         let before = size(&block.damped);
         let begun = block.damped.clone();
-        // In a step of one second v = −M⁻¹K u.
+        // A step of one second gives v = −M⁻¹K u.
         block.step(1.0);
         let after = size(&block.velocity);
         found = (after / before).sqrt();
@@ -137,8 +137,8 @@ fn power_iteration(mut block: Block, iterations: usize) -> f64 {
     found
 }
 
-/// The bound is at most 5 % above the estimate of 400 power iterations, which is below the highest
-/// frequency, for bodies that are fine in the contact and coarse at their faces.
+/// The bound is at most 5 % above the estimate of 400 power iterations, a lower bound of the
+/// highest frequency, for bodies that are fine in the contact and coarse at their faces.
 #[test]
 fn of_a_wheel_and_a_rail_it_is_little_more_than_a_power_iteration_finds() {
     let element = 1.6e-3;
@@ -156,8 +156,8 @@ fn of_a_wheel_and_a_rail_it_is_little_more_than_a_power_iteration_finds() {
 }
 
 /// Bodies of cubes have the frequency 2c/h of a wave that alternates along an axis, c² = (λ+2μ)/ρ.
-/// Tolerances: the waves between those that are looked at, 0.12 %, the bisection, 0.005 %, and the
-/// sides, which are held, (π/48)²/2.
+/// Tolerances: waves between the sampled ones, 0.12 %, the bisection, 0.005 %, and the fixed sides,
+/// (π/48)²/2.
 #[test]
 fn of_cubes_it_is_that_of_the_shortest_wave() {
     for nu in [0.0, 0.3, 0.45, 0.499] {
@@ -171,8 +171,8 @@ fn of_cubes_it_is_that_of_the_shortest_wave() {
     }
 }
 
-/// Elements that are softer, each by its own share, have no higher frequency than the bound of
-/// those that are not.
+/// Softening each element by a different share does not raise the highest frequency above the
+/// bound.
 #[test]
 fn softer_elements_stay_below_the_bound() {
     for radius in [f64::INFINITY, 0.02] {
@@ -187,9 +187,9 @@ fn softer_elements_stay_below_the_bound() {
     }
 }
 
-/// At 0.999 of the step that the bound allows vibrations of all frequencies keep their energy, and
-/// at 1.25 of it those of cubes do not: in a held block as small as this one the bound is up to
-/// 18 % above the highest frequency.
+/// At 0.999 of the step allowed by the bound, vibrations of all frequencies conserve their energy.
+/// At 1.25 of it those of cubes do not: in a fixed block this small the bound is up to 18 % above
+/// the highest frequency.
 #[test]
 fn vibrations_are_stable_below_the_bound() {
     for (share, stable) in [(0.999, true), (1.25, false)] {

@@ -1,4 +1,4 @@
-//! Explicit finite elements: waves, and the mesh that travels.
+//! Explicit finite elements: waves, and the advected mesh.
 
 use explicit_fe::block::{Block, Solid, Support};
 use explicit_fe::section::{Section, Sizes, circle};
@@ -11,8 +11,8 @@ fn solid(nu: f64, radius: f64) -> Solid {
     Solid { lame, density: DENSITY, flow: None, radius }
 }
 
-/// A block that travels is a part of a long one that stands still, whose columns were never dropped and never added: the
-/// same under the same pushes, for as long as no wave has reached an end. Rounding.
+/// An advected block equals a part of a long stationary one, whose columns are never dropped or
+/// added. Both receive the same pushes, until a wave reaches an end. Tolerance: rounding.
 #[test]
 fn a_block_that_travels_is_part_of_a_long_one() {
     let element = 1e-3;
@@ -61,8 +61,8 @@ fn a_block_that_travels_is_part_of_a_long_one() {
     }
 }
 
-/// Speed of Rayleigh's wave over that of shear waves: (2 − s)² = 4 √((1 − s)(1 − κ s)), s its square and κ that of shear over
-/// pressure waves.
+/// Ratio of the speed of Rayleigh's wave to that of shear waves: (2 − s)² = 4 √((1 − s)(1 − κ s)),
+/// with its square s and κ the squared ratio of shear to pressure wave speed.
 fn rayleigh(kappa: f64) -> f64 {
     let excess = |s: f64| (2.0 - s).powi(2) - 4.0 * ((1.0 - s) * (1.0 - kappa * s)).sqrt();
     let (mut low, mut high) = (0.1, 1.0);
@@ -73,8 +73,8 @@ fn rayleigh(kappa: f64) -> f64 {
     low.sqrt()
 }
 
-/// A line of the surface is struck: Rayleigh's wave passes two places after each other with its speed, in plane strain, at
-/// the Poisson's ratio of steel and near 0.5. Tolerance: 1 %.
+/// A line of the surface is struck: Rayleigh's wave passes two positions one after the other at its
+/// speed, in plane strain, at the Poisson's ratio of steel and near 0.5. Tolerance: 1 %.
 #[test]
 fn a_wave_goes_along_the_surface() {
     for nu in [0.3, 0.45] {
@@ -87,7 +87,7 @@ fn a_wave_goes_along_the_surface() {
         let step = 0.9 * 2.0 / block.highest_frequency();
         let shear = (own.lame[1] / own.density).sqrt();
         let expected = shear * rayleigh(own.lame[1] / (own.lame[0] + 2.0 * own.lame[1]));
-        // A push whose spectrum is round waves of 25 elements.
+        // Push with a spectrum around wavelengths of 25 elements.
         let frequency = expected / (25.0 * element);
         let push = |time: f64| {
             let phase = (std::f64::consts::PI * (time * frequency - 1.2)).powi(2);
@@ -116,7 +116,7 @@ fn a_wave_goes_along_the_surface() {
     }
 }
 
-/// Steps after which the second signal is most like the first, between steps by a parabola.
+/// Delay in steps at which the second signal correlates best with the first, refined by a parabola.
 fn delay(first: &[f64], second: &[f64]) -> f64 {
     let alike =
         |shift: usize| -> f64 { first.iter().zip(&second[shift..]).map(|(a, b)| a * b).sum() };

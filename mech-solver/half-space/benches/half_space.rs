@@ -1,6 +1,6 @@
 //! Half-space solvers on the paper's case at several resolutions: the normal contact, one creepage,
-//! and the five traction coefficients of the paper by prescribed force, all from scratch, operators
-//! included.
+//! and the paper's five traction coefficients by prescribed force. Each starts from scratch and
+//! includes the setup of operators.
 
 #![allow(clippy::print_stdout, reason = "a bench reports its memory")]
 
@@ -95,7 +95,7 @@ fn half_space(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Largest resident memory of this process so far [byte].
+/// Peak resident memory of this process so far [byte].
 fn peak_memory() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

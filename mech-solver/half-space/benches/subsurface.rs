@@ -1,6 +1,6 @@
-//! Stresses on the section y = 0 below the paper's sliding ellipse, 40 depths: pressure alone, with
-//! traction along x, and with traction along both axes; off the middle of the rows, where no rows
-//! share their kernels; and by direct summation for a tenth of the points.
+//! Stresses on the section y = 0 below the paper's sliding ellipse at 40 depths: pressure alone,
+//! with traction along x, and with traction along both axes. Further cases: a section off the
+//! middle of the rows, where rows share no kernels, and direct summation for a tenth of the points.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use grids::Structured;
@@ -17,7 +17,7 @@ struct Scene {
 }
 
 impl Scene {
-    /// An ellipse that fills a grid of nx × ny elements.
+    /// Ellipse that fills a grid of nx × ny elements.
     fn new(nx: usize, ny: usize) -> Self {
         let (dx, dy) = (2.0 / nx as f64, 1.5 / ny as f64);
         let grid = Structured::contact_plane(-1.0 + 0.5 * dx, -0.75 + 0.5 * dy, dx, dy, nx, ny);

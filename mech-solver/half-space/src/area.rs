@@ -1,33 +1,33 @@
-//! Area of a contact, finer than its elements.
+//! Area of a contact, resolved below the size of its elements.
 //!
-//! Elements that the edge cuts carry pressure too, so that their number is too large by first order.
-//! Near a smooth edge the pressure rises with the root of the distance, and its square φ = p² in a
-//! straight line: the edge is where φ, continued from the inside, is zero. *Inner* elements, two deep
-//! in the contact, have the φ of their pressure; others, from which contact leads to three inner ones in
-//! a row, have the parabola through these, the mean over the directions in which there are some. At the
-//! centre of an open element φ is at most zero. Between the centres φ is linear in triangles, and the
-//! area is that of φ > 0.
+//! Elements cut by the edge carry pressure too, so the number of loaded elements overestimates the
+//! area by first order. Near a smooth edge the pressure rises with the root of the distance, and
+//! its square φ = p² rises linearly. The edge is where φ, extrapolated from the inside, is zero.
+//! *Inner* elements, two deep in the contact, take φ from their pressure. Other elements that
+//! contact connects to three inner elements in a row take the parabola through those three,
+//! averaged over the directions that have them. At the centre of an open element φ is at most zero.
+//! Between the centres φ is linear on triangles, and the area is where φ > 0.
 //!
-//! Patches that are too small for that take elements one deep, and those of a few elements none: there
-//! an element of contact has the φ of its pressure, and an open one beside it as much below zero, so that
-//! the edge is midway.
+//! Small patches use inner elements one deep; patches of a few elements have none. There an element
+//! of contact takes φ from its pressure, and an open neighbour takes the negative of it, which
+//! places the edge midway.
 //!
-//! Against Hertz's ellipses the error is below 1.1e-3 from 10 elements per semi-axis on, where counting
-//! errs by 1 to 4 %, and below 4e-4 from 40 on. What remains falls with the first order: the pressure is
-//! disturbed by the edge to a depth of some elements, which moves the edge that is found by less than a
-//! hundredth of one. A second order would take pressures from ever deeper, and with them the shape of the
-//! whole patch.
+//! Against Hertz's ellipses the error is below 1.1e-3 from 10 elements per semi-axis, where
+//! counting errs by 1 to 4 %, and below 4e-4 from 40. The remaining error is of first order: the
+//! edge disturbs the pressure to a depth of some elements, which moves the detected edge by less
+//! than a hundredth of an element. Second order would need pressures from ever deeper, and with
+//! them the shape of the whole patch.
 
 use grids::Structured;
 
-/// Farthest element from the first inner one to which φ is continued.
+/// Farthest element from the first inner one to which φ is extrapolated.
 const REACH: i64 = 4;
 
 /// The eight directions in which elements have neighbours.
 const DIRECTIONS: [[i64; 2]; 8] =
     [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]];
 
-/// Area of the contact of a pressure [m²].
+/// Contact area of a pressure [m²].
 #[must_use]
 pub fn contact_area(grid: &Structured, pressure: &[f64]) -> f64 {
     if grid.nj == 1 {
@@ -35,13 +35,13 @@ pub fn contact_area(grid: &Structured, pressure: &[f64]) -> f64 {
     }
     let level = Level::of(grid, pressure);
     let (nx, ny) = (grid.ni as i64, grid.nj as i64);
-    // From one element outside the grid to one outside on the other side.
+    // Squares between centres, including one element beyond each side of the grid.
     let cells = (-1..ny).flat_map(|j| (-1..nx).map(move |i| (i, j)));
     let share: f64 = cells.map(|(i, j)| level.share_above_zero(i, j)).sum();
     share * grid.element_area()
 }
 
-/// Length of a line of contact, in elements.
+/// Length of a line contact, in elements.
 fn contact_length(pressure: &[f64]) -> f64 {
     let runs = pressure.split(|p| *p <= 0.0).filter(|run| !run.is_empty());
     runs.map(|run| {
@@ -51,14 +51,14 @@ fn contact_length(pressure: &[f64]) -> f64 {
     .sum()
 }
 
-/// Length of contact beyond the edge before the first of some elements, in elements.
+/// Length of the loaded elements beyond the edge at the start of a run, in elements.
 fn beyond_edge(run: &[f64]) -> f64 {
     let [_, _, first, second, third, _, ..] = run else { return 0.0 };
     let [first, second, third] = [first, second, third].map(|p| p * p);
-    // The parabola through three inner elements, at a distance from the first of them.
+    // Parabola through three inner elements, as a function of the distance from the first.
     let [slope, bend] = [second - first, 0.5 * (third - 2.0 * second + first)];
     let at = |s: f64| first + s * (slope - bend) + s * s * bend;
-    // Between the first of them and two elements beyond the first one of contact.
+    // Searches between the first inner element and two elements outside the run.
     let edge = (-4..=-1).rev().map(f64::from).find(|s| at(*s) <= 0.0).map_or(-4.0, |outer| {
         let [low, high] = [at(outer), at(outer + 1.0)];
         outer - low / (high - low)
@@ -89,19 +89,19 @@ impl Level {
         Self { nx, ny, values }
     }
 
-    /// φ, zero outside the grid.
+    /// φ at an element; zero outside the grid.
     fn at(&self, [i, j]: [i64; 2]) -> f64 {
         let inside = (0..self.nx).contains(&i) && (0..self.ny).contains(&j);
         if inside { self.values[(j * self.nx + i) as usize] } else { 0.0 }
     }
 
-    /// φ is above zero here and in the eight elements around.
+    /// Returns true if φ is above zero in an element and its eight neighbours.
     fn is_surrounded(&self, [i, j]: [i64; 2]) -> bool {
         let touches = |[di, dj]: &[i64; 2]| self.at([i + di, j + dj]) > 0.0;
         self.at([i, j]) > 0.0 && DIRECTIONS.iter().all(touches)
     }
 
-    /// φ of an element: its own, or that of the deepest elements near it.
+    /// φ of an element: its own, or extrapolated from the deepest inner elements nearby.
     fn continued(&self, at: [i64; 2], inner: [&Self; 2]) -> f64 {
         let own = self.at(at);
         if inner[0].at(at) > 0.0 {
@@ -118,7 +118,8 @@ impl Level {
         }
     }
 
-    /// φ continued from inner elements, the mean over the directions; `None` without such elements.
+    /// φ extrapolated from inner elements, averaged over the directions; `None` without inner
+    /// elements.
     fn seen_from_inside(&self, [i, j]: [i64; 2], inner: &Self) -> Option<f64> {
         let along = |[di, dj]: &[i64; 2]| {
             let place = |steps: i64| [i + steps * di, j + steps * dj];
@@ -135,8 +136,8 @@ impl Level {
         (!found.is_empty()).then(|| found.iter().sum::<f64>() / found.len() as f64)
     }
 
-    /// The part of the square between four centres, (i, j) and (i + 1, j + 1) at its corners, in
-    /// which φ is above zero: four triangles that meet in the middle.
+    /// Share of the square between four centres, with (i, j) and (i + 1, j + 1) at its corners, in
+    /// which φ is above zero. The square is split into four triangles that meet in the middle.
     fn share_above_zero(&self, i: i64, j: i64) -> f64 {
         let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]].map(|at| self.at(at));
         let middle = 0.25 * corners.iter().sum::<f64>();
@@ -145,7 +146,7 @@ impl Level {
     }
 }
 
-/// The part of a triangle in which a linear function with these corner values is above zero.
+/// Share of a triangle in which a linear function with these corner values is above zero.
 fn share_of_triangle(mut corners: [f64; 3]) -> f64 {
     corners.sort_by(f64::total_cmp);
     let [low, middle, high] = corners;
@@ -161,7 +162,7 @@ fn share_of_triangle(mut corners: [f64; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A straight edge between elements, at its edge, at a centre: what the triangle knows is exact.
+    /// A straight edge between elements, at an element's edge and at a centre: triangles are exact.
     #[test]
     fn shares_of_triangles() {
         for (corners, share) in [
@@ -177,8 +178,8 @@ mod tests {
         }
     }
 
-    /// The exact root of the distance from a circle's edge, wherever its centre lies on the grid, is
-    /// exact but for the triangles, of second order.
+    /// The root of the distance from the edge of a circle, at any position on the grid. The
+    /// triangles alone cause an error, of second order.
     #[test]
     fn a_smooth_edge_is_found_with_the_second_order() {
         for (x, y) in [(0.0, 0.0), (0.31, 0.17), (0.5, 0.5)] {
@@ -196,7 +197,7 @@ mod tests {
         }
     }
 
-    /// No contact, one element, and two patches that are not taken for one.
+    /// No contact, one element, and two separate patches.
     #[test]
     fn small_patches() {
         let grid = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 23, 11);

@@ -1,18 +1,19 @@
 //! Contact on a curved surface of bodies that are prismatic along x.
 //!
-//! Where a wheel's flange root lies in the gauge corner of a rail the surface turns under the contact, and the bodies
-//! are no half-spaces: a corner yields more, a throat less. Places are given by x and s along the surface, tractions
-//! and displacements by their components along x, s and the local normal n.
+//! Where a wheel's flange root lies in the gauge corner of a rail, the surface turns within the
+//! contact and the bodies are not half-spaces: a corner is more compliant, a throat less. Positions
+//! are given by x and by s along the surface. Tractions and displacements have components along x,
+//! s and the local normal n.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`kernel`] | an elastic space under forces that vary like a wave along x |
-//! | [`section`] | where the surface of a body goes across its axis |
+//! | [`section`] | cross-section of a body's surface |
 //! | [`outline`] | the outline of a body as boundary elements |
-//! | [`boundary`] | its flexibility for a wave along x |
+//! | [`boundary`] | flexibility of a body for a wave along x |
 //! | [`shape`] | two arcs that touch |
 //! | [`numbers`] | influence numbers of a pair of bodies |
-//! | [`elastic`] | what they displace under pressure and tractions |
+//! | [`elastic`] | displacements of both bodies under pressure and tractions |
 //! | [`contact`] | pressure and tractions |
 //! | [`pin`] | a pin in a hole |
 

@@ -9,9 +9,9 @@
 //! | upwind | u_0 − u_1 | 1 | half an element upstream of the centre |
 //! | Fromm | (u_{−1} + 3u_0 − 5u_1 + u_2)/4 | 2 | at the centre |
 //!
-//! Fromm's difference is the mean of the central one and the second-order upwind one. The central
-//! one alone does not see tractions that alternate from element to element. With the upstream shift
-//! S the difference is (1 − S)(S⁻¹ + 4 − S)/4.
+//! Fromm's difference is the mean of the central and the second-order upwind difference. The
+//! central difference alone does not see tractions that alternate from element to element. With the
+//! upstream shift S the difference is (1 − S)(S⁻¹ + 4 − S)/4.
 //!
 //! **Energy.** Tractions p do the work Σ p·s. The displacement u = A p has a symmetric A, so the
 //! antisymmetric part of the difference does no work. The symmetric part of Fromm's difference is
@@ -23,18 +23,20 @@
 //! it falls with Δx⁴. With the upwind difference the mean of the tractions at both ends of a step
 //! does the work, and there is no dissipation ([`super::tangential`]).
 //!
-//! **In time.** In transient rolling an element's displacement changes besides. With the displacements
-//! u' and u'' one and two steps of Δx/V ago, the slip with the second-order backward difference is
+//! **In time.** In transient rolling an element's displacement also changes in time. With the
+//! displacements u' and u'' one and two steps of Δx/V ago, the slip with the second-order backward
+//! difference is
 //!
 //! Δx (s − w) = Δx ∂u/∂x + (3u − 4u' + u'')/2,
 //!
-//! so that a steady state is that of the same grid. Over the area of an element tractions p with
-//! this slip do the work −p·s Δx = −p·w Δx − (E − E') − ⅛ δ²p·A δ²p − ¼ δ_t²p·A δ_t²p, with the
-//! elastic energy E = ¼ (p·A p + (2p − p')·A(2p − p')), and δ_t²p = p − 2p' + p''.
+//! so that the steady state equals that of steady rolling on the same grid. Over the area of an
+//! element, tractions p with this slip do the work −p·s Δx = −p·w Δx − (E − E') − ⅛ δ²p·A δ²p
+//! − ¼ δ_t²p·A δ_t²p, with the elastic energy E = ¼ (p·A p + (2p − p')·A(2p − p')), and
+//! δ_t²p = p − 2p' + p''.
 //!
 //! Source: J. E. Fromm, J. Comput. Phys. 3 (1968) 176, for the difference. For the energy of the
 //! backward difference: C. W. Gear, Numerical Initial Value Problems (1971), G. Dahlquist, BIT 18
-//! (1978) 384. Their use in rolling contact is this project's.
+//! (1978) 384. The application to rolling contact is this project's.
 
 /// A difference along the direction of rolling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,7 +49,7 @@ pub enum Difference {
 }
 
 impl Difference {
-    /// Places upstream, and the weights of the displacements there.
+    /// Positions upstream, in elements, and the weights of the displacements there.
     #[must_use]
     pub fn weights(self) -> &'static [(i32, f64)] {
         match self {
@@ -65,7 +67,7 @@ impl Difference {
         [1, 2].map(|m| 0.5 * (weight(-m) - weight(m)))
     }
 
-    /// Traction that does the work of an element's slip, in rows of nx elements [Pa].
+    /// Traction that does work on the slip of an element, in rows of nx elements [Pa].
     #[must_use]
     pub fn working(self, traction: &[f64], nx: usize, index: usize) -> f64 {
         match self {
@@ -75,8 +77,8 @@ impl Difference {
         }
     }
 
-    /// The difference of displacements in rows of nx elements [m]. It is zero next to the ends of a
-    /// row, where a neighbour is missing; nothing touches there.
+    /// Difference of displacements in rows of nx elements [m]. Next to the ends of a row, where a
+    /// neighbour is missing and nothing touches, the result is zero.
     #[must_use]
     pub fn along(self, displacement: &[f64], nx: usize, index: usize) -> f64 {
         let (row, column) = (index - index % nx, (index % nx) as i64);
@@ -89,7 +91,7 @@ impl Difference {
         sum
     }
 
-    /// Place of an element's slip and friction power, upstream of its centre [elements].
+    /// Position of an element's slip and friction power, upstream of its centre [elements].
     #[must_use]
     pub fn middle(self) -> f64 {
         match self {
@@ -98,11 +100,11 @@ impl Difference {
         }
     }
 
-    /// Place at which an element's rigid slip is taken, upstream of its centre [elements].
+    /// Position at which an element's rigid slip is taken, upstream of its centre [elements].
     ///
     /// The upwind difference is the elastic slip in the middle of a step, and turns the traction at
-    /// its end. In between, the errors of forces under spin nearly cancel
-    /// (docs/theory/half-space.md). CONTACT takes the same place.
+    /// the end of the step. In between, the errors of forces under spin nearly cancel
+    /// (docs/theory/half-space.md). CONTACT uses the same position.
     #[must_use]
     pub fn rigid_slip_ahead(self) -> f64 {
         match self {
@@ -112,20 +114,20 @@ impl Difference {
     }
 }
 
-/// Slip by displacements: their difference along x, and a multiple of their own.
+/// Slip as a combination of a difference of displacements along x and the displacement itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stencil {
-    /// Difference along x, if the bodies roll on.
+    /// Difference along x, if the bodies roll.
     pub along: Option<Difference>,
     /// Weight of the displacement of the element itself.
     pub own: f64,
 }
 
 impl Stencil {
-    /// The displacement itself.
+    /// Stencil of the displacement itself.
     pub const DISPLACEMENT: Self = Self { along: None, own: 1.0 };
 
-    /// Slip by displacements that are a function of the place upstream.
+    /// Applies the stencil to displacements given as a function of the position upstream.
     pub(super) fn of<const N: usize>(self, value: impl Fn(i32) -> [f64; N]) -> [f64; N] {
         let along = self.along.map_or(&[][..], Difference::weights).iter().copied();
         let own = (self.own != 0.0).then_some((0, self.own));

@@ -4,12 +4,13 @@
 //! difference δ² along x and its displacement u ([`super::difference`]). For bodies of different
 //! constants u includes the displacement by δ² of the pressure.
 //!
-//! It is largest where tractions change within an element: at the border of adhesion and at the
-//! trailing edge. The grid does not resolve the slip there. Counted as friction power of these
-//! elements, it makes the power of friction equal to that of the forces at every resolution, and
-//! the temperature more accurate (test `dissipation_is_heat_where_slip_is_not_resolved`). The
-//! products δ²p·u of single elements may be negative; the sum is shared by |δ²p|², to which the
-//! displacement of the element itself is proportional.
+//! The dissipation is largest where tractions change within an element: at the border of adhesion
+//! and at the trailing edge. The grid does not resolve the slip there. Counted as friction power of
+//! these elements, it makes the friction power equal to the power of the forces at every
+//! resolution, and the temperature more accurate (test
+//! `dissipation_is_heat_where_slip_is_not_resolved`). The products δ²p·u of single elements may be
+//! negative. The sum is therefore distributed by |δ²p|², to which the displacement of the element
+//! itself is proportional.
 
 use super::coupling::Coupling;
 use super::difference::{Difference, Stencil};
@@ -18,7 +19,7 @@ use super::slip_operator::Displacement;
 use super::viscoelastic::Bodies;
 use grids::Structured;
 
-/// The operators on a grid whose edges carry no traction.
+/// Operators of the dissipation on a grid whose edges carry no traction.
 #[derive(Debug)]
 pub struct Dissipation {
     nx: usize,
@@ -29,8 +30,8 @@ pub struct Dissipation {
 }
 
 impl Dissipation {
-    /// Builds the operators, with the flexibility of a layer [m/Pa]. `None` for the upwind difference,
-    /// which dissipates nothing.
+    /// Builds the operators, with the flexibility of a layer [m/Pa]. Returns `None` for the upwind
+    /// difference, which has no dissipation.
     #[must_use]
     pub fn new(
         difference: Difference,
@@ -74,8 +75,8 @@ impl Dissipation {
     }
 }
 
-/// The total of weight · Σ p·u, shared among the elements by |p|²: no element loses power that way,
-/// and none gains from another's displacement.
+/// Distributes the total of weight · Σ p·u among the elements by |p|², so that no element loses
+/// power or gains it from the displacement of another element.
 #[must_use]
 pub fn shared(traction: [&[f64]; 2], displacement: [&[f64]; 2], weight: f64) -> Vec<f64> {
     let dot = |[x, y]: [&[f64]; 2], [u, v]: [&[f64]; 2], at: usize| x[at] * u[at] + y[at] * v[at];
@@ -86,7 +87,7 @@ pub fn shared(traction: [&[f64]; 2], displacement: [&[f64]; 2], weight: f64) -> 
     elements.map(|at| share * dot(traction, traction, at)).collect()
 }
 
-/// δ² along rows of nx values, which are zero beyond their ends.
+/// Second difference δ² along rows of nx values, with zeros beyond their ends.
 fn second_difference(values: &[f64], nx: usize) -> Vec<f64> {
     let of = |row: &[f64], i: usize| {
         let upstream = row.get(i + 1).copied().unwrap_or(0.0);

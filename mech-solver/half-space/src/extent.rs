@@ -1,5 +1,5 @@
-//! The grid that holds a contact: enlarged until the contact stays off its edge, and the bodies do not
-//! touch anywhere beside it.
+//! A grid that holds a contact: enlarged until the contact stays off its edge and the bodies touch
+//! nowhere beside it.
 
 use super::influence::Influence;
 use super::normal::{NormalContact, NormalError, NormalSolver, Prescribed};
@@ -7,34 +7,37 @@ use super::viscoelastic::Bodies;
 use grids::Structured;
 use numerics::quadrature::GAUSS_8;
 
-/// Growth of the grid at a side that the contact touches, as a share of the whole length.
+/// Growth of the grid at a side that the contact touches, as a share of its length.
 const GROWTH: f64 = 0.25;
 /// Free rows round a contact found beside the grid.
 const MARGIN: usize = 2;
-/// Rows beside the grid that are looked at on either side; of more, every so many.
+/// Largest number of rows examined beside the grid on either side; of more rows, every n-th is
+/// examined.
 const MOST_ROWS: f64 = 1e6;
 
-/// A normal contact on a grid that holds it.
+/// Solution of a normal contact on a grid that holds it.
 #[derive(Clone, Debug)]
-pub struct Fitted {
+pub struct FittedContact {
     /// The grid.
     pub grid: Structured,
-    /// Pressure of its elements [Pa].
+    /// Pressure of each element [Pa].
     pub pressure: Vec<f64>,
     /// Result of the solver.
     pub contact: NormalContact,
-    /// Number of times that the grid was enlarged.
+    /// Number of enlargements of the grid.
     pub enlargements: usize,
 }
 
-/// Solves a normal contact with the undeformed distance `distance(x, y)` [m] and enlarges the grid,
-/// elements unchanged, at the sides that the contact touches, and by the rows beside it in which the
-/// deformed bodies would penetrate each other: it is cut only where the gap has opened beyond the
-/// approach. The shapes are known for the lateral coordinates `within` [m]; where these have no end,
-/// rows beside the grid are not looked at, nor those beside bodies with a memory. The pressure has an upper bound, which may be infinite [Pa].
+/// Solves a normal contact with the undeformed distance `distance(x, y)` [m] on a grid that grows
+/// until it holds the contact. The size of the elements is kept. The grid grows at the sides that
+/// the contact touches, and over the rows beside it in which the deformed bodies would penetrate
+/// each other, so that it ends only where the gap is open. The shapes are defined for the lateral
+/// coordinates `within` [m]. Rows beside the grid are not examined on sides where `within` is
+/// infinite, nor for viscoelastic bodies. `pressure_bound` is the largest possible pressure [Pa]
+/// and may be infinite.
 ///
 /// # Errors
-/// Errors of [`NormalSolver::solve`], a contact that needs more than `limit` elements, and one that
+/// Errors of [`NormalSolver::solve`]; the contact needs more than `limit` elements; the contact
 /// reaches the end of the shapes.
 pub fn fit_grid(
     mut grid: Structured,
@@ -44,7 +47,7 @@ pub fn fit_grid(
     within: [f64; 2],
     limit: usize,
     pressure_bound: f64,
-) -> Result<Fitted, NormalError> {
+) -> Result<FittedContact, NormalError> {
     let bodies = bodies.into();
     let mut pressure = vec![0.0; grid.points()];
     for enlargements in 0.. {
@@ -60,7 +63,7 @@ pub fn fit_grid(
                 false => outside.penetrated(distance, contact.approach, within),
             };
             if rows == [0, 0] {
-                return Ok(Fitted { grid, pressure, contact, enlargements });
+                return Ok(FittedContact { grid, pressure, contact, enlargements });
             }
             let added = rows[0].saturating_add(rows[1]);
             let elements = grid.nj.saturating_add(added).saturating_mul(grid.ni);
@@ -90,20 +93,20 @@ pub fn fit_grid(
     Err(NormalError::GridLimit { nx: grid.ni, ny: grid.nj, limit })
 }
 
-/// Values of a function of (x, y) at the elements' centres.
+/// Samples a function of (x, y) at the elements' centres.
 #[must_use]
 pub fn sample(grid: &Structured, function: &dyn Fn(f64, f64) -> f64) -> Vec<f64> {
     let at = |index: usize| function(grid.x(index % grid.ni), grid.y(index / grid.ni));
     (0..grid.points()).map(at).collect()
 }
 
-/// Means of √(1 − (x/a)² − (y/b)²) over the elements whose centres are inside the ellipse; on a
-/// single row, a line of contact, of √(1 − (x/a)²). Exact along x, by Gauss's rule of eight points
-/// across.
+/// Means of √(1 − (x/a)² − (y/b)²) over the elements whose centres are inside the ellipse. On a
+/// single row, a line contact, means of √(1 − (x/a)²). The integral is exact along x and uses
+/// Gauss's rule of eight points across.
 #[must_use]
 pub fn elliptic(grid: &Structured, [a, b]: [f64; 2]) -> Vec<f64> {
     let (dx, dy) = (grid.dx() / a, grid.dy() / b);
-    // Mean over a length of a half chord, in the unit circle.
+    // Mean along x over the part inside a half chord, in the unit circle.
     let along = |x: f64, chord: f64| {
         let integral = |x: f64| {
             let x = x.clamp(-chord, chord);
@@ -131,7 +134,7 @@ pub fn elliptic(grid: &Structured, [a, b]: [f64; 2]) -> Vec<f64> {
 fn touched(grid: &Structured, pressure: &[f64]) -> [bool; 4] {
     let loaded = |i: usize, j: usize| pressure[j * grid.ni + i] > 0.0;
     let (right, top) = (grid.ni - 1, grid.nj - 1);
-    // A line of contact has no sides along y.
+    // A line contact has no sides along y.
     let plane = grid.nj > 1;
     [
         (0..grid.nj).any(|j| loaded(0, j)),
@@ -141,14 +144,14 @@ fn touched(grid: &Structured, pressure: &[f64]) -> [bool; 4] {
     ]
 }
 
-/// The grid, grown at these sides.
+/// Enlarges the grid by a share of its length at these sides.
 fn grown(grid: &Structured, sides: [bool; 4]) -> Structured {
     let added = |count: usize| (GROWTH * count as f64).ceil() as usize;
     let counts = [grid.ni, grid.ni, grid.nj, grid.nj];
     enlarged(grid, std::array::from_fn(|k| if sides[k] { added(counts[k]) } else { 0 }))
 }
 
-/// The grid with whole elements added at its sides.
+/// Adds whole elements to the grid at its sides.
 fn enlarged(grid: &Structured, [left, right, low, high]: [usize; 4]) -> Structured {
     let x0 = grid.x(0) - left as f64 * grid.dx();
     let y0 = grid.y(0) - low as f64 * grid.dy();
@@ -164,8 +167,8 @@ struct Outside<'a> {
 }
 
 impl Outside<'_> {
-    /// Rows to be added below and above, so that the grid holds all in which the bodies penetrate each
-    /// other, and a margin.
+    /// Rows to be added below and above, so that the grid holds all points at which the bodies
+    /// penetrate each other, and a margin.
     fn penetrated(
         &self,
         distance: &dyn Fn(f64, f64) -> f64,
@@ -196,7 +199,7 @@ impl Outside<'_> {
         })
     }
 
-    /// The normal displacement at a place [m].
+    /// Normal displacement at a point [m].
     fn displacement(&self, [x, y]: [f64; 2], loaded: &[(usize, f64)]) -> f64 {
         let by = |(at, p): &(usize, f64)| {
             let [from_x, from_y, _] = self.grid.centre(at % self.grid.ni, at / self.grid.ni);
@@ -205,8 +208,8 @@ impl Outside<'_> {
         loaded.iter().map(by).sum()
     }
 
-    /// Less than the displacement anywhere in a row beside the grid: that by the whole load at the
-    /// greatest distance there is [m].
+    /// Lower bound of the displacement in a row beside the grid [m]: the whole load at the greatest
+    /// distance.
     fn least_displacement(&self, y: f64, loaded: &[(usize, f64)]) -> f64 {
         let grid = self.grid;
         let ends = [grid.y(0), grid.y(grid.nj - 1)];
@@ -216,7 +219,7 @@ impl Outside<'_> {
     }
 }
 
-/// A field of a grid on a larger one of the same elements, zero around it.
+/// Copies a field of a grid into a larger grid of the same elements, zero elsewhere.
 fn embed(grid: &Structured, larger: &Structured, field: &[f64]) -> Vec<f64> {
     let left = ((grid.x(0) - larger.x(0)) / grid.dx()).round() as usize;
     let low = ((grid.y(0) - larger.y(0)) / grid.dy()).round() as usize;
@@ -228,25 +231,25 @@ fn embed(grid: &Structured, larger: &Structured, field: &[f64]) -> Vec<f64> {
     embedded
 }
 
-/// Place of a pressure and size of its contact.
+/// Centre and size of a loaded area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// Centre of pressure, x and y [m].
     pub centre: [f64; 2],
-    /// Semi-axes along x and y of the ellipse whose semi-ellipsoidal pressure has the second moments
-    /// of this one about its centre, ⟨x²⟩ = a²/5, an element's own Δx²/12 included [m]; of a line of contact, a
-    /// single row, ⟨x²⟩ = a²/4 and half its width.
+    /// Semi-axes along x and y [m] of the semi-ellipsoidal pressure with the same second moments
+    /// about its centre, ⟨x²⟩ = a²/5, each element's own Δx²/12 included. For a line contact, a
+    /// single row, ⟨x²⟩ = a²/4, and b is half the width of the row.
     pub semi_axes: [f64; 2],
 }
 
 impl Moments {
-    /// Moments of a pressure; zero without pressure.
+    /// Moments of a pressure; all zero without pressure.
     #[must_use]
     pub fn of(grid: &Structured, pressure: &[f64]) -> Self {
         Self::of_elements(grid, pressure.iter().copied().enumerate())
     }
 
-    /// Moments of the pressures on some elements.
+    /// Moments of the pressures on a selection of elements.
     #[must_use]
     pub fn of_elements(
         grid: &Structured,
@@ -295,8 +298,8 @@ mod tests {
         Structured::contact_plane(x0, y0, side, side, 2 * half_x + 1, 2 * half_y + 1)
     }
 
-    /// A grid that starts too small, also off the contact, ends with the solution of one that was
-    /// large enough. Tolerance: that of the iteration.
+    /// A grid that starts too small, or beside the contact, ends with the same solution as a grid
+    /// that was large enough. Tolerance: the iteration.
     #[test]
     fn a_small_grid_grows_to_the_same_solution() {
         let gap = |x: f64, y: f64| 0.5 / 0.46 * x * x + 0.5 / 0.3 * y * y;
@@ -316,7 +319,7 @@ mod tests {
         assert_eq!(end, NormalError::EndOfShape);
     }
 
-    /// Tolerances: the area of the elements that the edge cuts, second order in their size; the
+    /// Tolerances: the area of the elements cut by the edge, second order in their size, and the
     /// rounding that decides about elements on the edge.
     #[test]
     fn moments_of_a_known_pressure() {

@@ -1,33 +1,33 @@
-//! Friction of the elements of a contact: a coefficient and a largest traction of each.
+//! Friction coefficient and largest traction of each element of a contact.
 
-/// Friction of elements: a coefficient and a largest traction of each.
+/// Friction coefficient and largest traction of each element.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ElementFriction {
     /// Friction coefficients f [-].
     coefficient: Vec<f64>,
-    /// Largest tractions τ [Pa]; infinite without a bound.
+    /// Largest tractions τ [Pa]; infinite for no limit.
     largest: Vec<f64>,
 }
 
 impl ElementFriction {
-    /// Friction of elements with these coefficients [-] and largest tractions [Pa], infinite
-    /// without a bound.
+    /// Creates the friction of elements with these coefficients [-] and largest tractions [Pa],
+    /// infinite for no limit.
     ///
     /// # Panics
-    /// If there are not as many tractions as coefficients.
+    /// If the two lists differ in length.
     #[must_use]
     pub fn new(coefficient: Vec<f64>, largest: Vec<f64>) -> Self {
         assert_eq!(coefficient.len(), largest.len(), "one bound an element");
         Self { coefficient, largest }
     }
 
-    /// Friction of `count` elements with one coefficient [-] and no further bound.
+    /// Creates the friction of `count` elements with one coefficient [-] and no further limit.
     #[must_use]
     pub fn uniform(count: usize, coefficient: f64) -> Self {
         Self::of_coefficients(vec![coefficient; count])
     }
 
-    /// Friction of elements with these coefficients [-] and no further bound.
+    /// Creates the friction of elements with these coefficients [-] and no further limit.
     #[must_use]
     pub fn of_coefficients(coefficient: Vec<f64>) -> Self {
         Self { largest: vec![f64::INFINITY; coefficient.len()], coefficient }
@@ -44,19 +44,21 @@ impl ElementFriction {
         pressure.iter().enumerate().map(|(index, pressure)| self.bound(index, *pressure))
     }
 
-    /// Coefficient of some elements, weighted with their pressure: Σ f p/Σ p; 0 without pressure [-].
+    /// Mean coefficient of some elements, weighted with their pressure: Σ f p/Σ p; 0 without
+    /// pressure [-].
     #[must_use]
     pub fn mean(&self, elements: std::ops::Range<usize>, pressure: &[f64]) -> f64 {
         ratio(elements.map(|index| (self.coefficient[index] * pressure[index], pressure[index])))
     }
 
-    /// The one coefficient with which a contact that slides carries the same force: Σ min(f p, τ)/Σ p [-].
+    /// Uniform coefficient under which a sliding contact carries the same force: Σ min(f p, τ)/Σ p
+    /// [-].
     #[must_use]
     pub fn equivalent(&self, pressure: &[f64]) -> f64 {
         ratio(self.bounds(pressure).zip(pressure.iter().copied()))
     }
 
-    /// Bound of an element from that of friction with one coefficient `mean` [Pa].
+    /// Bound of an element, scaled from the bound under a uniform coefficient `mean` [Pa].
     #[must_use]
     pub fn limit(&self, index: usize, mean: f64, bound: f64) -> f64 {
         let share = if mean > 0.0 { self.coefficient[index] / mean } else { 0.0 };
@@ -64,7 +66,7 @@ impl ElementFriction {
     }
 }
 
-/// Sum of the first over that of the second; 0 of nothing.
+/// Ratio of the sum of the first values to the sum of the second; 0 if the latter is zero.
 fn ratio(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (sum, weight) = pairs.fold((0.0, 0.0), |(sum, weight), (s, w)| (sum + s, weight + w));
     if weight > 0.0 { sum / weight } else { 0.0 }

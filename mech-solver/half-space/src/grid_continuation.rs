@@ -1,10 +1,10 @@
 //! The tangential problem by continuation in resolution: solve on a coarse grid, prolong, solve on
-//! the next. A line of contact, a single row, is made coarser along x alone.
+//! the next. A line of contact (a single row) is coarsened along x only.
 //!
-//! Every second element of a grid, along x and along y, is an element of the next coarser one, with
-//! twice the side. The traction bound is restricted by full weighting (1/4, 1/2, 1/4 along each
-//! axis), which keeps its sum; the direction and the share p/g of the traction are prolonged
-//! bilinearly over the elements in contact, the state of an element by its nearest neighbour.
+//! Every second element of a grid, along x and along y, is an element of the next coarser grid,
+//! with twice the side. The traction bound is restricted by full weighting (1/4, 1/2, 1/4 along
+//! each axis), which keeps its sum. The direction and the share p/g of the traction are prolonged
+//! bilinearly over the elements in contact, the state of an element from its nearest neighbour.
 //!
 //! Prescribed forces are met on every grid, from the creepages of the coarser one.
 
@@ -13,8 +13,8 @@ use super::dissipation::Dissipation;
 use super::influence::Influence;
 use super::slip_operator::SlipOperator;
 use super::tangential::{
-    ElementState, Layer, NotConverged, PrescribedMotion, Problem, TangentialSolver,
-    TangentialState, Wanted,
+    ElementState, Layer, NotConverged, PrescribedForces, PrescribedMotion, Problem,
+    TangentialSolver, TangentialState,
 };
 use super::viscoelastic::Bodies;
 use super::yielding::Yield;
@@ -22,22 +22,23 @@ use elastic::Elasticity;
 use grids::Structured;
 use serde::{Deserialize, Serialize};
 
-/// Grids with no more elements than this along their longer side are not made coarser.
+/// Grids with at most this many elements along their longer side are not coarsened.
 const COARSEST: usize = 26;
-/// On coarser grids tractions have settled when they change by less than this share of the largest.
+/// Tractions on coarser grids have settled when they change by less than this share of the largest.
 const COARSE_TOLERANCE: f64 = 1e-2;
-/// A prescribed force is met to this share of f N on coarser grids.
+/// Tolerance of a prescribed force on coarser grids, as a share of f N.
 const COARSE_FORCE: f64 = 1e-3;
-/// On the finest grid the same: this share of the tolerance of the tractions.
+/// Tolerance of a prescribed force on the finest grid, as a share of the tolerance of the
+/// tractions.
 const FORCE_SHARE: f64 = 0.01;
-/// Small forces are met to this share of themselves.
+/// Relative tolerance of small forces.
 const SMALL_FORCE: f64 = 1e-4;
 /// Rounding of the forces over f N.
 const ROUNDING: f64 = 1e-13;
-/// Forces beyond f N by less than this share of it are rounding of who prescribes them.
+/// Share of f N by which a prescribed force may exceed it through rounding.
 const BEYOND: f64 = 1e-6;
 
-/// Motion of the bodies on each other.
+/// Relative motion of the bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// Steady rolling along x.
@@ -45,15 +46,15 @@ pub enum Motion {
     /// The first step of transient rolling along x, by one element: the slip is the displacement
     /// less that of the particle one step ago.
     FirstRollingStep,
-    /// A step of transient rolling that follows on another: the slip has the difference along x of
-    /// steady rolling, and the second-order backward difference in time.
+    /// A later step of transient rolling: the slip has the difference along x of steady rolling,
+    /// and the second-order backward difference in time.
     RollingStep,
-    /// A shift in place.
+    /// A tangential shift in place, without rolling.
     Shift,
 }
 
 impl Motion {
-    /// Slip by the displacements at the end of a step.
+    /// Stencil from displacements at the end of a step to slip.
     #[must_use]
     pub fn stencil(self, difference: Difference) -> Stencil {
         match self {
@@ -64,16 +65,16 @@ impl Motion {
     }
 }
 
-/// A contact on which tangential problems are posed.
+/// Contact for which tangential problems are solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// The bodies; only in steady rolling they may have a memory.
+    /// The two bodies; they may be viscoelastic in steady rolling only.
     pub bodies: Bodies,
     /// Tangential flexibility of a third body [m/Pa], 0 for none.
     pub layer: f64,
-    /// A layer that yields.
+    /// Yielding layer.
     pub yields: Option<Yield>,
-    /// Semi-axes a and b, or what comes near them [m].
+    /// Approximate semi-axes a and b [m].
     pub semi_axes: [f64; 2],
     /// Motion of the bodies.
     pub motion: Motion,
@@ -85,8 +86,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// −∂F_x/∂ξ [N] of the linear theory, G a b C₁₁ with C₁₁ = 4; in a shift −∂F_x/∂s [N/m],
-    /// 4 G r/(2 − ν) of a circle.
+    /// −∂F_x/∂ξ [N] of the linear theory, G a b C₁₁ with C₁₁ = 4; in a shift −∂F_x/∂s [N/m], 4 G
+    /// r/(2 − ν) of a circle.
     fn slope(&self) -> f64 {
         let [a, b] = self.semi_axes;
         let Elasticity { shear_compliance, poisson_compliance, .. } = self.bodies.instantaneous;
@@ -99,7 +100,7 @@ impl Contact {
     }
 }
 
-/// The solvers of all grids, finest first.
+/// Solvers on all grids, finest first.
 #[derive(Debug)]
 pub struct Levels {
     contact: Contact,
@@ -107,12 +108,12 @@ pub struct Levels {
     dissipation: Option<Dissipation>,
 }
 
-/// One grid.
+/// Solver and data of one grid.
 #[derive(Debug)]
 struct Level {
     nx: usize,
     ny: usize,
-    /// Δq and the place of the rigid slip within the step, as in [`Problem`].
+    /// Distance Δq, and the point of the step at which the rigid slip is taken, as in [`Problem`].
     distance: f64,
     ahead: f64,
     area: f64,
@@ -152,7 +153,8 @@ impl Level {
         }
     }
 
-    /// Solves with prescribed creepages or forces, from the state; the number of Newton steps.
+    /// Solves with prescribed creepages or forces, starting from the state; returns the number of
+    /// Newton steps.
     fn find(
         &mut self,
         target: &Target<'_>,
@@ -183,7 +185,8 @@ impl Level {
             problem.wanted = Some(target.wanted(most_force));
         }
         let before = state.creepage;
-        // Particles whose shifts gather soften all that follows: Newton's method overshoots.
+        // On a softening layer in steady rolling, accumulated shifts soften all elements
+        // downstream, and Newton's method overshoots.
         let softens =
             problem.layer.filter(|layer| layer.before.is_none() && layer.law.hardening < 0.0);
         let solved = match softens {
@@ -201,7 +204,7 @@ impl Level {
         Ok(effort?.newton_steps)
     }
 
-    /// f N on this grid [N].
+    /// Friction limit f N on this grid [N].
     fn most_force(&self) -> f64 {
         match self.yields {
             Some(law) => self.bound.iter().map(|g| law.most(*g)).sum::<f64>() * self.area,
@@ -209,7 +212,7 @@ impl Level {
         }
     }
 
-    /// The moment of a contact that turns about the origin, Σ g r dA [N m].
+    /// Moment of a contact that spins about the origin, Σ g r dA [N m].
     fn most_moment(&self) -> f64 {
         let row = |(bounds, y): (&[f64], &f64)| -> f64 {
             let most = |g: &f64| self.yields.map_or(*g, |law| law.most(*g));
@@ -222,7 +225,7 @@ impl Level {
         let stiffness = self.solver.self_influence().recip();
         if let Some(Yield { hardening, .. }) = self.yields.filter(|law| law.hardening <= -stiffness)
         {
-            return Err(TangentialError::SnapsBack { hardening, stiffness });
+            return Err(TangentialError::SofteningUnstable { hardening, stiffness });
         }
         let [x, y, moment] = prescribed.force.map(Option::unwrap_or_default);
         let (force, most) = (x.hypot(y), self.most_force());
@@ -241,12 +244,13 @@ impl Level {
 pub struct History<'a> {
     /// Slip s₀ without tractions, x and y [m].
     pub slip: [&'a [f64]; 2],
-    /// Plastic shift of a layer that yields, of every element before the step [m]; `None` in steady rolling.
+    /// Plastic shift of a yielding layer on every element before the step [m]; `None` in steady
+    /// rolling.
     pub plastic: Option<&'a [f64]>,
 }
 
 impl<'a> History<'a> {
-    /// Slip of bodies without a layer.
+    /// State of bodies without a layer, with this slip s₀.
     #[must_use]
     pub fn of_slip(slip: [&'a [f64]; 2]) -> Self {
         Self { slip, plastic: None }
@@ -257,27 +261,27 @@ impl<'a> History<'a> {
 struct Target<'a> {
     prescribed: &'a PrescribedMotion,
     history: Option<History<'a>>,
-    /// Accuracy of the tractions.
+    /// Tolerance of the tractions.
     accuracy: f64,
-    /// Error of the forces allowed, over f N.
+    /// Error allowed in the forces, over f N.
     tolerance: f64,
-    /// −∂F_x/∂ξ at small creepage, roughly [N], or [N/m] in a shift.
+    /// Approximate −∂F_x/∂ξ at small creepage [N], or [N/m] in a shift.
     slope: f64,
-    /// A length of the contact [m].
+    /// Length scale of the contact [m].
     length: f64,
 }
 
 impl Target<'_> {
-    /// The forces, on a grid that carries f N at most.
-    fn wanted(&self, most_force: f64) -> Wanted {
+    /// Prescribed forces on a grid whose friction limit is `most_force`.
+    fn wanted(&self, most_force: f64) -> PrescribedForces {
         let PrescribedMotion { force, creepage } = *self.prescribed;
         let [x, y, moment] = force.map(|one| one.unwrap_or_default().abs());
-        // Small forces that nothing but their creepage makes.
+        // Small forces are met more closely, if only their own creepage drives the contact.
         let alone = self.history.is_none() && creepage == [0.0; 3];
         let size = x.max(y).max(moment / self.length) / most_force;
         let relative =
             if alone && size > 0.0 { (SMALL_FORCE * size).max(ROUNDING) } else { f64::INFINITY };
-        Wanted {
+        PrescribedForces {
             force,
             tolerance: self.tolerance.min(relative) * most_force,
             length: self.length,
@@ -286,7 +290,7 @@ impl Target<'_> {
     }
 }
 
-/// A solution on the finest grid, and what it took.
+/// Solution on the finest grid, and its cost.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Solution {
     /// Tractions, slips, states and creepages.
@@ -297,39 +301,42 @@ pub struct Solution {
     pub newton_steps: usize,
 }
 
-/// Why there is no solution.
+/// Reason why a tangential problem has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TangentialError {
-    /// A grid did not converge.
+    /// The iteration on one grid did not converge.
     #[error(transparent)]
     NotConverged(#[from] NotConverged),
-    /// The force is beyond what friction carries.
+    /// The force exceeds the friction limit.
     #[error(
-        "a tangential force of {force:.6e} N is beyond f N = {most:.6e} N; prescribe less, or \
-         a creepage"
+        "a tangential force of {force:.6e} N exceeds the friction limit f N = {most:.6e} N; \
+         prescribe a smaller force, or a creepage"
     )]
     BeyondFriction {
-        /// The force asked for [N].
+        /// Prescribed force [N].
         force: f64,
-        /// f N [N].
+        /// Friction limit f N [N].
         most: f64,
     },
     /// A layer softens faster than an element unloads.
     #[error(
-        "the layer softens by {:.3e} Pa/m, faster than an element of this grid unloads, {stiffness:.3e} Pa/m: it jumps; let it soften \
-         less, or take finer elements",
+        "the layer softens by {:.3e} Pa/m, faster than an element of this grid unloads \
+         ({stiffness:.3e} Pa/m), so that its slip jumps; reduce the softening, or use \
+         finer elements",
         -.hardening
     )]
-    SnapsBack {
+    SofteningUnstable {
         /// Change of the yield stress with the plastic shift [Pa/m].
         hardening: f64,
         /// Traction that takes back a unit of slip of an element [Pa/m].
         stiffness: f64,
     },
-    /// The moment is beyond what friction carries.
-    #[error("a spin moment of {moment:.6e} N m is beyond the {most:.6e} N m of a turning contact")]
+    /// The moment exceeds the friction limit.
+    #[error(
+        "a spin moment of {moment:.6e} N m exceeds the {most:.6e} N m of a contact in pure spin"
+    )]
     MomentBeyondFriction {
-        /// The moment asked for [N m].
+        /// Prescribed moment [N m].
         moment: f64,
         /// Σ g r dA about the origin [N m].
         most: f64,
@@ -337,7 +344,7 @@ pub enum TangentialError {
 }
 
 impl Solution {
-    /// A state that no work has gone into.
+    /// Wraps a state with zero counts of work.
     #[must_use]
     pub fn new(state: TangentialState) -> Self {
         Self { state, operator_applications: 0, newton_steps: 0 }
@@ -345,7 +352,7 @@ impl Solution {
 }
 
 impl Levels {
-    /// Operators for this grid and all coarser ones.
+    /// Creates the operators for this grid and all coarser grids.
     #[must_use]
     pub fn new(grid: &Structured, contact: &Contact) -> Self {
         let Contact { bodies, layer, difference, .. } = contact;
@@ -371,10 +378,10 @@ impl Levels {
         Self { contact: *contact, levels, dissipation }
     }
 
-    /// Solves for this traction bound g [Pa] on the finest grid, coarsest grid first.
+    /// Solves for this traction bound g [Pa] on the finest grid, starting on the coarsest grid.
     ///
     /// # Errors
-    /// The forces are beyond what friction carries, or an iteration does not converge.
+    /// The forces exceed the friction limit, or an iteration does not converge.
     pub fn solve(
         &mut self,
         bound: &[f64],
@@ -387,7 +394,8 @@ impl Levels {
         let mut state = TangentialState::default();
         let mut newton_steps = 0;
         for index in (0..self.levels.len()).rev() {
-            // What the bound of a coarser grid loses at its edge, forces lose too.
+            // Scales forces by the friction limit, which a coarser grid underestimates at the edge
+            // of the contact.
             let share = self.levels[index].most_force() / most_force;
             let prescribed = PrescribedMotion {
                 force: prescribed.force.map(|one| one.map(|force| share * force)),
@@ -406,11 +414,12 @@ impl Levels {
         Ok(Solution { state, operator_applications, newton_steps })
     }
 
-    /// Solves on the finest grid only, from a solution that is near, whose tractions are cut to the
-    /// new bound; `history` is what is there without tractions.
+    /// Solves on the finest grid only, starting from a nearby solution, whose tractions are cut to
+    /// the new bound. `history` holds the slip without tractions and the plastic shift before the
+    /// step.
     ///
     /// # Errors
-    /// As for [`Levels::solve`].
+    /// The conditions of [`Levels::solve`].
     pub fn improve(
         &mut self,
         bound: &[f64],
@@ -436,9 +445,9 @@ impl Levels {
         Ok(())
     }
 
-    /// Numerical dissipation on the finest grid [W/m²], from tractions and pressure [Pa] and the speed
-    /// of rolling [m/s]. The pressure matters to bodies of different constants only. `None` for the
-    /// upwind difference, and for motions in time.
+    /// Numerical dissipation on the finest grid [W/m²], from tractions and pressure [Pa] and the
+    /// speed of rolling [m/s]. The pressure matters only to bodies of different constants. Returns
+    /// `None` for the upwind difference and for motions in time.
     pub fn dissipation(
         &mut self,
         traction: [&[f64]; 2],
@@ -448,8 +457,8 @@ impl Levels {
         Some(self.dissipation.as_mut()?.power(traction, pressure, speed))
     }
 
-    /// The displacement difference A p of tractions on the finest grid [m]; for a motion whose
-    /// operator is A.
+    /// Displacement difference A p of tractions on the finest grid [m], for a motion whose operator
+    /// is A.
     pub fn displacement(&mut self, traction: [&[f64]; 2], displacement: [&mut [f64]; 2]) {
         assert!(
             matches!(self.contact.motion, Motion::FirstRollingStep | Motion::Shift),
@@ -485,7 +494,7 @@ impl Levels {
     }
 }
 
-/// Bound of every second element, averaged with its neighbours.
+/// Restricts the bound to every second element, averaged with its neighbours.
 fn full_weighting(fine: &Level, coarse: &mut Level) {
     let at = |i: i64, j: i64| {
         let inside = (0..fine.nx as i64).contains(&i) && (0..fine.ny as i64).contains(&j);
@@ -501,7 +510,7 @@ fn full_weighting(fine: &Level, coarse: &mut Level) {
     }
 }
 
-/// A coarse solution as the start on the next finer grid.
+/// Prolongs a coarse solution to the start on the next finer grid.
 fn prolong(coarse: &Level, from: &TangentialState, fine: &Level) -> TangentialState {
     let mut state = TangentialState::at_rest(&fine.bound, from.creepage);
     for index in 0..fine.bound.len() {
@@ -524,7 +533,7 @@ fn prolong(coarse: &Level, from: &TangentialState, fine: &Level) -> TangentialSt
     state
 }
 
-/// p/g at an element of the fine grid, bilinear over the coarse elements in contact.
+/// Share p/g at an element of the fine grid, bilinear over the coarse elements in contact.
 fn share(coarse: &Level, from: &TangentialState, i: usize, j: usize) -> [f64; 2] {
     let mut sum = [0.0; 2];
     let mut weights = 0.0;

@@ -9,8 +9,8 @@
 //! - zz: (1/πG) (1 − ν)/R,
 //! - zx = −xz: (K/πG) x/R², zy = −yz: (K/πG) y/R²,
 //!
-//! the first letter naming the displacement, the second the load, with the constants of the pair
-//! 1/G = ½(1/G₁ + 1/G₂), ν/G = ½(ν₁/G₁ + ν₂/G₂), K/G = ¼((1 − 2ν₁)/G₁ − (1 − 2ν₂)/G₂). The
+//! where the first letter names the displacement, the second the load. The constants of the pair
+//! are 1/G = ½(1/G₁ + 1/G₂), ν/G = ½(ν₁/G₁ + ν₂/G₂), K/G = ¼((1 − 2ν₁)/G₁ − (1 − 2ν₂)/G₂). The
 //! compliance (1 − ν)/G is the sum (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂.
 //!
 //! An influence number is the kernel k integrated over one loaded element,
@@ -27,13 +27,13 @@
 //! | X/R² | Y ln R + X arctan(Y/X) |
 //! | Y/R² | X ln R + Y arctan(X/Y) |
 //!
-//! Terms that depend on one variable only drop out of the sum and are left out; asinh in place of
-//! ln(X + R) keeps F odd and free of cancellation at X < 0. The sum itself cancels like the square
-//! of the distance in elements, so Gauss's rule takes its place
-//! beyond 16 elements: every number is right to about 1e-13 of its own size.
+//! Terms of a single variable cancel in the sum and are omitted. asinh in place of ln(X + R) keeps
+//! F odd and free of cancellation at X < 0. The sum itself loses digits with the square of the
+//! distance in elements, so beyond 16 elements Gauss's rule takes its place. Every number has a
+//! relative error of about 1e-13.
 //!
-//! **Plane strain.** A line of contact is one row, whose tractions are the same over its width w along y; in
-//! its middle, far from its ends, the integrals over y of the kernels above are
+//! **Plane strain.** A line contact is one row, whose tractions are uniform over its width w along
+//! y. In the middle, far from the ends, the integrals over y of the kernels above are
 //!
 //! | k | ∫ k dY | F |
 //! |---|---|---|
@@ -42,8 +42,8 @@
 //! | Y²/R³ | 2 ln(w/\|X\|) − 2 | 2X ln(w/\|X\|) |
 //! | X/R² | π sgn X | π \|X\| |
 //!
-//! and those of the others vanish. A displacement of a half-plane has no zero of its own: the width decides on
-//! what approach and shift are, and on nothing else (Johnson §2.3).
+//! and the others vanish. The displacement of a half-plane has no natural zero: the width affects
+//! only the approach and the shift (Johnson §2.3).
 //!
 //! Source: J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990), §1.6 and
 //! §4.3; K. L. Johnson, Contact Mechanics (1985), §3.2 and §3.6. Deviation: Kalker writes the
@@ -54,14 +54,14 @@ use grids::Structured;
 use numerics::quadrature::GAUSS_4;
 use std::f64::consts::PI;
 
-/// Distance, in units of the element's longer side, from which Gauss's rule with 4 × 4 points is
-/// used: there its error is 1e-14 and the rounding of the corner sum 1e-13, and beyond both fall
-/// and rise with the distance.
+/// Distance, in units of the element's longer side, beyond which Gauss's rule with 4 × 4 points is
+/// used. There its error is 1e-14 and the rounding of the corner sum 1e-13; farther away the former
+/// falls and the latter rises.
 const FAR: f64 = 16.0;
 
 /// Influence numbers of an element under unit traction [m/Pa].
 ///
-/// The methods without `_at` take an offset in whole elements, those with it in metres; both are
+/// Methods without `_at` take an offset in whole elements, methods with it take metres. Both are
 /// the target's centre minus the loaded element's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Influence {
@@ -71,7 +71,7 @@ pub struct Influence {
     pub dy: f64,
     /// Constants of the two bodies.
     pub elasticity: Elasticity,
-    /// One row in plane strain, whose width is `dy`.
+    /// The grid is one row in plane strain, of the width `dy`.
     pub plane_strain: bool,
 }
 
@@ -87,13 +87,13 @@ macro_rules! on_elements {
 }
 
 impl Influence {
-    /// Influence of the elements of a grid; one of a single row is a line of contact in plane strain.
+    /// Influence of the elements of a grid; a single row is a line contact in plane strain.
     #[must_use]
     pub fn of_grid(grid: &Structured, elasticity: Elasticity) -> Self {
         Self { dx: grid.dx(), dy: grid.dy(), elasticity, plane_strain: grid.nj == 1 }
     }
 
-    /// Influence of elements dx × dy [m], which are no line of contact.
+    /// Influence of elements dx × dy [m], not in plane strain.
     #[must_use]
     pub fn of_elements([dx, dy]: [f64; 2], elasticity: Elasticity) -> Self {
         Self { dx, dy, elasticity, plane_strain: false }
@@ -211,19 +211,20 @@ impl Influence {
         turned.zx_at(y, x)
     }
 
-    /// 1/(πG) and ν/(πG).
+    /// Constants 1/(πG) and ν/(πG).
     fn tangential_constants(&self) -> (f64, f64) {
         (self.elasticity.shear_compliance / PI, self.elasticity.poisson_compliance / PI)
     }
 
-    /// Integral over the length of an element, of an antiderivative, at |x|.
+    /// Integral over the length of an element at |x|, from an antiderivative.
     fn across(&self, x: f64, primitive: impl Fn(f64) -> f64) -> f64 {
         let (x, half) = (x.abs(), 0.5 * self.dx);
         primitive(x + half) - primitive(x - half)
     }
 
     /// Integral of `kernel`, whose antiderivative is `primitive`, over the element around the
-    /// point; at its mirror image with x, y ≥ 0, so that symmetries hold bit for bit.
+    /// point. It is evaluated at the mirror image with x, y ≥ 0, so that symmetries hold bit for
+    /// bit.
     fn integral(
         &self,
         (x, y): (f64, f64),
@@ -246,15 +247,15 @@ impl Influence {
     }
 }
 
-/// Values of all offsets of a grid that are even in both of them, each evaluated once.
+/// Values at all offsets of a grid that are even in both offsets, each evaluated once.
 #[derive(Clone, Debug)]
-pub struct Quarter<T> {
+pub struct EvenOffsetTable<T> {
     width: usize,
     values: Vec<T>,
 }
 
-impl<T: Copy> Quarter<T> {
-    /// Evaluates at the offsets of up to `width` − 1 elements along x and `height` − 1 along y.
+impl<T: Copy> EvenOffsetTable<T> {
+    /// Evaluates the offsets of up to `width` − 1 elements along x and `height` − 1 along y.
     #[must_use]
     pub fn new(width: usize, height: usize, value: impl Fn(i32, i32) -> T) -> Self {
         let rows = 0..height as i32;
@@ -262,7 +263,7 @@ impl<T: Copy> Quarter<T> {
         Self { width, values: rows.flat_map(row).map(|(i, j)| value(i, j)).collect() }
     }
 
-    /// The value at an offset of either sign.
+    /// Value at an offset of either sign.
     #[must_use]
     pub fn value(&self, i: i32, j: i32) -> T {
         self.values[j.unsigned_abs() as usize * self.width + i.unsigned_abs() as usize]

@@ -1,18 +1,18 @@
-//! A first guess of the pressure in a normal contact.
+//! First guess of the pressure in a normal contact.
 //!
-//! Elements whose undeformed distance h is below a level c are taken to touch. For a paraboloid of
+//! Elements whose undeformed distance h is below a level c count as touching. For a paraboloid of
 //! revolution half the approach is the level at the contact's edge, and
 //! p = p_0 √((c − h)/(c − h_min)) with p_0 = 4 (c − h_min)/(π E* a) is Hertz's solution (Johnson
-//! §3.4, E* the sum of compliances), a the radius of the contact. Other shapes get the same with
-//! the radius of a circle of equal area.
+//! §3.4, E* the sum of compliances), a the radius of the contact. Other shapes use the radius of a
+//! circle of equal area.
 
 use super::prescribed::Prescribed;
 use std::f64::consts::PI;
 
-/// Halvings of the interval of the level; a guess needs no more.
+/// Halvings of the interval of the level, enough for a guess.
 const HALVINGS: usize = 30;
 
-/// Fills in the guess; some element has a pressure above zero afterwards.
+/// Writes the guess; at least one element then has a positive pressure.
 pub(super) fn fill(
     distance: &[f64],
     prescribed: Prescribed,
@@ -34,7 +34,7 @@ pub(super) fn fill(
     if peak.is_finite() && peak > 0.0 {
         pressure.iter_mut().for_each(|value| *value *= peak);
     } else {
-        // All distances are equal, or differ by less than numbers can tell.
+        // The distances are equal, or differ by less than rounding.
         let touching = distance.iter().map(|h| if *h <= lowest { 1.0 } else { 0.0 });
         pressure.iter_mut().zip(touching).for_each(|(value, one)| *value = one);
     }
@@ -52,7 +52,7 @@ impl Guess<'_> {
         self.distance.iter().map(|h| h - self.lowest)
     }
 
-    /// p_0 at the depth c − h_min.
+    /// Peak pressure p_0 at the depth c − h_min.
     fn max_pressure(&self, depth: f64) -> f64 {
         let touching = self.heights().filter(|height| *height <= depth).count();
         let radius = (touching as f64 * self.area / PI).sqrt();
@@ -64,7 +64,7 @@ impl Guess<'_> {
         self.max_pressure(depth) * roots * self.area
     }
 
-    /// The depth at which the guess carries the load, at most `range`.
+    /// Depth, at most `range`, at which the guess carries the load.
     fn depth_under(&self, load: f64, range: f64) -> f64 {
         let (mut low, mut high) = (0.0, range);
         if range <= 0.0 || self.load(high) <= load {

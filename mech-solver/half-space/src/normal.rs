@@ -1,26 +1,26 @@
 //! Normal contact of two elastic half-spaces by bound-constrained conjugate gradients.
 //!
-//! Unknown are the pressures p of the elements; h is the undeformed distance of the surfaces at
-//! the elements' centres [m], u = A p the elastic displacement difference with the influence
+//! The unknowns are the pressures p of the elements; h is the undeformed distance of the surfaces
+//! at the elements' centres [m], u = A p the elastic displacement difference with the influence
 //! numbers A [m/Pa] of [`super::influence`], δ the approach. With the gap e = h + u − δ,
 //!
 //! p ≥ 0, e ≥ 0, p·e = 0 in every element,
 //!
-//! and either δ is given or the load N = Σ p dx dy, which then fixes δ. It is the minimum of
-//! ½ pᵀA p + (h − δ)ᵀp over p ≥ 0.
+//! and either δ is given, or the load N = Σ p dx dy, which then determines δ. The solution
+//! minimises ½ pᵀA p + (h − δ)ᵀp over p ≥ 0.
 //!
-//! The elements in contact, C, carry the residual r = δ − h − u. A step goes along d = z + β d,
-//! z = M r, β = max(0, zᵀ(r − r')/z'ᵀr') (Polak–Ribière; primes: the step before), by the length
-//! dᵀr/dᵀA d; negative pressures are then cut to zero and leave C, and elements that interpenetrate
-//! without pressure join it. M is the inverse of A's symbol on the padded grid, cut to C; as A is
-//! 2E*/|k| for long waves, the number of iterations hardly grows with the resolution.
-//! Under a given load δ is chosen in every step so that Σ z = 0, with w = M 1 on C:
-//! z = M(−h − u) + δ w. Steps thus keep the load; after a cut it is restored by scaling p.
+//! The elements in contact, C, have the residual r = δ − h − u. A step goes along d = z + β d with
+//! z = M r and β = max(0, zᵀ(r − r')/z'ᵀr') (Polak–Ribière; primes: previous step), by the length
+//! dᵀr/dᵀA d. Negative pressures are then cut to zero and leave C, and elements that interpenetrate
+//! without pressure join C. M is the inverse of A's symbol on the padded grid, cut to C. As A is
+//! 2E*/|k| for long waves, the number of iterations hardly grows with the resolution. Under a given
+//! load δ is chosen in every step so that Σ z = 0, with w = M 1 on C: z = M(−h − u) + δ w. Steps
+//! thus keep the load; after a cut, scaling p restores it.
 //!
-//! The pressure may have an upper bound p̂, [`NormalSolver::pressure_bound`], at which e ≤ 0: what the
-//! bodies still interpenetrate there they have yielded. Elements at the bound leave C like those without
-//! pressure, and come back when they open. A given load is then found over the approach
-//! ([`mod@bounded`]), unless the pressure stays below the bound.
+//! The pressure may have an upper bound p̂, [`NormalSolver::pressure_bound`], at which e ≤ 0: the
+//! remaining interpenetration is the depth to which the bodies have yielded. Elements at the bound
+//! leave C like those without pressure, and return when they open. A given load is then found by
+//! iterating on the approach ([`mod@bounded`]), unless the pressure stays below the bound.
 //!
 //! Source: E. A. H. Vollebregt, The bound-constrained conjugate gradient method for non-negative
 //! matrices, J. Optim. Theory Appl. 162 (2014) 931; I. A. Polonsky and L. M. Keer, Wear 231 (1999)
@@ -37,8 +37,8 @@
 //! | 80 | 1.0e-5 | −7.9e-6 | 1.1e-5 | 3.3e-5 | 4.3e-3 | 12 |
 //! | 160 | 2.3e-6 | −2.2e-6 | 3.0e-6 | 8.6e-6 | 2.2e-3 | 14 |
 //!
-//! a and b are those of [`super::extent::Moments`]. Elements that the edge of the
-//! contact cuts carry pressure too, so the number of elements in C is too large by first order.
+//! a and b are those of [`super::extent::Moments`]. Elements cut by the edge of the contact carry
+//! pressure too, so the number of elements in C has a positive first-order error.
 
 mod bounded;
 mod error;
@@ -48,16 +48,16 @@ mod point;
 pub use super::prescribed::Prescribed;
 pub use error::NormalError;
 
-use super::influence::{Influence, Quarter};
+use super::influence::{EvenOffsetTable, Influence};
 use super::initial_pressure;
-use super::viscoelastic::{Bodies, Numbers};
+use super::viscoelastic::{Bodies, RollingInfluenceNumbers};
 use numerics::convolution::{Complex64, Convolution, Spectrum};
 use numerics::rows::{Kernel, Rows};
 use numerics::vector::dot;
 use point::InteriorPoint;
 use std::f64::consts::TAU;
 
-/// A solved normal contact; the pressure is in the caller's field.
+/// Result of a normal contact; the pressure is in the caller's field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalContact {
     /// Approach δ [m]; the smallest distance when nothing touches under a load of zero.
@@ -66,40 +66,40 @@ pub struct NormalContact {
     pub normal_force: f64,
     /// Number of elements in contact.
     pub contact_elements: usize,
-    /// An element at the edge of the grid is in contact: the grid may be too small.
+    /// An element at the edge of the grid is in contact, so the grid may be too small.
     pub touches_edge: bool,
     /// Iterations, each with one convolution by A and one by M.
     pub iterations: usize,
-    /// Convolutions in all, a count of the work.
+    /// Total number of convolutions, a count of the work.
     pub convolutions: usize,
     /// Root mean square of the gap over C, relative to the mean elastic displacement [-].
     pub residual: f64,
 }
 
-/// Solver of normal contacts on one grid with one pair of bodies.
+/// Solver of normal contacts on one grid for one pair of bodies.
 ///
-/// It keeps plans, spectra and working memory; nothing is allocated in [`NormalSolver::solve`].
+/// Keeps plans, spectra and working memory; [`NormalSolver::solve`] allocates nothing.
 #[derive(Debug)]
 pub struct NormalSolver {
     /// Residual at which the iteration ends [-].
     pub tolerance: f64,
-    /// Iterations after which it gives up.
+    /// Limit of iterations.
     pub iteration_limit: usize,
-    /// Largest pressure p̂ that the bodies carry [Pa]; infinite unless set.
+    /// Largest pressure p̂ that the bodies carry [Pa]; infinite by default.
     pub pressure_bound: f64,
-    /// A.
+    /// Operator A.
     flexibility: Flexibility,
     /// M, with its convolution.
     preconditioner: (Convolution, Spectrum),
     shape: (usize, usize),
     area: f64,
     compliance: f64,
-    /// For bodies with a memory.
+    /// Working memory for viscoelastic bodies.
     point: Option<InteriorPoint>,
     work: Workspace,
 }
 
-/// A of half-spaces, or of bodies with a curved surface.
+/// Operator A of half-spaces, or of bodies with a curved surface.
 #[derive(Debug)]
 enum Flexibility {
     HalfSpaces(Convolution, Spectrum),
@@ -117,13 +117,13 @@ impl Flexibility {
     }
 }
 
-/// Fields of the iteration, all zero outside C unless said.
+/// Fields of the iteration, zero outside C unless stated otherwise.
 #[derive(Debug)]
 struct Workspace {
     in_contact: Vec<bool>,
     /// u = A p, everywhere [m].
     displacement: Vec<f64>,
-    /// r and the one before [m].
+    /// Residual r, and the one of the previous step [m].
     residual: Vec<f64>,
     last_residual: Vec<f64>,
     /// z = M r [Pa].
@@ -132,7 +132,7 @@ struct Workspace {
     punch: Vec<f64>,
     /// d [Pa].
     direction: Vec<f64>,
-    /// Takes the result of a convolution, everywhere.
+    /// Result of a convolution, everywhere.
     image: Vec<f64>,
 }
 
@@ -143,24 +143,24 @@ struct Progress {
     convolutions: usize,
     contact_elements: usize,
     residual: f64,
-    /// zᵀr of the step before.
+    /// zᵀr of the previous step.
     last_product: f64,
-    /// u must be computed anew.
+    /// The displacement u has to be recomputed.
     stale: bool,
     /// C has changed since w was computed.
     new_contact: bool,
 }
 
 impl NormalSolver {
-    /// Residual reached unless another tolerance is set: far below the error of any grid.
+    /// Default tolerance of the residual: far below the error of any grid.
     pub const TOLERANCE: f64 = 1e-9;
-    /// Iterations allowed unless another limit is set.
+    /// Default limit of iterations.
     pub const ITERATION_LIMIT: usize = 500;
 
-    /// Prepares for grids of nx × ny elements.
+    /// Creates a solver for grids of nx × ny elements.
     #[must_use]
     pub fn new(nx: usize, ny: usize, influence: &Influence) -> Self {
-        let quarter = Quarter::new(nx, ny, |i, j| influence.zz(i, j));
+        let quarter = EvenOffsetTable::new(nx, ny, |i, j| influence.zz(i, j));
         let mut convolution = Convolution::new(nx, ny);
         let flexibility = convolution.spectrum(|i, j| quarter.value(i, j));
         let mut rough = Convolution::barely_padded(nx, ny);
@@ -173,8 +173,9 @@ impl NormalSolver {
         )
     }
 
-    /// Prepares for bodies whose surface is curved, with the symmetric numbers of a kernel in place of those of half-spaces, which they
-    /// resemble; a single column is a line across, whose half-spaces are in plane strain.
+    /// Creates a solver for bodies with a curved surface, from the symmetric influence numbers of a
+    /// kernel. `influence` holds the numbers of similar half-spaces. A single column is a line
+    /// across, with half-spaces in plane strain.
     #[must_use]
     pub fn curved(rows: Rows, kernel: Kernel, influence: &Influence) -> Self {
         let (nx, ny) = match rows.shape() {
@@ -185,8 +186,8 @@ impl NormalSolver {
         Self { flexibility: Flexibility::Curved(rows, kernel), ..half_spaces }
     }
 
-    /// Prepares for bodies on grids of nx × ny elements dx × dy [m]; if they have a memory, for their steady rolling ([`mod@interior_point`]), without
-    /// a bound of the pressure.
+    /// Creates a solver on grids of nx × ny elements dx × dy [m]. Viscoelastic bodies are taken in
+    /// steady rolling ([`mod@interior_point`]), without a bound of the pressure.
     #[must_use]
     pub fn of_bodies(nx: usize, ny: usize, [dx, dy]: [f64; 2], bodies: &Bodies) -> Self {
         let mut at_once = Influence::of_elements([dx, dy], bodies.instantaneous);
@@ -194,7 +195,8 @@ impl NormalSolver {
             at_once.plane_strain = ny == 1;
             return Self::new(nx, ny, &at_once);
         }
-        let numbers = Numbers::new([nx, ny], [dx, dy], bodies, |of, x, y| [of.zz_at(x, y)]);
+        let numbers =
+            RollingInfluenceNumbers::new([nx, ny], [dx, dy], bodies, |of, x, y| [of.zz_at(x, y)]);
         let mut convolution = Convolution::new(nx, ny);
         let flexibility = convolution.spectrum(|i, j| numbers.value(i, j)[0]);
         let mut rough = Convolution::barely_padded(nx, ny);
@@ -209,10 +211,11 @@ impl NormalSolver {
         Self { point: Some(point), ..Self::with(spectra, [dx, dy], compliance) }
     }
 
-    /// Prepares for a contact that repeats every nx × ny elements dx × dy [m], nx even. A wave of the pressure with the
-    /// wave number k displaces the surfaces by 2c p/k (Johnson, Contact Mechanics (1985), 13.2), with the normal compliance c of
-    /// the pair [1/Pa]. The mean displacement is without meaning on bodies without end: that of the longest wave is in its place,
-    /// so that the approach counts from a plane in which a mean pressure p̄ leaves 2c p̄/k.
+    /// Creates a solver for a contact that repeats every nx × ny elements dx × dy [m], nx even. A
+    /// wave of the pressure with the wave number k displaces the surfaces by 2c p/k (Johnson,
+    /// Contact Mechanics (1985), 13.2), with the normal compliance c of the pair [1/Pa]. The mean
+    /// displacement of infinite bodies is undefined, and the displacement of the longest wave takes
+    /// its place. The approach thus counts from a plane in which a mean pressure p̄ leaves 2c p̄/k.
     ///
     /// # Panics
     /// If nx is odd.
@@ -262,13 +265,13 @@ impl NormalSolver {
         }
     }
 
-    /// Elements along x and along y.
+    /// Number of elements along x and along y.
     #[must_use]
     pub fn shape(&self) -> (usize, usize) {
         self.shape
     }
 
-    /// u = A p of the pressure that was solved for last [m].
+    /// Displacement u = A p of the latest pressure [m].
     #[must_use]
     pub fn displacement(&self) -> &[f64] {
         &self.work.displacement
@@ -276,14 +279,14 @@ impl NormalSolver {
 
     /// Solves for the pressure [Pa] at the undeformed distance h [m] of every element.
     ///
-    /// `pressure` is the first guess on entry; if it is zero everywhere, one is made from `distance`
-    /// and what is prescribed. Its negative values count as zero.
+    /// `pressure` is the first guess on entry. If it is zero everywhere, a guess is made from
+    /// `distance` and the prescribed value. Negative values count as zero.
     ///
     /// # Errors
-    /// A load below zero, values that are not finite, and no convergence.
+    /// The load is negative, a value is not finite, or the iteration does not converge.
     ///
     /// # Panics
-    /// If a field is not of the grid.
+    /// If a field does not have the size of the grid.
     pub fn solve(
         &mut self,
         distance: &[f64],
@@ -313,7 +316,7 @@ impl NormalSolver {
         self.run(distance, prescribed, pressure)
     }
 
-    /// Iterates from this pressure.
+    /// Iterates, starting from this pressure.
     fn run(
         &mut self,
         distance: &[f64],
@@ -334,7 +337,7 @@ impl NormalSolver {
         Ok(self.result(pressure, &progress))
     }
 
-    /// Makes the first pressure fit for the iteration.
+    /// Makes the first pressure admissible for the iteration.
     fn start(&mut self, distance: &[f64], prescribed: Prescribed, pressure: &mut [f64]) {
         pressure.iter_mut().for_each(|value| *value = value.max(0.0));
         let load: f64 = pressure.iter().sum::<f64>() * self.area;
@@ -350,7 +353,7 @@ impl NormalSolver {
         self.work.residual.fill(0.0);
     }
 
-    /// One iteration; returns whether the state before it is the solution.
+    /// Performs one iteration; returns true if the state before it is the solution.
     fn iterate(
         &mut self,
         distance: &[f64],
@@ -377,8 +380,8 @@ impl NormalSolver {
         false
     }
 
-    /// Adds elements without pressure that interpenetrate, and elements at the bound that open, to C;
-    /// returns by how much at most.
+    /// Adds elements without pressure that interpenetrate, and elements at the bound that open, to
+    /// C. Returns their largest violation.
     fn release(
         &mut self,
         distance: &[f64],
@@ -460,7 +463,7 @@ impl NormalSolver {
         }
     }
 
-    /// Goes along d, cuts pressures that leave their bounds and restores the load.
+    /// Steps along d, cuts pressures that leave their bounds and restores the load.
     fn advance(&mut self, prescribed: Prescribed, pressure: &mut [f64], progress: &mut Progress) {
         let work = &mut self.work;
         self.flexibility.apply(&work.direction, &mut work.image);
@@ -483,7 +486,7 @@ impl NormalSolver {
         }
     }
 
-    /// Mean of u, weighted with the pressure [m]; without pressure, that of the residual.
+    /// Mean of u, weighted with the pressure [m]; `residual` if there is no pressure.
     fn mean_displacement(&self, pressure: &[f64], residual: f64) -> f64 {
         let sum = pressure.iter().sum::<f64>();
         if sum > 0.0 { dot(pressure, &self.work.displacement) / sum } else { residual }
@@ -536,7 +539,7 @@ impl Workspace {
         *field(self) = values;
     }
 
-    /// Chooses δ so that Σ z = 0 and adds it to r and z; returns it.
+    /// Chooses δ so that Σ z = 0 and adds its part to r and z; returns δ.
     fn balance(&mut self) -> f64 {
         let approach = -self.step.iter().sum::<f64>() / self.punch.iter().sum::<f64>();
         for (at, flag) in self.in_contact.iter().enumerate() {
@@ -553,12 +556,12 @@ impl Workspace {
     }
 }
 
-/// M: the inverse of the symbol of A under a triangular window.
+/// Preconditioner M: the inverse of the symbol of A under a triangular window.
 ///
 /// The window lets the kernel end smoothly within the grid. Its transform is positive (Fejér), and
-/// so is A's, hence also their convolution, the symbol; without the window the cut kernel's ripple
-/// makes some values negative, and the iteration fails.
-fn preconditioner(convolution: &mut Convolution, kernel: &Quarter<f64>) -> Spectrum {
+/// so is the transform of A. The symbol is their convolution and thus positive too. Without the
+/// window, the ripple of the cut kernel makes some values negative, and the iteration fails.
+fn preconditioner(convolution: &mut Convolution, kernel: &EvenOffsetTable<f64>) -> Spectrum {
     let symbol = symbol(convolution, |i, j| kernel.value(i, j));
     symbol.map(|value| Complex64::new(1.0 / value.re, 0.0))
 }
@@ -574,7 +577,7 @@ fn apply((convolution, spectrum): &mut (Convolution, Spectrum), input: &[f64], o
     convolution.apply(spectrum, input, output);
 }
 
-/// Bodies that do not press on each other.
+/// Result for bodies that do not press on each other.
 fn separated(prescribed: Prescribed, closest: f64) -> NormalContact {
     NormalContact {
         approach: match prescribed {
@@ -590,7 +593,7 @@ fn separated(prescribed: Prescribed, closest: f64) -> NormalContact {
     }
 }
 
-/// Scales the pressure to the load, if that is given.
+/// Scales the pressure to the load, if a load is given.
 fn restore_load(prescribed: Prescribed, area: f64, pressure: &mut [f64]) {
     if let Prescribed::Load(load) = prescribed {
         let factor = load / (pressure.iter().sum::<f64>() * area);

@@ -1,20 +1,20 @@
-//! The patches of a contact: elements with pressure that share a side are of one patch.
+//! Patches of a contact: connected sets of loaded elements that share sides.
 
 use super::extent::Moments;
 use grids::Structured;
 
-/// One patch.
+/// One patch of a contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
-    /// Its elements, rising.
+    /// Elements of the patch, in rising order.
     pub elements: Vec<usize>,
-    /// Place and size.
+    /// Position and size.
     pub moments: Moments,
     /// Sum of the pressures of its elements [Pa].
     pub sum: f64,
     /// Largest pressure [Pa].
     pub max_pressure: f64,
-    /// First and last row.
+    /// First and last row of the patch.
     pub rows: [usize; 2],
 }
 
@@ -38,7 +38,7 @@ impl Patch {
         self.rows[1] - self.rows[0] + 1
     }
 
-    /// Lateral coordinates of its sides [m].
+    /// Lateral coordinates of the patch's sides [m].
     #[must_use]
     pub fn sides(&self, grid: &Structured) -> [f64; 2] {
         let half = 0.5 * grid.dy();
@@ -46,7 +46,7 @@ impl Patch {
     }
 }
 
-/// The patches of a pressure, in the order of their lateral places.
+/// Splits a pressure into patches, in the order of their lateral positions.
 #[must_use]
 pub fn patches(grid: &Structured, pressure: &[f64]) -> Vec<Patch> {
     let mut seen: Vec<bool> = pressure.iter().map(|p| *p <= 0.0).collect();
@@ -60,7 +60,7 @@ pub fn patches(grid: &Structured, pressure: &[f64]) -> Vec<Patch> {
     patches
 }
 
-/// The elements that hang together with `start`, which is seen already, as they now are.
+/// Elements connected with `start`, which is already marked as seen; marks the others.
 fn connected(grid: &Structured, start: usize, seen: &mut [bool]) -> Vec<usize> {
     let mut elements = vec![start];
     let mut next = 0;

@@ -1,4 +1,4 @@
-//! What a normal contact is asked for.
+//! Prescribed load or approach of a normal contact.
 
 /// Prescribed load or approach of a normal contact.
 #[derive(Clone, Copy, Debug, PartialEq)]

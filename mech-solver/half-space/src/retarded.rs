@@ -1,23 +1,25 @@
 //! Viscoelastic half-spaces that are pressed and shifted in place, step by step.
 //!
-//! Every body is the standard linear solid of [`super::viscoelastic`], of the compliance J(t) = J [1 + f (1 − e^{−t/τ})].
-//! Stresses of a half-space under given tractions know no compliance, and displacements follow by superposition in time, so
-//! that with A of both bodies at once and f A_b of what a body gains
+//! Each body is the standard linear solid of [`super::viscoelastic`] with the compliance
+//! J(t) = J [1 + f (1 − e^{−t/τ})]. Stresses of a half-space under given tractions do not depend on
+//! the compliance, and displacements follow by superposition in time. With A of both bodies'
+//! instantaneous response and f A_b of the delayed response of body b,
 //!
 //! u(t) = A p(t) + Σ f A_b r_b(t),   τ_b dr_b/dt = p − r_b,
 //!
-//! for the pressure and both tractions, element by element. r is the *retarded* load, which the Kelvin–Voigt element of the body
-//! has followed. Where p is linear over a step of the duration h,
+//! for the pressure and both tractions, element by element. r is the *retarded* load, which the
+//! Kelvin–Voigt element of the body has followed. If p is linear over a step of the duration h,
 //!
 //! r' = e r + α p + β p',   e = e^{−h/τ},   β = 1 − (1 − e) τ/h,   α = 1 − e − β,
 //!
-//! is exact (primes: the end of the step). In a step the bodies are elastic, with A + Σ f β A_b, on what the earlier loads
-//! displace without them, f A_b (e r + α p).
+//! is exact (primes: the end of the step). Within a step the bodies are elastic, with
+//! A + Σ f β A_b, on top of the displacements f A_b (e r + α p) by the earlier loads.
 //!
-//! **Energy.** ½ p·A p + Σ ½ r·f A_b r is stored; what the loads do on the displacements beyond that is dissipated in the bodies.
+//! **Energy.** ½ p·A p + Σ ½ r·f A_b r is stored. The rest of the work done by the loads is
+//! dissipated in the bodies.
 //!
-//! Source: E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27 (1960) 438, for contacts that grow; the recursion is the exponential
-//! integration of the rate equation.
+//! Source: E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27 (1960) 438, for contacts that grow. The
+//! recursion is the exponential integration of the rate equation.
 
 use super::coupling::Coupling;
 use super::difference::Stencil;
@@ -29,10 +31,10 @@ use elastic::Material;
 use grids::Structured;
 use numerics::convolution::{Convolution, Spectrum};
 
-/// h/τ below which β is taken from its series.
+/// Value of h/τ below which β is taken from its series.
 const SHORT: f64 = 1e-4;
 
-/// Pressure and tractions along x and y [Pa], or what they displace [m], element by element.
+/// Pressure and tractions along x and y [Pa], or the displacements by them [m], element by element.
 pub type Field3 = [Vec<f64>; 3];
 
 /// Retarded compliance of a body.
@@ -45,7 +47,7 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// Retarded compliances of two bodies; of both together where they take the same time.
+    /// Returns the retarded compliances of two bodies, merged if their retardation times are equal.
     #[must_use]
     pub fn of(materials: &[Material; 2], retardation: &[Option<Retardation>; 2]) -> Vec<Self> {
         let mut found: Vec<Self> = Vec::new();
@@ -61,14 +63,14 @@ impl Delay {
     }
 }
 
-/// Shares e, α and β of the retarded load at the end of a step of this duration over τ.
+/// Shares e, α and β of the retarded load at the end of a step; `h` is the duration over τ.
 fn shares(h: f64) -> [f64; 3] {
     let decay = (-h).exp();
     let end = if h < SHORT { h * (0.5 - h / 6.0) } else { 1.0 + (-h).exp_m1() / h };
     [decay, -(-h).exp_m1() - end, end]
 }
 
-/// The constants by which bodies respond within a step of this duration [s].
+/// Elastic constants of the response within a step of this duration [s].
 #[must_use]
 pub fn within_step(at_once: Elasticity, delays: &[Delay], duration: f64) -> Elasticity {
     delays.iter().fold(at_once, |sum, Delay { elasticity, time }| {
@@ -77,7 +79,7 @@ pub fn within_step(at_once: Elasticity, delays: &[Delay], duration: f64) -> Elas
     })
 }
 
-/// The displacements by the loads of one [`Delay`].
+/// Displacement operators for the loads of one [`Delay`].
 #[derive(Debug)]
 struct Flexibility {
     normal: (Convolution, Spectrum),
@@ -103,7 +105,7 @@ impl Flexibility {
         }
     }
 
-    /// displacement = A load.
+    /// Sets displacement = A load.
     fn apply(&mut self, load: &Field3, displacement: &mut Field3) {
         let [pressure, px, py] = load;
         let [along_z, along_x, along_y] = displacement;
@@ -120,16 +122,16 @@ impl Flexibility {
     }
 }
 
-/// The operators of what bodies gain, on one grid.
+/// Operators of the delayed displacements on one grid.
 #[derive(Debug)]
-pub struct Retarded {
+pub struct RetardedOperators {
     delays: Vec<(Delay, Flexibility)>,
     load: Field3,
     image: Field3,
 }
 
-impl Retarded {
-    /// For bodies that gain this.
+impl RetardedOperators {
+    /// Creates the operators of these delayed compliances.
     #[must_use]
     pub fn new(grid: &Structured, delays: &[Delay]) -> Self {
         let operator = |delay: &Delay| (*delay, Flexibility::new(grid, delay.elasticity));
@@ -137,13 +139,14 @@ impl Retarded {
         Self { delays, load: zeros(grid.points()), image: zeros(grid.points()) }
     }
 
-    /// Retarded loads of bodies that nothing has pressed yet.
+    /// Retarded loads of bodies that have never been loaded.
     #[must_use]
     pub fn fresh(&self) -> Vec<Field3> {
         self.delays.iter().map(|_| zeros(self.load[0].len())).collect()
     }
 
-    /// Displacement at the end of a step of this duration [s] by the retarded loads and those before it [m].
+    /// Displacement at the end of a step of this duration [s] by the retarded loads and the loads
+    /// before the step [m].
     pub fn recall(
         &mut self,
         retarded: &[Field3],
@@ -165,7 +168,7 @@ impl Retarded {
         }
     }
 
-    /// Takes the retarded loads through a step from the loads `before` to those `after`.
+    /// Advances the retarded loads over a step from the loads `before` to the loads `after`.
     pub fn follow(
         &self,
         retarded: &mut [Field3],
@@ -183,7 +186,8 @@ impl Retarded {
         }
     }
 
-    /// Energy stored over the area of an element [Pa m]: along the normal, and along the plane; of loads whose displacements are `displacement` [m].
+    /// Stored energy over the area of an element [Pa m], along the normal and in the plane, for
+    /// loads with these displacements [m].
     pub fn stored(
         &mut self,
         retarded: &[Field3],
@@ -218,7 +222,8 @@ fn add(sum: &mut [f64], more: &[f64]) {
 mod tests {
     use super::*;
 
-    /// The shares over any duration, against τ r' = p − r by small steps, and on both sides of the series.
+    /// The shares over any duration, and on both sides of the series, against small steps of
+    /// τ r' = p − r.
     #[test]
     fn shares_of_a_step() {
         for h in [1e-9, 0.99 * SHORT, 1.01 * SHORT, 0.3, 2.0, 50.0] {
@@ -232,7 +237,8 @@ mod tests {
                 from_start += weight * (1.0 - at);
                 from_end += weight * at;
             }
-            // The midpoint rule of so many steps, and rounding of 1 + (e^{−h} − 1)/h, ε/h of itself.
+            // Tolerance: the midpoint rule of so many steps, and rounding ε/h of
+            // 1 + (e^{−h} − 1)/h.
             for (found, expected) in [(start, from_start), (end, from_end)] {
                 assert!(
                     (found - expected).abs() <= 2e-5 * expected + 1e-15,

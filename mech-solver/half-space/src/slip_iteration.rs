@@ -1,61 +1,65 @@
-//! Friction that follows the slip of every element itself: slip and friction are found in turn.
+//! Friction that depends on the slip of each element: slip and friction are found in turn.
 //!
-//! From rest friction falls from pass to pass, from above it rises, so that of several solutions those are found that slip least and most.
+//! Starting from rest, friction falls from pass to pass; starting from the rolling speed, it rises.
+//! If there are several solutions, these starts find the one with the least and the one with the
+//! most slip.
 
 use super::tangential::{ElementState, TangentialState};
 
-/// Passes of friction and slip after which they are given up.
+/// Limit of passes of friction and slip.
 const MOST_PASSES: usize = 600;
-/// Passes that take all of the slip found; later ones take the share below of its change.
+/// Passes that take over all of the new slip; later ones take the share below of its change.
 const PLAIN_PASSES: usize = 400;
-/// Share of the change of the slip that later passes take.
+/// Share of the change of slip that later passes take over.
 const DAMPED: f64 = 0.3;
-/// Change of the traction bounds, over the largest, at which friction has settled.
+/// Friction has settled when the change of the traction bounds, over the largest, is below this.
 const SETTLED: f64 = 1e-7;
 
-/// From which slip velocities the friction of a contact is looked for that follows the slip of every element itself.
+/// Slip velocities from which to look for friction that depends on the slip of each element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlipStart {
-    /// Slip of the step or the row before; at the first from rest.
+    /// Slip of the previous step or row; rest if there is none.
     Before,
-    /// Rest: of several solutions the one that slips least.
+    /// Rest: finds the solution with the least slip.
     Below,
-    /// The rolling speed: of several solutions the one that slips most.
+    /// Rolling speed: finds the solution with the most slip.
     Above,
 }
 
-/// Friction and slip do not settle.
+/// Friction and slip do not converge.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "friction that follows the slip of every element did not settle in {MOST_PASSES} passes: traction bounds still change by {change:.1e} of the \
-     largest; let it fall more slowly, or look from another start"
+    "friction that depends on the slip of each element did not converge in {MOST_PASSES} passes: \
+     traction bounds still change by {change:.1e} of the largest; let friction fall more slowly \
+     with slip, or choose another start"
 )]
 pub struct Unsettled {
     /// Change of the traction bounds over the largest [-].
     pub change: f64,
 }
 
-/// The search.
+/// State of the iteration of friction and slip.
 #[derive(Clone, Debug)]
-pub struct Settling {
+pub struct SlipFrictionIteration {
     velocity: Vec<f64>,
     passes: usize,
 }
 
-impl Settling {
-    /// Looks from slip velocities [m/s] on.
+impl SlipFrictionIteration {
+    /// Starts from these slip velocities [m/s].
     #[must_use]
     pub fn from(velocity: Vec<f64>) -> Self {
         Self { velocity, passes: 0 }
     }
 
-    /// Slip velocity of every element, by which friction is next [m/s].
+    /// Slip velocity of every element that sets the friction of the next pass [m/s].
     #[must_use]
     pub fn velocity(&self) -> &[f64] {
         &self.velocity
     }
 
-    /// Goes towards the slip velocities [m/s] that the latest friction has left; the share of the way.
+    /// Moves towards the slip velocities found under the latest friction [m/s]; returns the share
+    /// of the change taken.
     pub fn follow(&mut self, now: &[f64]) -> f64 {
         let share = if self.passes < PLAIN_PASSES { 1.0 } else { DAMPED };
         self.passes += 1;
@@ -65,10 +69,10 @@ impl Settling {
         share
     }
 
-    /// Returns true if traction bounds [Pa] have settled, after this share of the way.
+    /// Returns true if the traction bounds [Pa] have settled after this share of the change.
     ///
     /// # Errors
-    /// There were too many passes.
+    /// The bounds still change after the last pass.
     pub fn has_settled(
         &self,
         share: f64,
@@ -85,8 +89,8 @@ impl Settling {
     }
 }
 
-/// Slip velocities [m/s] of `count` elements from which those of a contact are looked for: of a state whose step takes `duration` [s], if there is one, from
-/// rest or from the rolling speed.
+/// Initial slip velocities [m/s] of `count` elements: of the state `near`, whose step takes
+/// `duration` [s], at rest, or at the rolling speed.
 #[must_use]
 pub fn first_velocities(
     start: SlipStart,
@@ -100,7 +104,7 @@ pub fn first_velocities(
     }
 }
 
-/// Slip velocity of every element of a state whose step takes `duration` [s]; 0 where it adheres [m/s].
+/// Slip velocity of every element of a state whose step takes `duration` [s]; 0 in adhesion [m/s].
 #[must_use]
 pub fn slip_velocities(state: &TangentialState, duration: f64) -> Vec<f64> {
     let [sx, sy] = &state.slip;

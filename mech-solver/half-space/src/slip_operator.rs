@@ -1,49 +1,51 @@
-//! From tractions to slip, and an approximate inverse.
+//! Operator from tractions to slip, and an approximate inverse.
 //!
 //! **Shift, and the first step of transient rolling.** The slip distance of the step is
-//! S = w Δq + A p − u', where u' is the displacement difference that the particle had before it: that
-//! at the same place after a shift, that at the upstream element I + e_x after rolling Δq = Δx. The
-//! operator is A itself, and u' is known.
+//! S = w Δq + A p − u'. Here u' is the displacement difference that the particle had before: in a
+//! shift at the same place, in rolling by Δq = Δx at the upstream element I + e_x. The operator is
+//! A itself, and u' is known.
 //!
 //! **Steady rolling.** A particle at element I was at the upstream element I + e_x one step Δq = Δx
-//! earlier. The displacement difference u = A p of the bodies grew on the way, and the slip distance
-//! of the step is
+//! earlier. The displacement difference u = A p of the bodies grew on the way, and the slip
+//! distance of the step is
 //!
 //! S_I = w_I Δq + (A p)_I − (A p)_{I+e_x} = w_I Δq + (B p)_I,   B = (1 − S) A,
 //!
-//! with the rigid slip w [-] and the upstream shift S. B is a convolution like A, but not symmetric.
-//! This is the upwind difference of [`super::difference`]; Fromm's is B = (1 − S)(S⁻¹ + 4 − S) A/4.
+//! with the rigid slip w [-] and the upstream shift S. B is a convolution like A, but not
+//! symmetric. This is the upwind difference of [`super::difference`]; Fromm's is
+//! B = (1 − S)(S⁻¹ + 4 − S) A/4.
 //!
 //! **Further steps of transient rolling** take the difference of steady rolling along x, and the
 //! second-order backward difference in time: S = w Δq + B p + (3A p − 4u' + u'')/2, with the
 //! displacement differences u' and u'' of the same element one and two steps ago
 //! ([`super::difference`]).
 //!
-//! **Memory.** Viscoelastic bodies have the K of [`super::viscoelastic`] in place of A. The layer has none.
+//! **Memory.** Viscoelastic bodies have the K of [`super::viscoelastic`] in place of A. The layer
+//! has no memory.
 //!
 //! **Layer.** A third body of tangential flexibility L [m/Pa] adds L to the diagonal of A_xx, A_yy.
 //!
 //! **Approximate inverse.** In Fourier space B is (1 − e^{iθ}) Â with the wave number θ along x in
-//! radians per element. It vanishes for waves that do not vary along x, where the infinite plane has
-//! no answer; a patch of length 2a has. P = [(1 − ρS) A]⁻¹ with the damped shift ρ = e^{−c Δx/a}
-//! gives the shift a memory of the patch's own length. Restricted to the elements of adhesion it is
-//! a preconditioner with which GMRES takes at most 14 iterations to 1e-6 at a/10 and 23 at a/80
-//! (test `linear_steps_hardly_depend_on_the_resolution`), hardly depending on c. Periodic images do
-//! not matter to it, so that its grid is padded by a tenth only. It serves Fromm's difference too: its
-//! own factor (S⁻¹ + 4 − S)/4 only adds iterations; A is tapered by triangular windows,
-//! which keeps its symbol positive definite on a finite grid (Fejér).
+//! radians per element. B vanishes for waves that do not vary along x, so it has no inverse on the
+//! infinite plane, although it has one on a patch of length 2a. P = [(1 − ρS) A]⁻¹ with the damped
+//! shift ρ = e^{−c Δx/a} limits the memory of the shift to the patch's own length. Restricted to
+//! the elements of adhesion, P is a preconditioner with which GMRES takes at most 14 iterations to
+//! 1e-6 at a/10 and 23 at a/80 (test `linear_steps_hardly_depend_on_the_resolution`); c hardly
+//! matters. Periodic images do not affect P, so its grid is padded by a tenth only. P serves
+//! Fromm's difference too: including the factor (S⁻¹ + 4 − S)/4 would only add iterations.
+//! Triangular windows taper A, which keeps its symbol positive definite on a finite grid (Fejér).
 //!
 //! Sources: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4 for the
 //! discretisation; Vollebregt, Wear 314 (2014) for Fourier preconditioning of the shift problem.
 //! The damped shift is this project's.
 
 use super::difference::Stencil;
-use super::influence::{Influence, Quarter};
-use super::viscoelastic::{Bodies, Numbers};
+use super::influence::{EvenOffsetTable, Influence};
+use super::viscoelastic::{Bodies, RollingInfluenceNumbers};
 use grids::Structured;
 use numerics::convolution::{Complex64, Convolution, FftNum, Spectrum};
 
-/// Memory of the damped shift, in semi-axes.
+/// Length of the memory of the damped shift, in semi-axes.
 const MEMORY: f64 = 1.5;
 
 /// A symmetric tensor of spectra, and the convolution that applies it.
@@ -62,7 +64,7 @@ impl Tensor<f64> {
         Self { convolution, xx, yy, xy }
     }
 
-    /// The tensor times a factor, applied by a convolution of the same grid.
+    /// Rounds the tensor times a factor to single precision, for a convolution on the same grid.
     fn rounded(&self, convolution: Convolution<f32>, factor: f64) -> Tensor<f32> {
         let [xx, yy, xy] = [&self.xx, &self.yy, &self.xy].map(|one| one.rounded(factor));
         Tensor { convolution, xx, yy, xy }
@@ -76,12 +78,13 @@ impl<T: FftNum> Tensor<T> {
     }
 }
 
-/// K or A, the displacement by tractions of bodies with a memory or without.
+/// Displacement operator: A of elastic bodies, K of viscoelastic ones.
 #[derive(Debug)]
 pub struct Displacement(Tensor<f64>);
 
 impl Displacement {
-    /// For nx × ny elements of a grid's sides, with the flexibility of a layer [m/Pa].
+    /// Creates the operator of nx × ny elements of the grid's size, with the flexibility of a layer
+    /// [m/Pa].
     #[must_use]
     pub fn new(bodies: &Bodies, layer: f64, grid: &Structured, [nx, ny]: [usize; 2]) -> Self {
         let table = match bodies.remember() {
@@ -91,17 +94,17 @@ impl Displacement {
         Self(Tensor::of(Convolution::new(nx, ny), |i, j| table.value(i, j)))
     }
 
-    /// displacement = K traction [m]; fields of nx·ny values, components x and y.
+    /// Sets displacement = K traction [m]; fields of nx·ny values, components x and y.
     pub fn apply(&mut self, traction: [&[f64]; 2], displacement: [&mut [f64]; 2]) {
         self.0.apply(traction, displacement);
     }
 }
 
-/// B of steady rolling, or A, and its approximate inverse on one grid.
+/// Slip operator, B of steady rolling or A, and its approximate inverse on one grid.
 #[derive(Debug)]
 pub struct SlipOperator {
     operator: Tensor<f64>,
-    /// B or A over `self_influence`, and the inverse times it.
+    /// The operator divided by `self_influence`, and the inverse times it.
     single: Tensor<f32>,
     inverse: Tensor<f32>,
     self_influence: f64,
@@ -110,7 +113,8 @@ pub struct SlipOperator {
 }
 
 impl SlipOperator {
-    /// Slip of nx × ny elements by this stencil; `elements_per_semi_axis` is a/Δx.
+    /// Creates the operator on nx × ny elements with this stencil; `elements_per_semi_axis` is
+    /// a/Δx.
     #[must_use]
     pub fn new(
         influence: &Influence,
@@ -125,7 +129,8 @@ impl SlipOperator {
         Self::of(nx, ny, inverse, |i, j| table.slip(stencil, i, j))
     }
 
-    /// The same of bodies with a memory that roll, with K in place of A, on elements dx × dy [m].
+    /// Creates the operator of viscoelastic bodies in rolling, with K in place of A, on elements
+    /// dx × dy [m].
     #[must_use]
     pub fn of_memory(
         bodies: &Bodies,
@@ -165,25 +170,27 @@ impl SlipOperator {
         self.self_influence
     }
 
-    /// Products with the operator, and with its approximate inverse, so far.
+    /// Number of products with the operator and with its approximate inverse so far.
     #[must_use]
     pub fn work(&self) -> (usize, usize) {
         (self.applications, self.preconditionings)
     }
 
-    /// slip = B traction, or A traction [m]; fields of nx·ny values, components x and y.
+    /// Sets slip = B traction, or A traction [m]; fields of nx·ny values, components x and y.
     pub fn apply(&mut self, traction: [&[f64]; 2], slip: [&mut [f64]; 2]) {
         self.applications += 1;
         self.operator.apply(traction, slip);
     }
 
-    /// The same in single precision, over [`SlipOperator::self_influence`] [Pa].
+    /// Like [`SlipOperator::apply`] in single precision, divided by
+    /// [`SlipOperator::self_influence`] [Pa].
     pub fn apply_single(&mut self, traction: [&[f32]; 2], slip: [&mut [f32]; 2]) {
         self.applications += 1;
         self.single.apply(traction, slip);
     }
 
-    /// traction ≈ B⁻¹ slip, or A⁻¹ slip, in single precision, times [`SlipOperator::self_influence`] [m].
+    /// Sets traction ≈ B⁻¹ slip, or A⁻¹ slip, in single precision, times
+    /// [`SlipOperator::self_influence`] [m].
     pub fn apply_inverse(&mut self, slip: [&[f32]; 2], traction: [&mut [f32]; 2]) {
         self.preconditionings += 1;
         self.inverse.apply(slip, traction);
@@ -195,15 +202,15 @@ fn damping(elements_per_semi_axis: f64) -> f64 {
     (-MEMORY / elements_per_semi_axis).exp()
 }
 
-/// Parts of an approximate inverse.
+/// Inputs of an approximate inverse.
 #[derive(Clone, Copy)]
 struct Inverse<'a> {
-    /// The numbers at once.
+    /// Influence numbers of the instantaneous response.
     table: &'a Table,
     stencil: Stencil,
     /// Damping ρ of the shift.
     damping: f64,
-    /// Symbol of K over A, by that of the shift.
+    /// Symbol of K over A, as a function of the symbol of the shift.
     growth: Option<&'a dyn Fn(Complex64) -> Complex64>,
 }
 
@@ -215,7 +222,7 @@ impl Inverse<'_> {
             let weight = window(i, nx) * window(j, ny);
             self.table.value(i, j).map(|value| weight * value)
         });
-        // A line of one element has no upstream one.
+        // A line of one element has no upstream element.
         let upstream = convolution.spectrum(|i, j| if (i, j) == (-1, 0) { 1.0 } else { 0.0 });
         let shift = Spectrum::combine([&upstream], |[at]| {
             let along = self.stencil.along.map_or(0.0.into(), |_| 1.0 - at * self.damping);
@@ -232,12 +239,12 @@ impl Inverse<'_> {
     }
 }
 
-/// Influence numbers [xx, yy, xy] of all offsets that occur.
+/// Influence numbers [xx, yy, xy] at all offsets needed.
 enum Table {
     /// Numbers of elastic bodies.
-    Elastic(Quarter<[f64; 3]>),
-    /// Numbers of bodies with a memory, and the flexibility of a layer.
-    InternalVariables(Numbers<3>, f64),
+    Elastic(EvenOffsetTable<[f64; 3]>),
+    /// Numbers of viscoelastic bodies, and the flexibility of a layer.
+    InternalVariables(RollingInfluenceNumbers<3>, f64),
 }
 
 impl Table {
@@ -246,18 +253,19 @@ impl Table {
             let own = if (i, j) == (0, 0) { layer_flexibility } else { 0.0 };
             [influence.xx(i, j) + own, influence.yy(i, j) + own, influence.xy(i, j)]
         };
-        // Two more than the grid along x, for the upstream neighbours.
-        Self::Elastic(Quarter::new(nx + 2, ny, value))
+        // The upstream neighbours need two more elements than the grid along x.
+        Self::Elastic(EvenOffsetTable::new(nx + 2, ny, value))
     }
 
     fn with_memory(bodies: &Bodies, layer: f64, counts: [usize; 2], sides: [f64; 2]) -> Self {
-        let numbers = Numbers::new(counts, sides, bodies, |of, x, y| {
+        let numbers = RollingInfluenceNumbers::new(counts, sides, bodies, |of, x, y| {
             [of.xx_at(x, y), of.yy_at(x, y), of.xy_at(x, y)]
         });
         Self::InternalVariables(numbers, layer)
     }
 
-    /// Value at an offset: of elastic bodies xx and yy are even in both offsets, xy is odd in both; with a memory the same across.
+    /// Value at an offset. xx and yy are even and xy is odd, in both offsets for elastic bodies,
+    /// across only for viscoelastic ones.
     fn value(&self, i: i32, j: i32) -> [f64; 3] {
         match self {
             Self::Elastic(quarter) => {
@@ -272,7 +280,7 @@ impl Table {
         }
     }
 
-    /// Slip by the influence on the element and on its neighbours.
+    /// Slip by the influence on the element and its neighbours.
     fn slip(&self, stencil: Stencil, i: i32, j: i32) -> [f64; 3] {
         stencil.of(|upstream| self.value(i + upstream, j))
     }

@@ -2,20 +2,21 @@
 //!
 //! Frame: the body fills z ≥ 0, so z is the depth into it; the pressure p and the tractions q_x,
 //! q_y act *on this body*, p > 0 presses (along +z). Stresses are positive in tension. At a loaded
-//! surface σ_zz = −p, σ_xz = −q_x, σ_yz = −q_y. For the upper body this is the frame of the project with
-//! the tractions as they are. For the lower one, where −q acts and z points down, take −q_x and −q_y;
-//! in the project's frame its σ_xz and σ_yz then change sign, invariants do not.
+//! surface σ_zz = −p, σ_xz = −q_x, σ_yz = −q_y. For the upper body this is the frame of the project
+//! with unchanged tractions. For the lower body, where −q acts and z points down, take −q_x and
+//! −q_y; in the project's frame its σ_xz and σ_yz then change sign, while invariants stay the same.
 //!
 //! The stress at (x, y, z) = (x₁, x₂, x₃) from a force P at the origin, R² = x² + y² + z², is
 //!
-//! 2π σ_ij = −3 x_i x_j (x·P)/R⁵ + (1 − 2ν) A_ij:
+//! 2π σ_ij = −3 x_i x_j (x·P)/R⁵ + (1 − 2ν) A_ij.
 //!
-//! the solution of an incompressible body, which is radial, and a plane part that vanishes for
-//! i or j = z and has Airy's function φ: A_xx = ∂²φ/∂y², A_yy = ∂²φ/∂x², A_xy = −∂²φ/∂x∂y with
-//! φ = P_z ln(R + z) + (P_x ∂/∂x + P_y ∂/∂y)(z ln(R + z) − R), the function ψ₁ of Johnson.
+//! The first part is the solution of an incompressible body, which is radial. The second is a plane
+//! part that vanishes for i or j = z and has Airy's function φ: A_xx = ∂²φ/∂y², A_yy = ∂²φ/∂x²,
+//! A_xy = −∂²φ/∂x∂y with φ = P_z ln(R + z) + (P_x ∂/∂x + P_y ∂/∂y)(z ln(R + z) − R), the function
+//! ψ₁ of Johnson.
 //!
-//! For a uniform traction on a rectangle these are integrated over it: corner sums
-//! F(x₊, y₊) − F(x₊, y₋) − F(x₋, y₊) + F(x₋, y₋) with ∂²F/∂X∂Y the kernel, R² = X² + Y² + z²,
+//! For a uniform traction on a rectangle the kernels are integrated over the rectangle, as corner
+//! sums F(x₊, y₊) − F(x₊, y₋) − F(x₋, y₊) + F(x₋, y₋) with ∂²F/∂X∂Y the kernel, R² = X² + Y² + z²,
 //! Λ_x = asinh(X/√(Y² + z²)), α_x = arctan(XY(R − z)/(X²R + Y²z)), and Λ_y, α_y with X, Y swapped:
 //!
 //! | kernel | F |
@@ -30,17 +31,18 @@
 //! | ∂³/∂X³ of z ln(R + z) − R | Y/(R + z) − Λ_y |
 //! | ∂³/∂X²∂Y of the same | −X/(R + z) |
 //!
-//! and the same with X, Y swapped. Terms of one variable only are left out. α_x is the difference
-//! of two arctangents, arctan(Y/X) − arctan(Yz/XR), by one; α_x + α_y = arctan(XY/(Rz)).
+//! and likewise with X, Y swapped. Terms of a single variable cancel and are omitted. α_x combines
+//! the difference of two arctangents, arctan(Y/X) − arctan(Yz/XR), in one;
+//! α_x + α_y = arctan(XY/(Rz)).
 //!
-//! Accuracy: corner sums cancel like the square of the distance in elements; beyond 16 of the
-//! longer sides [`Element::at`] uses Gauss's rule with 4 × 4 points. Each number is right to
-//! 3e-12 of the largest stress by the same load at its distance. A [`Section`] uses corner sums only,
+//! Accuracy: corner sums lose digits with the square of the distance in elements. Beyond 16 of the
+//! longer sides [`Element::at`] uses Gauss's rule with 4 × 4 points. Each number is right to 3e-12
+//! of the largest stress by the same load at its distance. A [`Section`] uses corner sums only,
 //! right to about 1e-13 of the largest traction.
 //!
-//! Source: K. L. Johnson, Contact Mechanics (1985), §3.2 (potentials), §3.4 and §3.6;
-//! A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929), for pressure. Deviation: the split into a
-//! radial and a plane part, and antiderivatives without the cancellation of ln(R + X) at X < 0.
+//! Source: K. L. Johnson, Contact Mechanics (1985), §3.2 (potentials), §3.4 and §3.6; A. E. H.
+//! Love, Phil. Trans. R. Soc. A 228 (1929), for pressure. Deviation: the split into a radial and a
+//! plane part, and antiderivatives without the cancellation of ln(R + X) at X < 0.
 
 mod element;
 mod peak;
@@ -61,16 +63,16 @@ use grids::Structured;
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceLoad<'a> {
     grid: &'a Structured,
-    /// p, q_x, q_y; an empty slice is zero.
+    /// Fields p, q_x, q_y; an empty slice is zero.
     fields: [&'a [f64]; 3],
 }
 
 impl<'a> SurfaceLoad<'a> {
-    /// `pressure` has a value for each element [Pa]; `traction` first all x components, then all
-    /// y components [Pa], or is empty, which is no traction.
+    /// Creates a load. `pressure` has a value for each element [Pa]. `traction` holds all x
+    /// components, then all y components [Pa]; if empty, there is no traction.
     ///
     /// # Panics
-    /// If a length is not that of the grid.
+    /// If a length does not match the grid.
     #[must_use]
     pub fn new(grid: &'a Structured, pressure: &'a [f64], traction: &'a [f64]) -> Self {
         let points = grid.points();
@@ -89,8 +91,9 @@ impl<'a> SurfaceLoad<'a> {
         self.fields.map(|field| field.get(index).copied().unwrap_or(0.0))
     }
 
-    /// Stresses at any points (x, y, depth) [m], by summation over the loaded elements; for a
-    /// vertical section of many points [`Section`] is far faster, [`SurfaceLoad::on_lattice`] for planes and boxes.
+    /// Stresses at arbitrary points (x, y, depth) [m], by summation over the loaded elements. For
+    /// many points, [`Section`] (vertical sections) and [`SurfaceLoad::on_lattice`] (planes and
+    /// boxes) are far faster.
     ///
     /// # Panics
     /// If a depth is negative.

@@ -5,19 +5,22 @@
 //! - in the adhesion area |p| ≤ g and S = 0,
 //! - in the slip area |p| = g and S opposite to p,
 //!
-//! where g = f p_n is the traction bound, B the operator of [`super::slip_operator`] and s₀ the slip
-//! that is there without tractions, if any: what remains of the step before in transient rolling or
-//! in a shift, and what the pressure does on bodies of different material.
+//! where g = f p_n is the traction bound, B the operator of [`super::slip_operator`] and s₀ the
+//! slip without tractions, if any: the remainder of the previous step in transient rolling or in a
+//! shift, and the slip caused by the pressure on bodies of different material.
 //!
-//! **A layer that yields** ([`super::yielding`]) makes of the bound a function g(|S|) of the slip of an element, which is that of the surfaces and
-//! the plastic shift of the layer together; the conditions stay, and so does the energy: what the layer dissipates is in it.
+//! **Yielding layer** ([`super::yielding`]). The bound becomes a function g(|S|) of the slip of an
+//! element, which comprises the slip of the surfaces and the plastic shift of the layer. The
+//! conditions and the energy balance stay the same; the balance includes the dissipation in the
+//! layer.
 //!
-//! **Energy.** With the upwind difference the power of the step from I + e_x to I is −½(p_I + p_{I+e_x})·S_I V/Δx. Summed over
-//! all steps of steady rolling, those that leave the contact too, the part of B vanishes exactly,
-//! because pᵀ(Sᵀ − S)A p = 0 for a symmetric A that commutes with the shift: the sum is
-//! −V Σ w·p, the power of the forces over the creepages, at every resolution and whether or not the
-//! iteration has converged. Fromm's difference keeps the same balance with its numerical dissipation
-//! ([`super::dissipation`]). In transient rolling what remains is the change of elastic energy.
+//! **Energy.** With the upwind difference the power of the step from I + e_x to I is
+//! −½(p_I + p_{I+e_x})·S_I V/Δx. Summed over all steps of steady rolling, including those that
+//! leave the contact, the part of B vanishes exactly, because pᵀ(Sᵀ − S)A p = 0 for a symmetric A
+//! that commutes with the shift: the sum is −V Σ w·p, the power of the forces over the creepages,
+//! at every resolution and whether or not the iteration has converged. Fromm's difference keeps the
+//! same balance with its numerical dissipation ([`super::dissipation`]). In transient rolling the
+//! remainder is the change of elastic energy.
 //!
 //! Source: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4.
 
@@ -31,7 +34,7 @@ mod state;
 
 pub use layer::Layer;
 pub use newton::{Effort, NotConverged, TangentialSolver};
-pub use problem::{PrescribedMotion, Problem, Wanted};
+pub use problem::{PrescribedForces, PrescribedMotion, Problem};
 pub use state::{Creepage, ElementState, TangentialState};
 
 #[cfg(test)]

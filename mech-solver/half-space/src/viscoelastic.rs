@@ -1,35 +1,38 @@
 //! Influence numbers of viscoelastic half-spaces in steady rolling.
 //!
-//! Each body is a standard linear solid with a constant Poisson's ratio: under a constant stress its
-//! compliance grows from the instantaneous J to (1 + f) J,
+//! Each body is a standard linear solid with a constant Poisson's ratio: under a constant stress
+//! its compliance grows from the instantaneous J to (1 + f) J,
 //!
 //! J(t) = J [1 + f (1 − e^{−t/τ})],
 //!
-//! with the delayed compliance f over the instantaneous one [-] and the retardation time τ [s]. Kelvin's
-//! solid is the limit of a large f with a stiff instantaneous response, Maxwell's fluid that of f and
-//! τ → ∞ with τ/f kept, in which the approach grows without bound.
+//! with the delayed compliance f over the instantaneous one [-] and the retardation time τ [s].
+//! Kelvin's solid is the limit of a large f with a stiff instantaneous response, Maxwell's fluid
+//! that of f and τ → ∞ with τ/f kept, in which the approach grows without bound.
 //!
-//! Stresses of a half-space under given tractions do not depend on J (the principle of
-//! correspondence), and displacements follow by superposition in time. In a frame that moves with the
-//! contact a particle was at x + s when the distance s was still to be rolled. So the number of an element,
-//! with A that of [`super::influence`] for the body's share, is
+//! Stresses of a half-space under given tractions do not depend on J (correspondence principle),
+//! and displacements follow by superposition in time. In a frame that moves with the contact, a
+//! particle now at x was at x + s before it rolled the distance s. With A of [`super::influence`]
+//! for the body's share, the number of an element is therefore
 //!
 //! K(x, y) = A(x, y) + f T(x, y),   T(x, y) = ∫₀^∞ A(x + s, y) e^{−s/l} ds/l,   l = V τ,
 //!
-//! summed over both bodies. K is not symmetric: where the load has been, x < 0, the surface is still
-//! low. For l → 0 the body is elastic with (1 + f) J, for l → ∞ with J.
+//! summed over both bodies. K is not symmetric: behind the contact, x < 0, the surface is still low
+//! where it was loaded. For l → 0 the body is elastic with (1 + f) J, for l → ∞ with J.
 //!
-//! A line of contact, a single row, is not plane strain here but the middle of its width, as a half-plane has no displacement far away on which a
-//! long memory could end; both agree as the square of the contact's length over the width.
+//! A line of contact (a single row) is the middle of an element of finite width here, and not plane
+//! strain: in a half-plane the displacement does not vanish far away, so a long memory would have
+//! no end. Both differ by the square of the contact's length over the width.
 //!
-//! **Integration.** T(x) = e^{−h} T(x + Δx) + ∫₀^{Δx} A(x + s) e^{−s/l} ds/l with h = Δx/l, from the
-//! farthest element ahead on, whose integral is taken in panels that grow with the distance. On a
-//! panel A is interpolated at Gauss's ten points, and the polynomial integrated with the exponential, for any h.
-//! Seen along x, A has branch points abreast of the element's corners: panels are halved until they are
-//! half as long as the nearest one is far. Numbers are right to 1e-9 of themselves (test `numbers_against_quadrature`).
+//! **Integration.** T(x) = e^{−h} T(x + Δx) + ∫₀^{Δx} A(x + s) e^{−s/l} ds/l with h = Δx/l,
+//! starting at the farthest element ahead, whose integral uses panels that grow with the distance.
+//! On a panel A is interpolated at ten Gauss points and the polynomial integrated with the
+//! exponential, for any h. Along x, A has branch points abreast of the element's corners. Panels
+//! are halved until their length is at most half the distance to the nearest branch point. Relative
+//! errors are below 1e-9 (test `numbers_against_quadrature`).
 //!
-//! Sources: S. C. Hunter, J. Appl. Mech. 28 (1961) 611, for the steady state; G. Wang and K. Knothe,
-//! J. Appl. Mech. 60 (1993) 310, for the same in elements. The recursion is this project's.
+//! Sources: S. C. Hunter, J. Appl. Mech. 28 (1961) 611, for the steady state; G. Wang and K.
+//! Knothe, J. Appl. Mech. 60 (1993) 310, for its discretisation in elements. The recursion is this
+//! project's.
 
 use super::influence::Influence;
 use elastic::Elasticity;
@@ -38,11 +41,12 @@ use numerics::convolution::Complex64;
 use numerics::quadrature::GAUSS_10;
 
 const POINTS: usize = GAUSS_10.len();
-/// Halvings of an element's side at most: what is left of the branch point is below rounding.
+/// Limit of halvings of an element's side: the remaining part at the branch point is below
+/// rounding.
 const MOST_HALVINGS: usize = 16;
-/// Decay of the memory beyond which nothing is left of it, as an exponent.
+/// Exponent of the decay beyond which the memory has vanished.
 const FORGOTTEN: f64 = 40.0;
-/// Panels of the tail at most, in lengths of the memory: the exponential weighs their beginning.
+/// Longest panel of the tail, in lengths of the memory.
 const LONGEST: f64 = 8.0;
 
 /// Growth of the compliance of a material.
@@ -63,10 +67,10 @@ pub struct Delayed {
     pub length: f64,
 }
 
-/// Two half-spaces that roll.
+/// Two half-spaces in rolling.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bodies {
-    /// Elastic constants at once.
+    /// Elastic constants of the instantaneous response.
     pub instantaneous: Elasticity,
     /// Delayed compliance of each body.
     pub delayed: [Delayed; 2],
@@ -85,7 +89,7 @@ impl From<&Bodies> for Bodies {
 }
 
 impl Bodies {
-    /// Body 1 on body 2, of these materials, that roll with this speed [m/s].
+    /// Body 1 on body 2, of these materials, rolling at this speed [m/s].
     #[must_use]
     pub fn rolling(
         materials: &[Material; 2],
@@ -104,13 +108,13 @@ impl Bodies {
         Self { instantaneous: Elasticity::of_pair(upper, lower), delayed: [delayed(0), delayed(1)] }
     }
 
-    /// Returns true if either body has a memory.
+    /// Returns true if either body is viscoelastic.
     #[must_use]
     pub fn remember(&self) -> bool {
         self.delayed.iter().any(|body| body.elasticity != Elasticity::default())
     }
 
-    /// Memories of the bodies, those that are equally long as one.
+    /// Memories of the bodies; equal lengths are merged into one.
     fn memories(&self) -> impl Iterator<Item = Delayed> {
         let [mut one, mut other] = self.delayed;
         if one.length == other.length {
@@ -127,8 +131,8 @@ impl Bodies {
         self.instantaneous.is_coupled() || delayed
     }
 
-    /// K over A of a wave, roughly: 1 + Σ f/(1 − ikl) with the shares of the bodies, the exponential
-    /// memory taken over a displacement that is linear from element to element of side `dx` [m];
+    /// Approximate ratio of K to A for a wave, 1 + Σ f/(1 − ikl) with the shares of the bodies. The
+    /// exponential memory acts on a displacement that is linear between elements of side `dx` [m].
     /// `upstream` is the symbol of the shift to the upstream element.
     #[must_use]
     pub fn growth(&self, upstream: Complex64, dx: f64) -> Complex64 {
@@ -141,7 +145,7 @@ impl Bodies {
         })
     }
 
-    /// The elastic constants of bodies that had time without end.
+    /// Elastic constants after an infinite time under load.
     #[must_use]
     pub fn relaxed(&self) -> Elasticity {
         self.delayed.iter().fold(self.instantaneous, |sum, body| sum.plus(&body.elasticity))
@@ -151,14 +155,15 @@ impl Bodies {
 /// Numbers K of some components at the offsets of a grid: up to nx elements downstream and nx + 1
 /// upstream, ny − 1 across.
 #[derive(Clone, Debug)]
-pub struct Numbers<const N: usize> {
+pub struct RollingInfluenceNumbers<const N: usize> {
     nx: i32,
     width: usize,
     values: Vec<[f64; N]>,
 }
 
-impl<const N: usize> Numbers<N> {
-    /// Evaluates them for elements dx × dy; `kernel` has the components of A at (x, y) [m/Pa].
+impl<const N: usize> RollingInfluenceNumbers<N> {
+    /// Evaluates the numbers for elements dx × dy; `kernel` returns the components of A at (x, y)
+    /// [m/Pa].
     #[must_use]
     pub fn new(
         [nx, ny]: [usize; 2],
@@ -201,7 +206,7 @@ impl<const N: usize> Numbers<N> {
         Self { nx: nx as i32, width, values }
     }
 
-    /// The numbers at an offset of (i, |j|) elements [m/Pa].
+    /// Numbers at an offset of (i, |j|) elements [m/Pa].
     #[must_use]
     pub fn value(&self, i: i32, j: i32) -> [f64; N] {
         self.values[j.unsigned_abs() as usize * self.width + (i + self.nx) as usize]
@@ -212,9 +217,9 @@ fn add<const N: usize>(one: [f64; N], other: [f64; N]) -> [f64; N] {
     std::array::from_fn(|k| one[k] + other[k])
 }
 
-/// A along a line in the direction of rolling.
+/// A as a function along a line in the direction of rolling.
 struct Line<F> {
-    /// Places of the branch points before and behind the element's centre [m].
+    /// Distance of the branch points ahead of and behind the element's centre [m].
     half: f64,
     /// Distance of the branch points beside the line [m].
     abreast: f64,
@@ -233,9 +238,9 @@ impl<F> Line<F> {
 struct InternalVariables {
     dx: f64,
     length: f64,
-    /// e^{−h} of an element's side.
+    /// Decay e^{−h} over an element's side.
     decay: f64,
-    /// Weights of an element's side, and of its halves and their halves.
+    /// Quadrature weights of an element's side, of its half, its quarter and so on.
     weights: Vec<[f64; POINTS]>,
 }
 
@@ -268,7 +273,7 @@ impl InternalVariables {
         sum
     }
 
-    /// ∫₀^∞ A(x + s) e^{−s/l} ds/l, beyond the element.
+    /// ∫₀^∞ A(x + s) e^{−s/l} ds/l, ahead of the element.
     fn tail<const N: usize>(&self, line: &Line<impl Fn(f64) -> [f64; N]>, x: f64) -> [f64; N] {
         let (mut sum, mut from) = ([0.0; N], 0.0);
         while from < FORGOTTEN * self.length {
@@ -282,7 +287,7 @@ impl InternalVariables {
     }
 }
 
-/// ∫ A(x + s) e^{−s/l} ds/l over a panel, with its weights.
+/// ∫ A(x + s) e^{−s/l} ds/l over a panel, with the panel's weights.
 fn panel<const N: usize>(
     line: &Line<impl Fn(f64) -> [f64; N]>,
     x: f64,
@@ -296,19 +301,20 @@ fn panel<const N: usize>(
     sum
 }
 
-/// Gauss's points on (0, 1), and their weights.
+/// Gauss points on (0, 1), and their weights.
 fn rule() -> impl Iterator<Item = (f64, f64)> {
     GAUSS_10.into_iter().map(|(t, weight)| (0.5 * (1.0 + t), 0.5 * weight))
 }
 
-/// ∫₀¹ h e^{−ht} L_k(t) dt of the polynomials L_k that interpolate at Gauss's points.
+/// ∫₀¹ h e^{−ht} L_k(t) dt of the polynomials L_k that interpolate at the Gauss points.
 fn weights(h: f64) -> [f64; POINTS] {
     let points: Vec<f64> = rule().map(|(t, _)| t).collect();
     let polynomial = |k: usize, t: f64| -> f64 {
         let others = (0..POINTS).filter(|other| *other != k);
         others.map(|other| (t - points[other]) / (points[k] - points[other])).product()
     };
-    // In panels over which the exponential falls by e² at most, up to where it has vanished.
+    // Integrates in panels over which the exponential falls by e² at most, up to the end of the
+    // memory.
     let reach = (FORGOTTEN / h).min(1.0);
     let panels = (0.5 * h * reach).ceil().max(1.0);
     let mut weights = [0.0; POINTS];

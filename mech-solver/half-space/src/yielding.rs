@@ -1,66 +1,71 @@
 //! A layer that yields, in series with friction: two sliders under one traction.
 //!
-//! What an element slips in a step is what the surfaces slip on the layer and what the layer flows, λ_f + λ, both against the traction:
+//! The slip of an element in a step is the sum of the slip λ_f of the surfaces on the layer and the
+//! plastic flow λ of the layer. Both oppose the traction:
 //!
-//! |p| ≤ f p_n, and < f p_n where λ_f = 0;  |p| ≤ τ(κ), and < τ(κ) where λ = 0;  τ(κ) = max(τ₀ + k κ, τ_r),  κ = κ' + λ,
+//! |p| ≤ f p_n, and < f p_n where λ_f = 0;  |p| ≤ τ(κ), and < τ(κ) where λ = 0;
+//! τ(κ) = max(τ₀ + k κ, τ_r),  κ = κ' + λ,
 //!
-//! with the plastic shift κ accumulated over the way of a particle, κ' before the step, the yield stress τ₀ of fresh material, its
-//! change k with the plastic shift (hardening or softening) and the lowest yield stress τ_r. The weaker slider gives way. So both are one,
-//! against the traction by the whole slip |S| = λ_f + λ, whose bound depends on |S|:
+//! with the plastic shift κ accumulated along the path of a particle, κ' before the step, the yield
+//! stress τ₀ of fresh material, its change k with the plastic shift (hardening or softening) and
+//! the lowest yield stress τ_r. The weaker slider gives way. Both therefore act as one slider with
+//! the slip |S| = λ_f + λ, whose bound depends on |S|:
 //!
-//! - τ(κ') ≥ f p_n: f p_n, and the layer does not flow;
-//! - else τ(κ' + |S|) while that is below f p_n, and the layer takes all of the slip;
-//! - else f p_n: the layer has hardened to it, by λ = (f p_n − τ(κ'))/k, and the surfaces take the rest.
+//! - τ(κ') ≥ f p_n: the bound is f p_n, and the layer does not flow;
+//! - otherwise τ(κ' + |S|) while below f p_n: the layer takes all of the slip;
+//! - otherwise f p_n: the layer has hardened to it, by λ = (f p_n − τ(κ'))/k, and the surfaces take
+//!   the remaining slip.
 //!
-//! Source: Hou, Kalousek and Magel, Wear 211 (1997) 134–140, for the law; Vollebregt, CONTACT, for particles that carry it through the
-//! contact. That one slider does is this project's.
+//! Source: Hou, Kalousek and Magel, Wear 211 (1997) 134–140, for the law; Vollebregt, CONTACT, for
+//! particles that carry the plastic shift through the contact. The reduction to one slider is this
+//! project's.
 
-/// Yield stress of a layer over its plastic shift.
+/// Yield stress of a layer as a function of the plastic shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yield {
     /// Yield stress τ₀ of fresh material [Pa].
     pub stress: f64,
-    /// Its change k with the plastic shift [Pa/m]; negative where it softens.
+    /// Change k of the yield stress with the plastic shift [Pa/m]; negative for softening.
     pub hardening: f64,
     /// Lowest yield stress τ_r [Pa].
     pub residual: f64,
 }
 
-/// States of the two sliders of an element.
+/// State of both sliders of an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Carried {
-    /// The bound of the traction after the slip [Pa].
+pub struct SliderState {
+    /// Bound of the traction after the slip [Pa].
     pub bound: f64,
     /// Plastic shift λ of the step [m].
     pub shift: f64,
     /// Change of the bound with κ' and with the slip [Pa/m].
     pub slope: f64,
-    /// Changes of κ with κ' and with the slip.
+    /// Derivative of κ with respect to κ' [-].
     pub passes: f64,
-    /// See `passes`.
+    /// Derivative of κ with respect to the slip [-].
     pub grows: f64,
 }
 
 impl Yield {
-    /// τ after a plastic shift [Pa], and its change [Pa/m].
+    /// Yield stress τ after a plastic shift [Pa], and its slope [Pa/m].
     fn after(&self, shift: f64) -> (f64, f64) {
         let stress = self.stress + self.hardening * shift;
         if stress > self.residual { (stress, self.hardening) } else { (self.residual, 0.0) }
     }
 
-    /// The bound before any slip, of an element with the friction bound f p_n and the plastic shift κ' [Pa].
+    /// Bound before any slip, for the friction bound f p_n and the plastic shift κ' [Pa].
     #[must_use]
     pub fn limit(&self, friction: f64, before: f64) -> f64 {
         friction.min(self.after(before).0)
     }
 
-    /// The largest bound of fresh material, whatever slips [Pa].
+    /// Largest bound of fresh material for any slip [Pa].
     #[must_use]
     pub fn most(&self, friction: f64) -> f64 {
         if self.hardening > 0.0 { friction } else { friction.min(self.stress) }
     }
 
-    /// The smallest and the largest bound that a slip may leave, from the plastic shift κ' on [Pa].
+    /// Smallest and largest bound after any slip, starting from the plastic shift κ' [Pa].
     #[must_use]
     pub fn range(&self, friction: f64, before: f64) -> [f64; 2] {
         let first = self.limit(friction, before);
@@ -71,7 +76,7 @@ impl Yield {
         }
     }
 
-    /// The plastic shift that takes the yield stress to this one, from κ' on [m]; 0 where it does not change.
+    /// Plastic shift from κ' to this yield stress [m]; 0 if the yield stress is constant.
     #[must_use]
     pub fn shift_to(&self, stress: f64, before: f64) -> f64 {
         match self.hardening == 0.0 {
@@ -80,19 +85,20 @@ impl Yield {
         }
     }
 
-    /// Traction of an element that slips by so much [m], with the friction bound f p_n [Pa] and the plastic shift κ' before [m].
+    /// State of an element after this slip [m], for the friction bound f p_n [Pa] and the plastic
+    /// shift κ' before [m].
     #[must_use]
-    pub fn carried(&self, friction: f64, before: f64, slip: f64) -> Carried {
+    pub fn carried(&self, friction: f64, before: f64, slip: f64) -> SliderState {
         let (first, _) = self.after(before);
         if first >= friction {
-            return Carried { bound: friction, passes: 1.0, ..Carried::default() };
+            return SliderState { bound: friction, passes: 1.0, ..SliderState::default() };
         }
         let (bound, slope) = self.after(before + slip);
         if bound < friction {
-            return Carried { bound, slope, shift: slip, passes: 1.0, grows: 1.0 };
+            return SliderState { bound, slope, shift: slip, passes: 1.0, grows: 1.0 };
         }
         let shift = (friction - first) / self.hardening;
-        Carried { bound: friction, shift, ..Carried::default() }
+        SliderState { bound: friction, shift, ..SliderState::default() }
     }
 }
 
@@ -100,8 +106,8 @@ impl Yield {
 mod tests {
     use super::*;
 
-    /// One after the other, as the two sliders do: while the bound grows the layer flows, then the surfaces slip. What is said of changes are
-    /// those of small steps. Tolerance: of differences over 1e-6 of the slip.
+    /// The two sliders act in turn: the layer flows while its bound grows, then the surfaces slip.
+    /// Derivatives agree with differences. Tolerance: differences over 1e-6 of the slip.
     #[test]
     fn the_weaker_slider_gives_way() {
         let harder = Yield { stress: 2.0, hardening: 4.0, residual: 0.2 };

@@ -5,7 +5,7 @@ use elastic::Material;
 use elastic::hertz::{EllipticContact, elliptic_contact};
 use grids::Structured;
 use half_space::area::contact_area;
-use half_space::extent::{Fitted, Moments, fit_grid};
+use half_space::extent::{FittedContact, Moments, fit_grid};
 use half_space::normal::Prescribed;
 
 const STEEL: Material = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
@@ -22,13 +22,14 @@ fn hertz(elasticity: &Elasticity) -> EllipticContact {
     elliptic_contact(GAP_X, GAP_Y, LOAD, elasticity.contact_compliance())
 }
 
-fn solve(grid: Structured, elasticity: Elasticity, gap: impl Fn(f64, f64) -> f64) -> Fitted {
+fn solve(grid: Structured, elasticity: Elasticity, gap: impl Fn(f64, f64) -> f64) -> FittedContact {
     let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
     fit_grid(grid, elasticity, &gap, Prescribed::Load(LOAD), everywhere, LIMIT, f64::INFINITY)
         .expect("a regular contact")
 }
 
-/// Elements of a/`resolution` over an ellipse and a free margin, one of them at the origin.
+/// Grid of elements of a/`resolution` over an ellipse with a free margin, one of them at the
+/// origin.
 fn grid_of(estimate: &EllipticContact, resolution: usize) -> Structured {
     let side = estimate.semi_axis_a / resolution as f64;
     let half = |semi_axis: f64| (1.05 * semi_axis / side + 0.5).ceil() as usize;
@@ -60,8 +61,8 @@ fn errors(resolution: usize) -> [f64; 4] {
     ]
 }
 
-/// Errors of the discretisation, which depend on how the edge of the contact meets the elements
-/// and so fall unevenly: bounds at every mesh, and an order over a factor of eight.
+/// Errors of the discretisation depend on how the edge of the contact meets the elements and fall
+/// unevenly. The test bounds them at every mesh, and the order over a factor of eight.
 #[test]
 fn converges_to_hertz() {
     let table = [10, 20, 40, 80].map(errors);
@@ -80,8 +81,8 @@ fn converges_to_hertz() {
     }
 }
 
-/// A symmetric gap gives a symmetric pressure, a mirrored gap the mirrored one. Tolerance: the
-/// iteration's, which the pressure has a multiple of.
+/// A symmetric gap gives a symmetric pressure, a mirrored gap the mirrored pressure. Tolerance: the
+/// iteration, with a factor for the pressure.
 #[test]
 fn mirror_images() {
     let grid = centred(20, 16, hertz(&steel()).semi_axis_a / 15.0);
@@ -98,8 +99,8 @@ fn mirror_images() {
     }
 }
 
-/// Millimetres and megapascals: the same numbers but for the units. Tolerance: rounding, through
-/// some iterations, and powers of two would need none.
+/// Millimetres and megapascals give the same numbers except for units. Tolerance: rounding over
+/// some iterations; powers of two would need none.
 #[test]
 fn units_do_not_matter() {
     let grid = grid_of(&hertz(&steel()), 12);
@@ -141,13 +142,13 @@ fn very_different_bodies() {
     let (one, other) = (solve(grid, pair, paraboloid), solve(grid, alike, paraboloid));
     assert!((one.contact.approach / other.contact.approach - 1.0).abs() < 1e-9);
     let peak = one.pressure[grid.points() / 2];
-    // The discretisation at a/20.
+    // Tolerance: the discretisation at a/20.
     assert!((peak / exact.max_pressure - 1.0).abs() < 1e-3);
     assert!((one.contact.approach / exact.approach - 1.0).abs() < 1e-3);
 }
 
-/// Two crowns side by side: far apart each carries half as Hertz has it, with the other's
-/// displacement N E*/(2π d) on top of the approach; closer they merge, found by a growing grid.
+/// Two crowns side by side. Far apart each is a Hertz contact under half the load, with the other's
+/// displacement N E*/(2π d) added to the approach. Closer crowns merge, on a growing grid.
 #[test]
 fn two_crowns_merge() {
     let crowns = |apart: f64| move |x: f64, y: f64| GAP_X * ((x.abs() - apart).powi(2) + y * y);
@@ -157,9 +158,9 @@ fn two_crowns_merge() {
     let far = solve(start, steel(), crowns(30e-3));
     let displacement = 0.5 * LOAD * compliance / (std::f64::consts::PI * 60e-3);
     let approach = far.contact.approach - displacement;
-    // The discretisation at a/20, and the next term of the distance, (a/d)²/2.
+    // Tolerance: the discretisation at a/20, and the next term of the distance, (a/d)²/2.
     assert!((approach / half.approach - 1.0).abs() < 4e-3, "{}", approach / half.approach);
-    let pressed = |solution: &Fitted, at: f64| {
+    let pressed = |solution: &FittedContact, at: f64| {
         let grid = solution.grid;
         let column = ((at - grid.x(0)) / grid.dx()).round() as usize;
         let row = (-grid.y(0) / grid.dy()).round() as usize;
@@ -170,8 +171,8 @@ fn two_crowns_merge() {
     assert!(pressed(&near, 2.1e-3) && pressed(&near, 0.0));
 }
 
-/// π a b of Hertz's ellipse, round, slender and wide, on grids that know and that do not know its
-/// middle. Elements in contact, of which the area was the sum before, are too many by 1 to 5 %.
+/// Area π a b of Hertz's ellipse, round, slender and wide, on grids centred and off centre. The
+/// number of elements in contact overestimates it by 1 to 5 %.
 #[test]
 fn area_of_ellipses() {
     for gap_y in [GAP_X, GAP_Y, 20.0 * GAP_X, 0.2 * GAP_X] {
@@ -184,7 +185,7 @@ fn area_of_ellipses() {
                 let mut grid = centred(half(a), half(b), side);
                 grid.origin[0] += shift[0] * side;
                 grid.origin[1] += shift[1] * side;
-                let Fitted { grid, pressure, .. } =
+                let FittedContact { grid, pressure, .. } =
                     solve(grid, steel(), |x, y| GAP_X * x * x + gap_y * y * y);
                 contact_area(&grid, &pressure) / (std::f64::consts::PI * a * b) - 1.0
             };

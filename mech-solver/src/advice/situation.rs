@@ -59,9 +59,8 @@ impl Situation<'_> {
     /// Hertz distribution of friction that is cut off at t = τ/(f p₀) carries (3t − t³)/2 of the
     /// full force.
     pub(crate) fn cut_off(&self, effect: &str, key: &str, yield_stress: f64) -> Advice {
-        let advice =
-            Advice::new(effect, format!("what friction carries beyond {yield_stress:.1e} Pa"))
-                .with(format!("{key}={yield_stress:e}"));
+        let advice = Advice::new(effect, format!("friction cut off at {yield_stress:.1e} Pa"))
+            .with(format!("{key}={yield_stress:e}"));
         let friction = self.scene.friction_coefficient;
         let Some(largest) = self.known(PRESSURE).map(|pressure| friction * pressure) else {
             return advice;

@@ -112,7 +112,7 @@ impl Ellipse {
             None => Self::of_hertz(scene)?,
         };
         if let (Some(_), Some(_)) = (given, scene.width) {
-            let reason = "excludes an ellipse that is given";
+            let reason = "excludes a given ellipse";
             return Err(Refusal::new(WIDTH, reason, "remove it, or the ellipse under [contact]"));
         }
         ellipse.refuse_beyond_floating_point(scene)?;
@@ -144,8 +144,8 @@ impl Ellipse {
         if gap <= 0.0 {
             return Err(Refusal::new(
                 &scene.names.key(UPPER, "radius_x"),
-                "one body is as hollow as the other is round, or more: no contact closes",
-                "write radii of which the sum of 1/radius_x is above 0",
+                "one body is at least as concave as the other is convex: there is no closed contact",
+                "write radii with a positive sum of 1/radius_x",
             ));
         }
         let compliance = scene.contact_compliance();
@@ -160,7 +160,7 @@ impl Ellipse {
             return Err(Refusal::new(
                 WIDTH,
                 format!(
-                    "of {width:.3e} m is not wide against a contact 2a = {:.3e} m long",
+                    "of {width:.3e} m is not large compared with the contact length 2a = {:.3e} m",
                     2.0 * line.semi_axis_a
                 ),
                 "write the width of the bodies, or lower the load",
@@ -237,7 +237,7 @@ impl Ellipse {
         match scene.speeds.rolling == 0.0 {
             true => Err(Refusal::new(
                 SPEED,
-                "this model is of rolling; bodies that do not roll need mech.model = half-space",
+                "this model is for rolling; bodies that do not roll need mech.model = half-space",
                 "write a speed above 0 m/s, or choose the model half-space",
             )),
             false => Ok(()),
@@ -349,7 +349,7 @@ impl fmt::Display for Ellipse {
         match self.line {
             true => write!(
                 f,
-                "line of contact a = {a:.4} mm, {:.4} mm wide, p0 = {pressure:.2} MPa",
+                "line contact a = {a:.4} mm, {:.4} mm wide, p0 = {pressure:.2} MPa",
                 2.0 * b
             ),
             false => {
@@ -369,8 +369,8 @@ fn load_key(scene: &Scene) -> &'static str {
 
 /// Suggested fix if the bodies touch along a line: along y, or along x.
 const LINE_FIX: [&str; 2] = [
-    "write a radius of the size of the other bodies' radii; or remove it, and write contact.width for a line of contact (half-space, hertz-carter)",
-    "write a radius of the size of the other bodies' radii",
+    "write a radius similar to the other radii; or remove it, and write contact.width for a line contact (half-space, hertz-carter)",
+    "write a radius similar to the other radii",
 ];
 
 /// Refuses bodies that touch along a line, or that conform, and so have no contact ellipse.
@@ -394,7 +394,7 @@ fn refuse_open_ellipse(scene: &Scene, gap_x: f64, gap_y: f64) -> Result<(), Refu
     };
     let other = radii[1 - hollow];
     let reason = format!(
-        "`{}` is as hollow as `{}` is round, or more, so that no elliptic contact closes",
+        "`{}` is at least as concave as `{}` is convex: there is no closed elliptic contact",
         scene.names.0[hollow],
         scene.names.0[1 - hollow]
     );

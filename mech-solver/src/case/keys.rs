@@ -90,7 +90,7 @@ impl<'a> CheckedParams<'a> {
 
     fn spec(&self, key: &str) -> &KeySpec {
         let spec = self.specs.iter().find(|spec| matches(&spec.path, key));
-        spec.expect("every key that is read stands in the list of keys it is read with")
+        spec.expect("every key that is read is in the list of specifications")
     }
 }
 

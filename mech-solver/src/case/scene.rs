@@ -169,7 +169,7 @@ pub fn body_keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             "materials.*.yield_stress",
             "Pa",
-            "yield stress; the summary says how far the contact is from shakedown, and explicit elements may flow",
+            "yield stress, for the shakedown figures of the summary and plastic flow of explicit elements",
         )
         .expected(1e4..=1e10, "the hardest steels have 3 GPa; check the unit")
         .above(0.0),
@@ -209,7 +209,7 @@ fn motion_keys() -> Vec<KeySpec> {
             "m/s",
             "rolling speed V; 0 for a tangential shift without rolling",
         )
-        .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is a unit, too")
+        .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is accepted too")
         .at_least(0.0)
         .varies(),
         KeySpec::number(
@@ -245,7 +245,7 @@ fn motion_keys() -> Vec<KeySpec> {
 #[must_use]
 pub fn shift_keys() -> Vec<KeySpec> {
     let help = [
-        "rigid shift of the upper body along x, from where it was in the beginning; made in the first window, if it is no column",
+        "rigid shift of the upper body along x, relative to the start; applied in the first window unless it is a column",
         "rigid shift of the upper body along y",
         "rigid rotation of the upper body about z [rad]",
     ];
@@ -261,7 +261,7 @@ pub(crate) const WIDTH: &str = "contact.width";
 /// Returns the key of the width of a line contact, for the models that solve one.
 #[must_use]
 pub fn width_key() -> KeySpec {
-    let help = "width of bodies that touch along a line: plane strain, the same all over the width; absent: an ellipse";
+    let help = "width of bodies that touch along a line (plane strain, uniform across the width); absent: an ellipse";
     KeySpec::quantity(WIDTH, "m", help)
         .expected(1e-4..=10.0, "from thin discs to mill rolls; check the unit")
         .above(0.0)
@@ -520,7 +520,7 @@ fn read_drive(
             None if speeds.rolling == 0.0 => Ok(Drive::Shift([0.0; 3])),
             None => Err(Refusal::new(
                 "motion",
-                format!("nothing says how `{}` is driven", names.0[UPPER]),
+                format!("no key drives `{}`", names.0[UPPER]),
                 format!(
                     "add one of {}, or {}",
                     alternatives.join(", "),

@@ -84,7 +84,7 @@ impl BodyShape {
         if found.is_none() && shift != 0.0 {
             return Err(Refusal::new(
                 &shift_key,
-                "shifts a measured body, and this one has no profile",
+                "shifts a measured profile, but this body has none",
                 format!("add `{key}`, or remove the key"),
             ));
         }

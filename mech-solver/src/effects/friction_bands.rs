@@ -55,20 +55,20 @@ fn keys() -> Vec<KeySpec> {
     vec![
         KeySpec::file(
             TABLE,
-            "table of a coordinate that rises from row to row, `y [m]`, `inclination [rad]` or `way [m]`, and a `factor` on the friction coefficient",
+            "table of a coordinate in ascending order, `y [m]`, `inclination [rad]` or `way [m]`, and a `factor` on the friction coefficient",
         )
         .required(),
         KeySpec::choice(
             OVER,
             &["lateral", "inclination", "track"],
             "the coordinate: the lateral one [m], the inclination of the rail's surface in its profile, positive on the gauge side [rad], or the \
-             place along the track [m]; the last two on a rail of a track",
+             position along the track [m]; the last two for a rail on a track",
         )
         .default_value("lateral"),
         KeySpec::choice(
             AT,
             &["elements", "patches"],
-            "every element has the friction of its own place, or all of a patch that of its reference, on a rail of a track",
+            "points at which friction is evaluated: every element, or the reference of each patch (rail on a track)",
         )
         .default_value("elements"),
     ]
@@ -86,7 +86,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let needs = [
         (over != Over::Lateral).then_some(rail_place(
             OVER,
-            "rail on a track, of which this is the coordinate",
+            "rail on a track, which this coordinate needs",
             "lateral",
         )),
         (at == At::Patches).then_some(rail_place(AT, "patches with references", "elements")),
@@ -105,7 +105,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     if let Some(outside) = table.coordinates().find(|at| at.abs() > most) {
         let unit = &columns(over)[0].unit;
         return Err(refused(format!(
-            "reaches {outside} {unit}, and {most} {unit} is the most; check the unit"
+            "reaches {outside} {unit}, beyond the limit of {most} {unit}; check the unit"
         )));
     }
     let bands = Bands { table, over, at };
@@ -162,5 +162,5 @@ impl FrictionFactor for Bands {
 }
 
 fn advise(_: &Situation<'_>) -> Advice {
-    Advice::new(EFFECT.name, "by how much friction differs is what its table says")
+    Advice::new(EFFECT.name, "its table gives the change of friction")
 }

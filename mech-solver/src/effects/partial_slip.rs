@@ -35,7 +35,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let with = |key: &str| situation.otherwise(key, friction, true);
     let figures = (with(POWER), with(PRESSURE), with("contact.normal_force_n"));
     let (Some(power), Some(pressure), Some(load)) = figures else {
-        let why = "the contact is no ellipse that rolls, or friction does not carry the force: not estimated";
+        let why = "not estimated: the contact is not a rolling ellipse, or friction does not carry the force";
         return Advice::new(EFFECT.name, why).with(set);
     };
     // A contact in full sliding has the prescribed creepage, or that of Carter's law.

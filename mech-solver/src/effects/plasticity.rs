@@ -78,7 +78,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     if flow == [None; 2] {
         return Err(Refusal::new(
             "effects.plasticity",
-            "no body is of a material with a yield stress",
+            "no body has a material with a yield stress",
             "write materials.NAME.yield_stress, or remove the effect",
         ));
     }
@@ -101,7 +101,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let advice = match ratio {
         _ if ratio.is_nan() => Advice::new(EFFECT.name, "p0/k is not known before a run"),
         _ if ratio > FIRST_YIELD => {
-            let why = "p0/k above 2.8 yields in the first passage, above 4 or so in every one; by how much is not estimated";
+            let why = "p0/k above 2.8 yields in the first passage, above about 4 in every passage; the amount is not estimated";
             Advice::new(EFFECT.name, why).number("p0/k", ratio)
         }
         _ => {

@@ -7,13 +7,13 @@
 //! z(x, y) = √(2/M) h Σ_m w_m cos(q_m·(x, y) + φ_m),
 //!
 //! whose wave numbers lie between 2π over the longest and 2π over the shortest wavelength, equally
-//! spaced in ln q. The amplitudes w_m ~ q^(−H) with the Hurst exponent H are normalised to
-//! Σ w² = M, so that h is the root mean square height. The surface does not depend on the grid: a
+//! spaced in ln q. The amplitudes w_m ~ q^(−H) with the Hurst exponent H are normalised to Σ
+//! w² = M, so that h is the root mean square height. The surface does not depend on the grid: a
 //! finer grid samples the same surface.
 //!
-//! In a contact with the periods L along x and y, the wave numbers are rounded to multiples of
-//! 2π/L. A wave that would become constant by the rounding is refused. A map or a wave must fit
-//! into the period a whole number of times.
+//! Wave numbers are rounded to multiples of 2π/L in a contact with the periods L along x and y. A
+//! wave that would become constant by the rounding is refused. A map or a wave must fit into the
+//! period a whole number of times.
 //!
 //! Source: Persson et al., J. Phys.: Condens. Matter 17 (2005) R1–R62, for self-affine surfaces;
 //! Longuet-Higgins, Phil. Trans. R. Soc. A 250 (1957) 157–174, for the sum of waves.
@@ -86,13 +86,13 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             WAVELENGTHS[0],
             "m",
-            "length of the wave along x; absent: the same all along x",
+            "length of the wave along x; absent: constant along x",
         )
         .above(0.0),
         KeySpec::quantity(
             WAVELENGTHS[1],
             "m",
-            "length of the wave along y; absent: the same all along y",
+            "length of the wave along y; absent: constant along y",
         )
         .above(0.0),
     ]
@@ -139,7 +139,7 @@ fn read(configuration: &Configuration) -> Result<Roughness, Refusal> {
     if case.has(FILE) {
         let path = case.text(FILE)?;
         let wrong = |reason: String| {
-            Refusal::new(FILE, format!("`{path}` {reason}"), "give rows of numbers of equal length")
+            Refusal::new(FILE, format!("`{path}` {reason}"), "give rows with equally many numbers")
         };
         let table = Table::read(Path::new(path), MOST_BYTES, Reading::NUMBERS);
         let table = table.map_err(|error| wrong(error.to_string()))?;
@@ -188,9 +188,9 @@ impl GapTerm for Roughness {
             true => Ok(()),
             false => {
                 let reason = format!(
-                    "{what} of {length} m does not repeat in a contact that does every {period} m"
+                    "{what} of {length} m does not fit a contact with the period {period} m"
                 );
-                Err(Refusal::new(key, reason, "let the period be a whole multiple of it"))
+                Err(Refusal::new(key, reason, "make the period a whole multiple of it"))
             }
         };
         match self {
@@ -216,7 +216,7 @@ impl GapTerm for Roughness {
                     // A wave that is longer than the period would become a constant height.
                     if wave.wave_number == [0.0; 2] {
                         let reason = format!(
-                            "waves as long as this do not repeat in a contact that does every {} and {} m",
+                            "waves of this length do not fit a contact with the periods {} and {} m",
                             periods[0], periods[1]
                         );
                         return Err(Refusal::new(
@@ -316,7 +316,9 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let rms = situation.case.maybe_number(RMS).ok().flatten().unwrap_or(TYPICAL);
     let advice = Advice::new(
         EFFECT.name,
-        format!("three times the root mean square pressure of {rms:.1e} m of roughness that is pressed flat"),
+        format!(
+            "three times the root mean square pressure that flattens a roughness of {rms:.1e} m"
+        ),
     )
     .with(format!("{RMS}={rms:e}"));
     let (Some([pressure, approach]), Some(hurst), Some(longest), Some(shortest)) =

@@ -23,7 +23,7 @@ use proto::description::KeySpec;
 /// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
     name: "shear_limit",
-    law: "|p_t| <= min(f p, tau_y), with the yield stress tau_y of what is between the surfaces",
+    law: "|p_t| <= min(f p, tau_y), with the yield stress tau_y of the layer between the surfaces",
     source: "Vollebregt, Wear 314 (2014) 87-95",
     kinds: &[Kind::TractionBound],
     consumes: &[],

@@ -71,27 +71,27 @@ fn keys() -> Vec<KeySpec> {
             .default_value(0.4)
             .above(0.0)
             .at_most(1.0),
-        KeySpec::quantity(DECREASE, "s/m", "how fast friction falls with the slip velocity, B")
+        KeySpec::quantity(DECREASE, "s/m", "rate at which friction falls with the slip velocity, B")
             .required()
             .at_least(0.0),
-        KeySpec::choice(LAW, &["exponential", "linear", "rational"], "how friction falls")
+        KeySpec::choice(LAW, &["exponential", "linear", "rational"], "law of the fall")
             .default_value("exponential"),
         KeySpec::choice(
             SLIP,
             &["rigid", "local"],
-            "the slip velocity of rigid bodies, or that of every element with its elastic part",
+            "slip velocity of rigid bodies, or of every element including its elastic part",
         )
         .default_value("rigid"),
         KeySpec::choice(
             START,
             &["before", "below", "above"],
-            "of local slip: looked for from that of the step or row before, from rest, or from the rolling speed; it decides between several solutions",
+            "start of the search for local slip: the slip of the previous step or row, rest, or the rolling speed; selects among several solutions",
         )
         .default_value("before"),
         KeySpec::quantity(
             MEMORY,
             "m",
-            "sliding over which friction comes to 1/e of its change; 0: at once",
+            "sliding distance over which the deviation of friction decays to 1/e; 0: no memory",
         )
         .expected(0.0..=1e-2, "a contact is a centimetre long; check the unit")
         .default_value(0.0)
@@ -111,7 +111,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let need = Need {
         kind: Kind::LocalSlip,
         key: SLIP,
-        lacks: "slip of elements that is solved for with friction that follows it",
+        lacks: "iteration of friction with the slip of every element",
         instead: "rigid",
     };
     let needs = law.local.map(|_| need).into_iter().collect();

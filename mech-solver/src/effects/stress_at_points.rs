@@ -247,17 +247,17 @@ fn figures() -> Vec<FigureSpec> {
         FigureSpec::new(&format!("stress_at_points.each_block.#.{name}"), unit, words)
     };
     vec![
-        figure("max_von_mises_pa", "Pa", "largest von Mises stress at its points")
+        figure("max_von_mises_pa", "Pa", "largest von Mises stress of the block")
             .on("block", "von Mises")
             .digits(4)
             .headline(),
-        figure("x_m", "m", "where it is, along x").on("block", "at x"),
-        figure("y_m", "m", "where it is, along y").on("block", "y"),
-        figure("z_m", "m", "where it is, along z").on("block", "z"),
+        figure("x_m", "m", "x of the largest von Mises stress").on("block", "at x"),
+        figure("y_m", "m", "y of the largest von Mises stress").on("block", "y"),
+        figure("z_m", "m", "z of the largest von Mises stress").on("block", "z"),
     ]
 }
 
 fn advise(_: &Situation<'_>) -> Advice {
-    Advice::new(EFFECT.name, "computed of the contact, and changes nothing in it")
+    Advice::new(EFFECT.name, "computed from the contact, without influence on it")
         .moves(PRESSURE, 0.0)
 }

@@ -309,25 +309,21 @@ fn figures() -> Vec<FigureSpec> {
             .on("stress in *", "von Mises")
             .digits(4)
             .headline(),
-        figure("volume.x_m", "m", "where it is, along x")
-            .on("stress in *", "at x")
-            .style(Style::Place),
-        figure("volume.y_m", "m", "where it is, along y")
-            .on("stress in *", "y")
-            .style(Style::Place),
-        figure("volume.depth_m", "m", "how deep it is").on("stress in *", "depth"),
-        figure("each_patch.#.patch", "1", "place of the patch among all, from 1"),
+        figure("volume.x_m", "m", "x of that stress").on("stress in *", "at x").style(Style::Place),
+        figure("volume.y_m", "m", "y of that stress").on("stress in *", "y").style(Style::Place),
+        figure("volume.depth_m", "m", "depth of that stress").on("stress in *", "depth"),
+        figure("each_patch.#.patch", "1", "number of the patch among all, from 1"),
         figure("each_patch.#.max_von_mises_pa", "Pa", "largest von Mises stress below the patch"),
-        figure("each_patch.#.x_m", "m", "where it is, along x"),
-        figure("each_patch.#.y_m", "m", "where it is, along y"),
-        figure("each_patch.#.depth_m", "m", "how deep it is"),
+        figure("each_patch.#.x_m", "m", "x of that stress"),
+        figure("each_patch.#.y_m", "m", "y of that stress"),
+        figure("each_patch.#.depth_m", "m", "depth of that stress"),
         figure("max_von_mises_pa", "Pa", "largest von Mises stress in the section"),
         figure("max_shear_pa", "Pa", "largest shear stress in the section"),
     ]
 }
 
 fn advise(_: &Situation<'_>) -> Advice {
-    Advice::new(EFFECT.name, "computed of the contact, and changes nothing in it")
+    Advice::new(EFFECT.name, "computed from the contact, without influence on it")
         .moves(PRESSURE, 0.0)
         .with(format!("effects.{}={{}}", EFFECT.name))
 }

@@ -63,19 +63,19 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             INERTIA,
             "kg m^2",
-            "rotary inertia of the upper body, which the torque of steady rolling drives; absent: it keeps its surface speed",
+            "rotary inertia of the upper body, which the torque of steady rolling drives; absent: constant surface speed",
         )
         .above(0.0),
         KeySpec::choice(
             FORM,
             &forms,
-            "what the contact runs over: a hollow of the lower body (dip), ramps that meet in a kink (joint), waves \
+            "irregularity: a hollow of the lower body (dip), ramps that meet in a kink (joint), waves \
              (corrugation), a hollow of the upper body (flat)",
         )
         .default_value(NONE),
-        KeySpec::quantity(DEPTH, "m", "depth of the irregularity, of waves from crest to trough").above(0.0),
-        KeySpec::quantity(LENGTH, "m", "length of the irregularity, of waves from crest to crest").above(0.0),
-        KeySpec::quantity(AT, "m", "way that is rolled to its middle, of waves to the first crest")
+        KeySpec::quantity(DEPTH, "m", "depth of the irregularity (waves: from crest to trough)").above(0.0),
+        KeySpec::quantity(LENGTH, "m", "length of the irregularity (waves: from crest to crest)").above(0.0),
+        KeySpec::quantity(AT, "m", "rolling distance to its middle (waves: to the first crest)")
             .above(0.0),
     ]
 }
@@ -98,8 +98,8 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     let form = Form::NAMES.into_iter().find(|(form, _)| *form == name).map(|(_, form)| form);
     let size = |key: &str| {
         own.maybe_number(key)?.ok_or_else(|| {
-            let reason = format!("the irregularity `{name}` has none");
-            Refusal::new(key, reason, format!("add `{key}`, or leave out the irregularity"))
+            let reason = format!("the irregularity `{name}` needs a value");
+            Refusal::new(key, reason, format!("add `{key}`, or remove the irregularity"))
         })
     };
     let irregularity = form
@@ -111,7 +111,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     if irregularity.is_none() && [DEPTH, LENGTH, AT].iter().any(|key| own.has(key)) {
         return Err(Refusal::new(
             FORM,
-            "a size of an irregularity is given, but none of its form",
+            "an irregularity has a size, but no form",
             format!("write one of {}", Form::NAMES.map(|(name, _)| name).join(", ")),
         ));
     }
@@ -126,6 +126,6 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
 }
 
 fn advise(_: &Situation<'_>) -> Advice {
-    let why = "for a joint, a flat or corrugation, which the case has to give; of smooth bodies nothing moves";
+    let why = "needs a joint, a flat or corrugation in the case; smooth bodies do not move";
     Advice::new(EFFECT.name, why)
 }

@@ -78,13 +78,13 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::number(LIMIT, "friction coefficient at high temperature")
             .at_least(0.0)
             .one_of(LAW),
-        KeySpec::quantity(DECAY, "K", "temperature rise at which 1/e of the fall is left")
+        KeySpec::quantity(DECAY, "K", "temperature rise at which 1/e of the fall remains")
             .of_differences()
             .default_value(200.0)
             .above(0.0),
-        KeySpec::table(TABLE, &columns(), "friction over a temperature that rises from row to row")
+        KeySpec::table(TABLE, &columns(), "friction over the temperature rise, in ascending order")
             .one_of(LAW),
-        KeySpec::choice(BEYOND, &["refuse", "hold"], "what happens beyond the table")
+        KeySpec::choice(BEYOND, &["refuse", "hold"], "behaviour beyond the table")
             .default_value("refuse"),
     ]
 }

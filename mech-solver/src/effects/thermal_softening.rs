@@ -65,7 +65,7 @@ fn columns() -> [Column; 3] {
 fn keys() -> Vec<KeySpec> {
     vec![
         KeySpec::table(&path("*"), &columns(), "shares that fall as the temperature rises"),
-        KeySpec::choice(BEYOND, &["refuse", "hold"], "what happens beyond a table")
+        KeySpec::choice(BEYOND, &["refuse", "hold"], "behaviour beyond a table")
             .default_value("refuse"),
         initial_temperature_key(),
     ]
@@ -94,7 +94,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
         let file = own.text(&key)?;
         let refused = |reason: String| {
             let fix =
-                format!("give a table of {}, shares above 0 and 1 at most", headings(&columns()));
+                format!("give a table of {}, shares above 0 and at most 1", headings(&columns()));
             Refusal::new(&key, format!("`{file}` {reason}"), fix)
         };
         let initial = own.number(&names.key(which, "initial_temperature"))?;
@@ -102,20 +102,20 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
             PiecewiseLinear::read(Path::new(file), &columns(), clamps, |shares| {
                 match shares.iter().all(|share| *share > 0.0 && *share <= 1.0) {
                     true => Ok(()),
-                    false => Err("has a share that is not above 0 and 1 at most".to_owned()),
+                    false => Err("has a share that is not above 0 and at most 1".to_owned()),
                 }
             });
         let curve = curve.map_err(refused)?;
         if !curve.falls() {
             return Err(refused("has a share that rises with the temperature".to_owned()));
         }
-        let reason = format!("does not have {initial} K, at which the body begins");
+        let reason = format!("does not contain {initial} K, the initial temperature of the body");
         *softening = Some(Softening::new(curve, initial).ok_or_else(|| refused(reason))?);
     }
     if softening.iter().all(Option::is_none) {
         return Err(Refusal::new(
             "effects.thermal_softening",
-            "no body is of a material that softens",
+            "no body has a material that softens",
             format!("write {}, or remove the effect", path("NAME")),
         ));
     }

@@ -48,10 +48,11 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     Ok(Terms { layers: vec![case.number(FLEXIBILITY)?], ..Terms::default() })
 }
 
-/// Flexibility with which half-spaces have the paper's creepages, where the case has none [m/Pa].
+/// Flexibility that gives half-spaces the creepages of the paper, used if the case has none [m/Pa].
 const TYPICAL: f64 = 2e-14;
 
-/// In series with the springs of the simplified theory, L_x = 8 a/(3 G C11).
+/// Estimates the influence of the layer, in series with the springs of the simplified theory,
+/// L_x = 8 a/(3 G C11).
 fn advise(situation: &Situation<'_>) -> Advice {
     let given = situation.case.maybe_number(FLEXIBILITY).ok().flatten();
     let flexibility = given.unwrap_or(TYPICAL);
@@ -67,7 +68,7 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let own = 8.0 * a / (3.0 * modulus * kalker::creep_coefficients(a / b, ratio).c11);
     let share = flexibility / own;
     let advice = advice.number("L/L_bodies", share);
-    // A creepage that is prescribed lets the part that sticks carry less.
+    // A prescribed creepage reduces the force of the part that sticks.
     match situation.scene.drive {
         Drive::Creepage { .. } => {
             let sticks = 1.0 - situation.known(SLIP_AREA_RATIO).unwrap_or(1.0);

@@ -54,8 +54,8 @@ fn path(material: &str, name: &str) -> String {
 }
 
 fn keys() -> Vec<KeySpec> {
-    let ratio = "compliance that is gained with time, over that at once (Young's modulus)";
-    let time = "time constant in which the compliance is gained";
+    let ratio = "delayed compliance over the instantaneous one (Young's modulus)";
+    let time = "time constant of the delayed compliance";
     vec![
         KeySpec::number(&path("*", RATIO), ratio).above(0.0),
         KeySpec::quantity(&path("*", TIME), "s", time).above(0.0),
@@ -63,7 +63,8 @@ fn keys() -> Vec<KeySpec> {
 }
 
 fn advise(_: &Situation<'_>) -> Advice {
-    let why = "for rubber and polymers, whose delayed compliance and retardation time the case has to give; metals have none";
+    let why =
+        "for rubber and polymers; needs their delayed compliance and retardation time in the case";
     Advice::new(EFFECT.name, why)
 }
 
@@ -94,7 +95,7 @@ fn terms(configuration: &Configuration) -> Result<Terms, Refusal> {
     if retardation.iter().all(Option::is_none) {
         return Err(Refusal::new(
             "effects.viscoelasticity",
-            "no body is of a material whose compliance grows",
+            "no body has a material whose compliance grows",
             format!(
                 "write {} and {}, or remove the effect",
                 path("NAME", RATIO),

@@ -79,5 +79,5 @@ impl TractionBound for Film {
 }
 
 fn advise(_: &Situation<'_>) -> Advice {
-    Advice::new(EFFECT.name, "for a film whose viscosity and thickness the case has to give")
+    Advice::new(EFFECT.name, "needs the viscosity and thickness of a film in the case")
 }

@@ -59,23 +59,22 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::choice(
             LAW,
             &["energy", "archard"],
-            "energy: a volume for every joule of friction work; archard: K/H times load and distance",
+            "energy: a volume per joule of friction work; archard: K/H times load and distance",
         )
         .default_value("energy"),
-        KeySpec::number(PASSES, "passages that a window stands for, of every point of both bodies")
+        KeySpec::number(PASSES, "passages of every point of both bodies that a window represents")
             .default_value(1.0)
             .above(0.0)
             .varies(),
         KeySpec::quantity(
             &path("*", ENERGY),
             "m3/J",
-            "volume that a joule of friction work wears off; with the law energy",
+            "wear volume per joule of friction work; for the law energy",
         )
         .at_least(0.0),
-        KeySpec::number(&path("*", ARCHARD), "Archard's coefficient K; with the law archard")
+        KeySpec::number(&path("*", ARCHARD), "Archard's coefficient K; for the law archard")
             .at_least(0.0),
-        KeySpec::quantity(&path("*", HARDNESS), "Pa", "hardness H; with the law archard")
-            .above(0.0),
+        KeySpec::quantity(&path("*", HARDNESS), "Pa", "hardness H; for the law archard").above(0.0),
     ]
 }
 
@@ -119,7 +118,7 @@ fn refuse(configuration: &Configuration, scene: &Scene, factors: [f64; 2]) -> Re
     if configuration.mode == Mode::Transient {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
-            "a window of time is no number of passages",
+            "a time window is not a number of passages",
             "write time.mode = \"steady\" or \"sequence\"",
         ));
     }
@@ -128,7 +127,7 @@ fn refuse(configuration: &Configuration, scene: &Scene, factors: [f64; 2]) -> Re
         None => Ok(()),
         Some(body) => Err(Refusal::new(
             &scene.names.key(body, "surface_speed"),
-            "a surface that stays in the contact wears without end in one place, and not by passages",
+            "a surface that stays in the contact wears without end in one place, not by passages",
             "write a speed above 0 m/s, or a material that does not wear",
         )),
     }

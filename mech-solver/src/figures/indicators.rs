@@ -132,17 +132,17 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
             .expected_below(
                 1.0,
                 "beyond elastic shakedown the material flows in every passage, until it hardens \
-                 (a line contact, all of which slides; Johnson 1985, 9.2)",
+                 (line contact in full sliding; Johnson 1985, 9.2)",
             )
             .on("material", "of the shakedown limit")
             .digits(3),
         figure(SIZE, "semi-axis over the body's radius").expected_below(
             HALF_SPACE,
-            "the bodies are no half-spaces to so large a contact (Johnson 1985, 4.1)",
+            "for a contact this large the bodies are not half-spaces (Johnson 1985, 4.1)",
         ),
         figure(ACROSS, "elements across the narrowest patch").expected_above(
             ELEMENTS,
-            "friction power of so few elements is off by a tenth; raise mech.resolution",
+            "with so few elements the friction power is off by a tenth; raise mech.resolution",
         ),
     ]
 }
@@ -170,7 +170,7 @@ pub(crate) fn shakedown_diagram() -> Diagram {
         "Shakedown",
         [TRACTION_RATIO, &pressure],
         "Between the lines the material flows until residual stresses hold it; above the upper one in every \
-         passage, until it hardens. Of a line contact, all of which slides, ideally plastic (Johnson 1985, 9.2).",
+         passage, until it hardens. Limits of a line contact in full sliding, ideally plastic (Johnson 1985, 9.2).",
     );
     let lines = vec![
         line("elastic from the first passage on", shakedown::elastic_limit),

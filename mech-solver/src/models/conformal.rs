@@ -52,9 +52,10 @@ pub(super) const MODEL: ModelEntry =
 fn spec() -> ModelSpec {
     ModelSpec {
         name: MODEL.name.to_owned(),
-        summary: "bodies that touch on a curved surface, an arc in an arc: influence numbers of \
+        summary:
+            "bodies that touch on a curved surface, one arc inside the other: influence numbers of \
                   their shapes"
-            .to_owned(),
+                .to_owned(),
         source: "Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990) ch. 4; \
                  Vollebregt and Segal, Vehicle System Dynamics 52 (2014) suppl. 455"
             .to_owned(),

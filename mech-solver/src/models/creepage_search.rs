@@ -52,7 +52,7 @@ impl CreepageSearch {
         self.tried += 1;
         if self.tried == MOST || !change.is_finite() {
             return Err(StepError::NoSolution(format!(
-                "friction that falls with slip leaves no creepage for the force: {} were tried, the last along x {:.4e}, which led to \
+                "friction falls with slip, and no creepage was found for the force: {} were tried, the last along x {:.4e}, which led to \
                  {:.4e}; prescribe less force, or motion.creepage",
                 self.tried, self.at[0], found[0]
             )));

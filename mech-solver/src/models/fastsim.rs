@@ -121,7 +121,7 @@ fn spec() -> ModelSpec {
 }
 
 fn springs_for_half_space(effect: &str) -> Simplification {
-    let what = "a foundation of springs stands for the elastic half-space";
+    let what = "a foundation of springs replaces the elastic half-space";
     Simplification::with(effect, what, 0.4, STUDY)
 }
 
@@ -213,15 +213,15 @@ fn remarks(
     let [upper, lower] = scene.materials();
     if upper != lower {
         remarks.push(
-            "the bodies are of different materials: the simplified theory leaves out that \
-             their pressure then makes slip"
+            "the bodies have different materials: the simplified theory neglects the \
+             slip caused by their pressure"
                 .to_owned(),
         );
     }
     if !problem.partial && matches!(problem.prescribed, Prescribed::ForceRatio(_)) {
         remarks.push(format!(
-            "{}the whole contact slides: it carries {:.6e} N, f N, and not the prescribed force, \
-             for which the simplified theory sets the creepage",
+            "{}the whole contact slides: it carries f N = {:.6e} N instead of the prescribed force, \
+             from which the simplified theory takes the creepage",
             effects::without(Kind::Adhesion),
             problem.friction_coefficient * ellipse.normal_force
         ));

@@ -66,14 +66,14 @@ const ROLLING: &str = "mech.rolling";
 const START: &str = "mech.start";
 
 fn start_key() -> KeySpec {
-    let help = "where the solution of a row starts: from that of the row before, or from nothing";
+    let help = "start of the solution of a row: the solution of the previous row, or none";
     KeySpec::choice(START, &["warm", "cold"], help).default_value("warm")
 }
 
 const BEGIN: &str = "mech.begin";
 
 fn begin_key() -> KeySpec {
-    let help = "what rolling with memory begins from: bodies that are pressed together without tractions, or their steady rolling";
+    let help = "start of rolling with memory: bodies pressed together without tractions, or their steady rolling";
     KeySpec::choice(BEGIN, &["pressed", "steady"], help).default_value("pressed")
 }
 
@@ -86,7 +86,7 @@ fn begins_steady(
     let case = CheckedParams::new(&configuration.case, vec![begin_key()]);
     let steady = case.text(BEGIN)? == "steady";
     if steady && !(memory && scene.speeds.rolling > 0.0) {
-        let reason = "only a contact that rolls with memory begins from a steady state";
+        let reason = "only a contact that rolls with memory can start from a steady state";
         let fix =
             "write mech.rolling = \"transient\" and a motion.speed above 0, or remove the key";
         return Err(Refusal::new(BEGIN, reason, fix));
@@ -100,7 +100,7 @@ fn refuse_local(case: &Case) -> Result<(), Refusal> {
         return Ok(());
     }
     if !case.terms.adhesion {
-        let reason = "friction follows the slip of every element, which is solved for";
+        let reason = "friction depends on the slip of every element, which must be solved for";
         return Err(effects::lacking(Kind::Adhesion, reason));
     }
     Ok(())
@@ -110,7 +110,7 @@ fn rolling_key() -> KeySpec {
     KeySpec::choice(
         ROLLING,
         &["steady", "transient"],
-        "steady: every instant in its steady state; transient: from the tractions before",
+        "steady: every instant in its steady state; transient: starting from the previous tractions",
     )
     .default_value("steady")
 }
@@ -233,7 +233,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, R
     if case.bodies.are_coupled() && case.footprint.gap.is_none() {
         return Err(Refusal::new(
             "contact",
-            "bodies of different elastic constants change the pressure, which is given",
+            "bodies of different elastic constants change the pressure, but the case gives it",
             "remove [contact], or give both bodies the same material",
         ));
     }
@@ -251,7 +251,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, R
     if case.memory && case.driven.has_force() && case.terms.friction.follows_slip() {
         return Err(Refusal::new(
             ROLLING,
-            "with memory the creepage of a force is another in every step, and friction that depends on it does not follow",
+            "with memory the creepage of a force changes in every step, and friction that depends on it cannot follow",
             "prescribe motion.creepage, or write mech.rolling = \"steady\"",
         ));
     }
@@ -262,14 +262,14 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, R
     {
         return Err(Refusal::new(
             &format!("effects.{effect}"),
-            "friction follows the slip velocity of rigid bodies, and a shift without rolling has none",
+            "friction depends on the slip velocity of rigid bodies, and a shift without rolling has none",
             "write a motion.speed above 0, or remove the effect",
         ));
     }
     if let (true, Some(key)) = (case.memory, case.terms.friction.memory_of_rows()) {
         return Err(Refusal::new(
             key,
-            "friction remembers along the rows of a steady contact, and not from step to step",
+            "friction has a memory along the rows of a steady contact, not from step to step",
             "write 0, mech.rolling = \"steady\" and a motion.speed above 0, or slip = \"rigid\"",
         ));
     }
@@ -300,8 +300,8 @@ fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
     }
     Err(Refusal::new(
         &format!("effects.{effect}"),
-        "bodies of different elastic constants slip under their pressure, and the power of what \
-         yields is not in the balance",
+        "bodies of different elastic constants slip under their pressure, and the power of the yielding \
+         material is missing in the balance",
         "give both bodies the same material, or remove the effect",
     ))
 }
@@ -309,7 +309,7 @@ fn refuse_bound(case: &Case, effect: &str) -> Result<(), Refusal> {
 /// Refuses a yielding layer where nothing sticks, and a layer that softens faster than it unloads.
 fn refuse_layer(terms: &Terms, effect: &str) -> Result<(), Refusal> {
     if !terms.adhesion {
-        let reason = "what a layer takes by plastic flow is a part of a slip that is solved for";
+        let reason = "the plastic flow of a layer is a part of the slip, which must be solved for";
         return Err(effects::lacking(Kind::Adhesion, reason));
     }
     let softening = -terms.yields.map_or(0.0, |law| law.hardening);
@@ -318,10 +318,10 @@ fn refuse_layer(terms: &Terms, effect: &str) -> Result<(), Refusal> {
         false => Err(Refusal::new(
             &format!("effects.{effect}.hardening"),
             format!(
-                "the layer softens by {softening:.3e} Pa/m, and unloads by {:.3e} Pa/m of its own flexibility: it jumps",
+                "the layer softens by {softening:.3e} Pa/m, but its flexibility unloads it by {:.3e} Pa/m only: its traction would jump",
                 terms.layer().recip()
             ),
-            "let it soften less, or make the layer stiffer",
+            "reduce the softening, or make the layer stiffer",
         )),
     }
 }
@@ -331,7 +331,7 @@ fn refuse_varying(case: &Case, configuration: &Configuration) -> Result<(), Refu
     if case.memory && configuration.histories.as_ref().is_some_and(|histories| histories.rows) {
         return Err(Refusal::new(
             "time.mode",
-            "rows of a sequence are contacts of their own, without a time in which tractions could build up",
+            "rows of a sequence are independent contacts, without time for tractions to build up",
             "write time.mode = \"transient\" with a time.window and a time.end",
         ));
     }
@@ -339,21 +339,21 @@ fn refuse_varying(case: &Case, configuration: &Configuration) -> Result<(), Refu
     if profile {
         return Err(Refusal::new(
             "mech.model",
-            "measured profiles do not follow a load that varies: their contact has another grid in every window",
-            "give radii, or numbers in the place of columns and no axle",
+            "measured profiles do not support a varying load: their contact would need another grid in every window",
+            "give radii, or write numbers in place of columns and no axle",
         ));
     }
     if case.memory && case.terms.axle.is_some() {
         return Err(Refusal::new(
             ROLLING,
-            "rolling with memory does not follow the load under an axle",
-            "write mech.rolling = \"steady\", or a column of the load in the place of the axle",
+            "rolling with memory does not support the load under an axle",
+            "write mech.rolling = \"steady\", or a column of the load in place of the axle",
         ));
     }
     match case.terms.effect_of(Kind::Removal) {
         Some(effect) if case.memory => Err(Refusal::new(
             &format!("effects.{effect}"),
-            "what passages take off is not followed by tractions that have a memory",
+            "tractions with memory do not support removal of material by passages",
             "write mech.rolling = \"steady\" and a motion.speed above 0, or remove the effect",
         )),
         _ => Ok(()),
@@ -368,7 +368,7 @@ fn memory(configuration: &Configuration, scene: &Scene, partial: bool) -> Result
     if transient && configuration.mode == Mode::Steady {
         return Err(Refusal::new(
             ROLLING,
-            "a steady case has no time in which tractions could build up",
+            "a steady case has no time for tractions to build up",
             "write time.mode = \"transient\", or remove the key",
         ));
     }
@@ -385,7 +385,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let (grids, fields) = fields_over(configuration, grid, upstream, &case.terms.observations);
     let elements = grid.points() as f64;
     let how = match case.memory {
-        true => "one step an element rolled, or one for a shift",
+        true => "one step per element rolled, or one for a shift",
         false if case.terms.follow_inputs() => "solved in every iteration",
         false => "solved once, in the first window",
     };
@@ -399,14 +399,14 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let [a, _] = case.footprint.semi_axes;
     let too_large = (a > LARGEST_SHARE * case.scene.smallest_radius_x()).then(|| {
         format!(
-            "a = {a:.3e} m is not small against a body's radius: the half-space assumption \
+            "a = {a:.3e} m is not small compared with a body's radius: the half-space assumption \
                  does not hold"
         )
     });
     let layer = case.terms.effect_of(Kind::Layer).filter(|_| !case.terms.adhesion);
     let idle = layer.map(|layer| {
-        format!("{layer} changes nothing {}", effects::without(Kind::Adhesion))
-            + "all of the contact slides"
+        format!("{layer} has no influence {}", effects::without(Kind::Adhesion))
+            + "the whole contact slides"
     });
     let seconds = SECONDS * elements.powf(GROWTH);
     let once = !case.memory && !case.terms.follow_inputs();

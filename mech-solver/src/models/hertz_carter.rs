@@ -95,7 +95,7 @@ fn spec() -> ModelSpec {
 }
 
 fn strips_for_half_space(effect: &str) -> Simplification {
-    let what = "Carter's line contact in strips stands for the elastic half-space";
+    let what = "Carter's line contact in strips replaces the elastic half-space";
     Simplification::with(effect, what, 0.55, STUDY)
 }
 
@@ -141,8 +141,8 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
     layout.remarks.extend(remarks(&scene, &contact, given, partial));
     if let Some(effect) = terms.effect_of(Kind::TractionBound) {
         layout.remarks.push(format!(
-            "effects.{effect} enters as the one friction coefficient with which all of a sliding contact carries the same force: tractions \
-             in the middle of the contact pass its bound (half-space and fastsim have it element by element)"
+            "effects.{effect} enters as one friction coefficient with which the whole sliding contact carries the same force: tractions \
+             in the middle of the contact exceed its bound (half-space and fastsim apply it element by element)"
         ));
     }
     layout.closed_forms = contact.ellipse.closed_forms();
@@ -171,7 +171,7 @@ fn remarks(
     remarks.extend(given.and_then(|_| contact.ellipse.remark(scene)));
     if !partial && !matches!(scene.drive, Drive::Creepage { .. }) {
         remarks.push(format!(
-            "{}the whole contact slides: it carries {:.6e} N, f N, and not the prescribed force, \
+            "{}the whole contact slides: it carries f N = {:.6e} N instead of the prescribed force, \
              from which the creep law takes the creepage",
             effects::without(Kind::Adhesion),
             contact.creep_force()

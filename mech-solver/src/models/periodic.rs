@@ -56,7 +56,7 @@ pub(super) const MODEL: ModelEntry = ModelEntry {
 fn spec() -> ModelSpec {
     ModelSpec {
         name: MODEL.name.to_owned(),
-        summary: "elastic half-spaces whose contact repeats along x and y; all of it slides"
+        summary: "elastic half-spaces whose contact repeats along x and y, in full sliding"
             .to_owned(),
         source: "Johnson, Contact Mechanics (1985) ch. 13; Stanley & Kato, J. Tribol. 119 (1997)"
             .to_owned(),
@@ -97,7 +97,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         solve_seconds: SECONDS * grid.points() as f64,
         memory_bytes: (BYTES * grid.points() as f64) as u64,
         remarks: vec![format!(
-            "a cell of {:.4} x {:.4} mm that repeats, {} x {} elements, under a mean pressure of {:.4e} Pa",
+            "a periodic cell of {:.4} x {:.4} mm, {} x {} elements, under a mean pressure of {:.4e} Pa",
             1e3 * length,
             1e3 * width,
             grid.ni,

@@ -37,11 +37,11 @@ const AREA: &str = "mech.area";
 const GAP: &str = "mech.gap";
 
 fn keys() -> Vec<KeySpec> {
-    let length = "length of the rod, held at its far end; absent: the body is rigid and stands";
+    let length = "length of the rod, fixed at its far end; absent: the body is rigid and fixed";
     vec![
         KeySpec::quantity(&format!("bodies.*.{LENGTH}"), "m", length).above(0.0),
         KeySpec::quantity(AREA, "m2", "cross-section of the rods").required().above(0.0),
-        KeySpec::quantity(GAP, "m", "distance of the ends at the temperatures at the start")
+        KeySpec::quantity(GAP, "m", "distance of the ends at the initial temperatures")
             .default_value(0.0)
             .at_least(0.0),
     ]
@@ -50,7 +50,7 @@ fn keys() -> Vec<KeySpec> {
 fn spec() -> ModelSpec {
     ModelSpec {
         name: MODEL.name.to_owned(),
-        summary: "two rods end to end, that touch or do not; no friction".to_owned(),
+        summary: "two rods end to end, in contact or apart, without friction".to_owned(),
         source: "Barber, Dundurs & Comninou, J. Appl. Mech. 47 (1980) 871-874".to_owned(),
         steady: true,
         transient: true,
@@ -86,7 +86,7 @@ impl Rods {
             flexibility += length.unwrap_or(0.0) / material.youngs_modulus;
         }
         if flexibility == 0.0 {
-            let reason = "both bodies are rigid and stand";
+            let reason = "both bodies are rigid and fixed";
             let fix = "write the length of at least one rod";
             return Err(Refusal::new(&bodies.key(0, LENGTH), reason, fix));
         }
@@ -113,7 +113,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
     let remark = if terms.expansion.is_none() {
         effects::without(Kind::Expansion) + "nothing moves"
     } else {
-        format!("ends {:.4e} m apart at the temperatures at the start", rods.gap)
+        format!("ends {:.4e} m apart at the initial temperatures", rods.gap)
     };
     let layout = Layout { grids, fields, remarks: vec![remark], ..Layout::default() };
     Ok(Setup::new(layout, |_| Ok(Box::new(ContactModel::new(Ends { rods, terms })))))

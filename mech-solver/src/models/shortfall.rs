@@ -42,7 +42,7 @@ impl Shortfall {
     pub(super) fn refused(shortfall: Option<Self>, terms: &Terms) -> Result<(), StepError> {
         let Some(Self { asked, carried }) = shortfall else { return Ok(()) };
         Err(StepError::NoSolution(format!(
-            "{}: of {:.3} kN that are prescribed friction carries {:.3} kN; prescribe less, or \
+            "{}: of the prescribed {:.3} kN friction carries {:.3} kN; prescribe less, or \
              motion.creepage",
             terms.friction.shortfalls().join(", and "),
             1e-3 * asked,

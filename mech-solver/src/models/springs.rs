@@ -17,7 +17,7 @@ pub(super) fn flexibility_key() -> KeySpec {
     KeySpec::choice(
         FLEXIBILITY,
         &["single", "kalker-1982", "three", "blended"],
-        "one flexibility for all creepages (exact friction power), the same by the sum of FASTSIM as published in 1982, one for each \
+        "one flexibility for all creepages (exact friction power), one averaged as in FASTSIM of 1982, one for each \
          (exact slopes), or three at small creepage and one at large",
     )
     .default_value("single")
@@ -41,16 +41,16 @@ pub(super) fn reduction_keys() -> Vec<KeySpec> {
     vec![
         KeySpec::number(
             FACTOR,
-            "slope of the creep curve at small creepage over that of the linear theory, k_0",
+            "initial slope of the creep curve over that of the linear theory, k_0",
         )
         .default_value(1.0)
         .above(0.0)
         .at_most(1.0),
-        KeySpec::number(RATIO, "the factor at large creepage over that at small, alpha")
+        KeySpec::number(RATIO, "factor at large creepage over that at small creepage, alpha")
             .default_value(1.0)
             .above(0.0)
             .at_most(1.0),
-        KeySpec::number(DECREASE, "how fast the factor falls with the area of slip, beta")
+        KeySpec::number(DECREASE, "rate at which the factor falls with the slip area, beta")
             .default_value(0.0)
             .at_least(0.0),
     ]

@@ -209,7 +209,7 @@ impl Varying {
         if let Some((axle_load, still)) = &self.axle_load {
             let largest = axle_load.largest();
             return format!(
-                "the load comes to {largest:.4e} N, {:.2} times that of steady rolling",
+                "the load reaches {largest:.4e} N, {:.2} times that of steady rolling",
                 largest / still
             );
         }
@@ -275,37 +275,37 @@ fn axle_load(
     };
     if configuration.mode == Mode::Steady {
         return refused(
-            "steady rolling does not depend on what carries the load",
+            "steady rolling does not depend on the axle that carries the load",
             "write time.mode = \"transient\" with a window and an end",
         );
     }
     if configuration.histories.is_some() {
         return refused(
-            "the load follows the axle, and no table",
-            "write numbers in the place of columns",
+            "the load follows from the axle, not from a table",
+            "write numbers in place of columns",
         );
     }
     if axle.rotary_inertia.is_some() {
         return refused(
-            "this model holds the speed of the surface, whatever drives it",
-            "leave out the rotary inertia, or choose the model explicit-fe",
+            "this model keeps the speed of the surface constant",
+            "remove the rotary inertia, or choose the model explicit-fe",
         );
     }
     let scene = Scene::read(&configuration.case)?;
     let ellipse = Ellipse::solve(&scene, given)?;
     if !matches!(scene.load, Load::NormalForce(_)) || scene.speeds.rolling <= 0.0 {
         return refused(
-            "an axle has a normal force, and rolls",
+            "an axle needs a prescribed normal force and rolling",
             "write load.normal_force and a motion.speed above 0",
         );
     }
     match AxleLoad::new(axle, &scene, &ellipse) {
         Some(axle_load) if axle_load.steps() > MOST_STEPS => refused(
             "the axle needs more than ten million steps to pass the irregularity",
-            "write a larger mass, less damping or stiffness, a higher speed, or an irregularity that is nearer",
+            "write a larger mass, less damping or stiffness, a higher speed, or a nearer irregularity",
         ),
         Some(axle_load) => Ok((Rc::new(axle_load), ellipse.normal_force)),
-        None => refused("the spring of a given ellipse is not known", "remove [contact]"),
+        None => refused("the stiffness of a given ellipse is not known", "remove [contact]"),
     }
 }
 

@@ -135,7 +135,8 @@ impl FrictionLaw {
         self.factors.is_empty() && self.bounds.is_empty()
     }
 
-    /// Evaluates the law for every element of a contact in the plane, whose bodies slip as rigid ones.
+    /// Evaluates the law for every element of a contact in the plane whose bodies slip as rigid
+    /// ones.
     ///
     /// # Errors
     /// Same errors as [`FrictionFactor::write`].

@@ -200,7 +200,7 @@ impl Removal {
             return Ok(());
         }
         Err(StepError::NoSolution(format!(
-            "{} passages in one window take more off rows of elements than their neighbours make up for: write at most {most} in a row of the \
+            "{} passages in one window remove more from single rows of elements than their neighbours can compensate: write at most {most} in a row of the \
              history, or a smaller mech.lateral_resolution",
             self.passes
         )))

@@ -15,9 +15,9 @@ use proto::description::KeySpec;
 
 /// Material properties that determine the diffusivity.
 const THERMAL: [(&str, &str, &str); 3] = [
-    ("conductivity", "W/(m K)", "heat flux per temperature gradient; of bodies that expand"),
-    ("density", "kg/m3", "mass per volume; of bodies that expand"),
-    ("specific_heat", "J/(kg K)", "heat per mass and temperature; of bodies that expand"),
+    ("conductivity", "W/(m K)", "heat flux per temperature gradient; for bodies that expand"),
+    ("density", "kg/m3", "mass per volume; for bodies that expand"),
+    ("specific_heat", "J/(kg K)", "heat per mass and temperature; for bodies that expand"),
 ];
 
 /// Returns the keys of the thermal stress.
@@ -98,8 +98,8 @@ impl ThermalStress {
                 return Err(Refusal::new(
                     &self.names.key(body, "surface_speed"),
                     format!(
-                        "`{}` is at rest: how deep its heat is follows from all that was before, and the thermal stress \
-                         below the surface is that of steady motion",
+                        "`{}` is at rest: the depth of its heat depends on the whole history, but the thermal stress \
+                         below the surface is computed for steady motion",
                         self.names.0[body]
                     ),
                     format!("write a speed above 0 m/s, or remove effects.{effect}"),

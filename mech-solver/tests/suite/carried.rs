@@ -1,4 +1,4 @@
-//! Models whose contact has no inertia, under an axle that has.
+//! Models whose contact has no inertia, under an axle with inertia.
 
 use super::common::{NoInputs, RADIUS, SPEED, Store, assert_close, configuration, paper, refusal};
 use mech_solver::MechSolver;
@@ -27,7 +27,8 @@ fn in_time(case: &Value) -> Configuration {
     Configuration { mode: Mode::Transient, ..configuration(case) }
 }
 
-/// Normal forces of windows, and the largest force and the time without contact that the last one reports.
+/// Normal forces of windows, and the largest force and the time without contact reported by the
+/// last one.
 fn forces(case: &Value, windows: u64) -> (Vec<f64>, [f64; 2]) {
     let configuration = in_time(case);
     let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
@@ -50,10 +51,11 @@ fn forces(case: &Value, windows: u64) -> (Vec<f64>, [f64; 2]) {
     (found, [number("largest_normal_force_n"), number("apart_s")])
 }
 
-/// The same wheel by other means: the rail's hollow under all of a round wheel at a thousand places, a step of 0.1 µs of the
-/// semi-implicit Euler scheme, Hertz's spring by its exponent.
+/// Independent integration of the same wheel: the minimum over the rail's hollow under the whole
+/// round wheel at a thousand positions, the semi-implicit Euler scheme with a step of 0.1 µs,
+/// Hertz's spring by its exponent.
 fn independently(form: &str, depth: f64, length: f64, windows: u64) -> (Vec<f64>, [f64; 2]) {
-    // δ_H of the paper's contact (Hertz, closed form) [m].
+    // Hertz's approach δ_H of the paper's contact, in closed form [m].
     let still = 126.5461e-6;
     let hollow = |way: f64| {
         let from = way - 0.06;
@@ -73,7 +75,7 @@ fn independently(form: &str, depth: f64, length: f64, windows: u64) -> (Vec<f64>
     let mut means = Vec::new();
     for window in 0..windows {
         let mut mean = 0.0;
-        // The way hardly changes in a step: its hollow is looked up twice a microsecond.
+        // The position hardly changes in a step: its hollow is evaluated twice a microsecond.
         let mut below = 0.0;
         for sub in 0..steps {
             if sub % 5 == 0 {
@@ -92,9 +94,10 @@ fn independently(form: &str, depth: f64, length: f64, windows: u64) -> (Vec<f64>
     (means, [largest, apart])
 }
 
-/// A wheel over a dip and over a joint, contact lost and regained: the forces of the windows against the same integrated by other
-/// means, all three models. Tolerances: 1 % of the largest force, which is the error of the Euler scheme and of places in the kink;
-/// the area of elements in which a contact is resolved.
+/// A wheel over a dip and over a joint, with loss and return of contact: the forces of the windows
+/// against an independent integration, for all three models. Tolerances: 1 % of the largest force,
+/// the error of the Euler scheme and of the sampling at the kink; the element size in which a
+/// contact is resolved.
 #[test]
 fn a_wheel_over_a_joint_moves_as_integrated_independently() {
     for (form, depth, length) in [("dip", 0.1e-3, 0.08), ("joint", 0.5e-3, 0.08)] {
@@ -117,7 +120,7 @@ fn a_wheel_over_a_joint_moves_as_integrated_independently() {
     }
 }
 
-/// A smooth way changes nothing, and a flat comes back after a turn.
+/// A smooth surface changes nothing, and a flat returns after a turn.
 #[test]
 fn nothing_to_run_over_and_a_flat() {
     let mut smooth = case("hertz-carter", "dip", 1e-4, 0.05);
@@ -127,7 +130,7 @@ fn nothing_to_run_over_and_a_flat() {
     assert!(still.iter().all(|force| (force / LOAD - 1.0).abs() < 1e-9), "{still:?}");
     assert_eq!((largest, apart), (LOAD, 0.0));
     let turn = 2.0 * PI * RADIUS / SPEED;
-    // Damped as no railway is, so that the wheel has come to rest before the flat comes back.
+    // Damping much higher than on a railway, so that the wheel is at rest before the flat returns.
     let mut flat = case("hertz-carter", "flat", 0.1e-3, 0.04);
     flat["effects"]["suspension"]["damping"] = json!(4e5);
     let (forces, _) = forces(&flat, ((turn + 3e-3) / WINDOW) as u64);
@@ -149,7 +152,8 @@ fn nothing_to_run_over_and_a_flat() {
     );
 }
 
-/// Where contact is lost nothing carries a prescribed force: the window has none, and the next ones have it again.
+/// A prescribed force is lost with the contact: that window has none, and the following ones have
+/// it again.
 #[test]
 fn a_force_is_lost_with_the_contact() {
     for model in ["hertz-carter", "fastsim", "half-space"] {
@@ -162,14 +166,15 @@ fn a_force_is_lost_with_the_contact() {
     }
 }
 
-/// A damper far stiffer than its mass is integrated with steps of its own time, and holds the wheel.
+/// A damper far stiffer than its mass is integrated with steps of its own time constant, and keeps
+/// the wheel in place.
 #[test]
 fn a_stiff_damper_is_followed() {
     let mut dip = case("hertz-carter", "dip", 0.1e-3, 0.08);
     dip["effects"]["suspension"]["damping"] = json!(2e8);
     let (found, _) = forces(&dip, 60);
     let least = found.iter().copied().fold(f64::INFINITY, f64::min);
-    // The wheel stays where it is, and the rail's hollow takes most of the approach.
+    // The wheel stays in place, and the rail's hollow takes most of the approach.
     assert!(least < 0.2 * LOAD && found.iter().all(|force| *force < 1.2 * LOAD), "{least}");
 }
 

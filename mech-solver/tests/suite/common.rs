@@ -1,4 +1,4 @@
-//! A case, and a run of it through the traits that a participant uses.
+//! Cases, and their run through the traits of a participant.
 
 use mech_solver::MechSolver;
 use proto::configuration::{Configuration, Layout, Mode, Refusal};
@@ -30,7 +30,7 @@ pub(crate) fn paper() -> Value {
     })
 }
 
-/// The same with the ellipse of Table 2.
+/// Case [`paper`] with the ellipse of Table 2.
 pub(crate) fn paper_table_2() -> Value {
     let mut case = paper();
     case["contact"] =
@@ -38,7 +38,7 @@ pub(crate) fn paper_table_2() -> Value {
     case
 }
 
-/// Replaces what drives the wheel.
+/// Replaces the drive of the wheel.
 pub(crate) fn driven(mut case: Value, drive: &str, value: f64) -> Value {
     let motion = case["motion"].as_object_mut().expect("a table");
     motion.retain(|key, _| key == "speed" || key == "creep_law");
@@ -49,7 +49,8 @@ pub(crate) fn driven(mut case: Value, drive: &str, value: f64) -> Value {
     case
 }
 
-/// The case as a model can take it: one of bodies that repeat has no radii and slides, one of rods a length and an area.
+/// Adapts a case to a model: for a periodic contact without radii and in full sliding, for rods
+/// with a length and an area.
 pub(crate) fn fitted(mut case: Value, model: &str) -> Value {
     case["mech"]["model"] = json!(model);
     if model == "periodic" {
@@ -78,7 +79,7 @@ pub(crate) fn fitted(mut case: Value, model: &str) -> Value {
     case
 }
 
-/// The same bodies as wheel and rail of the standards, on elements of a millimetre.
+/// Replaces the bodies by wheel and rail of the standards, on elements of one millimetre.
 fn on_track(mut case: Value) -> Value {
     let profile = |name: &str| format!("{}/../cases/profiles/{name}", env!("CARGO_MANIFEST_DIR"));
     case["bodies"] = json!({
@@ -99,7 +100,7 @@ pub(crate) fn without(mut case: Value, effect: &str) -> Value {
     case
 }
 
-/// Every field that the active effects and the model provide.
+/// All fields that the active effects and the model provide.
 pub(crate) fn fields_of(case: &Value) -> Vec<String> {
     let mut fields = vec!["pressure", "traction", "slip_velocity"];
     if case["effects"].get("friction_heat").is_some() {
@@ -108,8 +109,8 @@ pub(crate) fn fields_of(case: &Value) -> Vec<String> {
     fields.into_iter().map(str::to_owned).collect()
 }
 
-/// A steady configuration of the model that `mech.model` names, `hertz-carter` if it names none,
-/// that asks for every field.
+/// Steady configuration of the model named by `mech.model`, by default `hertz-carter`, which
+/// requests all fields.
 pub(crate) fn configuration(case: &Value) -> Configuration {
     Configuration {
         role: "mech".to_owned(),
@@ -132,7 +133,7 @@ impl Inputs for NoInputs {
     }
 }
 
-/// Outputs by name; a place holds NaN until it is written.
+/// Outputs by name; NaN until they are written.
 #[derive(Default)]
 pub(crate) struct Store(pub(crate) BTreeMap<String, Vec<f64>>);
 
@@ -154,7 +155,7 @@ impl Outputs for Store {
     }
 }
 
-/// A case that was run for one steady window.
+/// A case run for one steady window.
 pub(crate) struct Run {
     pub(crate) layout: Layout,
     pub(crate) model: Box<dyn Model>,

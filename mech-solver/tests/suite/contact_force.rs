@@ -1,4 +1,4 @@
-//! The force of a contact as a field: what vehicles receive.
+//! The contact force as a field, as received by vehicle models.
 
 use crate::common::{
     NoInputs, Store, assert_close, configuration, driven, fields_of, fitted, paper,
@@ -9,7 +9,7 @@ use proto::model::{Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 
-/// The force, the sums of pressure and traction over the elements [N], and the summary.
+/// Force, sums of pressure and traction over the elements [N], and the summary.
 fn forces_and_summary(case: &Value) -> ([f64; 3], [f64; 3], Value) {
     let mut configuration = configuration(case);
     configuration.outputs = [fields_of(case), vec!["contact_force".to_owned()]].concat();
@@ -33,8 +33,8 @@ fn forces(case: &Value) -> ([f64; 3], [f64; 3]) {
     (force, sums)
 }
 
-/// It is the integral of the tractions on the upper body, which a driving wheel pushes forward with, and of the pressure,
-/// which carries it.
+/// The force is the integral of the tractions on the upper body, positive forward for a driving
+/// wheel, and of the pressure.
 #[test]
 fn the_force_is_that_of_pressure_and_traction() {
     for model in ["hertz-carter", "fastsim", "half-space"] {
@@ -43,7 +43,8 @@ fn the_force_is_that_of_pressure_and_traction() {
         let (force, sums) = forces(&case);
         assert!(force[0] > 0.0 && force[2] > 0.0, "{model}: {force:?}");
         for (part, sum) in force.into_iter().zip(sums) {
-            // Rounding of the sums over the elements; the lateral force is none of 134 kN.
+            // Tolerance: rounding of the sums over the elements, relative to 134 kN; the lateral
+            // force is zero.
             assert!((part - sum).abs() < 1e-9 * force[2], "{model}: {force:?}, {sums:?}");
         }
         assert_close(force[2], 134e3, 1e-9);
@@ -61,7 +62,7 @@ fn the_force_is_that_of_pressure_and_traction() {
     }
 }
 
-/// On a track it is that on the wheel in track axes, of both wheels their sum.
+/// On a track the force acts on the wheel in track axes; for two wheels it is their sum.
 #[test]
 fn on_a_track_the_force_is_that_of_the_wheels() {
     for load in [json!({"vertical_force": 100e3}), json!({"axle_load": 150e3})] {

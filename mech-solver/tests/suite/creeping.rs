@@ -1,4 +1,4 @@
-//! Viscoelastic bodies that are pressed and shifted in place.
+//! Viscoelastic bodies pressed and shifted in place.
 
 use super::common::{NoInputs, Store, assert_close, configuration};
 use mech_solver::MechSolver;
@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 
 const RADIUS: f64 = 0.05;
 const LOAD: f64 = 20.0;
-// Young's modulus at once [Pa], Poisson's ratio, delayed compliance over that at once, and retardation time [s].
+// Instantaneous Young's modulus [Pa], Poisson's ratio, ratio of delayed to instantaneous
+// compliance, and retardation time [s].
 const YOUNG: f64 = 20e6;
 const POISSON: f64 = 0.4;
 const DELAYED: f64 = 3.0;
@@ -35,7 +36,7 @@ fn case(other: &str, motion: Value) -> Value {
     })
 }
 
-/// A model and the time that it has come to.
+/// A model and its present time.
 struct Pressed {
     model: Box<dyn Model>,
     layout: Layout,
@@ -53,7 +54,7 @@ impl Pressed {
         Self { model, layout, outputs: configuration.outputs, window: 0, time: 0.0 }
     }
 
-    /// Goes through a window of this duration [s]; the pressures.
+    /// Solves and accepts a window of this duration [s]. Returns the pressures.
     fn window(&mut self, duration: f64) -> Vec<f64> {
         let mut store = Store::for_layout(&self.layout, &self.outputs);
         let end = self.time + duration;
@@ -69,8 +70,9 @@ impl Pressed {
     }
 }
 
-/// Lee and Radok's ball on which a load is put at once: a³ = ¾ R N J(t) and δ = a²/R, J the sum of (1 − ν²)/E of both bodies, and in the middle
-/// p = 2/(πR) ∫ E*(t − s) da(s) with the modulus E* in which they relax.
+/// Lee and Radok's ball under a step load: a³ = ¾ R N J(t) and δ = a²/R, with the sum J of (1 −
+/// ν²)/E of both bodies. The pressure in the middle is p = 2/(πR) ∫ E*(t − s) da(s) with the
+/// relaxation modulus E*.
 struct Ball;
 
 impl Ball {
@@ -100,7 +102,8 @@ impl Ball {
     }
 }
 
-/// Approach and highest pressure while it grows under a constant load. Windows: errors of second order, far below those of a/20, 3e-4.
+/// Approach and highest pressure during growth under a constant load. The error of the windows is
+/// of second order, far below that of a/20, 3e-4.
 #[test]
 fn a_ball_sinks_in_as_lee_and_radok_have_it() {
     let mut ball = Pressed::of(&case("rubber", json!({"speed": 0.0, "shift": {"x": 0.0}})));
@@ -122,7 +125,8 @@ fn a_ball_sinks_in_as_lee_and_radok_have_it() {
     }
 }
 
-/// The error of windows is of second order: twice as many leave a quarter of the change of the highest pressure.
+/// The error of windows is of second order: with twice as many the change of the highest pressure
+/// is a quarter.
 #[test]
 fn windows_are_of_second_order() {
     let after = |windows: i32| {
@@ -137,8 +141,8 @@ fn windows_are_of_second_order() {
     assert!((1.7..2.5).contains(&order), "{order}");
 }
 
-/// A window beside which τ is nothing leaves the bodies as elastic ones that have gained all they can; one that is nothing beside τ as those at
-/// once. The force along x is what the shift is found for.
+/// A window much longer than τ leaves the bodies elastic with their final compliance, a window much
+/// shorter than τ with their instantaneous compliance. The shift is solved for the force along x.
 #[test]
 fn long_and_short_windows_are_elastic() {
     let force = json!({"speed": 0.0, "traction_coefficient": 0.3});
@@ -152,14 +156,15 @@ fn long_and_short_windows_are_elastic() {
         let mut elastic = Pressed::of(&elastic);
         elastic.window(1.0);
         for key in ["approach_m", "shift_x_m", "creep_force_x_n"] {
-            // The elements of the one are as much smaller than those of the other as the bodies creep.
+            // Both cases have different element sizes, because the bodies creep.
             assert_close(crept.number(key), elastic.number(key), 2e-3);
         }
     }
 }
 
-/// Under a force along the plane the bodies creep on, on the same material or on a stiff one, whose pressures and tractions know of each
-/// other; they take power and give none. Power adds up.
+/// Under a tangential force the bodies continue to creep, on the same material or on a stiff one,
+/// which couples pressures and tractions. They dissipate power and supply none, and the power
+/// balance holds.
 #[test]
 fn a_force_along_the_plane_creeps() {
     for other in ["rubber", "stiff"] {
@@ -174,7 +179,8 @@ fn a_force_along_the_plane_creeps() {
             assert!(now.iter().zip(last).all(|(now, last)| *now > last), "{now:?} {last:?}");
             assert!(power > 0.0, "{power}");
             assert_close(ball.number("creep_force_x_n"), 0.3 * LOAD, 1e-4);
-            // Bodies of different constants have no balance: the energy of the normal contact takes part.
+            // Bodies of different constants have no balance, because the energy of the normal
+            // contact takes part.
             if other == "rubber" {
                 assert!(ball.number("power_imbalance") <= 1e-6);
             }
@@ -183,7 +189,7 @@ fn a_force_along_the_plane_creeps() {
     }
 }
 
-/// A state that is saved in between goes on to the same bits.
+/// A run that continues from a saved state gives the same bits.
 #[test]
 fn a_state_is_saved_whole() {
     let case = case("stiff", json!({"speed": 0.0, "traction_coefficient": 0.3}));

@@ -1,4 +1,4 @@
-//! The registry: what the description says agrees with what `configure` does.
+//! The registry: the description agrees with `configure`.
 
 use crate::common::*;
 use mech_solver::MechSolver;
@@ -15,7 +15,7 @@ fn description() -> Description {
 fn assert_unique<'a>(names: impl Iterator<Item = &'a String>) {
     let mut seen = BTreeSet::new();
     for name in names {
-        assert!(seen.insert(name), "{name} stands twice");
+        assert!(seen.insert(name), "{name} occurs twice");
     }
 }
 
@@ -52,14 +52,14 @@ fn fields_and_models_that_are_named_exist() {
     }
 }
 
-/// What a model says of its errors: a key that it reads, effects that there are, a source.
+/// Accuracy entries of a model name an existing key, existing effects and a source.
 #[test]
 fn every_model_says_how_accurate_it_is() {
     let description = description();
     assert_eq!(description.check(), Ok(()));
     let effects: BTreeSet<_> = description.effects.iter().map(|effect| &effect.name).collect();
     for model in &description.models {
-        // Rods meet in one element.
+        // Rods have one element.
         let Some(refinement) = &model.accuracy.refinement else {
             assert_eq!(model.name, "rod");
             continue;
@@ -74,17 +74,17 @@ fn every_model_says_how_accurate_it_is() {
     }
 }
 
-/// Every model with every effect: accepted, steady or in time, exactly when the effect says that it supports the model,
-/// and then every field that both promise is laid out.
+/// Every model with every effect, steady or in time: accepted exactly if the effect declares
+/// support of the model; then all fields promised by either are laid out.
 #[test]
 fn support_agrees_with_configure() {
     let description = description();
     for model in &description.models {
         for effect in &description.effects {
-            // Some carry no force at rest.
+            // Creepage, because some effects carry no force at rest.
             let mut case = fitted(driven(paper(), "creepage", -0.002), &model.name);
             case["effects"] = json!({ effect.name.clone(): {} });
-            // What an effect may need of a material.
+            // Properties that an effect may need of a material.
             case["materials"]["steel"]["yield_stress"] = json!(1e9);
             case["materials"]["steel"]["thermal_expansion"] = json!(1e-5);
             case["materials"]["steel"]["wear_per_joule"] = json!(1e-12);
@@ -93,8 +93,8 @@ fn support_agrees_with_configure() {
             let softer =
                 concat!(env!("CARGO_MANIFEST_DIR"), "/../cases/materials/steel-softening.csv");
             case["materials"]["steel"]["softening_table"] = json!(softer);
-            // An effect's required parameters are quantities, of its alternatives one is: a pressure of
-            // 1 GPa, of any other unit a small positive number.
+            // Required parameters of an effect are quantities, and one of each set of alternatives:
+            // 1 GPa for a pressure, a small positive number for any other unit.
             let needed = |key: &&KeySpec| key.required || key.one_of.is_some();
             for key in effect.keys.iter().filter(needed) {
                 let KeyKind::Quantity { unit } = &key.kind else { continue };
@@ -139,7 +139,7 @@ fn description_survives_the_wire() {
     assert_eq!(serde_json::from_str::<Description>(&text).unwrap(), description);
 }
 
-/// The defaults and ranges that the description publishes hold in the solver.
+/// Required keys in the description are required by the solver.
 #[test]
 fn every_required_key_is_required() {
     let keys = description().keys;
@@ -197,13 +197,13 @@ fn what_hertz_carter_cannot_take_is_refused() {
         let mut case = driven(paper(), "creepage", -0.01);
         case["motion"]["creepage"][key] = json!(1e-3);
         let path = format!("motion.creepage.{key}");
-        assert_refused(&case, &path, "takes longitudinal creepage only");
+        assert_refused(&case, &path, "supports longitudinal creepage only");
     }
     for radius in [-0.3, -0.2] {
         assert_refused(
             &set("bodies.wheel.radius_y", json!(radius)),
             "bodies.wheel.radius_y",
-            "no elliptic contact",
+            "no closed elliptic contact",
         );
     }
     assert_refused(&set("motion.creep_law", json!("linear")), "motion.creep_law", "linear");
@@ -217,7 +217,7 @@ fn what_hertz_carter_cannot_take_is_refused() {
         "motion.tangential_force",
         "friction limit of 80400 N",
     );
-    // The limit is that of the force which the given ellipse carries.
+    // The limit follows from the force that the given ellipse carries.
     let given = driven(paper_table_2(), "tangential_force", 81.5e3);
     assert_refused(&given, "motion.tangential_force", "friction limit of 81");
     assert!(MechSolver.configure(&configuration(&driven(given, "tangential_force", 81e3))).is_ok());
@@ -226,7 +226,7 @@ fn what_hertz_carter_cannot_take_is_refused() {
             assert_refused(&set(path, json!(radius)), path, "a line, not an ellipse");
         }
     }
-    // Too small for a number, for an element's area; longer than a body.
+    // Too small for a number, too small for the area of an element, and larger than a body.
     for (force, part) in [(1e-320, "not a number"), (1e-300, "not a number"), (1e12, "on a body")] {
         assert_refused(&set("load.normal_force", json!(force)), "load.normal_force", part);
     }
@@ -252,8 +252,8 @@ fn unknown_names_are_refused() {
     assert_eq!(refusal(&field).key, "mech.model");
 }
 
-/// In every model the share that is not heat is taken from the heat that is provided, and from nothing
-/// else. Tolerance: rounding of a product.
+/// For every model, the share of friction power that does not become heat reduces the provided heat
+/// and nothing else. Tolerance: rounding of a product.
 #[test]
 fn the_heat_is_a_share_of_the_friction_power() {
     for model in description().models.into_iter().filter(|model| model.name != "rod") {
@@ -282,7 +282,7 @@ fn the_heat_is_a_share_of_the_friction_power() {
     }
 }
 
-/// The effect that the guide shows is the one that runs.
+/// The guide shows the source of the effect that runs.
 #[test]
 fn the_guide_to_effects_shows_the_code_that_runs() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");

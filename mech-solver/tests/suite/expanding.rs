@@ -1,4 +1,4 @@
-//! Surfaces that heat raises.
+//! Surfaces raised by heat.
 
 use super::common::{SPEED, Store, configuration, driven, paper, refusal};
 use mech_solver::MechSolver;
@@ -9,14 +9,15 @@ use proto::progress::Progress;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// Integrals of the rise that are paraboloids, on a grid wider and finer than the contact's.
+/// Integrals of the rise with the shape of paraboloids, on a grid wider and finer than that of the
+/// contact.
 struct Raised {
     grid: Grid,
     values: [Vec<f64>; 2],
 }
 
 impl Raised {
-    /// Both surfaces are raised by a bell of this height and width [m].
+    /// Raises both surfaces by a bell of this height and width [m].
     fn bell(height: f64, width: f64, coefficient: f64) -> Self {
         let mut raised = Self::new([0.0; 2], 1.0);
         let plane = *raised.grid.as_structured().expect("a plane");
@@ -28,7 +29,8 @@ impl Raised {
         raised
     }
 
-    /// The upper body's surface is raised by ½ c x², the lower one's by ½ c y², with these curvatures c [1/m].
+    /// Raises the surface of the upper body by ½ c x² and that of the lower body by ½ c y², with
+    /// these curvatures c [1/m].
     fn new(curvatures: [f64; 2], coefficient: f64) -> Self {
         let plane = Structured::contact_plane(-15e-3, -15e-3, 5e-5, 5e-5, 601, 601);
         let of = |height: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
@@ -49,10 +51,10 @@ impl Inputs for Raised {
     }
 }
 
-/// Finite elements whose first layer expands change as half-spaces do that are raised, by a bell of 10 µm on each body: the approach
-/// less by most of both, the pressure higher, the contact narrower. A layer expands in its middle, half an element deep, and raises
-/// its surface by less: tolerances are the shares that four elements to a semi-axis miss, and two miss more of the approach and
-/// the pressure.
+/// Finite elements with an expanding first layer change like raised half-spaces, for a bell of 10
+/// µm on each body: smaller approach, higher pressure, narrower contact. A layer expands in its
+/// middle, half an element deep, and raises its surface by less. Tolerances: the deficit of four
+/// elements per semi-axis; with two elements it is larger for approach and pressure.
 #[test]
 fn elements_that_expand_change_as_half_spaces_that_are_raised() {
     let bell = Raised::bell(10e-6, 8e-3, 1.2e-5);
@@ -87,7 +89,7 @@ fn case(coefficient: f64) -> Value {
     case
 }
 
-/// The summary of a case, with these inputs.
+/// Summary of a case with these inputs.
 fn contact(case: &Value, inputs: &dyn Inputs) -> Result<Value, StepError> {
     let configuration = configuration(case);
     let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
@@ -97,7 +99,8 @@ fn contact(case: &Value, inputs: &dyn Inputs) -> Result<Value, StepError> {
     Ok(model.summary()["contact"].clone())
 }
 
-/// Surfaces that heat makes flatter touch as bodies of larger radii do. Tolerance: integrals between the centres of elements, and another grid of the contact.
+/// Surfaces flattened by heat touch like bodies with larger radii. Tolerance: interpolation between
+/// element centres, and a different grid of the contact.
 #[test]
 fn paraboloids_of_heat_change_the_radii() {
     let (along, across) = (1.0 / 0.46 - 1.0 / 0.6, 1.0 / 0.3 - 1.0 / 0.4);
@@ -114,9 +117,9 @@ fn paraboloids_of_heat_change_the_radii() {
     }
 }
 
-/// A window that is solved anew after one that was not accepted has the answer of a model that has
-/// solved nothing else, to the bit: the search for the creepage of a force begins in the accepted
-/// state, not in the rejected solution.
+/// A window solved again after a rejected one reproduces the bits of a model that has solved
+/// nothing else: the search for the creepage of a force starts in the accepted state, not in the
+/// rejected solution.
 #[test]
 fn a_repeated_window_of_elements_begins_in_the_accepted_state() {
     let mut case = case(1.2e-5);
@@ -139,7 +142,7 @@ fn a_repeated_window_of_elements_begins_in_the_accepted_state() {
     assert_eq!(fresh, repeated);
 }
 
-/// What is wrong with an integral is said by name.
+/// An invalid integral is refused by its name.
 #[test]
 fn an_integral_that_is_no_number_is_refused() {
     let mut raised = Raised::new([0.0; 2], 1.0);
@@ -148,10 +151,11 @@ fn an_integral_that_is_no_number_is_refused() {
     assert!(error.contains("lower_rise_integral"), "{error}");
 }
 
-/// An even flux that sets in ahead of a small contact, on both bodies.
+/// Uniform flux that begins ahead of a small contact, on both bodies.
 struct Heated(Raised);
 
-/// Flux over the conductivity [K/m], where it sets in [m], and the diffusivity of the steel [m²/s].
+/// Flux over conductivity [K/m], start position of the flux [m], and diffusivity of the steel
+/// [m²/s].
 const GRADIENT: f64 = 6e6;
 const SETS_IN: f64 = 14e-3;
 const DIFFUSIVITY: f64 = 50.0 / (7850.0 * 419.5);
@@ -167,7 +171,8 @@ impl Heated {
         Self(Raised { grid, values: [values.clone(), values] })
     }
 
-    /// Rise of a column at a place and a depth (Carslaw & Jaeger, 2.9), by the integral of Duhamel in √t [K].
+    /// Temperature rise of a column at a position and depth (Carslaw & Jaeger, 2.9), by Duhamel's
+    /// integral in √t [K].
     fn rise(x: f64, depth: f64) -> f64 {
         let root = ((SETS_IN - x) / SPEED).sqrt();
         let parts = 4000;
@@ -191,8 +196,9 @@ fn in_section() -> Value {
     case
 }
 
-/// Beside a small contact what is warm is pressed in its plane by Eαϑ/(1 − ν), which is the equivalent stress there, and twice the
-/// largest shear stress. Tolerance: a hundredth of the surface's for what the contact and the edges of the heat add.
+/// Away from a small contact, warm material has the in-plane compressive stress Eαϑ/(1 − ν), which
+/// equals the von Mises stress and twice the largest shear stress. Tolerance: one hundredth of the
+/// surface value for the contact and the edges of the heat.
 #[test]
 fn the_section_has_the_thermal_stress() {
     let names = ["upper_section", "lower_section"];
@@ -227,7 +233,8 @@ fn the_section_has_the_thermal_stress() {
     }
 }
 
-/// A plane of points has what the section has at the same places, of contact and heat. Tolerance: rounding.
+/// A plane of points has the stresses of the section at the same positions, from contact and heat.
+/// Tolerance: rounding.
 #[test]
 fn points_have_the_stress_of_the_section() {
     let mut case = in_section();
@@ -251,7 +258,7 @@ fn points_have_the_stress_of_the_section() {
     assert_eq!(section.len(), points.len());
     let largest = section.iter().copied().fold(0.0, f64::max);
     for (at, stress) in section.iter().enumerate() {
-        // Points rise with z, the section goes down.
+        // Points are in ascending order of z, the section in descending order.
         let mirrored = (4 - at / columns) * columns + at % columns;
         let [one, other] = [grids[0].centre(at), grids[1].centre(mirrored)];
         assert!((0..3).all(|axis| (one[axis] - other[axis]).abs() < 1e-15), "{one:?} {other:?}");
@@ -263,7 +270,7 @@ fn points_have_the_stress_of_the_section() {
     }
 }
 
-/// The section needs the diffusivity, and material that moves.
+/// The section needs the diffusivity and moving material.
 #[test]
 fn a_section_without_a_rise_at_depth_is_refused() {
     let key = |case: &Value| refusal(&configuration(case)).key;

@@ -1,4 +1,4 @@
-//! How near the fast models are to half-spaces: the table of docs/theory/fastsim.md.
+//! Accuracy of the fast models relative to half-spaces: the table of docs/theory/fastsim.md.
 
 use crate::common::*;
 use elastic::kalker;
@@ -8,10 +8,10 @@ const B: f64 = 1e-3;
 const POISSON: f64 = 0.28;
 const SHEAR: f64 = 82e9;
 const COEFFICIENT: f64 = 0.3;
-/// Makes f N/(G a b) = 1e-3, with N = ⅔ π a b p₀.
+/// Chosen such that f N/(G a b) = 1e-3, with N = ⅔ π a b p₀.
 const PEAK: f64 = 1e-3 * SHEAR * 1.5 / (std::f64::consts::PI * COEFFICIENT);
 
-/// Directions of (ξ, η, φ), each over what saturates the linear theory alone.
+/// Directions of (ξ, η, φ), each relative to the value that saturates the linear theory alone.
 const DIRECTIONS: [[f64; 3]; 9] = [
     [1.0, 0.0, 0.0],
     [0.0, 1.0, 0.0],
@@ -40,7 +40,7 @@ fn contact(ratio: f64, [xi, eta, phi]: [f64; 3], mech: &Value) -> Run {
     }))
 }
 
-/// Tractions by element, columns and rows counted from the middle.
+/// Tractions of the elements, with columns and rows counted from the middle.
 fn tractions(run: &Run) -> impl Iterator<Item = ([i64; 2], [f64; 2])> {
     let grid = run.grid().as_structured().expect("a plane");
     let (px, py) = run.fields["traction"].split_at(grid.points());
@@ -51,7 +51,7 @@ fn tractions(run: &Run) -> impl Iterator<Item = ([i64; 2], [f64; 2])> {
     })
 }
 
-/// Force and root mean square of the tractions by which a contact differs from half-spaces', over f N and f p₀.
+/// Differences from half-spaces: force over f N, and root mean square of the tractions over f p₀.
 fn off(fast: &Run, exact: &Run) -> [f64; 2] {
     let forces = ["creep_force_x_n", "creep_force_y_n"];
     let [x, y] = forces.map(|key| fast.number(key) - exact.number(key));
@@ -68,7 +68,8 @@ fn off(fast: &Run, exact: &Run) -> [f64; 2] {
     [x.hypot(y) / bound, f64::sqrt(sum / count) / (COEFFICIENT * PEAK)]
 }
 
-/// Errors of the models themselves, of which these bounds are a little above the worst shape's: mean force and mean traction, without spin and with it.
+/// Model errors, bounded slightly above the worst shape: mean force and mean traction, without and
+/// with spin.
 #[test]
 fn fast_models_beside_half_spaces() {
     let models = [
@@ -101,7 +102,7 @@ fn fast_models_beside_half_spaces() {
                     std::array::from_fn(|k| size * direction[k] * saturates[k]);
                 let with = |mech: &Value| {
                     let mut mech = mech.clone();
-                    // Square elements, twenty in the shorter semi-axis at least.
+                    // Square elements, at least twenty in the shorter semi-axis.
                     mech["resolution"] = json!((20.0 * ratio.max(1.0)) as u32);
                     contact(ratio, creepage, &mech)
                 };

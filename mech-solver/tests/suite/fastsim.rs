@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// Rounding of the sums over cells and elements: some units in the last place.
+/// Rounding of the sums over cells and elements: a few units in the last place.
 const ROUNDING: f64 = 1e-12;
 const A: f64 = 7.98e-3;
 const B: f64 = 6.01e-3;
@@ -42,8 +42,9 @@ fn saturation() -> f64 {
     FRICTION * NORMAL_FORCE / (SHEAR_MODULUS * A * B * coefficients().c11)
 }
 
-/// Sums, fields and creepages agree: forces and heat on the grid are those of the summary, and the
-/// heat is the power of the creepages. `scale` is V f N times the largest creepage.
+/// Checks that sums, fields and creepages agree: forces and heat on the grid equal those of the
+/// summary, and the heat equals the power of the creepages. `scale` is V f N times the largest
+/// creepage.
 #[track_caller]
 fn assert_balance(run: &Run, scale: f64) {
     let creepages = ["creepage_xi", "creepage_eta", "creepage_phi_per_m"];
@@ -63,8 +64,9 @@ fn power_scale([xi, eta, phi]: [f64; 3]) -> f64 {
     SPEED * FRICTION * NORMAL_FORCE * (xi.abs() + eta.abs() + A * phi.abs())
 }
 
-/// Tolerance: the slip zone's share, proportional to the creepage (1e-4 of saturation), and for spin,
-/// whose traction in adhesion is a parabola, the trapezoidal rule over m = 2 · resolution cells, 1/m².
+/// Tolerance: the share of the slip zone, proportional to the creepage (1e-4 of saturation). For
+/// spin, whose traction in adhesion is a parabola, the trapezoidal rule over m = 2 · resolution
+/// cells, 1/m².
 #[test]
 fn slopes_are_kalkers() {
     let small = 1e-4 * saturation();
@@ -83,8 +85,8 @@ fn slopes_are_kalkers() {
     }
 }
 
-/// With three flexibilities every mixture has Kalker's slopes; with one, the linear force's
-/// component along the creepage. Tolerance: as above.
+/// Every mixture of creepages has Kalker's slopes with three flexibilities. With one flexibility it
+/// has the component of the linear force along the creepage. Tolerance: as in `slopes_are_kalkers`.
 #[test]
 fn slopes_of_mixed_creepages() {
     let s = 1e-4 * saturation();
@@ -97,7 +99,8 @@ fn slopes_of_mixed_creepages() {
     assert!((single.number("creep_force_x_n") / linear.force_x - 1.0).abs() > 0.01);
 }
 
-/// The closed form without spin, at the order 2 of the scheme in the length of the cells.
+/// Converges to the closed form without spin, with the order 2 of the scheme in the length of the
+/// cells.
 #[test]
 fn converges_to_the_closed_form() {
     let springs = 8.0 * A / (3.0 * SHEAR_MODULUS * coefficients().c11);
@@ -117,7 +120,7 @@ fn converges_to_the_closed_form() {
     }
 }
 
-/// Order of the scheme with spin, where the direction of the slip turns along a strip.
+/// Order of the scheme with spin, where the direction of slip turns along a strip.
 #[test]
 fn converges_with_spin() {
     let s = saturation();
@@ -147,7 +150,7 @@ fn full_slip_carries_the_friction_bound() {
     let run = run(&at_force(FRICTION));
     assert_close(run.number("creep_force_x_n"), limit, ROUNDING);
     assert_close(run.number("slip_area_ratio"), 1.0, ROUNDING);
-    // The traction's parabola at the centre, 4/3 of f p_0.
+    // Parabola of the traction at the centre, 4/3 of f p_0.
     assert_close(run.number("max_traction_pa"), 4.0 / 3.0 * FRICTION * 1352e6, 1e-3);
 }
 
@@ -242,7 +245,7 @@ fn tiny_and_huge_creepages() {
     }
 }
 
-/// Spin alone pushes the wheel aside, against Kalker's sign, and slips around the middle.
+/// Spin alone pushes the wheel sideways, against Kalker's sign, and slips around the middle.
 #[test]
 fn spin_alone() {
     let phi = saturation() / A;
@@ -253,7 +256,7 @@ fn spin_alone() {
     assert_balance(&run, power_scale([0.0, 0.0, phi]));
 }
 
-/// Without `partial_slip` everything slides with f times Hertz's pressure against the rigid slip.
+/// Everything slides without `partial_slip`, with f times Hertz's pressure against the rigid slip.
 #[test]
 fn without_partial_slip_everything_slides() {
     let sliding = run(&without(at_force(0.4), "partial_slip"));
@@ -269,13 +272,13 @@ fn without_partial_slip_everything_slides() {
         let run = run(&without(fastsim(creepage), "partial_slip"));
         assert_balance(&run, power_scale(creepage));
     }
-    // Traction over pressure is f up to the strips that an element's mean is made of.
+    // Traction over pressure is f, except for the strips of which the mean of an element consists.
     let middle = sliding.grid().points() / 2;
     let share = sliding.longitudinal("traction")[middle] / sliding.fields["pressure"][middle];
     assert_close(share, FRICTION, 2e-3);
 }
 
-/// Three flexibilities keep the power of the creepages without spin; with it they miss it.
+/// Three flexibilities balance the power of the creepages without spin, but not with spin.
 #[test]
 fn power_of_three_flexibilities() {
     let s = saturation();
@@ -311,7 +314,7 @@ fn what_fastsim_cannot_take_is_refused() {
     assert_eq!(refused.key, "mech.slope_factor");
 }
 
-/// Very long ellipses both ways, beyond the table, and one element per semi-axis.
+/// Very long ellipses in both directions, beyond the table, and one element per semi-axis.
 #[test]
 fn extreme_ellipses() {
     for (a, b) in [(8e-3, 1e-5), (8e-3, 8e-4), (1e-4, 8e-3), (8e-3, 8e-3)] {
@@ -327,19 +330,19 @@ fn extreme_ellipses() {
     }
 }
 
-/// The work grows with the number of cells and with nothing else.
+/// The work depends on the number of cells only.
 #[test]
 fn work_is_the_number_of_cells() {
     let work = |resolution: usize| run(&with(at_force(0.4), "resolution", resolution)).report.work;
     assert_eq!([10, 20, 40].map(work), [48 * 20, 96 * 40, 190 * 80]);
 }
 
-/// Under the elliptic bound, with springs or strip theory where surfaces stick.
+/// Case with the elliptic bound, and springs or strip theory in the stick zone.
 fn elliptic(creepage: [f64; 3], stick_zone: &str) -> Value {
     with(with(fastsim(creepage), "traction_bound", "elliptic"), "stick_zone", stick_zone)
 }
 
-/// Every way to bound the traction and to stick, and a creep curve of less slope.
+/// All bounds of the traction and theories of the stick zone, and a reduced creep curve.
 fn variants(case: &Value) -> [Value; 4] {
     let elliptic = with(case.clone(), "traction_bound", "elliptic");
     let strips = with(elliptic.clone(), "stick_zone", "strips");
@@ -354,14 +357,15 @@ fn variants(case: &Value) -> [Value; 4] {
     [elliptic, strips.clone(), reduced(case.clone()), reduced(strips)]
 }
 
-/// Reduced creepage under the elliptic bound at a creep.
+/// Normalised creepage under the elliptic bound at a creep.
 fn elliptic_reduced(creep: f64) -> f64 {
     let springs = 8.0 * A / (3.0 * SHEAR_MODULUS * coefficients().c11);
     A * creep / (springs * FRICTION * 1.5 * NORMAL_FORCE / (PI * A * B))
 }
 
-/// Polach's formula, and that of Haines and Ollerton, with the order of the scheme in the length of the cells. Tolerance of strip
-/// theory: its cells are exact, the sum over the strips has a kink where they begin to slip altogether, of order 5/2.
+/// Polach's formula, and that of Haines and Ollerton, with the order of the scheme in the length of
+/// the cells. Tolerance of strip theory: its cells are exact, but the sum over the strips has a
+/// kink where strips begin to slip completely, of order 5/2.
 #[test]
 fn elliptic_bound_converges_to_the_closed_forms() {
     type Closed = fn(f64) -> f64;
@@ -386,8 +390,9 @@ fn elliptic_bound_converges_to_the_closed_forms() {
     }
 }
 
-/// Kalker's slopes do not depend on the bound nor on strip theory; a factor reduces all of them. Tolerance: the slip zone's share, proportional to the
-/// creepage, and for spin the trapezoidal rule over cells that are π/2 times as long in the middle.
+/// Kalker's slopes depend neither on the bound nor on strip theory; a factor reduces all of them.
+/// Tolerance: the share of the slip zone, proportional to the creepage; for spin the trapezoidal
+/// rule over cells π/2 times as long in the middle.
 #[test]
 fn slopes_under_the_elliptic_bound() {
     let small = 1e-4 * saturation();
@@ -413,7 +418,7 @@ fn slopes_under_the_elliptic_bound() {
     }
 }
 
-/// A factor that stays the same is a creepage that is so much less.
+/// A constant factor is equivalent to a creepage reduced by it.
 #[test]
 fn reduced_slope_is_less_creepage() {
     let creep = -1.3 * saturation();
@@ -426,8 +431,9 @@ fn reduced_slope_is_less_creepage() {
     }
 }
 
-/// Forces and heat on the grid are those of the summary, the heat is the power of the creepages, and forces stay within f N, for
-/// mixtures of creepages from adhesion to slip. With strip theory the slip is scaled to it, so that more flexibilities keep it too.
+/// Forces and heat on the grid equal those of the summary, the heat equals the power of the
+/// creepages, and forces stay within f N, for mixtures of creepages from adhesion to slip. With
+/// strip theory the slip is scaled to this balance, so that several flexibilities satisfy it too.
 #[test]
 fn balance_of_the_variants() {
     for size in [1e-3, 0.1, 0.7, 3.0, 40.0] {
@@ -465,7 +471,7 @@ fn force_round_trip_of_the_variants() {
     }
 }
 
-/// The bound at the centre is f times Hertz's pressure, and no element has more.
+/// The bound at the centre is f times Hertz's pressure, and no element exceeds it.
 #[test]
 fn traction_under_the_elliptic_bound() {
     let s = saturation();
@@ -477,7 +483,7 @@ fn traction_under_the_elliptic_bound() {
         let pressures = &run.fields["pressure"];
         for (index, pressure) in pressures.iter().enumerate() {
             let traction = x[index].hypot(y[index]);
-            // Elements on the rim have means of strips; the lattice is exact to 1e-3 within.
+            // Elements on the rim hold means of strips; inside, the lattice is exact to 1e-3.
             let slack = 2e-2 * pressures[middle];
             assert!(traction <= FRICTION * (pressure + slack), "{stick_zone} {index}");
         }
@@ -487,8 +493,8 @@ fn traction_under_the_elliptic_bound() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
-    /// Any mixture of creepages: heat equals the creepages' power and is nowhere negative, forces
-    /// stay within f N.
+    /// Any mixture of creepages: the heat equals the power of the creepages and is nowhere
+    /// negative; forces stay within f N.
     #[test]
     fn balance(
         xi in -3.0..3.0f64, eta in -3.0..3.0f64, phi in -6.0..6.0f64,
@@ -502,8 +508,8 @@ proptest! {
         prop_assert!(force <= FRICTION * NORMAL_FORCE * (1.0 + ROUNDING));
     }
 
-    /// Another unit of length, force and time changes figures by powers of the factors only.
-    /// Tolerance: rounding, which the search for the creepage magnifies close to f N.
+    /// Changing the units of length, force and time changes figures by powers of the factors only.
+    /// Tolerance: rounding, magnified by the search for the creepage close to f N.
     #[test]
     fn independent_of_the_units(
         length in 1e-3..1e3f64, force in 1e-3..1e3f64, time in 1e-3..1e3f64, mu in 0.01..0.57f64,

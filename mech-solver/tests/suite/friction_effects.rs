@@ -1,4 +1,5 @@
-//! Effects on friction together: every pair and triple on every model that takes them, in full sliding, against closed forms.
+//! Combined effects on friction: every pair and triple on every supporting model, in full sliding,
+//! against closed forms.
 
 use super::common::{
     FRICTION, SPEED, STEEL, Store, configuration, driven, fitted, paper, refusal, without,
@@ -14,18 +15,18 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Creepage at which all of the contact slides.
+/// Creepage at which the whole contact slides.
 const CREEPAGE: f64 = 0.09;
-/// Rise of both surfaces [K].
+/// Temperature rise of both surfaces [K].
 const RISE: f64 = 150.0;
 const LOAD: f64 = 134e3;
-/// Radius of the rail [m].
+/// Crown radius of the rail [m].
 const RAIL: f64 = 0.3;
 const SHEAR: f64 = 150e6;
 const FILM: f64 = 120e6;
 const PLASTIC: f64 = 135e6;
 
-/// An effect with its values, and its share in the law: a factor over y, or a bound [Pa].
+/// Effect with its values and its part in the law: a factor over y, or a bound [Pa].
 struct Item {
     label: &'static str,
     effect: &'static str,
@@ -43,7 +44,7 @@ fn band(y: f64) -> f64 {
     (0.7 + 0.3 * y / 1e-3).clamp(0.4, 1.0)
 }
 
-/// Files of a test, in a folder of their own that goes with it.
+/// Files of a test, in a folder that is removed on drop.
 struct Files(PathBuf);
 
 impl Files {
@@ -101,7 +102,7 @@ fn items(files: &Files) -> Vec<Item> {
     ]
 }
 
-/// Both surfaces at one temperature rise, and the initial one.
+/// Both surfaces at one uniform temperature rise.
 struct Warm(Grid, f64);
 
 impl Inputs for Warm {
@@ -116,8 +117,10 @@ fn warm() -> Warm {
     Warm(Grid::structured("contact", whole), RISE)
 }
 
-/// A model with the shape of its bound, whether it takes the plastic layer, and its tolerance, which covers elements on the rim: their pressure is that
-/// of their middle, or in `hertz-carter` the mean over what of them is in contact and what is not; those of a track lie on a grid of their own.
+/// A model with the shape of its bound, its support of the plastic layer, and its tolerance. The
+/// tolerance covers elements on the rim, which have the pressure of their middle, or in
+/// `hertz-carter` the mean over the parts inside and outside the contact. Elements of a track lie
+/// on a different grid.
 struct Tried {
     label: &'static str,
     case: Value,
@@ -134,7 +137,7 @@ fn round(model: &str, own: Value) -> Value {
     case
 }
 
-/// A cylinder on a rail that is an arc, which make the ellipse of the others.
+/// A cylinder on an arc-shaped rail, with the same ellipse as the others.
 fn on_track(files: &Files, tangential: &str) -> Value {
     let mut case = fitted(paper(), "wheel-on-track");
     let arc = (-150..=150).map(|k| f64::from(k) * 1e-3).map(|turn: f64| {
@@ -189,7 +192,7 @@ fn models(files: &Files) -> Vec<Tried> {
     ]
 }
 
-/// Longitudinal force and largest traction [N, Pa], and the grid.
+/// Longitudinal force [N], largest traction [Pa], and the grid.
 fn solve(case: &Value) -> (f64, f64, Structured) {
     let configuration = configuration(case);
     let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
@@ -206,7 +209,7 @@ fn solve(case: &Value) -> (f64, f64, Structured) {
     (grid.integrate(along).abs(), largest, *grid.as_structured().expect("a plane"))
 }
 
-/// The subsets of one, two and three, without the same effect twice.
+/// Subsets of one, two and three items with distinct effects.
 fn subsets(items: &[Item]) -> Vec<Vec<&Item>> {
     let mut all: Vec<Vec<&Item>> = Vec::new();
     let count = items.len();
@@ -223,7 +226,7 @@ fn subsets(items: &[Item]) -> Vec<Vec<&Item>> {
     all
 }
 
-/// Friction over y, and the smallest bound [Pa].
+/// Friction coefficient over y, and the smallest bound [Pa].
 fn law<'a>(chosen: &'a [&Item]) -> (impl Fn(f64) -> f64 + 'a, f64) {
     let factor = |item: &&Item, y: f64| match item.part {
         Part::Factor(factor) => factor(y),
@@ -237,8 +240,9 @@ fn law<'a>(chosen: &'a [&Item]) -> (impl Fn(f64) -> f64 + 'a, f64) {
     (move |y| FRICTION * chosen.iter().map(|item| factor(item, y)).product::<f64>(), largest)
 }
 
-/// Every effect alone, every pair and every triple of effects on friction: force in full sliding against the integral of min(f p, τ), and tractions
-/// that are not beyond the bound. `hertz-carter` has the force by one equivalent coefficient, and claims no bound. Prints the table.
+/// Every effect alone, every pair and every triple of effects on friction: the force in full
+/// sliding against the integral of min(f p, τ), and tractions within the bound. `hertz-carter`
+/// computes the force with one equivalent coefficient and claims no bound. Prints the table.
 #[test]
 fn pairs_and_triples_against_closed_forms() {
     let files = Files::new("friction-pairs");
@@ -275,7 +279,8 @@ fn pairs_and_triples_against_closed_forms() {
             };
             let error = found / expected - 1.0;
             row += &format!(" {:+.2} % |", 100.0 * error);
-            // On the grid strips are spread over less than their width, by h²/24 of steps h of their angle.
+            // Strips on the grid are spread over less than their width, by h²/24 for steps h of
+            // their angle.
             let beyond = *label != "hertz-carter" && most > largest * (1.0 + 1e-4);
             if error.abs() > *tolerance || beyond {
                 wrong.push(format!("{label}: {names:?}: {found} {expected}, {most:e} {largest:e}"));
@@ -286,15 +291,16 @@ fn pairs_and_triples_against_closed_forms() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// A film under friction that falls with the slip of every element: the film carries what it does at the rigid slip velocity, up to friction at
-/// the rim. It carried nothing, as the film was asked for its shear at no slip. Tolerances as above.
+/// A film under friction that falls with the slip of every element: the film carries the traction
+/// of the rigid slip velocity, up to friction at the rim. Regression: it carried nothing, since its
+/// shear was evaluated at zero slip. Tolerances as above.
 #[test]
 fn a_film_under_friction_that_follows_the_slip_of_elements() {
     let files = Files::new("friction-film");
     let film = items(&files).into_iter().find(|item| item.label == "film").expect("a film");
     let ellipse = elliptic_contact(0.5 / 0.46, 0.5 / RAIL, LOAD, STEEL);
     let axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
-    // Friction between its values at rest and at high speed bounds the force at the rim.
+    // Friction between its values at rest and at high speed limits the force at the rim.
     let of =
         |friction: f64| force(Shape::HalfEllipse, axes, ellipse.max_pressure, |_| friction, FILM);
     for mut case in [round("half-space", json!({})), on_track(&files, "half-space")] {
@@ -335,7 +341,7 @@ fn the_order_of_tables_has_no_influence() {
     assert_eq!((force.to_bits(), most.to_bits()), (other.to_bits(), also.to_bits()));
 }
 
-/// Values that need what a model does not have are refused, by the names of models that have it.
+/// Values that need an unsupported capability are refused, with the names of models that have it.
 #[test]
 fn needs_of_values_are_refused_with_models_that_meet_them() {
     let mut case = round("fastsim", json!({}));
@@ -351,8 +357,9 @@ fn needs_of_values_are_refused_with_models_that_meet_them() {
     assert!(refused.fix.contains("\"wheel-on-track\", or write \"lateral\""), "{}", refused.fix);
 }
 
-/// A prescribed force is met under a bound that no place passes, by springs under either bound of friction and with strip theory; a force that the
-/// layer does not carry is refused. Tolerances: the root; the spread of strips.
+/// A prescribed force is met under a bound that no element exceeds, by springs under either bound
+/// of friction and with strip theory. A force that the layer cannot carry is refused. Tolerances:
+/// the root; the spread of strips.
 #[test]
 fn springs_meet_a_force_under_a_bound() {
     for own in [

@@ -7,13 +7,13 @@ use proto::model::Step;
 use serde_json::json;
 use std::f64::consts::PI;
 
-/// Rounding of the sums over the elements: some units in the last place.
+/// Rounding of the sums over the elements: a few units in the last place.
 const ROUNDING: f64 = 1e-13;
 
 #[test]
 fn the_papers_contact() {
     let run = run(&paper());
-    // The figures are quoted with five digits.
+    // Reference values with five digits.
     assert_close(run.number("semi_axis_a_m"), 7.8956e-3, 1e-4);
     assert_close(run.number("semi_axis_b_m"), 5.9392e-3, 1e-4);
     assert_close(run.number("max_pressure_pa"), 1364.38e6, 1e-4);
@@ -22,8 +22,8 @@ fn the_papers_contact() {
     assert_close(run.number("traction_coefficient"), 0.58, ROUNDING);
 }
 
-/// Table 3's creepages for the ellipse of Table 2, by both laws. Fails with the printed eq. 18,
-/// which takes the laws for equal. Tolerance: half a unit of the last digit quoted.
+/// Creepages of Table 3 for the ellipse of Table 2, by both laws. Fails with the printed eq. 18,
+/// which equates both laws. Tolerance: half a unit of the last printed digit.
 #[test]
 fn creepages_of_both_laws() {
     for (mu, by_pressure, by_radius) in [
@@ -44,7 +44,7 @@ fn creepages_of_both_laws() {
     }
 }
 
-/// The sums over element means are the exact integrals, at every resolution.
+/// Sums over element means equal the exact integrals, at every resolution.
 #[test]
 fn forces_and_power_are_exact_at_every_resolution() {
     for resolution in [1, 2, 5, 10, 40] {
@@ -77,8 +77,8 @@ fn power_of_a_sliding_contact_is_exact() {
     }
 }
 
-/// An element inside the slip zone, an element across the edge and one across the border of the
-/// stick zone, against quadrature of the closed forms point by point.
+/// Elements inside the slip zone, across the edge and across the border of the stick zone, against
+/// pointwise quadrature of the closed forms.
 #[test]
 fn element_means_are_means_of_the_closed_forms() {
     let case = driven(paper(), "traction_coefficient", 0.4);
@@ -107,7 +107,7 @@ fn element_means_are_means_of_the_closed_forms() {
             }
         }
         let at = j * grid.ni + i;
-        // The sampling: at the edge one of n columns of samples is in doubt.
+        // Sampling error: at the edge one of n columns of samples is uncertain.
         assert!((run.longitudinal("traction")[at] - means[0]).abs() < 2e-4 * bound, "{i} {j}");
         assert!((-run.longitudinal("slip_velocity")[at] - means[1]).abs() < 1e-3 * velocity);
         let power = run.longitudinal("friction_power")[at];
@@ -137,7 +137,7 @@ fn sign_of_a_braking_wheel() {
     assert!(run.fields["surface_speed"][0] < SPEED);
 }
 
-/// The slip zone lies at the trailing edge, x < 0, and friction makes no cold.
+/// The slip zone lies at the trailing edge, x < 0, and the friction power is never negative.
 #[test]
 fn slip_is_at_the_trailing_edge() {
     let run = run(&driven(paper(), "traction_coefficient", -0.4));
@@ -151,7 +151,7 @@ fn slip_is_at_the_trailing_edge() {
     assert!(run.fields["friction_power"].iter().all(|power| *power >= 0.0));
 }
 
-/// Driving and braking differ by signs alone, and so do left and right by nothing, bit for bit.
+/// Driving and braking differ in sign only, left and right not at all, bit for bit.
 #[test]
 fn mirror_in_y_and_reversal_of_the_force() {
     let driving = run(&driven(paper(), "traction_coefficient", 0.4));
@@ -188,7 +188,7 @@ fn no_creepage_no_slip_no_traction_no_heat() {
     }
 }
 
-/// Creepages so small that the slip zone is a sliver of one element.
+/// Creepages so small that the slip zone is a fraction of one element.
 #[test]
 fn tiny_creepage_keeps_the_balance() {
     for xi in [-1e-6, -1e-9, -1e-15, -1e-300] {
@@ -198,7 +198,8 @@ fn tiny_creepage_keeps_the_balance() {
         assert!(force > 0.0);
         assert_close(run.number("friction_power_w"), power, ROUNDING);
         assert_close(run.integral("friction_power"), power, ROUNDING);
-        // Rounding of the slip zone's end, which lies √m over the force from the trailing edge.
+        // Rounding of the end of the slip zone, which lies √m over the force from the trailing
+        // edge.
         let tolerance = ROUNDING + 1e-14 / (-xi).sqrt();
         assert!(xi < -1e-16 || run.integral("traction") >= 0.0);
         if tolerance < 1e-4 {
@@ -213,7 +214,7 @@ fn close_to_the_friction_limit_and_at_it() {
     for (share, fraction) in [(0.999, 1.0 - 0.001f64.sqrt()), (1.0, 1.0)] {
         let case = driven(paper_table_2(), "traction_coefficient", share * FRICTION);
         let run = run(&case);
-        // The subtraction 1 − 0.999 magnifies rounding a thousandfold, the root halves it.
+        // The subtraction 1 − 0.999 magnifies rounding a thousandfold; the square root halves it.
         assert_close(run.number("slip_area_ratio"), fraction, 1e-12);
         assert_close(-run.number("creepage_xi"), limit * fraction, 1e-12);
         assert_close(run.number("max_traction_pa"), FRICTION * 1352e6, ROUNDING);
@@ -222,8 +223,8 @@ fn close_to_the_friction_limit_and_at_it() {
     }
 }
 
-/// Full slip: zero at the leading edge, twice the mean at the trailing edge, and s − A more
-/// everywhere beyond it.
+/// Full slip: zero at the leading edge, twice the mean at the trailing edge, plus s − A everywhere
+/// if the creep exceeds the limit A.
 #[test]
 fn full_slip_profile() {
     let limit = carter::prefactor_by_pressure(FRICTION, 1352e6, STEEL);
@@ -233,14 +234,14 @@ fn full_slip_profile() {
         let row = grid.nj / 2 * grid.ni;
         let slip = run.longitudinal("slip_velocity");
         assert_close(-slip[row + grid.ni / 2], SPEED * creep, 1e-12);
-        // The mean over a row of the slope x/a_y, whose half length varies by (Δy/b)²/24.
+        // Mean over a row of the slope x/a_y, whose half length varies by (Δy/b)²/24.
         let behind = -slip[row + 5] / SPEED - creep;
         assert_close(behind, limit * 0.75, 2e-4);
         assert_close(run.number("max_slip_velocity_m_per_s"), SPEED * (creep + limit), ROUNDING);
     }
 }
 
-/// Without `partial_slip` the whole contact slides with one slip velocity, and carries f N.
+/// The whole contact slides without `partial_slip`, with one slip velocity, and carries f N.
 #[test]
 fn without_partial_slip_everything_slides() {
     let with_stick = run(&paper());
@@ -252,7 +253,7 @@ fn without_partial_slip_everything_slides() {
     let grid = *sliding.grid().as_structured().unwrap();
     let centre = sliding.longitudinal("slip_velocity")[grid.points() / 2];
     assert_close(centre, velocity, 1e-12);
-    // The area of the ellipse: the rule is not exact for the length of a strip.
+    // Area of the ellipse: the quadrature is not exact for the length of a strip.
     assert_close(sliding.integral("slip_velocity"), velocity * sliding.number("area_m2"), 1e-6);
     let remark = |run: &Run| run.layout.remarks.iter().any(|r| r.contains("effects.partial_slip"));
     assert!(remark(&sliding) && !remark(&with_stick));
@@ -283,7 +284,7 @@ fn what_the_model_does_not_know_is_absent() {
     }
 }
 
-/// Switched off, `friction_heat` leaves no field, no memory and no time, and changes nothing else.
+/// Switching `friction_heat` off removes its field, memory and time, and changes nothing else.
 #[test]
 fn friction_heat_off_means_off() {
     let on = run(&paper());
@@ -317,13 +318,13 @@ fn grid_covers_the_ellipse_centre_on_centre() {
         assert_eq!(grid.dx(), grid.dy());
         assert_eq!(grid.centre(grid.ni / 2, grid.nj / 2), [0.0; 3]);
         let reach = -grid.y(0) + 0.5 * grid.dy();
-        // Rounding where the ellipse ends on the edge of an element.
+        // Rounding if the ellipse ends on the edge of an element.
         assert!(reach > b * (1.0 - 1e-12) && reach < b.max(grid.dy()) + grid.dy(), "{reach} {b}");
         assert_eq!(run.report.work, grid.points() as u64);
     }
 }
 
-/// A transient run gives the steady answer in every window; there is no state to save.
+/// A transient run gives the steady answer in every window, without any state to save.
 #[test]
 fn every_window_has_the_same_answer_and_no_state() {
     let case = paper();
@@ -350,7 +351,7 @@ fn every_window_has_the_same_answer_and_no_state() {
     assert!(state.is_empty() && run.model.restore(&mut state.as_slice()).is_ok());
 }
 
-/// Hollow tread, very long ellipses both ways, one row of elements: the sums stay exact.
+/// Hollow tread, very long ellipses in both directions, one row of elements: the sums stay exact.
 #[test]
 fn extreme_ellipses() {
     for (crown, tread) in [(0.3, -0.301), (1e-6, 0.3), (0.3, 1e-5), (0.46, 1e9)] {
@@ -368,8 +369,8 @@ fn extreme_ellipses() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// A force, the creep that answers it, and the force that answers that creep. Tolerance:
-    /// rounding of √(1 − r), whose slope near the limit is covered by the range.
+    /// Force to creep and back to force. Tolerance: rounding of √(1 − r), whose slope near the
+    /// limit is limited by the range.
     #[test]
     fn force_to_creep_to_force(mu in 1e-9..0.59f64, sign in prop::bool::ANY) {
         let mu = if sign { mu } else { -mu };
@@ -381,7 +382,7 @@ proptest! {
         assert_close(by_force.number("creepage_xi"), first.number("creepage_xi"), 1e-13);
     }
 
-    /// Another unit of length, force and time changes figures by powers of the factors only.
+    /// Changing the units of length, force and time changes figures by powers of the factors only.
     /// Tolerance: rounding.
     #[test]
     fn independent_of_the_units(

@@ -1,4 +1,4 @@
-//! Friction that falls with temperature, and a force that is prescribed: iterates that are too hot.
+//! Friction that falls with temperature under a prescribed force: iterates that are too hot.
 
 use super::common::{Store, configuration, paper};
 use mech_solver::MechSolver;
@@ -8,7 +8,7 @@ use proto::model::{InputField, Inputs, Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 
-/// Both surfaces at one temperature rise.
+/// Both surfaces at one uniform temperature rise.
 struct Warm(Grid, f64);
 
 impl Warm {
@@ -31,7 +31,7 @@ struct Contact {
 }
 
 impl Contact {
-    /// f(T) = 0.1 + 0.5 e^(−T/100 K) under half of the load's weight along x.
+    /// Friction f(T) = 0.1 + 0.5 e^(−T/100 K), with half of the load as longitudinal force.
     fn new(name: &str, drive: &Value) -> Self {
         let mut case = paper();
         case["motion"] = drive.clone();
@@ -54,9 +54,9 @@ impl Contact {
     }
 }
 
-/// At a rise of 150 K friction carries 0.21 N of the 0.5 N that are prescribed. Such an iterate ended
-/// the run before; now it is answered with all slipping, is no state to accept, and leaves nothing
-/// behind.
+/// At a rise of 150 K friction carries 0.21 N of the prescribed 0.5 N. Regression: such an iterate
+/// ended the run. Now it is answered with full slip, is not acceptable as a state, and leaves
+/// nothing behind.
 #[test]
 fn an_iterate_beyond_friction_is_answered_and_not_accepted() {
     let hot = 0.1 + 0.5 * (-1.5_f64).exp();
@@ -69,8 +69,7 @@ fn an_iterate_beyond_friction_is_answered_and_not_accepted() {
             assert!(contact.number("slip_area_ratio") > 0.9, "{name}");
             let refused = contact.model.acceptable().unwrap_err().to_string();
             let carried = format!("friction carries {:.3}", carried * 134.0);
-            for part in ["the contact is too hot", "67.000 kN that are prescribed", &carried[..21]]
-            {
+            for part in ["the contact is too hot", "of the prescribed 67.000 kN", &carried[..21]] {
                 assert!(refused.contains(part), "{name}: `{part}` is not in: {refused}");
             }
             contact.solve(10.0);
@@ -82,7 +81,7 @@ fn an_iterate_beyond_friction_is_answered_and_not_accepted() {
     }
 }
 
-/// The answers on both sides of the limit meet: the friction power does not jump.
+/// The answers on both sides of the limit agree there: the friction power does not jump.
 #[test]
 fn answers_beyond_the_limit_join_those_within() {
     let rise_of = |friction: f64| -100.0 * ((friction - 0.1) / 0.5).ln();

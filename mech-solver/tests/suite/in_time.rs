@@ -1,4 +1,4 @@
-//! Explicit elements that roll on in time, on an axle that may move.
+//! Explicit elements that roll in time, on an axle that may move.
 
 use super::common::{NoInputs, SPEED, Store, configuration, paper, refusal};
 use mech_solver::MechSolver;
@@ -25,7 +25,7 @@ fn in_time(case: &Value, threads: usize) -> Configuration {
     Configuration { mode: Mode::Transient, threads, ..configuration(case) }
 }
 
-/// A model, its layout, and the window that comes next.
+/// A model, its layout, and the next window.
 struct Rolled {
     model: Box<dyn Model>,
     layout: Layout,
@@ -44,7 +44,7 @@ impl Rolled {
         Self { model, layout, outputs: configuration.outputs, window: 0, time: 0.0 }
     }
 
-    /// The fields of a window [s] that is not accepted.
+    /// Fields of a window of this duration [s], solved without accepting it.
     fn attempt(&mut self, duration: f64) -> BTreeMap<String, Vec<f64>> {
         let mut store = Store::for_layout(&self.layout, &self.outputs);
         let step =
@@ -65,13 +65,13 @@ impl Rolled {
         self.model.summary()["contact"][key].as_f64().unwrap_or_else(|| panic!("{key}"))
     }
 
-    /// Time in which the material goes on by an element [s].
+    /// Time for the passage of an element [s].
     fn passage(&self) -> f64 {
         let grid = self.layout.grid_of("pressure").expect("a grid");
         grid.as_structured().expect("a structured one").dx() / SPEED
     }
 
-    /// Heat of a window over its mean fields [J].
+    /// Heat of a window from its mean fields [J].
     fn heat(&self, fields: &BTreeMap<String, Vec<f64>>, duration: f64) -> f64 {
         duration
             * self
@@ -82,8 +82,8 @@ impl Rolled {
     }
 }
 
-/// Force over the load at an approach: that of Hertz, δ_H (N/N_0)^⅔, less what blocks that are held near by do not yield, in proportion to
-/// the force.
+/// Force over the load at an approach: δ_H (N/N_0)^⅔ of Hertz, less the part that is missing
+/// because nearby faces of the blocks are fixed, proportional to the force.
 fn spring(approach: f64, still: f64) -> f64 {
     let mut root = (approach.max(0.0) / still).sqrt();
     for _ in 0..4 {
@@ -94,8 +94,9 @@ fn spring(approach: f64, still: f64) -> f64 {
     root.powi(3)
 }
 
-/// A wheel over a long dip against M z̈ = N − N_0 − K z − C ż on Hertz's spring. Tolerance, over the load: elements of half a semi-axis
-/// are stiffer than Hertz's contact, which is 0.09 of the load where it changes most; of a quarter 0.031.
+/// A wheel over a long dip against M z̈ = N − N_0 − K z − C ż on Hertz's spring. Tolerance relative
+/// to the load: elements of half a semi-axis are stiffer than Hertz's contact, by 0.09 of the load
+/// where it changes most; of a quarter 0.031.
 #[test]
 fn an_axle_over_a_dip_moves_on_hertz_spring() {
     let (depth, length, at, stiffness, damping) = (0.04e-3, 0.2, 0.11, 1150e3, 2500.0);
@@ -136,8 +137,8 @@ fn an_axle_over_a_dip_moves_on_hertz_spring() {
     assert!(worst < 0.12, "{worst}");
 }
 
-/// What happens does not depend on the windows: fifty passages of an element in fifty windows and in one have the same heat, and end in
-/// the same force. Tolerance: rounding of the windows' ends.
+/// Results do not depend on the windows: fifty passages of an element in fifty windows or in one
+/// give the same heat and the same final force. Tolerance: rounding of the ends of the windows.
 #[test]
 fn windows_of_one_and_of_fifty_passages_have_the_same_heat() {
     let suspension =
@@ -159,7 +160,8 @@ fn windows_of_one_and_of_fifty_passages_have_the_same_heat() {
     assert!((pressed / fifty.number("normal_force_n") - 1.0).abs() < 1e-10);
 }
 
-/// A window that is not accepted leaves no trace, a state that was saved goes on to the bit, and so does a run on two threads.
+/// A rejected window leaves no trace; a saved state continues to the last bit, and so does a run on
+/// two threads.
 #[test]
 fn trials_states_and_threads_change_nothing() {
     let suspension =
@@ -182,7 +184,8 @@ fn trials_states_and_threads_change_nothing() {
     assert!(fresh.model.restore(&mut &saved[..saved.len() - 8]).is_err());
 }
 
-/// What drives the wheel is the torque of steady rolling: what its turning gains is what friction does not take. Rounding.
+/// The torque of steady rolling drives the wheel: the gain in rotation equals the torque not
+/// consumed by friction. Tolerance: rounding.
 #[test]
 fn a_driven_wheel_turns_by_the_torque_that_is_left() {
     let inertia = 80.0;

@@ -1,4 +1,4 @@
-//! Lines of contact in plane strain: one row, against closed forms.
+//! Line contacts in plane strain: one row, against closed forms.
 
 use super::common::{Run, assert_close, configuration, refusal, run};
 use elastic::Elasticity;
@@ -16,7 +16,7 @@ fn of(material: Material) -> Value {
     json!({"youngs_modulus": material.youngs_modulus, "poisson_ratio": material.poisson_ratio})
 }
 
-/// Carter's problem of CONTACT's user guide: a = 1 mm, sticking over 0.6 of the length, F = 0.64 f N.
+/// Carter's problem of CONTACT's user guide: a = 1 mm, stick over 0.6 of the length, F = 0.64 f N.
 fn carter_case(resolution: usize) -> Value {
     json!({
         "bodies": {"wheel": {"position": "upper", "radius_x": 0.5, "material": "steel"},
@@ -31,7 +31,7 @@ fn carter_case(resolution: usize) -> Value {
     })
 }
 
-/// Bentall and Johnson's rollers: aluminium on steel, rolling freely.
+/// Bentall and Johnson's rollers: aluminium on steel, free rolling.
 fn unlike_case(friction: f64, resolution: usize) -> Value {
     let mut case = carter_case(resolution);
     case["bodies"] = json!({"a": {"position": "upper", "radius_x": 0.05, "material": "aluminium"},
@@ -48,8 +48,9 @@ fn ratio(run: &Run) -> f64 {
     run.number("creep_force_x_n") / (0.3 * run.number("normal_force_n"))
 }
 
-/// Half length, pressure, approach, area: Hertz's along a line, of a force and of its approach. Tolerances: the elements at the
-/// edge, of first order in the moments and of second in the largest pressure; the area ends between elements.
+/// Half length, pressure, approach and area of Hertz's line contact, for a force and for its
+/// approach. Tolerances: the elements at the edge, of first order in the moments and of second
+/// order in the largest pressure; the area ends between elements.
 #[test]
 fn hertz_along_a_line() {
     let compliance = 2.0 * STEEL.compliance();
@@ -69,8 +70,8 @@ fn hertz_along_a_line() {
 }
 
 /// F/fN = 0.64: within 0.1 % on one row of 25 elements per semi-axis, and 0.01 % on 100. With the
-/// upwind difference errors halve with the element, and on 25 elements it is CONTACT's on the same
-/// elements, 0.6480.
+/// upwind difference errors halve with the element size, and on 25 elements the result is that of
+/// CONTACT on the same elements, 0.6480.
 #[test]
 fn carter_on_one_row() {
     let on = |difference: &str, n: usize| {
@@ -89,8 +90,8 @@ fn carter_on_one_row() {
     assert_close(2.0 * finest - fine, 0.64, 1e-4);
 }
 
-/// Across a line a traction deforms 1/(1 − ν) times as much as along it: the same law at a creepage so much larger.
-/// Tolerance: that of the tractions.
+/// Across a line a traction deforms 1/(1 − ν) times as much as along it: the same law at a creepage
+/// larger by this factor. Tolerance: that of the tractions.
 #[test]
 fn lateral_creepage_of_a_line() {
     let mut case = carter_case(60);
@@ -101,7 +102,7 @@ fn lateral_creepage_of_a_line() {
     assert_close(across.number("creep_force_x_n"), 0.0, 1e-9);
 }
 
-/// Carter's strips on a line are his closed form, which the boundary elements come to.
+/// Carter's strips on a line reproduce his closed form, to which the boundary elements converge.
 #[test]
 fn closed_form_of_a_line() {
     let mut case = carter_case(40);
@@ -120,10 +121,10 @@ fn closed_form_of_a_line() {
     );
 }
 
-/// Different rollers that roll freely: without slip the creepage is Bufler's, whose pressure and
-/// traction oscillate at the ends, so that on a grid an element of the edge more or less decides on
-/// 1.5 %, and on 0.3 % where it is 800 to the half length; under next to no friction it is the one
-/// at which half of the load slips either way, and Newton's method alone would not find that.
+/// Different rollers in free rolling. Without slip the creepage is Bufler's. Its pressure and
+/// traction oscillate at the ends, so that on a grid one element more or less at the edge changes
+/// it by 1.5 %, and by 0.3 % with 800 elements per half length. Under almost no friction it is the
+/// creepage at which half of the load slips either way, which Newton's method alone would not find.
 /// Tolerance: the first order at a/100.
 #[test]
 fn different_rollers() {
@@ -142,11 +143,12 @@ fn different_rollers() {
     for friction in [1e-5, 1e-4, 3e-4, 1e-3] {
         assert_close(creepage(friction, 100), frictionless, 3e-3);
     }
-    // CONTACT's, with the friction of Bentall and Johnson's figures.
+    // CONTACT, with the friction of Bentall and Johnson's figures.
     assert_close(creepage(0.05, 100), -4.294e-4, 1e-3);
 }
 
-/// Products with the operator hardly grow with the resolution of a line: less than three times as many with sixteen times the elements.
+/// The number of operator products hardly grows with the resolution of a line: less than threefold
+/// for sixteen times the elements.
 #[test]
 fn fine_lines_are_cheap() {
     let work = |n| run(&carter_case(n)).report.work;
@@ -164,7 +166,7 @@ fn what_varies_across_a_line_is_refused() {
     let radius = refused(&|case| case["bodies"]["rail"]["radius_y"] = json!(0.3));
     assert!(radius.key == "contact.width" && radius.reason.contains("bodies.rail.radius_y"));
     let narrow = refused(&|case| case["contact"]["width"] = json!(1e-3));
-    assert!(narrow.reason.contains("not wide"), "{}", narrow.reason);
+    assert!(narrow.reason.contains("not large compared"), "{}", narrow.reason);
     let spin = refused(&|case| case["motion"]["creepage"]["phi"] = json!(0.1));
     assert!(spin.reason.contains("spin"), "{}", spin.reason);
     let rows = refused(&|case| case["mech"]["lateral_resolution"] = json!(5));
@@ -176,7 +178,7 @@ fn what_varies_across_a_line_is_refused() {
     assert_eq!(given.key, "contact.width");
 }
 
-/// A case without width says how a line of contact is written.
+/// The error for a case without width explains how to write a line contact.
 #[test]
 fn a_line_is_offered() {
     let mut case = carter_case(10);

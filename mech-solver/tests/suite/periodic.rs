@@ -1,4 +1,4 @@
-//! Contacts that repeat, against closed forms.
+//! Periodic contacts, against closed forms.
 
 use super::common::{configuration, refusal, run};
 use serde_json::{Value, json};
@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 
 const MODULUS: f64 = 210e9;
 const WAVELENGTH: f64 = 1e-3;
-/// Sum of both bodies' compliances [1/Pa].
+/// Sum of the compliances of both bodies [1/Pa].
 const COMPLIANCE: f64 = 2.0 * 0.91 / MODULUS;
 const AMPLITUDE: f64 = 1e-6;
 
-/// Two flat bodies, one of them wavy, one wave of it in a cell a millimetre wide.
+/// Two flat bodies, one of them wavy, with one wave in a cell one millimetre wide.
 fn wavy(mean_pressure: f64, resolution: usize) -> Value {
     let body = |position: &str| json!({"position": position, "material": "steel"});
     json!({
@@ -24,13 +24,14 @@ fn wavy(mean_pressure: f64, resolution: usize) -> Value {
     })
 }
 
-/// The mean pressure that closes the wave, π E* h/λ.
+/// Mean pressure that closes the wave, π E* h/λ.
 fn closing() -> f64 {
     PI * AMPLITUDE / (COMPLIANCE * WAVELENGTH)
 }
 
 /// Westergaard's wave: a share 2a/λ touches under p̄ = p* sin²(πa/λ), and the largest pressure is
-/// 2p̄/sin(πa/λ). Tolerances: a contact's edge is known to an element, and the pressure between their centres.
+/// 2p̄/sin(πa/λ). Tolerances: the edge of the contact is known to one element, and the pressure at
+/// the element centres.
 #[test]
 fn a_wave_that_is_pressed_in_part() {
     for share in [0.25, 0.5, 0.75_f64] {
@@ -44,14 +45,14 @@ fn a_wave_that_is_pressed_in_part() {
             errors.push(run.number("max_pressure_pa") * sine / (2.0 * mean) - 1.0);
         }
         println!("{share} touches: {errors:.6?}");
-        // Of second order at least; a quarter of sixteen elements are four.
+        // Second order at least; a quarter of sixteen elements is four.
         let within = errors.iter().zip([0.02, 1e-3, 1e-4]).all(|(error, most)| error.abs() < most);
         assert!(within, "{share}: {errors:?}");
     }
 }
 
-/// Pressed flat the pressure is p̄ − p* cos(2πx/λ): to rounding, since a wave of the grid is exact. The friction is f p
-/// against the slip, and its power that of the force.
+/// Full contact: the pressure is p̄ − p* cos(2πx/λ) to rounding, since a wave of the grid is exact.
+/// The traction is f p against the slip, and its power is that of the force.
 #[test]
 fn a_wave_that_is_pressed_flat() {
     let mean = 1.5 * closing();
@@ -73,14 +74,15 @@ fn a_wave_that_is_pressed_flat() {
     assert!((sum * area / run.number("friction_power_w") - 1.0).abs() < 1e-12);
 }
 
-/// Under a light load the tops of waves along both directions are paraboloids of their own, of the radius λ²/(4π²h): Hertz's pressure and load.
-/// Tolerance: elements at the edge, and that the top flattens out at a distance.
+/// Under a light load the tops of waves along both directions are separate paraboloids of the
+/// radius λ²/(4π²h), with Hertz's pressure and load. Tolerance: elements at the edge, and the shape
+/// of the top away from its middle.
 #[test]
 fn tops_under_a_light_load_are_hertzian() {
     let mut case = wavy(1.0, 256);
     case["effects"]["roughness"]["wavelength_y"] = json!(1e-3);
     case["mech"]["lateral_resolution"] = json!(256);
-    // Half of the wave's amplitude stands above the plane: cos cos has two tops in a cell.
+    // Half of the wave's amplitude is above the plane: cos cos has two tops in a cell.
     let curvature = (2.0 * PI / WAVELENGTH).powi(2) * AMPLITUDE;
     let radius: f64 = 0.06e-3;
     let pressure = 2.0 * radius * curvature / (PI * COMPLIANCE);
@@ -93,7 +95,7 @@ fn tops_under_a_light_load_are_hertzian() {
     assert!((area - 1.0).abs() < 0.08, "{area}");
 }
 
-/// A self-affine surface repeats where the contact does.
+/// A self-affine surface is periodic like the contact.
 #[test]
 fn roughness_repeats() {
     let mut case = wavy(1e6, 64);

@@ -1,4 +1,4 @@
-//! A layer that flows plastically, and hardens or softens by it.
+//! A layer that flows plastically, and hardens or softens.
 
 use super::common::{
     FRICTION, NoInputs, SPEED, Store, assert_close, configuration, driven, paper, refusal, run,
@@ -11,10 +11,11 @@ use proto::model::{Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 
-/// Shear modulus of steel, and the flexibility of one square millimetre of two such half-spaces under its own traction, as CONTACT has it.
+/// Flexibility of one square millimetre of two steel half-spaces under its own traction, as in
+/// CONTACT.
 const OWN: f64 = 1e-6 / 84.97e6;
 
-/// One element of 1 mm² under 900 N on a layer, as of CONTACT's example plastic_3bl.
+/// One element of 1 mm² under 900 N on a layer, as in CONTACT's example plastic_3bl.
 fn element(flexibility: f64, yield_stress: f64, hardening: f64) -> Value {
     json!({
         "bodies": {"block": {"position": "upper", "radius_x": 1e-3, "radius_y": 1e-3, "material": "steel"},
@@ -30,7 +31,7 @@ fn element(flexibility: f64, yield_stress: f64, hardening: f64) -> Value {
     })
 }
 
-/// The case over columns whose rows are a second apart, the first after one.
+/// Adds columns to a case, with rows one second apart, the first at one second.
 fn over(case: &Value, columns: &[(&str, Vec<f64>)]) -> Configuration {
     let count = columns[0].1.len();
     let times = (1..=count).map(|k| k as f64).collect();
@@ -48,7 +49,7 @@ fn built(configuration: &Configuration) -> (Box<dyn Model>, Store) {
     (setup.build(&Progress::default()).expect("a checked case builds"), store)
 }
 
-/// The section `contact` after every window of a length.
+/// Section `contact` of the summary after every window of this length.
 fn windows(configuration: &Configuration, count: u64, length: f64) -> Vec<Value> {
     let (mut model, mut store) = built(configuration);
     let window = |window: u64| {
@@ -65,7 +66,7 @@ fn number(contact: &Value, key: &str) -> f64 {
     contact[key].as_f64().unwrap_or_else(|| panic!("{key} is not in the summary"))
 }
 
-/// The sums of steps.
+/// Cumulative sums of the steps.
 fn sums(steps: &[f64]) -> Vec<f64> {
     steps
         .iter()
@@ -76,8 +77,9 @@ fn sums(steps: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Clay that hardens, turned round on the way; sand that softens down to a tenth; and sulphide: an elastic spring and two sliders in series, by
-/// hand. Tolerance: four digits of the element's own flexibility.
+/// Clay that hardens, reversed on the way; sand that softens down to a tenth; and sulphide: an
+/// elastic spring and two sliders in series, by hand. Tolerance: four digits of the element's own
+/// flexibility.
 #[test]
 fn one_element_is_a_spring_and_two_sliders() {
     for (flexibility, yield_stress, hardening, steps) in [
@@ -104,7 +106,7 @@ fn one_element_is_a_spring_and_two_sliders() {
             let size = if free.abs() <= bound.min(yields(plastic)) {
                 free.abs()
             } else {
-                // The spring gives back what the layer takes.
+                // The spring releases the displacement that the layer takes up.
                 let taken =
                     (free.abs() - yields(plastic)) * compliance / (1.0 + hardening * compliance);
                 let lowest = (free.abs() - 0.1 * yield_stress) * compliance;
@@ -125,7 +127,7 @@ fn one_element_is_a_spring_and_two_sliders() {
     }
 }
 
-/// The paper's contact on a layer, at a creepage.
+/// Contact of the paper on a layer, at a creepage.
 fn rolling(creepage: Value, hardening: f64) -> Value {
     let mut case = paper();
     case["motion"] = json!({"speed": SPEED, "creepage": creepage});
@@ -135,8 +137,10 @@ fn rolling(creepage: Value, hardening: f64) -> Value {
     case
 }
 
-/// Under all creepages what friction and the layer take together is the power of the forces, and the layer takes a part: all where it never hardens to friction.
-/// Without hardening it is `shear_limit`. Tolerances: rounding of the balance, of tractions 1e-4.
+/// Under all creepages the power of friction and layer together equals that of the forces. The
+/// share of the layer is a part of it, or all of it if the layer never hardens up to friction.
+/// Without hardening the result is that of `shear_limit`. Tolerances: rounding of the balance, 1e-4
+/// of the tractions.
 #[test]
 fn what_the_layer_takes_is_friction_power() {
     for creepage in
@@ -167,8 +171,8 @@ fn what_the_layer_takes_is_friction_power() {
     }
 }
 
-/// Rolled on long enough, with particles that carry their plastic shift from step to step, a contact comes to its steady state, in which shifts gather
-/// along the rows. Tolerance: that of tractions.
+/// After enough rolling, with particles that carry their plastic shift from step to step, a contact
+/// reaches its steady state, where shifts accumulate along the rows. Tolerance: that of tractions.
 #[test]
 fn rolling_with_memory_comes_to_the_steady_state() {
     for hardening in [5e12, 1e14, -2e12] {
@@ -191,7 +195,8 @@ fn rolling_with_memory_comes_to_the_steady_state() {
     }
 }
 
-/// Where all slides far the rigid slip decides: a particle that has come so far carries τ₀ + kξ(x₀ − x), until that is friction's. Tolerance: what the bodies give, over the way.
+/// Large full slip, where the rigid slip decides: a particle at x carries τ₀ + kξ(x₀ − x), up to
+/// the friction limit. Tolerance: the displacement of the bodies relative to the slip distance.
 #[test]
 fn a_particle_hardens_by_the_way_that_it_slides() {
     let (creepage, hardening) = (0.1, 2e11);
@@ -218,7 +223,8 @@ fn a_particle_hardens_by_the_way_that_it_slides() {
     assert!(flowed > 20, "{flowed}");
 }
 
-/// A contact that is restored goes on bit for bit as the one that was saved, and a state of one without a layer is none of it.
+/// A restored contact continues bit for bit like the saved one, and a state without a layer is
+/// refused.
 #[test]
 fn plastic_shifts_are_part_of_the_state() {
     let mut case = rolling(json!({"xi": -3e-3}), 5e12);
@@ -245,7 +251,7 @@ fn plastic_shifts_are_part_of_the_state() {
     assert!(bare.restore(&mut saved.as_slice()).is_err());
 }
 
-/// A longitudinal force is met by its creepage, which is larger on a layer that flows.
+/// A longitudinal force is met by a creepage, which is larger on a flowing layer.
 #[test]
 fn a_force_is_met_over_a_layer_that_flows() {
     let mut case = driven(paper(), "traction_coefficient", 0.3);

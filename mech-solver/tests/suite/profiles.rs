@@ -1,5 +1,5 @@
-//! Contacts of measured profiles: every place that touches is found and resolved, corners are kept,
-//! and mirrored shapes touch in mirrored places.
+//! Contacts of measured profiles: every touching place is found and resolved, corners are kept, and
+//! mirrored shapes touch in mirrored places.
 
 use super::common::{Run, STEEL, assert_close, configuration, paper, run};
 use elastic::hertz::{EllipticContact, elliptic_contact};
@@ -8,11 +8,11 @@ use proto::model::Solver;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// A profile in a file of its own, gone with the value.
+/// A profile in a temporary file, removed on drop.
 struct File(PathBuf);
 
 impl File {
-    /// A point every `spacing` [m] over ± `end` [m].
+    /// Creates a profile with a point every `spacing` [m] over ± `end` [m].
     fn new(name: &str, end: f64, spacing: f64, height: impl Fn(f64) -> f64) -> Self {
         let count = (end / spacing).round() as i32;
         let points = (-count..=count).map(|k| f64::from(k) * spacing);
@@ -53,7 +53,7 @@ fn of(patch: &Value, key: &str) -> f64 {
     patch[key].as_f64().unwrap_or_else(|| panic!("{key}: {patch}"))
 }
 
-/// The pressure and its mirror image are one to `tolerance` of the maximum.
+/// Checks that the pressure equals its mirror image to `tolerance` of the maximum.
 fn assert_symmetric(run: &Run, tolerance: f64) {
     let pressure = &run.fields["pressure"];
     let grid = run.grid().as_structured().expect("a plane contact");
@@ -67,9 +67,9 @@ fn assert_symmetric(run: &Run, tolerance: f64) {
     }
 }
 
-/// Two crowns of 300 mm at ±20 mm carry half the load each, as Hertz has it, however light the load.
-/// Tolerances: 1 % for the grid, whose elements do not lie the same on both crowns and on a single one,
-/// and the other patch's displacement.
+/// Two crowns of 300 mm at ±20 mm carry half of the load each, with Hertz's pressure, even under
+/// the lightest load. Tolerances: 1 % for the grid, whose elements lie differently on both crowns
+/// and on a single one, and the displacement by the other patch.
 #[test]
 fn two_equal_crowns_carry_half_each() {
     let rail = File::new("crowns", 36e-3, 0.5e-3, |y| -0.5 * (y.abs() - 20e-3).powi(2) / 0.3);
@@ -90,18 +90,18 @@ fn two_equal_crowns_carry_half_each() {
     }
 }
 
-/// Places that touch too far apart for the coarse grid are a refusal, not a contact that is half there.
+/// Touching places too far apart for the coarse grid are refused, instead of losing one.
 #[test]
 fn crowns_too_far_apart_for_a_grid_are_refused() {
     let rail = File::new("far", 36e-3, 0.5e-3, |y| -0.5 * (y.abs() - 20e-3).powi(2) / 0.3);
     let refused = super::common::refusal(&configuration(&on_rail(&rail, 1e-4, 10)));
     assert_eq!(refused.key, "bodies.rail.profile");
-    assert!(refused.reason.contains("also touch at"), "{refused}");
+    assert!(refused.reason.contains("also touch 2.0"), "{refused}");
 }
 
-/// A flat railhead of 40 mm with edges that fall off at 1:20 carries a straight wheel over all of its
-/// width: in the middle as a line contact, less the 7 % of the load that its ends draw to themselves, on
-/// both sides alike, and not on a bump of the interpolation.
+/// A flat railhead of 40 mm with edges falling off at 1:20 carries a straight wheel over its whole
+/// width. In the middle it is a line contact, minus the 7 % of the load carried by its ends. Both
+/// sides are equal, and no bump of the interpolation carries load.
 #[test]
 fn a_flat_rail_with_edges_is_flat() {
     let rail = File::new("edges", 36e-3, 1e-3, |y| -0.05 * (y.abs() - 20e-3).max(0.0));
@@ -114,7 +114,7 @@ fn a_flat_rail_with_edges_is_flat() {
     let grid = *run.grid().as_structured().expect("a plane contact");
     let pressure = &run.fields["pressure"];
     let middle = pressure[grid.nj / 2 * grid.ni..][..grid.ni].iter().copied().fold(0.0, f64::max);
-    // Johnson, eq. 4.45: p0² = P' E*/(π R), P' the load of a metre.
+    // Johnson, eq. 4.45: p0² = P' E*/(π R), with the load P' per metre.
     let line = (20e3 / 40e-3 / (std::f64::consts::PI * 0.46 * STEEL)).sqrt();
     assert_close(middle, 0.93 * line, 0.02);
     assert_symmetric(&run, 1e-6);
@@ -127,8 +127,8 @@ fn a_flat_rail_with_edges_is_flat() {
     assert!(remarks.contains("the contact reaches kinks"), "{remarks}");
 }
 
-/// A crown of 2 mm radius beside one of 300 mm: each patch meets Hertz's pressure under the load it
-/// carries, the narrow one with ten rows at least. Tolerance: that of a patch of a dozen rows.
+/// A crown of 2 mm radius beside one of 300 mm: each patch has Hertz's pressure for its load, and
+/// the narrow one at least ten rows. Tolerance: that of a patch of a dozen rows.
 #[test]
 fn a_narrow_patch_is_resolved() {
     let heights = |y: f64| {
@@ -153,7 +153,7 @@ fn a_narrow_patch_is_resolved() {
     check(&case, 20.0);
 }
 
-/// A tolerance for smoothing needs a profile to smooth, and takes the noise out of one.
+/// A smoothing tolerance requires a profile, and removes its noise.
 #[test]
 fn smoothing_by_a_stated_tolerance() {
     let mut case = paper();
@@ -170,11 +170,11 @@ fn smoothing_by_a_stated_tolerance() {
     let error = |run: &Run| (run.number("max_pressure_pa") / exact - 1.0).abs();
     assert!(error(&rough) > 0.1 && error(&smooth) < 0.03, "{} {}", error(&rough), error(&smooth));
     let remarks = MechSolver.configure(&configuration(&case)).expect("a good case");
-    assert!(remarks.layout().remarks.iter().any(|remark| remark.contains("smoothed, by ")));
+    assert!(remarks.layout().remarks.iter().any(|remark| remark.contains("smoothed by at most")));
 }
 
-/// Sub-surface sections lie below the patch with the highest pressure, unless the case says where, and
-/// the friction power is announced there.
+/// Subsurface sections lie below the patch with the highest pressure unless the case gives their
+/// position, and the friction power is announced there.
 #[test]
 fn sections_go_through_the_highest_pressure() {
     let heights = |y: f64| -0.5 * (y.abs() - 15e-3).powi(2) / if y > 0.0 { 0.1 } else { 0.3 };
@@ -197,7 +197,7 @@ fn sections_go_through_the_highest_pressure() {
     assert_eq!(section(&case).0, -1e-3);
 }
 
-/// A case of explicit elements with a creepage.
+/// Case of explicit elements with a creepage.
 fn of_elements(rail: Value, resolution: usize) -> Value {
     let mut case = paper();
     case["bodies"]["rail"] = rail;
@@ -206,8 +206,8 @@ fn of_elements(rail: Value, resolution: usize) -> Value {
     case
 }
 
-/// A crown that is measured makes the elements of a crown that is given. Tolerance: meshes of slightly different sizes, as the
-/// contact of a profile is found on a grid.
+/// A measured crown gives the elements of a crown given by its radius. Tolerance: slightly
+/// different mesh sizes, as the contact of a profile is located on a grid.
 #[test]
 fn elements_of_a_measured_crown() {
     let crown = File::new("crown", 0.15, 1e-3, |y| (0.3_f64 * 0.3 - y * y).sqrt() - 0.3);
@@ -226,8 +226,8 @@ fn elements_of_a_measured_crown() {
     assert!(measured.number("creep_force_y_n").abs() < 0.01 * given.number("creep_force_x_n"));
 }
 
-/// Two crowns at ±10 mm, one of which is 10 µm lower: elements share the load between them as half-spaces do. Tolerance, of the
-/// load: three elements to a semi-axis.
+/// Two crowns at ±10 mm, one of them 10 µm lower: elements distribute the load between them like
+/// half-spaces. Tolerance relative to the load: three elements per semi-axis.
 #[test]
 fn elements_share_a_load_between_two_patches() {
     let crowns = |y: f64| -0.5 * (y.abs() - 0.01).powi(2) / 0.1 - if y > 0.0 { 1e-5 } else { 0.0 };

@@ -1,4 +1,4 @@
-//! Rods that touch or do not.
+//! Rods in contact or apart.
 
 use super::common::{Store, configuration, fitted, paper, without};
 use mech_solver::MechSolver;
@@ -8,7 +8,7 @@ use proto::model::{InputField, Inputs, Solver, Step};
 use proto::progress::Progress;
 use serde_json::json;
 
-/// Integrals of the rise over the upper and the lower rod [K m].
+/// Integrals of the temperature rise over the upper and the lower rod [K m].
 struct Warm(Grid, [f64; 2]);
 
 impl Inputs for Warm {
@@ -19,7 +19,8 @@ impl Inputs for Warm {
     }
 }
 
-/// Two rods, 0.1 and 0.3 m long, 10 µm apart: open until αW has closed the gap, pressed by what more there is, over Σ L/E.
+/// Two rods, 0.1 and 0.3 m long, 10 µm apart: open until αW has closed the gap, then pressed by the
+/// excess over Σ L/E.
 #[test]
 fn rods_close_a_gap_and_press() {
     let mut case = fitted(without(paper(), "partial_slip"), "rod");

@@ -1,4 +1,5 @@
-//! Cases whose values vary: rows of a sequence, solved again, from a saved state, without an answer.
+//! Cases with varying values: rows of a sequence, solved again, from a saved state, or without a
+//! solution.
 
 use crate::common::{NoInputs, Store, assert_close, configuration, driven, paper, run};
 use mech_solver::MechSolver;
@@ -8,7 +9,7 @@ use proto::model::{Model, Solver, Step, StepError, StepReport};
 use proto::progress::Progress;
 use serde_json::json;
 
-/// Traction coefficients and loads of four rows; the third has none that friction carries.
+/// Traction coefficients and loads of four rows; friction cannot carry the third.
 fn rows(model: &str) -> Configuration {
     let mut case = driven(paper(), "traction_coefficient", 0.2);
     case["mech"] = json!({"model": model, "resolution": 8});
@@ -47,8 +48,8 @@ impl Sequence {
     }
 }
 
-/// A row solved again, or from a saved state, is the same to the bit; one without an answer leaves the
-/// next one as if it had not been.
+/// A row solved again, or from a saved state, is the same to the bit. A row without a solution does
+/// not affect the next one.
 #[test]
 fn rows_depend_on_what_was_accepted_alone() {
     for model in ["hertz-carter", "fastsim", "half-space"] {
@@ -74,8 +75,9 @@ fn rows_depend_on_what_was_accepted_alone() {
     }
 }
 
-/// Rows whose friction falls with slip have the figures of cases with their values. Tolerances:
-/// rounding in closed form; the strips of the simplified theory follow the grid that all rows share.
+/// Rows with friction that falls with slip have the figures of cases with their values. Tolerances:
+/// rounding in closed form; the strips of the simplified theory depend on the grid shared by all
+/// rows.
 #[test]
 fn friction_follows_the_slip_of_every_row() {
     for (model, tolerance) in [("hertz-carter", 1e-9), ("fastsim", 1e-5)] {

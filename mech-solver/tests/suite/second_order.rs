@@ -1,7 +1,8 @@
-//! Accuracy and energy of Fromm's difference, beside the upwind one.
+//! Accuracy and energy balance of Fromm's difference, compared with the upwind one.
 //!
-//! The table of errors: `cargo test --release --workspace --locked --test suite -- forces_of_second_order
-//! --nocapture`; with `FINEST=320` in the environment to a/160, in minutes.
+//! Table of errors: `cargo test --release --workspace --locked --test suite --
+//! forces_of_second_order --nocapture`; with `FINEST=320` in the environment up to a/160, which
+//! takes minutes.
 
 use super::common::{assert_close, run};
 use super::half_space_model::{InTime, half_space, rolling};
@@ -16,13 +17,14 @@ use proto::grid::Structured;
 use serde_json::json;
 use std::f64::consts::PI;
 
-/// The paper's contact: semi-axes [m], friction, load [N], speed [m/s], and b = √(λρc) of steel [W √s/(m² K)].
+/// Contact of the paper: semi-axes [m], friction, load [N], speed [m/s], and effusivity √(λρc) of
+/// steel [W √s/(m² K)].
 const AXES: [f64; 2] = [7.8956e-3, 5.939e-3];
 const FRICTION: f64 = 0.6;
 const LOAD: f64 = 134e3;
 const SPEED: f64 = 38.889;
 const EFFUSIVITY: f64 = 12_832.0;
-/// Positions of the grid, in elements.
+/// Offsets of the grid, in elements.
 const POSITIONS: [[f64; 2]; 5] = [[0.0, 0.0], [0.5, 0.5], [0.25, 0.4], [-0.3, 0.2], [0.1, -0.35]];
 const CREEPAGES: [(&str, [f64; 3]); 7] = [
     ("ξ = -4e-3", [-4e-3, 0.0, 0.0]),
@@ -39,15 +41,16 @@ const CREEPAGES: [(&str, [f64; 3]); 7] = [
 struct Found {
     /// F_x and F_y over f N, and M_z over f N √(ab).
     forces: [f64; 3],
-    /// Largest rise of the lower body by the heat of slip, and by all that friction takes [K].
+    /// Largest temperature rise of the lower body due to the slip, and due to the total friction
+    /// power [K].
     peaks: [f64; 2],
-    /// Power of the slip over that of the forces.
+    /// Power of the slip over the power of the forces.
     power: f64,
-    /// Area of slip over the area of the contact.
+    /// Slip area over contact area.
     slip_area: f64,
 }
 
-/// Solves on elements of a/n at a position of the grid.
+/// Solves on elements of a/n at an offset of the grid.
 fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2]) -> Found {
     let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
     let [a, b] = AXES;
@@ -103,7 +106,8 @@ fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2
     Found { forces, peaks, power: heat.iter().sum::<f64>() / work, slip_area }
 }
 
-/// Largest rise in a row of elements that half of this heat passes over, one in every `step` [s], heat linear in between.
+/// Largest temperature rise under a row of elements with half of this heat, one element every
+/// `step` [s], with linear interpolation.
 fn peak(row: &[f64], step: f64) -> f64 {
     let row: Vec<f64> = row.iter().rev().map(|heat| 0.5 * heat).collect();
     let rise = |end: usize| -> f64 {
@@ -118,7 +122,7 @@ fn peak(row: &[f64], step: f64) -> f64 {
     (1..row.len()).map(rise).fold(0.0, f64::max)
 }
 
-/// Root mean square and mean of errors over the positions.
+/// Root mean square and mean of errors over the offsets.
 fn spread(errors: impl Iterator<Item = f64>) -> [f64; 2] {
     let errors: Vec<f64> = errors.collect();
     let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / errors.len() as f64;
@@ -129,9 +133,9 @@ fn positions(difference: Difference, creepage: [f64; 3], n: usize) -> Vec<Found>
     POSITIONS.iter().map(|position| solve(difference, creepage, n, *position)).collect()
 }
 
-/// Forces are within 0.3 % of f N (rms) at a/20 and 0.1 % at a/40, the aims of the method, and
-/// within 0.5 % at a/10: a quarter more than measured there. The reference is the mean over all
-/// positions at a/80, whose own error is 0.02 %.
+/// Forces are within 0.3 % of f N (rms) at a/20 and 0.1 % at a/40, the targets of the method, and
+/// within 0.5 % at a/10, a quarter above the measured value. The reference is the mean over all
+/// offsets at a/80, whose error is 0.02 %.
 #[test]
 fn forces_of_second_order() {
     let finest = std::env::var("FINEST").map_or(80, |finest| finest.parse().unwrap());
@@ -170,8 +174,8 @@ fn forces_of_second_order() {
     }
 }
 
-/// With the numerical dissipation as heat, the largest rise is closer to its limit than without,
-/// on grids that are coarse enough for it to matter.
+/// On coarse grids the largest temperature rise is closer to its limit if the numerical dissipation
+/// is included as heat.
 #[test]
 fn dissipation_is_heat_where_slip_is_not_resolved() {
     for (name, creepage) in CREEPAGES {
@@ -186,7 +190,7 @@ fn dissipation_is_heat_where_slip_is_not_resolved() {
     }
 }
 
-/// The power of the friction is that of the forces, at every resolution, rounding apart.
+/// The friction power equals that of the forces at every resolution, up to rounding.
 #[test]
 fn friction_power_is_that_of_the_forces() {
     for resolution in [3, 10, 25] {
@@ -210,7 +214,7 @@ fn friction_power_is_that_of_the_forces() {
     }
 }
 
-/// The audit holds for bodies of different constants, and for viscoelastic ones.
+/// The power balance holds for bodies of different constants, and for viscoelastic bodies.
 #[test]
 fn different_and_viscoelastic_bodies_lose_no_power() {
     let creepages = [[0.0; 3], [-0.01, 0.0, 0.0], [0.02, 0.005, 0.0], [0.0, 0.0, 1.0]];
@@ -232,10 +236,10 @@ fn different_and_viscoelastic_bodies_lose_no_power() {
     }
 }
 
-/// A contact that begins to roll has built up its force after 6 a as far on every grid: the
-/// difference to the steady state is that of the way, and not of the grid (to 5e-4 of f N). After 2
-/// a the error is less than half of that of the upwind difference, and falls; the reference is
-/// a/40. The power balance holds in every step.
+/// After 6 a, a contact that starts to roll has built up the same share of its force on every grid:
+/// the difference to the steady state depends on the distance, not on the grid (to 5e-4 of f N).
+/// After 2 a the error is less than half of that of the upwind difference, and decreases; the
+/// reference is a/40. The power balance holds in every step.
 #[test]
 fn a_transient_start_converges() {
     let force = |difference: &str, n: usize| -> [f64; 2] {

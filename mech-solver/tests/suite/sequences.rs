@@ -1,4 +1,4 @@
-//! Load and shift that vary over contacts whose tractions have a memory, step by step.
+//! Varying load and shift of contacts with memory, step by step.
 
 use super::common::{NoInputs, Store, assert_close, configuration, refusal, run};
 use elastic::Elasticity;
@@ -11,7 +11,7 @@ use proto::model::{Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 
-/// One body on another of the same shape in all directions, at rest.
+/// Axisymmetric body pressed on another one, at rest.
 fn pressed(materials: [Value; 2], friction: f64, resolution: usize) -> Value {
     let [upper, lower] = materials;
     json!({
@@ -30,7 +30,7 @@ fn material(youngs_modulus: f64, poisson_ratio: f64) -> Value {
     json!({"youngs_modulus": youngs_modulus, "poisson_ratio": poisson_ratio})
 }
 
-/// The case over columns whose rows are a second apart, the first after one.
+/// Adds columns to a case, with rows one second apart, the first at one second.
 fn over(case: &Value, columns: &[(&str, Vec<f64>)]) -> Configuration {
     let count = columns[0].1.len();
     let times = (1..=count).map(|k| k as f64).collect();
@@ -56,7 +56,7 @@ impl Steps {
         Self { model, layout, outputs: configuration.outputs.clone() }
     }
 
-    /// Solves a window of a second, without accepting it.
+    /// Solves a window of one second without accepting it.
     fn attempt(&mut self, window: u64) -> Store {
         let mut store = Store::for_layout(&self.layout, &self.outputs);
         let step = Step { window, iteration: 1, start: window as f64, end: window as f64 + 1.0 };
@@ -75,12 +75,14 @@ fn number(contact: &Value, key: &str) -> f64 {
     contact[key].as_f64().unwrap_or_else(|| panic!("{key} is not in the summary"))
 }
 
-/// A punch of another material pressed on step by step: from the first steps on it sticks in the same share of the contact, which
-/// is Spence's, of a circle and of a line; and its pressure is Hertz's where the bodies hardly couple. Tolerances: an element of the stick
-/// radius, 1 % of the pressure.
+/// A punch of another material, pressed on step by step. From the first steps on it sticks in a
+/// constant share of the contact, that of Spence, for a circle and a line. If the bodies hardly
+/// couple its pressure is Hertz's. Tolerances: one element of the stick radius, 1 % of the
+/// pressure.
 #[test]
 fn spence() {
-    // β = 0.0196: the tractions' effect on the pressure, which the closed forms leave out, is of 4e-4.
+    // β = 0.0196: the effect of the tractions on the pressure, neglected by the closed forms, is
+    // about 4e-4.
     let soft = || [material(1e6, 0.49), material(1e15, 0.0)];
     let body = |youngs_modulus, poisson_ratio| Material { youngs_modulus, poisson_ratio };
     let beta = dissimilar::coupling(&Elasticity::of_pair(&body(1e6, 0.49), &body(1e15, 0.0)));
@@ -89,7 +91,7 @@ fn spence() {
     let loads = |count: u32, power: i32| -> Vec<f64> {
         (1..=count).map(|k| 1e-3 * (f64::from(k) / f64::from(count)).powi(power)).collect()
     };
-    // One more element of the radius in contact at each step.
+    // The contact radius grows by one element in each step.
     let case = pressed(soft(), friction, circle);
     let mut steps = Steps::new(&over(&case, &[("load.normal_force", loads(30, 3))]));
     let exact = dissimilar::stick_share_of_a_circle(beta / friction);
@@ -118,8 +120,8 @@ fn spence() {
     }
 }
 
-/// CONTACT's example of Spence's problem, one body rigid, ν = 0, f = 0.2986: at the end its figures on elements of the same size, a share
-/// of 225 of 921 elements that sticks, 23.92 kPa, 98.74 μm.
+/// CONTACT's example of Spence's problem, with one rigid body, ν = 0, f = 0.2986. Final figures on
+/// elements of the same size: 225 of 921 elements stick, 23.92 kPa, 98.74 μm.
 #[test]
 fn spence_as_in_contact() {
     let mut case = pressed([material(1e6, 0.0), material(200e9, 0.0)], 0.2986, 6);
@@ -134,8 +136,9 @@ fn spence_as_in_contact() {
     assert_close(number(&last, "approach_m"), 98.74e-6, 3e-4);
 }
 
-/// Shifted to and fro under a constant load: on the way out Cattaneo and Mindlin's law, back and out again twice its size from each turning
-/// point, and the cycle closes. Tolerance: what Cattaneo leaves out, the slip across the force, and the elements.
+/// Cyclic shift under constant load: first Cattaneo and Mindlin's law, then the same law at twice
+/// the size from each turning point, and the cycle closes. Tolerance: slip across the force,
+/// neglected by Cattaneo, and the elements.
 #[test]
 fn cycles_of_shift() {
     let steel = || material(210e9, 0.3);
@@ -153,7 +156,7 @@ fn cycles_of_shift() {
     let forces: Vec<f64> = (0..way.len() as u64)
         .map(|window| number(&steps.window(window), "creep_force_x_n") / 300.0)
         .collect();
-    // The force over f N at a shift, out of rest: the inverse of the closed form.
+    // Force over f N for a shift from rest: the inverse of the closed form.
     let whole = of(1.0);
     let out = |shift: f64| 1.0 - (1.0 - shift / whole).max(0.0).powf(1.5);
     let turned = |from: f64, by: f64| from - 2.0 * out(0.5 * by);
@@ -172,8 +175,8 @@ fn cycles_of_shift() {
     assert!((forces[9] - forces[1]).abs() < 1e-3 && (forces[6] + forces[1]).abs() < 1e-3);
 }
 
-/// A wheel that rolls on while its load and creepage change: in the end, long after, it is the steady contact of what they are then. Tolerance: what is
-/// left of the start after four lengths of the contact.
+/// A wheel rolls on while its load and creepage change. Long after, it is the steady contact of the
+/// final values. Tolerance: the remainder of the start after four contact lengths.
 #[test]
 fn rolling_under_a_load_that_varies() {
     let mut case = pressed([material(210e9, 0.3), material(210e9, 0.3)], 0.3, 6);
@@ -201,7 +204,7 @@ fn rolling_under_a_load_that_varies() {
         steps.model.accept();
         force = number(&steps.model.summary()["contact"], "creep_force_x_n");
     }
-    // Elements are those of the smallest contact, of the last load.
+    // The element size follows from the smallest contact, that of the last load.
     assert_close(force, run(&steady).number("creep_force_x_n"), 1e-4);
 }
 

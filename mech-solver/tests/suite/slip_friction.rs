@@ -1,4 +1,4 @@
-//! Friction that depends on the slip that it allows.
+//! Friction that depends on the resulting slip.
 
 use super::common::{
     FRICTION, NoInputs, SPEED, Store, assert_close, configuration, driven, paper, refusal, run,
@@ -21,8 +21,9 @@ fn falling(model: &str, traction: f64) -> Value {
     case
 }
 
-/// The creepage that is found for a force lets friction carry that force: a contact without the effect, with the constant friction
-/// of that creepage, has it too. Tolerances: closed form, and the accuracy of tractions.
+/// At the creepage found for a force, friction carries that force: a contact without the effect,
+/// with the constant friction of that creepage, gives the same. Tolerances: closed form, and the
+/// accuracy of tractions.
 #[test]
 fn force_and_friction_are_found_together() {
     for (model, tolerance) in [("hertz-carter", 1e-7), ("fastsim", 1e-7), ("half-space", 2e-4)] {
@@ -41,9 +42,9 @@ fn force_and_friction_are_found_together() {
     }
 }
 
-/// A window that is solved anew after one that was not accepted has the answer of a model that has
-/// solved nothing else, to the bit: the search for the creepage begins in the accepted state, not
-/// in the rejected solution.
+/// A window solved again after a rejected one reproduces the bits of a model that has solved
+/// nothing else: the search for the creepage starts in the accepted state, not in the rejected
+/// solution.
 #[test]
 fn a_repeated_window_begins_in_the_accepted_state() {
     let configuration = configuration(&falling("hertz-carter", 0.3));
@@ -59,7 +60,7 @@ fn a_repeated_window_begins_in_the_accepted_state() {
     assert_eq!(solved(1), solved(2));
 }
 
-/// The creep curve has a maximum: a force beyond it has no creepage, and says so.
+/// The creep curve has a maximum: a larger force has no creepage and is refused.
 #[test]
 fn a_force_beyond_the_maximum_is_refused() {
     for model in ["hertz-carter", "fastsim", "half-space"] {
@@ -74,8 +75,9 @@ fn a_force_beyond_the_maximum_is_refused() {
     }
 }
 
-/// A layer that yields cuts the friction bound off: all of a sliding contact carries ab π (τ(1 − t²) + ⅔ f p₀ t³), t = τ/(f p₀), and no element
-/// more than τ. Tolerance: the elements on the rim, in which the pressure is that of their middle.
+/// A yielding layer limits the friction bound. In full sliding the contact carries ab π (τ(1 −
+/// t²) + ⅔ f p₀ t³), t = τ/(f p₀), and no element more than τ. Tolerance: the elements on the rim,
+/// which have the pressure of their middle.
 #[test]
 fn a_layer_that_yields_cuts_friction_off() {
     for share in [0.25, 0.6, 0.95, 1.5] {
@@ -89,7 +91,8 @@ fn a_layer_that_yields_cuts_friction_off() {
         let largest = yields.number("max_traction_pa");
         assert!(largest <= cut * peak * (1.0 + 1e-12), "{share}: {largest} {peak}");
     }
-    // In rolling with partial slip a force that the layer carries is met, at a larger creepage, and no more than that.
+    // In rolling with partial slip a force within the limit of the layer is met at a larger
+    // creepage, and a larger force is refused.
     let mut rolling = driven(paper(), "traction_coefficient", 0.3);
     rolling["mech"] = json!({"model": "half-space", "resolution": 12});
     let free = run(&rolling);
@@ -109,7 +112,7 @@ fn a_layer_that_yields_cuts_friction_off() {
     assert!(refused.contains("between the surfaces yields"), "{refused}");
 }
 
-/// The paper's contact, all of which slides, with a layer that yields at this stress.
+/// Contact of the paper in full sliding, with a layer that yields at this stress.
 fn sliding(yield_stress: Option<f64>) -> Value {
     let mut case = without(driven(paper(), "creepage", -0.05), "partial_slip");
     case["mech"] = json!({"model": "half-space", "resolution": 20});
@@ -119,8 +122,8 @@ fn sliding(yield_stress: Option<f64>) -> Value {
     case
 }
 
-/// A film carries η V|ξ|/h on all of the contact, until friction bounds it. Tolerance: the elements on the edge, where friction
-/// is below the film's.
+/// A film carries η V|ξ|/h on the whole contact, up to the friction bound. Tolerance: the elements
+/// on the edge, where friction is below the film's traction.
 #[test]
 fn a_film_carries_its_shear() {
     let film = |creepage: f64| {
@@ -141,8 +144,8 @@ fn a_film_carries_its_shear() {
     assert_eq!(refusal(&configuration(&driven_by_force)).key, "effects.viscous_layer");
 }
 
-/// All of a sliding contact has the friction of its one slip velocity, by every law; friction at rest falls by the same slope.
-/// Tolerance: rounding.
+/// A contact in full sliding has the friction of its single slip velocity, for every law; at rest
+/// all laws have the same slope. Tolerance: rounding.
 #[test]
 fn laws_of_falling_friction() {
     let force = |law: &str, creepage: f64| {
@@ -167,8 +170,9 @@ fn laws_of_falling_friction() {
     assert!(slopes.iter().all(|slope| (slope / slopes[0] - 1.0).abs() < 1e-3), "{slopes:?}");
 }
 
-/// Along a line that slides all over, friction comes from that at rest to that of the slip velocity over the distance that its surfaces remember:
-/// in the middle of every element the exponential of the way since the front. Tolerance: rounding.
+/// Along a line in full sliding, friction changes from its value at rest to that of the slip
+/// velocity over the memory distance: exponentially in the distance from the front, evaluated in
+/// the middle of every element. Tolerance: rounding.
 #[test]
 fn friction_remembers_a_distance() {
     let (creepage, memory) = (0.2, 4e-4);
@@ -192,7 +196,8 @@ fn friction_remembers_a_distance() {
     assert!(traction[last] / pressure[last] > 0.9 * FRICTION);
 }
 
-/// Bands of friction: elements carry what the table says at their place, straight between its lines, and with partial slip no more. Tolerance: rounding.
+/// Bands of friction: elements carry the value of the table at their position, with linear
+/// interpolation, and no more with partial slip. Tolerance: rounding.
 #[test]
 fn friction_in_bands() {
     let folder = std::env::temp_dir().join(format!("cosim-bands-{}", std::process::id()));
@@ -220,7 +225,8 @@ fn friction_in_bands() {
     std::fs::remove_dir_all(&folder).expect("its own folder");
 }
 
-/// CONTACT's veldep_fric: a cylinder at 45 m/s on friction that falls with the slip velocity of every element.
+/// CONTACT's veldep_fric: a cylinder at 45 m/s with friction that falls with the slip velocity of
+/// every element.
 fn falling_line(slip: &str, start: &str) -> Value {
     json!({
         "bodies": {"cylinder": {"position": "upper", "radius_x": 0.46, "material": "steel"},
@@ -236,8 +242,9 @@ fn falling_line(slip: &str, start: &str) -> Value {
     })
 }
 
-/// The friction of the elements that slip is that of their own slip velocity, of all starts the steady state is the same, CONTACT's; and it is not that of the
-/// rigid slip. Tolerances: of friction that has settled, with the memory of one element; four digits printed.
+/// Slipping elements have the friction of their own slip velocity. From all starts the steady state
+/// is the same, and agrees with CONTACT; it differs from that of the rigid slip. Tolerances:
+/// convergence of friction, with a memory of one element; four printed digits.
 #[test]
 fn friction_of_every_element_is_that_of_its_slip() {
     for memory in [0.0, 2e-6] {

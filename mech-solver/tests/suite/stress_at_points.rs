@@ -1,4 +1,4 @@
-//! Stresses at points that a case names.
+//! Stresses at points named by a case.
 
 use super::common::{NoInputs, Store, configuration, driven, paper, refusal};
 use mech_solver::MechSolver;
@@ -29,7 +29,7 @@ fn case(blocks: Value) -> Value {
     case
 }
 
-/// Layout, what the contact sends, what is observed, and the summary.
+/// Layout, outputs of the contact, observed fields, and the summary.
 fn observed(case: &Value) -> (Layout, Store, Store, Value) {
     let mut configuration = configuration(case);
     configuration.observed = FIELDS.map(str::to_owned).to_vec();
@@ -51,8 +51,9 @@ fn points(layout: &Layout) -> Points {
     }
 }
 
-/// On the surfaces of both bodies there are the pressure and the tractions of the contact, in the axes of the project: they act on the upper
-/// body, whose outward normal points down. The principal stresses are those of the tensor, with its directions. Tolerance: rounding.
+/// The stresses on the surfaces of both bodies equal the pressure and the tractions of the contact,
+/// in the axes of the project. They act on the upper body, whose outward normal points down. The
+/// principal stresses and directions are those of the tensor. Tolerance: rounding.
 #[test]
 fn surfaces_have_what_acts_on_them() {
     let surface = |body: &str| json!({"body": body, "z": 0.0});
@@ -96,7 +97,8 @@ fn surfaces_have_what_acts_on_them() {
     assert!(sheared > 20, "tractions along both axes are looked at: {sheared}");
 }
 
-/// Points of a file are those of a lattice, wherever the blocks stand; the summary has the largest of each block and its place. Tolerance: rounding.
+/// Points from a file have the values of a lattice, in any order of the blocks; the summary has the
+/// largest value of each block and its position. Tolerance: rounding.
 #[test]
 fn points_of_a_file_are_those_of_a_lattice() {
     let file = std::env::temp_dir().join(format!("points-{}.csv", std::process::id()));
@@ -128,7 +130,7 @@ fn points_of_a_file_are_those_of_a_lattice() {
     assert_eq!(plane["z_m"].as_f64(), Some(points.point(3 + at)[2]));
 }
 
-/// What a block lacks or has too much of is said by its key.
+/// Missing or superfluous values of a block are refused by their keys.
 #[test]
 fn blocks_without_sense_are_refused() {
     let key = |blocks: Value| refusal(&configuration(&case(blocks))).key;

@@ -1,5 +1,6 @@
-//! The model `wheel-on-track` with bodies that vary along the rolling direction, as a case gives them: slices from files,
-//! irregularities, positions; and what is refused. What the contact is, is tested beside [`wheel_rail`].
+//! The model `wheel-on-track` with bodies that vary along the rolling direction, as given by a
+//! case: slices from files, irregularities, positions, and refusals. The contact itself is tested
+//! in [`wheel_rail`].
 
 use super::common::{Run, assert_close, configuration, fitted, paper, refusal, run};
 use serde_json::{Value, json};
@@ -15,7 +16,7 @@ fn height(run: &Run) -> f64 {
     run.model.summary()["wheelset"]["z_m"].as_f64().expect("a height")
 }
 
-/// A file that is removed when it goes.
+/// Temporary file, removed on drop.
 struct File(PathBuf);
 
 impl File {
@@ -40,8 +41,9 @@ fn shipped(name: &str) -> String {
     format!("{}/../cases/profiles/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// On a rail that is new here and worn there, contact is that of the new rail, or of the worn one, where it is that; so is that of
-/// a wheel by its slices where they are all one. Tolerance: the weights of a patch's reference, by the gap as it is.
+/// On a rail that is new in one place and worn in another, the contact is that of the new or the
+/// worn rail at each place. A wheel with equal slices has the contact of their profile. Tolerance:
+/// the weights of a patch's reference, which use the true gap.
 #[test]
 fn slices_are_the_profiles_that_they_name() {
     let rail = |profile: &Value, way: f64| {
@@ -50,7 +52,7 @@ fn slices_are_the_profiles_that_they_name() {
         case["wheelset"]["way"] = json!(way);
         run(&case)
     };
-    // It is placed by what it is at the beginning.
+    // The profile at the beginning determines the placement.
     let [new, worn] = ["rail-60e1.csv", "rail-60e1-worn.csv"].map(shipped);
     let lines = [(0, &worn), (400, &worn), (800, &worn), (1800, &new), (2200, &new)];
     let lines = lines.map(|(at, profile)| format!("{at}, {profile}\n")).concat();
@@ -62,7 +64,7 @@ fn slices_are_the_profiles_that_they_name() {
         for key in ["max_pressure_pa", "creep_force_x_n"] {
             assert_close(found.number(key), expected.number(key), 2e-3);
         }
-        // At the other end it is another.
+        // The other end has a different profile.
         let other = rail(&slices, 2.8);
         assert!((height(&expected) - height(&other)).abs() > 1e-4, "{profile}");
     }
@@ -80,7 +82,8 @@ fn slices_are_the_profiles_that_they_name() {
     assert_close(found.number("creep_force_x_n"), expected.number("creep_force_x_n"), 2e-3);
 }
 
-/// A flat lowers the axle by its depth or less where it is under the wheel, and nowhere else; a dip of the rail does so where it is.
+/// A flat lowers the axle, by at most its depth, if it is under the wheel, and nowhere else; a dip
+/// of the rail acts at its position.
 #[test]
 fn an_irregularity_is_where_it_is() {
     let round = height(&run(&on_track()));
@@ -100,7 +103,7 @@ fn an_irregularity_is_where_it_is() {
     };
     assert!((-0.2e-3..-0.1e-3).contains(&flat(0.1 / 0.46)), "{}", flat(0.1 / 0.46));
     assert!(flat(0.0).abs() < 2e-8 && flat(3.0).abs() < 2e-8);
-    // It is long: the wheel is in its middle as on a rail that is hollow along.
+    // The dip is long: in its middle the wheel stands as on a rail that is lower by its depth.
     assert!((dip(3.0) + 0.2e-3).abs() < 2e-6 && dip(0.0).abs() < 2e-8, "{}", dip(3.0));
 }
 
@@ -129,19 +132,19 @@ fn what_does_not_vary_so_is_refused() {
     refused(
         &irregularity("wheel", json!({"form": "flat", "depth": 1e-3})),
         "bodies.wheel.irregularity.length",
-        "a depth, a length and a place",
+        "a depth, a length and a position",
     );
     refused(
         &irregularity("wheel", json!({"depth": 1e-3})),
         "bodies.wheel.irregularity.depth",
-        "none of its form",
+        "but no form",
     );
     let mut crowned = sizes("dip");
     crowned["crown_radius"] = json!(0.3);
     refused(
         &irregularity("rail", crowned),
         "bodies.rail.irregularity.crown_radius",
-        "as deep all across",
+        "constant depth across",
     );
     refused(
         &|case| {

@@ -18,15 +18,15 @@ const RUBBER: Material = Material { youngs_modulus: 1.0, poisson_ratio: 0.3 };
 const RIGID: Material = Material { youngs_modulus: f64::INFINITY, poisson_ratio: 0.0 };
 const RADIUS: f64 = 100.0;
 
-/// A body with a memory on a rigid one.
+/// Viscoelastic body on a rigid one.
 fn on_rigid(delayed: f64, length: f64) -> Bodies {
     let [own, _] = Elasticity::of_bodies(&[RUBBER, RIGID]);
     let memory = Delayed { elasticity: own.scaled(delayed), length };
     Bodies { instantaneous: own, delayed: [memory, Delayed::default()] }
 }
 
-/// Centre of pressure over Hunter's, of a contact of half-width 1 with so many elements a half-width, of which the row is so long that
-/// it is plane strain.
+/// Relative error of the centre of pressure, against Hunter, for a contact of half-width 1 with
+/// this number of elements per half-width. The row is long enough for plane strain.
 fn centre_error(delayed: f64, length: f64, resolution: usize) -> f64 {
     let bodies = on_rigid(delayed, length);
     let compliance = bodies.instantaneous.contact_compliance();
@@ -42,7 +42,8 @@ fn centre_error(delayed: f64, length: f64, resolution: usize) -> f64 {
     Moments::of(&grid, &pressure).centre[0] / exact.centre - 1.0
 }
 
-/// Resistance to rolling of a rigid cylinder, N x̄/R. Tolerances: the element against the shorter of contact and memory; the length of the row.
+/// Rolling resistance of a rigid cylinder, N x̄/R. Tolerances: the element relative to the shorter
+/// of contact and memory length; the length of the row.
 #[test]
 fn hunters_cylinder() {
     println!("error of the resistance with 20, 40 and 80 elements a half-width");
@@ -59,7 +60,8 @@ fn hunters_cylinder() {
     }
 }
 
-/// A round contact with the load that gives elastic bodies, at once, a radius of 1; elements of this part of the relaxed radius.
+/// Round contact under the load that gives instantaneously elastic bodies a radius of 1; elements
+/// are this part of the relaxed radius.
 fn round(delayed: f64, length: f64, resolution: usize) -> (Structured, Vec<f64>, NormalContact) {
     let bodies = on_rigid(delayed, length);
     let load = 1.0 / (0.75 * RADIUS * bodies.instantaneous.contact_compliance());
@@ -74,7 +76,8 @@ fn round(delayed: f64, length: f64, resolution: usize) -> (Structured, Vec<f64>,
     (fitted.grid, fitted.pressure, fitted.contact)
 }
 
-/// The conditions of contact hold, and the iterations stay few. Tolerance of the residual: that of the iteration.
+/// The contact conditions hold for any memory, and the iterations stay few. Tolerance of the
+/// residual: that of the iteration.
 #[test]
 fn a_memory_of_any_length() {
     let mut most = [0; 2];
@@ -86,7 +89,7 @@ fn a_memory_of_any_length() {
             let mut again = pressure.clone();
             let mut solver = NormalSolver::of_bodies(grid.ni, grid.nj, sides, &bodies);
             let distance = sample(&grid, &|x, y| 0.5 * (x * x + y * y) / RADIUS);
-            // From the approach found the same pressure follows.
+            // Prescribing the approach found gives the same pressure.
             let approach = Prescribed::Approach(contact.approach);
             solver.solve(&distance, approach, &mut again).unwrap();
             let largest = pressure.iter().copied().fold(0.0, f64::max);
@@ -106,7 +109,8 @@ fn a_memory_of_any_length() {
     assert!(most[0] <= 75 && most[1] <= 300, "{most:?}");
 }
 
-/// Bodies that have all the time and none are Hertz's. Tolerance: 16 elements a radius, and what the lengths leave.
+/// Very slow and very fast rolling agree with Hertz. Tolerance: 16 elements per radius, and the
+/// finite memory length.
 #[test]
 fn fast_and_slow_bodies_are_elastic() {
     for (length, factor) in [(1e-3, 5.0), (2e4, 1.0)] {
@@ -124,7 +128,7 @@ fn fast_and_slow_bodies_are_elastic() {
     }
 }
 
-/// A case of CONTACT.
+/// Reference values of CONTACT.
 struct Case {
     length: f64,
     approach: f64,
@@ -134,8 +138,9 @@ struct Case {
     adhesion: usize,
 }
 
-/// Two cylinders of PA6 that transmit 0.6 f N, as CONTACT has them (its example visc_cylindr after Wang and Knothe, Trans. ASME 60 (1993) 310; version of
-/// 2025-07-23; N, mm). Tolerance: the digits printed.
+/// Two cylinders of PA6 that transmit 0.6 f N, computed by CONTACT (its example visc_cylindr after
+/// Wang and Knothe, Trans. ASME 60 (1993) 310; version of 2025-07-23; N, mm). Tolerance: the
+/// printed digits.
 #[test]
 fn cylinders_of_contact() {
     let shear_modulus = 1143.0;
@@ -181,7 +186,8 @@ fn cylinders_of_contact() {
     }
 }
 
-/// A tyre of polyurethane, or of its share of the compliance, on a track of the same or of another material.
+/// A polyurethane tyre, or one with its share of the compliance, on a track of the same or of
+/// another material.
 pub(crate) fn case(creepage: [f64; 3], track: &str) -> Value {
     let [xi, eta, phi] = creepage;
     json!({
@@ -202,8 +208,9 @@ pub(crate) fn case(creepage: [f64; 3], track: &str) -> Value {
     })
 }
 
-/// What the creepages and the resistance to rolling supply, friction and the bodies take, at every resolution; the bodies never
-/// give anything. Of different bodies too, whose tractions and pressures know of each other.
+/// The power of the creepages and of the rolling resistance equals that of friction and of the
+/// dissipation in the bodies, at every resolution. The bodies never supply power. This includes
+/// different bodies, whose tractions and pressures are coupled.
 #[test]
 fn power_is_dissipated_in_the_bodies() {
     for track in ["polyurethane", "steel"] {
@@ -233,7 +240,7 @@ fn power_is_dissipated_in_the_bodies() {
     }
 }
 
-/// A sliding contact dissipates what its pressure takes.
+/// A sliding contact dissipates the power of its pressure.
 #[test]
 fn a_sliding_contact_is_resisted_as_well() {
     let mut sliding = case([-0.05, 0.0, 0.0], "steel");
@@ -245,7 +252,7 @@ fn a_sliding_contact_is_resisted_as_well() {
     assert_close(run.number("friction_power_w"), 0.4 * 2e3 * 0.05 * 2.0, 1e-9);
 }
 
-/// Left and right are alike.
+/// Left and right are equivalent.
 #[test]
 fn a_mirrored_case_is_mirrored() {
     let run = |eta: f64, phi: f64| run(&case([0.004, eta, phi], "steel"));
@@ -270,8 +277,8 @@ fn what_has_no_answer_is_refused() {
     let given = json!({"semi_axis_a": 5e-3, "semi_axis_b": 5e-3, "max_pressure": 1e6});
     type Change<'a> = (&'a str, &'a dyn Fn(&mut Value));
     let changes: [Change<'_>; 4] = [
-        ("which is given", &|case| case["contact"] = given.clone()),
-        ("largest pressure", &|case| case["effects"]["pressure_limit"] = json!({"hardness": 1e6})),
+        ("the case gives it", &|case| case["contact"] = given.clone()),
+        ("pressure bound", &|case| case["effects"]["pressure_limit"] = json!({"hardness": 1e6})),
         ("no body", &|case| case["bodies"]["tyre"]["material"] = json!("steel")),
         ("missing", &|case| case["materials"]["steel"]["retardation_time"] = json!(1.0)),
     ];

@@ -1,4 +1,4 @@
-//! Profiles that the contact wears.
+//! Profiles worn by the contact.
 
 use super::common::{
     FRICTION, NoInputs, Run, SPEED, Store, assert_close, configuration, driven, paper, refusal,
@@ -11,7 +11,7 @@ use proto::model::{Model, Solver, Step, StepError};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 
-/// Volume worn by a joule [m³/J]: the mild regime of rail steel.
+/// Wear volume per joule [m³/J]: the mild regime of rail steel.
 const PER_JOULE: f64 = 6.75e-13;
 
 fn case(effect: Value) -> Value {
@@ -29,9 +29,10 @@ fn worn(run: &Run, body: &str, figure: &str) -> f64 {
     summary["wear"][body][figure].as_f64().unwrap_or_else(|| panic!("{summary}"))
 }
 
-/// Archard's volume of a contact that slides everywhere by the creep s: K N s/H for a metre rolled, whatever its shape; and the
-/// energy's k P/V, partial slip or not. A driving wheel is faster by its creep, and each of its points wears by that less.
-/// Tolerance: rounding of sums over the contact.
+/// Archard's volume of a contact in full sliding at the creep s: K N s/H per metre rolled, whatever
+/// its shape; and k P/V of the energy law, with partial slip or without. A driving wheel is faster
+/// by its creep, and each of its points wears less by that factor. Tolerance: rounding of sums over
+/// the contact.
 #[test]
 fn the_worn_cross_section_is_archards_and_the_works() {
     let creep = 0.01;
@@ -42,7 +43,7 @@ fn the_worn_cross_section_is_archards_and_the_works() {
     let one = run_of(&sliding);
     assert_close(worn(&one, "rail", "area_per_passage_m2"), archard, 1e-12);
     assert_close(worn(&one, "wheel", "area_per_passage_m2"), archard / (1.0 + creep), 1e-12);
-    // One passage, the default.
+    // One passage by default.
     assert_close(worn(&one, "rail", "worn_area_m2"), archard, 1e-12);
     let one = run_of(&driven(case(json!({})), "creepage", -0.002));
     let energy = PER_JOULE * one.number("friction_power_w") / SPEED;
@@ -52,7 +53,7 @@ fn the_worn_cross_section_is_archards_and_the_works() {
     assert!(deepest > energy / width && deepest < 3.0 * energy / width, "{deepest:e}");
 }
 
-/// Rows of equal numbers of passages.
+/// Rows with equal numbers of passages.
 fn rows(count: usize, passes: f64) -> Configuration {
     let mut case = driven(case(json!({"passes": passes})), "traction_coefficient", 0.15);
     case["friction"]["coefficient"] = json!(FRICTION);
@@ -62,7 +63,7 @@ fn rows(count: usize, passes: f64) -> Configuration {
     Configuration { histories, ..configuration(&case) }
 }
 
-/// Solves and accepts all rows; the model, or why a row is not accepted.
+/// Solves and accepts all rows. Returns the model, or the reason why a row is refused.
 fn wear(configuration: &Configuration) -> Result<Box<dyn Model>, StepError> {
     let setup = MechSolver.configure(configuration).unwrap_or_else(|error| panic!("{error}"));
     let layout = setup.layout().clone();
@@ -78,8 +79,9 @@ fn wear(configuration: &Configuration) -> Result<Box<dyn Model>, StepError> {
     Ok(model)
 }
 
-/// Profiles that wear become flatter: the contact wider, its pressure less. What is worn off adds up, and hardly depends on how the
-/// passages are divided into rows: half as many in twice the rows change the depth by the first order of a step, and half of that again.
+/// Worn profiles become flatter: the contact is wider, its pressure lower. Wear accumulates, and
+/// hardly depends on the division of passages into rows: with half as many passages in twice the
+/// rows the change of the depth is of first order in the step, and halves again.
 #[test]
 fn a_worn_contact_flattens_and_steps_converge() {
     let figures = |rows_of: usize| {
@@ -97,7 +99,8 @@ fn a_worn_contact_flattens_and_steps_converge() {
     assert!(first.abs() < 0.03 && (0.35..0.65).contains(&(second / first)), "{first} {second}");
 }
 
-/// More passages in a row than the profile can follow are refused with how many it can; half of what is said passes.
+/// Too many passages in a row are refused with the possible number; half of that number is
+/// accepted.
 #[test]
 fn a_row_that_wears_too_much_is_refused() {
     let refused = wear(&rows(2, 1e6)).err().expect("a million passages").to_string();
@@ -107,7 +110,7 @@ fn a_row_that_wears_too_much_is_refused() {
     wear(&rows(3, 0.9 * most)).unwrap();
 }
 
-/// A resumed sequence goes on with the worn profile, to the bit.
+/// A resumed sequence continues with the worn profile, to the bit.
 #[test]
 fn worn_profiles_are_saved() {
     let configuration = rows(4, 500.0);
@@ -128,7 +131,7 @@ fn worn_profiles_are_saved() {
     one.save(&mut state).unwrap();
     let mut other = setup().build(&Progress::default()).unwrap();
     other.restore(&mut state.as_slice()).unwrap();
-    // What was accepted last is told before another row is.
+    // The summary shows the last accepted row before the next one is solved.
     assert_eq!(one.summary(), other.summary());
     assert!(solve(&mut one, 2) == solve(&mut other, 2));
     assert_eq!(one.summary(), other.summary());

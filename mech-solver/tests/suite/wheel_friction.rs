@@ -1,4 +1,4 @@
-//! Friction that follows slip or temperature on a wheel on a track.
+//! Friction that depends on slip or temperature, on a wheel on a track.
 
 use super::common::{FRICTION, Run, configuration, fitted, paper, refusal, run};
 use mech_solver::MechSolver;
@@ -29,7 +29,8 @@ fn falling(extra: Value) -> Value {
     case
 }
 
-/// Traction over pressure and slip velocity of every element that slips, where pressure is more than a share of the largest.
+/// Traction over pressure, and slip velocity, of every slipping element with a pressure above a
+/// share of the largest.
 fn sliding(run: &Run) -> Vec<[f64; 2]> {
     let pressure = &run.fields["pressure"];
     let count = pressure.len();
@@ -46,8 +47,8 @@ fn friction_at(velocity: f64) -> f64 {
     FRICTION * ((1.0 - RATIO) * (-DECREASE * velocity).exp() + RATIO)
 }
 
-/// Where all slides every element has the friction of its own rigid slip. Tolerance: slip is taken a sixth of an element ahead of the middle,
-/// by which spin changes it.
+/// Full sliding: every element has the friction of its own rigid slip. Tolerance: slip is taken a
+/// sixth of an element ahead of the middle, where it differs because of spin.
 #[test]
 fn elements_that_slide_have_the_friction_of_their_slip() {
     let mut case = falling(json!({}));
@@ -64,8 +65,8 @@ fn elements_that_slide_have_the_friction_of_their_slip() {
     }
 }
 
-/// With friction that follows the slip of the elements themselves all that slip have the friction of that. Tolerance: tractions settle to 1e-5
-/// of the largest.
+/// Friction that depends on local slip: all slipping elements have the friction of that slip.
+/// Tolerance: tractions converge to 1e-5 of the largest.
 #[test]
 fn friction_follows_the_slip_of_elements() {
     for start in ["below", "above"] {
@@ -84,7 +85,8 @@ fn friction_follows_the_slip_of_elements() {
     }
 }
 
-/// A law without a fall is a constant, whichever slip it follows, on half-spaces and springs. Tolerance: what tractions settle to.
+/// A law without a fall is constant friction, for either slip, on half-spaces and springs.
+/// Tolerance: that of the tractions.
 #[test]
 fn no_fall_is_constant_friction() {
     for tangential in ["half-space", "fastsim", "fastrip"] {
@@ -109,7 +111,7 @@ fn no_fall_is_constant_friction() {
     }
 }
 
-/// A surface whose temperature rise is one below y = 0 on the grid of the fields, and another above.
+/// Surface with one temperature rise below y = 0 on the grid of the fields, and another above.
 struct Lanes(Grid, [f64; 2]);
 
 impl Lanes {
@@ -126,7 +128,7 @@ impl Inputs for Lanes {
     }
 }
 
-/// Lateral forces of the wheels under these temperatures, from left to right.
+/// Lateral forces of the wheels at these temperatures, from left to right.
 fn lateral_forces(case: &Value, inputs: &dyn Inputs) -> Vec<f64> {
     let configuration = configuration(case);
     let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
@@ -141,7 +143,8 @@ fn lateral_forces(case: &Value, inputs: &dyn Inputs) -> Vec<f64> {
     ["left", "right"].iter().filter_map(|side| wheels[side]["force_y_n"].as_f64()).collect()
 }
 
-/// Every wheel has the friction of the temperature on its own lane. Tolerance: what heights and forces are found to.
+/// Every wheel has the friction of the temperature on its own lane. Tolerance: that of heights and
+/// forces.
 #[test]
 fn every_wheel_has_the_friction_of_its_own_lane() {
     let mut case = on_track();
@@ -155,9 +158,9 @@ fn every_wheel_has_the_friction_of_its_own_lane() {
     let (cold, hot, left) = (at(0.0, 0.0), at(80.0, 80.0), at(0.0, 80.0));
     println!("{cold:?} {hot:?} {left:?}");
     assert!(hot[0].abs() < 0.8 * cold[0].abs() && hot[1].abs() < 0.8 * cold[1].abs());
-    // The roll under both loads is another one, by which the creepages change.
+    // The roll under both loads differs, which changes the creepages.
     assert!((left[0] / hot[0] - 1.0).abs() < 5e-3 && (left[1] / cold[1] - 1.0).abs() < 5e-3);
-    // As without the effect.
+    // Same force as without the effect.
     let plain = run(&case).model.summary()["wheelset"]["left"]["force_y_n"].as_f64();
     assert!((cold[0] / plain.expect("a force") - 1.0).abs() < 1e-4);
 }

@@ -1,5 +1,5 @@
-//! The model `wheel-on-track` as a participant uses it: rows, invariances, sums and refusals. What a patch is, is
-//! tested beside [`wheel_rail`].
+//! The model `wheel-on-track` as used by a participant: rows, invariances, sums and refusals. The
+//! contact itself is tested in [`wheel_rail`].
 
 use super::common::{
     NoInputs, Run, Store, assert_close, configuration, fitted, paper, refusal, run,
@@ -26,7 +26,7 @@ fn of(patch: &Value, key: &str) -> f64 {
     patch[key].as_f64().unwrap_or_else(|| panic!("{key}: {patch}"))
 }
 
-/// Tolerances: rounding of the sums; what the vertical force is met to, 1e-5.
+/// Tolerances: rounding of the sums; that of the vertical force, 1e-5.
 #[test]
 fn fields_are_those_of_the_patches() {
     for y in [-4e-3, 3e-3, 6.2e-3] {
@@ -47,7 +47,7 @@ fn fields_are_those_of_the_patches() {
     }
 }
 
-/// A wheelset that is yawed and not rolled has its axes turned about the vertical. Tolerance: rounding.
+/// A yawed wheelset without roll has its axes turned about the vertical. Tolerance: rounding.
 #[test]
 fn totals_are_told_in_both_axes() {
     let mut case = on_track();
@@ -64,9 +64,9 @@ fn totals_are_told_in_both_axes() {
     }
 }
 
-/// In the plane of a patch −V(ξ F_x + η F_y + φ M_z) is its friction power, with a stick zone and
-/// without; with the upwind difference the moment is taken a third of an element ahead. Tolerance:
-/// rounding.
+/// Friction power in the plane of a patch: −V(ξ F_x + η F_y + φ M_z), with a stick zone and
+/// without. With the upwind difference the moment is about a point a third of an element ahead.
+/// Tolerance: rounding.
 #[test]
 fn friction_power_is_that_of_the_creepages() {
     for (partial, difference) in
@@ -98,8 +98,8 @@ fn friction_power_is_that_of_the_creepages() {
     }
 }
 
-/// The left and the right wheel are mirror images of each other. Tolerance: rounding of the profiles, which
-/// the pressure magnifies.
+/// The left and the right wheel are mirror images of each other. Tolerance: rounding of the
+/// profiles, which the pressure magnifies.
 #[test]
 fn left_and_right_are_mirror_images() {
     let left = run(&on_track());
@@ -140,8 +140,8 @@ impl Sequence {
     }
 }
 
-/// A row is what it is, to the bit, whatever came before; of another grid alone its fields are a part. The steady case of
-/// its values has the same figures.
+/// A row gives the same bits whatever came before. If only the grid differs, its fields are a part
+/// of the others. The steady case of its values has the same figures.
 #[test]
 fn a_row_depends_on_its_own_values_alone() {
     let values = vec![-3e-3, 0.0, 3e-3, 6e-3];
@@ -169,7 +169,7 @@ fn what_cannot_be_placed_is_refused() {
             case["effects"]["third_body_layer"] = json!({"flexibility": 1e-13});
         },
         "mech.tangential",
-        "half-spaces alone",
+        "needs half-spaces",
     );
     refused(
         &|case| {
@@ -189,7 +189,7 @@ fn what_cannot_be_placed_is_refused() {
         "effects.subsurface_stress",
         "one wheel at a time",
     );
-    refused(&|case| case["load"] = json!({}), "load.vertical_force", "one of force and height");
+    refused(&|case| case["load"] = json!({}), "load.vertical_force", "a force or a height");
     refused(&|case| case["wheelset"]["y"] = json!(0.5), "wheelset", "beside the rail");
     refused(
         &|case| case["bodies"]["rail"]["profile"] = json!("nowhere.prr"),
@@ -212,7 +212,7 @@ fn what_cannot_be_placed_is_refused() {
     refused(&|case| case["track"]["gauge_height"] = json!(0.2), "bodies.rail.profile", "gauge");
 }
 
-/// Files of a test, in a folder of their own that goes with it.
+/// Files of a test, in a folder that is removed on drop.
 struct Files(std::path::PathBuf);
 
 impl Files {
@@ -235,7 +235,7 @@ impl Drop for Files {
     }
 }
 
-/// |p_t|/p of elements in contact, with their places x and y [m].
+/// |p_t|/p of the elements in contact, with their positions x and y [m].
 fn ratios(run: &Run) -> Vec<(f64, [f64; 2])> {
     let grid = run.grid().as_structured().expect("a plane");
     let (along, across) = run.fields["traction"].split_at(grid.points());
@@ -249,8 +249,9 @@ fn ratios(run: &Run) -> Vec<(f64, [f64; 2])> {
         .collect()
 }
 
-/// A round rail of 60 mm under the left wheel and the right: elements that slide have the friction of their own inclination, −s/R on the left, those of a
-/// patch that of its angle, and along the track that of their place. Tolerances: chords for the arc; rounding.
+/// A round rail of 60 mm under the left and the right wheel. Sliding elements have the friction of
+/// their own inclination, −s/R on the left; those of a patch that of its angle; along the track
+/// that of their position. Tolerances: chords instead of the arc; rounding.
 #[test]
 fn friction_follows_inclination_and_track() {
     let files = Files::new("inclination");
@@ -301,13 +302,14 @@ fn friction_follows_inclination_and_track() {
     assert_eq!(refusal.key, "effects.friction_bands.over");
 }
 
-/// Stresses below a patch are those of a half-space: the largest von Mises stress is 0.55 to 0.65 of the largest pressure below the surface of
-/// ellipses (Johnson, table 4.1), and where the patch is.
+/// Stresses below a patch are those of a half-space: for ellipses the largest von Mises stress
+/// below the surface is 0.55 to 0.65 of the largest pressure (Johnson, table 4.1), and lies below
+/// the patch.
 #[test]
 fn stresses_are_below_the_patches() {
     let mut case = on_track();
     case["effects"]["subsurface_stress"] = json!({});
-    // More friction has the largest stress at the surface.
+    // With more friction the largest stress is at the surface.
     case["friction"]["coefficient"] = json!(0.05);
     let mut run = run(&case);
     run.model.observe(&mut Store::for_layout(&run.layout, &[]));
@@ -320,9 +322,10 @@ fn stresses_are_below_the_patches() {
     assert!(of(peak, "depth_m") > 1e-3, "{peak}");
 }
 
-/// Waves along the track that are long beside the contact bend the rail under it: those of height h and wave number k take h k² off the curvature of the
-/// wheel on a crest, and add it in a trough, half a wave farther. Tolerance, of what that changes: the fourth order of the cosine, (k a)²/12, and what elements
-/// of a/18 leave of differences.
+/// Waves along the track much longer than the contact curve the rail under it. With the height h
+/// and the wave number k they subtract h k² from the curvature of the wheel on a crest, and add it
+/// in a trough, half a wave farther. Tolerance relative to this change: the fourth order of the
+/// cosine, (k a)²/12, and the error of differences on elements of a/18.
 #[test]
 fn long_waves_are_a_radius() {
     let mut case = super::common::without(on_track(), "partial_slip");
@@ -344,15 +347,17 @@ fn long_waves_are_a_radius() {
         assert!(sign * wavy < -5e-3, "{wavy}");
         assert!((wavy / other - 1.0).abs() < 0.25, "{sign}: {wavy} {other}");
     }
-    // Theories of smooth strips refuse it.
+    // Theories of smooth strips refuse roughness.
     let mut fast = on_track();
     fast["effects"]["roughness"] = json!({"amplitude": 1e-6, "wavelength_x": length});
     fast["mech"]["normal"] = json!("analyn");
     assert_eq!(refusal(&configuration(&fast)).key, "mech.normal");
 }
 
-/// On a curved surface pressure and tractions of a patch are along the normals of its rows: its force is no more than their integrals, and up it is
-/// what was asked for, to 1e-5. The grid that was laid for planes holds it. Both wheels are mirror images, to what forces are met to.
+/// On a curved surface the pressure and tractions of a patch follow the normals of its rows: the
+/// force is at most their integral, and its vertical part is the prescribed one to 1e-5. The grid
+/// laid out for planes holds the patch. Both wheels are mirror images, to the tolerance of the
+/// forces.
 #[test]
 fn patches_on_curved_surfaces_are_on_the_grid() {
     let mut case = on_track();
@@ -389,7 +394,7 @@ fn what_curved_surfaces_do_not_have_is_refused() {
     refused(
         &|case| case["mech"]["patch_influence"] = json!("elastic"),
         "mech.patch_influence",
-        "where they are one",
+        "regions of the same patch",
     );
     refused(
         &|case| {

@@ -1,4 +1,5 @@
-//! Both wheels of a wheelset in model `wheel-on-track`: the parts and the whole, loads, the mirror image, and the torque on the axle.
+//! Both wheels of a wheelset in model `wheel-on-track`: parts and sums, loads, mirror image, and
+//! torque on the axle.
 
 use super::common::{
     NoInputs, Run, Store, assert_close, configuration, fitted, paper, refusal, run,
@@ -10,7 +11,7 @@ use serde_json::{Value, json};
 
 const LOAD: f64 = 200e3;
 
-/// A wheelset under its load, of elements of 0.4 mm.
+/// A wheelset under its load, with elements of 0.4 mm.
 fn both(y: f64, yaw: f64) -> Value {
     let mut case = fitted(paper(), "wheel-on-track");
     case["mech"]["resolution"] = json!(25);
@@ -29,7 +30,8 @@ fn of(figures: &Value, path: &str) -> f64 {
     figure.and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {figures}"))
 }
 
-/// At a height and a roll both wheels are the left one and the right one, to the bit, their sums the sums, and the fields of each rail lie on its own lane.
+/// At a height and a roll both wheels equal the left and the right wheel alone, to the bit. The
+/// sums are those of both, and the fields of each rail lie on its own lane.
 #[test]
 fn the_whole_is_the_sum_of_its_parts() {
     let mut case = both(2e-3, 3e-3);
@@ -59,11 +61,11 @@ fn the_whole_is_the_sum_of_its_parts() {
     let (of_whole, mut of_parts) = (listed(&whole), [right, left].concat());
     assert_eq!(of_whole.len(), 2);
     for (one, other) in of_whole.iter().zip(&mut of_parts) {
-        // Only the place on the grid is another one, by the same shift to either side.
+        // Only the position on the grid differs, by the same shift to either side.
         let shift = of(one, "y_m") - of(other, "y_m");
         assert_close(shift.abs(), (of(&of_whole[1], "y_m") - of(&of_whole[0], "y_m")) / 2.0, 0.5);
         other["y_m"] = one["y_m"].clone();
-        // One wheel needs no name.
+        // A single wheel has no name.
         other["name"] = one["name"].clone();
         assert_eq!(one, other);
     }
@@ -79,8 +81,9 @@ fn the_whole_is_the_sum_of_its_parts() {
     assert!(between as f64 * grid.dy() >= 5e-3 && between < pressed.len() / 2, "{between}");
 }
 
-/// Loads are shared as asked for, at one height: the left wheel alone with its load at the roll that was found stands as high. Tolerances: what forces are met to,
-/// 1e-5, and what that is of the depth.
+/// Loads are shared as prescribed, at one height: the left wheel alone, with its load at the roll
+/// found, stands at the same height. Tolerances: that of the forces, 1e-5, and its effect on the
+/// depth.
 #[test]
 fn both_wheels_carry_their_shares_at_one_height() {
     for (y, share) in [(0.0, 0.6), (-4e-3, 0.5), (6.3e-3, 0.45), (8e-3, 0.5)] {
@@ -102,8 +105,8 @@ fn both_wheels_carry_their_shares_at_one_height() {
     }
 }
 
-/// A wheelset in the middle has no roll and no lateral force, and its mirror image is the mirror image. Tolerances: rounding of the profiles, which the
-/// pressure magnifies; the balance, 1e-5.
+/// A centred wheelset has no roll and no lateral force, and mirroring the case mirrors the result.
+/// Tolerances: rounding of the profiles, which the pressure magnifies; the balance, 1e-5.
 #[test]
 fn a_wheelset_is_its_mirror_image() {
     let mut middle = both(0.0, 0.0);
@@ -128,7 +131,7 @@ fn a_wheelset_is_its_mirror_image() {
     }
 }
 
-/// What is not given of both wheels, and what one wheel does not have.
+/// Incomplete values for two wheels, and values that a single wheel does not support, are refused.
 #[test]
 fn what_does_not_fit_a_wheelset_is_refused() {
     let refused = |change: &dyn Fn(&mut Value), key: &str, words: &str| {
@@ -138,18 +141,20 @@ fn what_does_not_fit_a_wheelset_is_refused() {
         assert!(refusal.key == key && refusal.to_string().contains(words), "{refusal}");
     };
     refused(&|case| case["load"] = json!({"vertical_force": 1e5}), "load.vertical_force", "axle");
-    refused(&|case| case["load"] = json!({}), "load.axle_load", "one of force and height");
+    refused(&|case| case["load"] = json!({}), "load.axle_load", "a force or a height");
     refused(
         &|case| case["wheelset"]["roll"] = json!(1e-3),
         "wheelset.roll",
-        "found from the loads",
+        "follows from the loads",
     );
-    refused(&|case| case["wheelset"]["side"] = json!("left"), "load.axle_load", "one wheel");
+    refused(&|case| case["wheelset"]["side"] = json!("left"), "load.axle_load", "a single wheel");
 }
 
-/// The torque on the axle and the contact forces are in balance at the angular velocity that is found, of both wheels and of one; given that angular velocity, the same
-/// contact is there. What drives the axle goes into friction and into the pull: T Ω = F_x V + P. Tolerances: the balance, 1e-5 of the load on the
-/// nominal radius; of the power, the load on a twentieth of an element, by which the middle of the pressures is beside the reference.
+/// The torque on the axle balances the contact forces at the angular velocity found, for both
+/// wheels and for one. Prescribing that angular velocity gives the same contact. The driving power
+/// goes into friction and into the pull: T Ω = F_x V + P. Tolerances: the balance, 1e-5 of the load
+/// on the nominal radius; for the power, the load on a twentieth of an element, the distance of the
+/// centre of pressure from the reference.
 #[test]
 fn a_torque_is_in_balance_with_the_contact_forces() {
     for (side, torque) in [("both", 0.0), ("both", 6e3), ("both", -9e3), ("right", 2e3)] {

@@ -1,27 +1,31 @@
-//! ANALYN: the normal contact row by row, each as the contact of Hertz of its own curvatures.
+//! ANALYN: the normal contact, solved row by row. Each row is a Hertz contact of its own
+//! curvatures.
 //!
-//! In row y with the gap g over the deepest place, the bend A along x and B across, Hertz has the semi-axes a and b at the
-//! approach δ. With 1 + α = δ/(A a²) and 1 + β = δ/(B b²) the row penetrates by
+//! Symbols: g is the gap of row y above the deepest place, A half the curvature along x, B half the
+//! curvature across, δ the approach. Hertz's contact of A and B has the semi-axes a and b. With 1 +
+//! α = δ/(A a²) and 1 + β = δ/(B b²) the row penetrates by
 //!
-//! δ' = δ − (1 + β) g
+//! δ' = δ − (1 + β) g,
 //!
-//! as far as displacements of the surfaces are like h, and touches over 2l with l² = δ'/((1 + α) A); its pressure is half an ellipse as high as that of
-//! Hertz's contact of A and B at δ'. On an ellipse all of that is exact.
+//! provided that the surface displacements have the shape of h. The row touches over 2l with
+//! l² = δ'/((1 + α) A). Its pressure is half an ellipse, as high as that of Hertz's contact of A
+//! and B at δ'. For an elliptical contact all of this is exact.
 //!
-//! B is the second difference of the gaps of three rows: a profile that is not smooth over them makes contacts that are
-//! not. Where it is hollow, B is next to none ([`FLATTEST`]).
+//! B is the second difference of the gaps of three rows. A profile that is not smooth over three
+//! rows gives a contact that is not smooth. On a hollow profile B is bounded below by [`FLATTEST`].
 //!
-//! Source: Sichani, Enblom, Berg, A novel method to model wheel–rail normal contact in vehicle dynamics simulation, Vehicle
-//! System Dynamics 52 (2014) 1752–1764; as in CONTACT (Vollebregt, User guide, 2022), the penetration at the deepest place
-//! is the approach, and no factor is fitted.
+//! Source: Sichani, Enblom, Berg, A novel method to model wheel–rail normal contact in vehicle
+//! dynamics simulation, Vehicle System Dynamics 52 (2014) 1752–1764. As in CONTACT (Vollebregt,
+//! User guide, 2022), the approach is the penetration at the deepest place, and no factor is
+//! fitted.
 
 use super::kpec::FLATTEST;
 use super::parabolas::{Parabola, Parabolas};
 use super::strips::PressedStrip;
 use elastic::hertz::elliptic_contact;
 
-/// The strips of a contact, from right to left, on bodies of a compliance (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa]; none without
-/// penetration.
+/// Strips of a contact, from right to left; empty if the bodies do not penetrate. The compliance is
+/// (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂ [1/Pa].
 pub(super) fn strips(parabolas: &Parabolas, compliance: f64) -> Vec<PressedStrip> {
     let Some(deepest) = parabolas.deepest() else { return Vec::new() };
     let approach = -deepest.parabola.gap;
@@ -41,7 +45,8 @@ pub(super) fn strips(parabolas: &Parabolas, compliance: f64) -> Vec<PressedStrip
     parabolas.of_patch().filter(|(_, own)| own.gap < 0.0).filter_map(strip).collect()
 }
 
-/// B of a row, of three rows around it, or beside it where a profile ends [1/m].
+/// B of a row [1/m], from the row and its two neighbours; at the end of a profile, from the three
+/// rows next to it.
 fn bend_across(parabolas: &Parabolas, row: usize) -> f64 {
     let gap = |row: Option<usize>| parabolas.at(row).map(|own| own.gap);
     let of = |middle: usize| {

@@ -1,15 +1,20 @@
-//! The wheels of a wheelset on their rails, one or both: the roll under which both carry their loads, and the angular velocity under a torque.
+//! Balance of a wheelset with one or two wheels on rails: the roll angle at which both wheels carry
+//! their loads, and the angular velocity under a driving torque.
 //!
-//! **Roll.** Under given loads every wheel alone has a height z of the axle ([`super::contact`]). A wheelset is one body, and has the roll φ at which
-//! both are the same. z_left − z_right falls with the roll by about the distance of the tape circles, less what a flange adds by its slope:
-//! φ is looked for by secants, first for the heights at which the wheels touch, then from there for those under load. Both heights agree within
-//! [`SAME_HEIGHT`] times the tolerance, over the depth of the wheels; z is their mean.
+//! **Roll.** Under a given load each wheel alone determines a height z of the axle
+//! ([`super::contact`]). A wheelset is one body: at its roll angle φ both heights are equal. The
+//! difference z_left − z_right falls with the roll by about the distance of the tape circles, less
+//! a part due to the slope of a flange. Secants find φ, first for the heights at which the wheels
+//! touch, then from there for the heights under load. Both heights agree within [`SAME_HEIGHT`]
+//! times the tolerance times the depth of the wheels; z is their mean.
 //!
-//! **Torque.** In steady running the torque T that drives the axle and the moment of the contact forces about it, M_y in wheelset axes, are in balance:
-//! T + M_y = 0. The angular velocity Ω is looked for at which they are, from the given one: the more the wheels turn, the more they drive, and
-//! M_y falls with Ω until all of the contacts slide. With T = 0 the wheelset rolls freely.
+//! **Torque.** In steady running the driving torque T of the axle balances the moment M_y of the
+//! contact forces about the axle, in wheelset axes: T + M_y = 0. The search for the angular
+//! velocity Ω starts from the given one. The faster the wheels turn, the more they drive: M_y falls
+//! with Ω until all contacts slide. With T = 0 the wheelset rolls freely.
 //!
-//! Source: Vollebregt, User guide for CONTACT (2022), on the Manchester benchmark, whose rolls and angular velocities were found so, wheel by wheel.
+//! Source: Vollebregt, User guide for CONTACT (2022), on the Manchester benchmark, where rolls and
+//! angular velocities were found in this way, wheel by wheel.
 
 use super::contact::WheelOnRail;
 use super::error::TrackError;
@@ -21,51 +26,53 @@ use super::settings::Vertical;
 use super::wheelset::{Motion, Wheelset};
 use numerics::team;
 
-/// Difference of the heights of both wheels, over the tolerance of their forces and their depth.
+/// Allowed difference of the heights of both wheels, relative to the force tolerance times the
+/// depth.
 const SAME_HEIGHT: f64 = 3.0;
-/// The roll at which both touch is found to this height [m].
+/// Tolerance of the height in the search for the roll at which both wheels touch [m].
 const TOUCHING: f64 = 1e-9;
-/// First step of the roll [rad], and how far it is looked for.
+/// First step and largest magnitude of the roll in the search [rad].
 const ROLL: [f64; 2] = [1e-3, 0.1];
-/// First step of the angular velocity over the given one, and how far it is looked for.
+/// First step and largest change of the angular velocity in the search, relative to the given one.
 const SPIN: [f64; 2] = [1e-4, 0.5];
 
 /// The wheels of a wheelset on their rails.
 #[derive(Debug)]
 pub struct WheelsetOnTrack {
     wheels: Vec<(Side, WheelOnRail)>,
-    /// Share of the forces to which balances are found.
+    /// Tolerance of the balances, as a share of the forces.
     tolerance: f64,
-    /// Distance of the tape circles [m].
+    /// Lateral distance of the tape circles [m].
     tapes: f64,
-    /// Nominal radius [m].
     radius: f64,
-    /// The last roll that was found, and the slope there [rad, m].
+    /// Last roll found [rad], and the slope of the height difference there [m/rad].
     rolled: Option<[f64; 2]>,
 }
 
 /// Loads of a wheelset, besides its motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Given {
-    /// Along the vertical, of the left wheel and the right; with forces on both wheels the roll is found.
+pub struct WheelsetLoads {
+    /// Condition along the vertical for the left and the right wheel. With forces on both wheels
+    /// the roll is solved for.
     pub vertical: [Vertical; 2],
-    /// Torque that drives the axle forward [N m]; with it the angular velocity is found, from that of the motion on.
+    /// Torque that drives the axle forward [N m]. If given, the angular velocity is solved for,
+    /// starting from the one in the motion.
     pub torque: Option<f64>,
 }
 
 /// A wheelset in balance.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Balanced {
-    /// Its motion, with height, roll and angular velocity as they were found.
+pub struct WheelsetSolution {
+    /// Motion of the wheelset, with the height, roll and angular velocity in balance.
     pub motion: Motion,
-    /// Its wheels with their sides, from left to right.
+    /// Solved wheels with their sides, from left to right.
     pub wheels: Vec<(Side, Solved)>,
-    /// Work of the solution.
+    /// Work counters of the solution.
     pub work: SolveStats,
 }
 
-impl Balanced {
-    /// A sum over the wheels of a force or a moment.
+impl WheelsetSolution {
+    /// Sums a force or moment vector over the wheels.
     #[must_use]
     pub fn sum(&self, of: impl Fn(&Solved) -> [f64; 3]) -> [f64; 3] {
         let mut parts = self.wheels.iter().map(|(_, solved)| of(solved));
@@ -75,14 +82,16 @@ impl Balanced {
 }
 
 impl WheelsetOnTrack {
-    /// Wheels of a wheelset on their rails, from left to right. Balances are found to this share of the forces.
+    /// Creates the wheelset from its wheels on their rails, from left to right. The tolerance of
+    /// the balances is a share of the forces.
     #[must_use]
     pub fn new(wheels: Vec<(Side, WheelOnRail)>, tolerance: f64, wheelset: &Wheelset) -> Self {
         let tapes = wheelset.flange_back_distance - 2.0 * wheelset.flange_back_position;
         Self { wheels, tolerance, tapes, radius: wheelset.nominal_radius, rolled: None }
     }
 
-    /// The profiles of rail and wheel of each side in a position, in so many points, y and z in track axes \[m\].
+    /// Returns the profiles of rail and wheel of each side in a position, as `count` points y and z
+    /// in track axes \[m\].
     pub fn outlines(
         &self,
         motion: &Motion,
@@ -94,28 +103,29 @@ impl WheelsetOnTrack {
             .map(move |(side, wheel)| (*side, wheel.outlines(motion, deviation, count)))
     }
 
-    /// Forgets the positions before.
+    /// Discards the state of earlier positions.
     pub fn forget(&mut self) {
         self.wheels.iter_mut().for_each(|(_, wheel)| wheel.forget());
         self.rolled = None;
     }
 
-    /// Solves a position, with what is given of it.
+    /// Solves one position under the given loads.
     ///
     /// # Errors
-    /// There is no solution, or none was found.
+    /// Fails if a contact has no solution, if the roll or angular velocity does not converge, or if
+    /// the wheelset does not roll forward.
     pub fn solve(
         &mut self,
         motion: &Motion,
         deviation: &Deviation,
-        given: &Given,
+        given: &WheelsetLoads,
         interface: &dyn Interface,
-    ) -> Result<Balanced, TrackError> {
+    ) -> Result<WheelsetSolution, TrackError> {
         let Some(torque) = given.torque else {
             return self.carry(motion, deviation, given, interface);
         };
         let first = motion.angular_velocity;
-        let mut balanced = Balanced::default();
+        let mut balanced = WheelsetSolution::default();
         let mut work = SolveStats::default();
         let [step, far] = SPIN;
         let search = RootSearch {
@@ -136,17 +146,17 @@ impl WheelsetOnTrack {
         if !found.met {
             return Err(TrackError::Torque { wanted: torque, found: torque - found.value });
         }
-        Ok(Balanced { work, ..balanced })
+        Ok(WheelsetSolution { work, ..balanced })
     }
 
-    /// All wheels at one height, or under their loads.
+    /// Solves all wheels at the given height, or finds the roll under two loads.
     fn carry(
         &mut self,
         motion: &Motion,
         deviation: &Deviation,
-        given: &Given,
+        given: &WheelsetLoads,
         interface: &dyn Interface,
-    ) -> Result<Balanced, TrackError> {
+    ) -> Result<WheelsetSolution, TrackError> {
         let loaded =
             |vertical: &Vertical| matches!(vertical, Vertical::Force(force) if *force > 0.0);
         if self.wheels.len() < 2 || !given.vertical.iter().all(loaded) {
@@ -165,7 +175,7 @@ impl WheelsetOnTrack {
                 [touching.place, touching.slope]
             }
         };
-        let mut balanced = Balanced::default();
+        let mut balanced = WheelsetSolution::default();
         let mut work = SolveStats::default();
         let search = RootSearch { first, slope, ..begin };
         let found = search.root(|roll| {
@@ -179,7 +189,7 @@ impl WheelsetOnTrack {
             return Err(TrackError::Roll { roll: found.place, apart: found.value });
         }
         self.rolled = Some([found.place, found.slope]);
-        Ok(Balanced { work, ..balanced })
+        Ok(WheelsetSolution { work, ..balanced })
     }
 
     /// Heights of the axle at which the wheels touch [m].
@@ -191,14 +201,14 @@ impl WheelsetOnTrack {
         Ok(heights)
     }
 
-    /// Every wheel by itself, both at the same time.
+    /// Solves every wheel independently, both of them in parallel.
     fn each(
         &mut self,
         motion: &Motion,
         deviation: &Deviation,
-        given: &Given,
+        given: &WheelsetLoads,
         interface: &dyn Interface,
-    ) -> Result<Balanced, TrackError> {
+    ) -> Result<WheelsetSolution, TrackError> {
         let solve = |(side, wheel): &mut (Side, WheelOnRail)| {
             let vertical = given.vertical[usize::from(*side == Side::Right)];
             Ok::<_, TrackError>((*side, wheel.solve(motion, deviation, vertical, interface)?))
@@ -215,6 +225,6 @@ impl WheelsetOnTrack {
         let work =
             wheels.iter().fold(SolveStats::default(), |work, (_, solved)| work.and(&solved.work));
         let z = wheels.iter().map(|(_, solved)| solved.z).sum::<f64>() / wheels.len() as f64;
-        Ok(Balanced { motion: Motion { z, ..*motion }, wheels, work })
+        Ok(WheelsetSolution { motion: Motion { z, ..*motion }, wheels, work })
     }
 }

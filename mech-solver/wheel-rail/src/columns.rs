@@ -1,14 +1,17 @@
-//! A wheel that is not round, or a rail that varies, cut across the rail: where they are nearest to each other.
+//! Nearest places of a wheel that is not round or a rail that varies, found in cuts across the
+//! rail.
 //!
-//! The rail of the same profile everywhere is a prism, and the shadow of the wheel tells where they touch
-//! ([`super::silhouette`]). Without a prism, or of a wheel that is no surface of revolution, both are cut at columns of
-//! the same x. A circle of the wheel's profile meets the column where, with the track's x-axis c in wheelset axes, the
-//! angle θ from the lowest point forwards and the radius r at the mark θ + pitch, c_y y + c_x r sin θ = x. Along the normal of a row the gap at a
-//! column is the height of the wheel over that of the rail ([`super::gap`]).
+//! A rail with the same profile everywhere is a prism, and the silhouette of the wheel tells where
+//! they touch ([`super::silhouette`]). If the rail is not a prism, or the wheel not a surface of
+//! revolution, both are cut at columns of the same x. With the track's x-axis c in wheelset axes,
+//! the angle θ forwards from the lowest point and the radius r at the mark θ + pitch, a circle of
+//! the wheel's profile meets the column where c_y y + c_x r sin θ = x. The gap of a row at a column
+//! is the height of the wheel above the rail along the normal of the row ([`super::gap`]).
 //!
-//! *Columns.* Some [`COARSE`] apart, as far as a wheel may touch, tell how low the wheel has to go until it touches at
-//! each. Others [`FINE`] apart are laid where it would at a depth that is wanted. What penetrates between two of those only is
-//! not seen: a rail or a wheel has to be smooth over 2 mm.
+//! *Columns.* Coarse columns, [`COARSE`] apart over the range in which a wheel may touch, tell how
+//! far the wheel must be lowered to touch at each. Fine columns, [`FINE`] apart, are laid where the
+//! wheel would touch at the depth of interest. A penetration between two neighbouring columns is
+//! missed: rail and wheel must be smooth over 2 mm.
 
 use super::gap::{Gap, OPEN, lowest};
 use super::rail::Rail;
@@ -16,16 +19,17 @@ use super::rows::{Intersection, Rows, least_above};
 use super::wheelset::{Motion, Pose, Wheel};
 use nalgebra::Vector3;
 
-/// Distance of columns that tell where a wheel may touch, and of those that are measured [m].
+/// Spacing of the coarse columns that locate the contact, and of the fine ones where gaps are
+/// measured [m].
 const COARSE: f64 = 4e-3;
 const FINE: f64 = 1e-3;
-/// As far ahead and behind a wheel may touch, over its radius.
+/// Range ahead and behind in which a wheel may touch, relative to its radius.
 const REACH: f64 = 0.2;
-/// Distance of the points of profiles in coarse columns and in fine ones [m].
+/// Spacing of profile points in coarse and in fine columns [m].
 const STEPS: [f64; 2] = [1e-3, 2e-4];
-/// Depths below touching for which columns are laid, at least [m].
+/// Least depth below touching for which columns are laid [m].
 const DEPTH: f64 = 5e-4;
-/// Rounds in which the angle of a point is found.
+/// Iterations that find the angle of a point.
 const ROUNDS: usize = 4;
 
 /// A cut across wheel and rail.
@@ -34,7 +38,7 @@ struct Column {
     x: f64,
     /// Points of the wheel, y and z from the middle of the wheelset [m].
     wheel: Vec<[f64; 2]>,
-    /// Points of the rail [m]; none of one that is a prism.
+    /// Points of the rail [m]; empty if the rail is a prism.
     rail: Vec<[f64; 2]>,
 }
 
@@ -42,39 +46,41 @@ struct Column {
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
     columns: Vec<Column>,
-    /// By how much the wheel has to be lowered from z = 0 of its middle until it touches [m].
+    /// Distance by which the wheel must be lowered from z = 0 of its middle until it touches [m].
     touching: Option<f64>,
-    /// Place of that along the track [m].
+    /// Position of the first touch along the track [m].
     first: f64,
     /// Depth below touching for which columns are laid [m].
     depth: f64,
-    /// Memory: where rows meet a curve, and the gaps of all columns, row by row.
+    /// Scratch buffers: intersections of rows with a curve, and the gaps of all columns, row by
+    /// row.
     met: [Vec<Option<Intersection>>; 2],
     gaps: Vec<f64>,
 }
 
-/// The bodies and where they are.
+/// Rail and wheel, and their positions.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedProfile<'a> {
-    /// The rail, and its rows.
+    /// Rail.
     pub rail: &'a Rail,
-    /// Its rows.
+    /// Rows of the rail.
     pub rows: &'a Rows,
-    /// The wheel.
+    /// Wheel.
     pub wheel: &'a Wheel,
-    /// Place and orientation of the wheelset; its height does not matter.
+    /// Position and orientation of the wheelset; its height does not matter.
     pub pose: &'a Pose,
-    /// Its motion.
+    /// Motion of the wheelset.
     pub motion: &'a Motion,
 }
 
 impl Columns {
-    /// Cuts bodies that are at a new position.
+    /// Cuts the bodies at a new position.
     pub fn go_to(&mut self, bodies: &PlacedProfile<'_>) {
         self.lay(bodies, DEPTH);
     }
 
-    /// Lays more columns if the wheel, with its middle at this height [m], is deeper than they were laid for.
+    /// Lays more columns if the wheel, with its middle at this height [m], is deeper than the
+    /// present columns allow for.
     pub fn deepen(&mut self, bodies: &PlacedProfile<'_>, height: f64) {
         let depth = self.touching.map_or(0.0, |touching| -height - touching);
         if depth > self.depth {
@@ -82,20 +88,20 @@ impl Columns {
         }
     }
 
-    /// By how much a wheel with its middle at this height has to be lowered until it touches [m], negative if it
-    /// penetrates already; `None` if it is beside the rail.
+    /// Distance by which a wheel with its middle at this height must be lowered until it touches
+    /// [m]. Negative if the wheel penetrates already; `None` if it is beside the rail.
     #[must_use]
     pub fn clearance(&self, height: f64) -> Option<f64> {
         Some(self.touching? + height)
     }
 
-    /// Place along the track at which a wheel that is lowered touches first [m].
+    /// Position along the track at which a lowered wheel touches first [m].
     #[must_use]
     pub fn first_touch(&self) -> f64 {
         self.first
     }
 
-    /// The gaps of all rows, the middle of the wheelset at (y, z).
+    /// Computes the gaps of all rows with the middle of the wheelset at (y, z).
     pub(super) fn gaps(&mut self, rows: &Rows, middle: [f64; 2], found: &mut Vec<Gap>) {
         let (count, wide) = (rows.rows.len(), self.columns.len());
         self.gaps.clear();
@@ -127,7 +133,7 @@ impl Columns {
         }
     }
 
-    /// Lays columns where the wheel touches when it is so much deeper than touching [m].
+    /// Lays columns wherever the wheel touches at this depth below first touch [m].
     fn lay(&mut self, bodies: &PlacedProfile<'_>, depth: f64) {
         let reach = REACH * bodies.wheel.origin[1].abs();
         let far = (reach / COARSE).ceil() as i64;
@@ -152,7 +158,7 @@ impl Columns {
 }
 
 impl Column {
-    /// The bodies at x, by points of their profiles about `step` apart [m].
+    /// Cuts the bodies at x, at profile points about `step` apart [m].
     fn cut(bodies: &PlacedProfile<'_>, x: f64, step: f64) -> Self {
         let PlacedProfile { rail, wheel, pose, motion, .. } = bodies;
         let forward = pose.rotation.matrix().row(0).transpose();
@@ -188,7 +194,8 @@ impl Column {
         Self { x, wheel: on_wheel, rail: on_rail }
     }
 
-    /// By how much the wheel has to be lowered from z = 0 of its middle until it touches here [m].
+    /// Distance by which the wheel must be lowered from z = 0 of its middle until it touches in
+    /// this column [m].
     fn clearance(&self, bodies: &PlacedProfile<'_>) -> Option<f64> {
         let shift = bodies.pose.middle.y;
         let wheel = |k: usize| [self.wheel[k][0] + shift, self.wheel[k][1]];
@@ -198,7 +205,7 @@ impl Column {
         }
     }
 
-    /// Places of the rail on which a wheel can stand.
+    /// Points of the rail on which a wheel can stand.
     fn rising(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let rises = |pair: &&[[f64; 2]]| pair[1][0] > pair[0][0];
         self.rail.windows(2).filter(rises).map(|pair| pair[0])

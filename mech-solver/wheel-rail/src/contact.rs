@@ -1,17 +1,21 @@
-//! A wheel on a rail: the patches at a height of the wheelset, or under a vertical force.
+//! A wheel on a rail: the contact patches at a given height of the wheelset, or under a vertical
+//! force.
 //!
-//! **Force.** The depth d of the wheelset below the height at which it touches is looked for at which
-//! F_z(d) = Σ N (cos α + κ sin α) over the patches, κ = F_s/N their lateral tractions at last, meets the force:
-//! as F_z^(2/3) is linear in d on smooth bodies, by secants of it from (0, 0), within a bracket. Then the tractions
-//! are solved, and κ follows; on a flank of 70° an error of κ comes back multiplied by f tan α/(1 + f tan α) < ½.
+//! **Force.** The unknown is the depth d of the wheelset below the height at which it touches. The
+//! vertical force is F_z(d) = Σ N (cos α + κ sin α) over the patches, with the ratio κ = F_s/N of
+//! the latest lateral tractions. On smooth bodies F_z^(2/3) is linear in d. Secants of that power,
+//! starting at (0, 0) and kept within a bracket, therefore find the depth. Then the tractions are
+//! solved and give a new κ. On a flank of 70° an error of κ comes back multiplied by f tan α/(1 + f
+//! tan α) < ½.
 //!
-//! Meanwhile patches stay parted as they were at the first depth. If the criterion says otherwise at the last one,
-//! they are parted anew and the height is found again, and after [`MOST_PARTINGS`] times are left as they are: there
-//! is no height then at which the criterion holds and the force is met.
+//! Meanwhile the separation into patches stays as it was at the first depth. If the criterion for
+//! patches differs at the final depth, the patches are separated anew and the height is solved
+//! again. After [`MOST_PARTINGS`] rounds they are left as they are: then no height satisfies both
+//! the criterion and the force.
 //!
-//! **Sequences.** One position after another starts from the pressures, the tractions, the depth and the κ of the
-//! one before; [`WheelOnRail::forget`] makes a position independent of those before, to the accuracy that is
-//! asked for.
+//! **Sequences.** Each position starts from the pressures, tractions, depth and κ of the previous
+//! one. [`WheelOnRail::forget`] makes a position independent of earlier ones, to the requested
+//! accuracy.
 
 use super::error::TrackError;
 use super::interface::Interface;
@@ -23,34 +27,35 @@ use super::settings::{Normal, Settings, Vertical};
 use super::surface::Surface;
 use super::wheelset::{Motion, Wheel, Wheelset};
 
-/// Heights that are tried for a force.
+/// Most heights tried for one force.
 const MOST_HEIGHTS: usize = 60;
-/// Rounds of tractions and heights.
+/// Most alternations between tractions and heights.
 const MOST_ROUNDS: usize = 40;
-/// Rounds in which patches are parted or joined anew.
+/// Most rounds in which patches are split or joined anew.
 const MOST_PARTINGS: usize = 3;
-/// A first depth [m].
+/// First depth of the search [m].
 const FIRST_DEPTH: f64 = 2e-5;
-/// A first depth where the force may jump as the wheel goes down [m], and by how much more the next is.
+/// First depth [m] where the force may jump as the wheel goes down, and growth factor of the depth
+/// there.
 const FROM_ABOVE: (f64, f64) = (3e-6, 1.25);
-/// By how much more the next depth is where it does not.
+/// Growth factor of the depth where the force does not jump.
 const LARGEST_STEP: f64 = 3.0;
-/// A bracket as narrow as this share of the depth holds a jump.
+/// Width of a bracket, relative to the depth, below which it holds a jump of the force.
 const COLLAPSED: f64 = 1e-10;
-/// Exponent that makes a force linear in the depth.
+/// Exponent that makes the force linear in the depth.
 const LINEAR: f64 = 2.0 / 3.0;
 
 /// A wheel on a rail.
 #[derive(Debug)]
 pub struct WheelOnRail {
     pair: Pair,
-    /// Depth below touching at last [m].
+    /// Latest depth below touching [m].
     depth: f64,
-    /// Lean of the forces of patches by their tractions, with their places along the tape.
+    /// Position along the tape and ratio F_s/N of each patch of the last solution.
     leaning: Vec<(f64, f64)>,
 }
 
-/// A depth and its force.
+/// Depth and the vertical force there.
 #[derive(Clone, Copy, Debug)]
 struct Trial {
     depth: f64,
@@ -58,10 +63,10 @@ struct Trial {
 }
 
 impl WheelOnRail {
-    /// The wheel and the rail of one side, of profiles in the axes of [`super::profile`].
+    /// Creates the wheel and the rail of one side, from profiles in the axes of [`super::profile`].
     ///
     /// # Errors
-    /// The rail's profile has no gauge point.
+    /// Fails if the rail's profile has no gauge point.
     pub fn new(
         profiles: [&Outline; 2],
         side: Side,
@@ -73,10 +78,11 @@ impl WheelOnRail {
         Self::of_surfaces(&surfaces, side, track, wheelset, settings)
     }
 
-    /// The same of surfaces that may vary along the rail and round the wheel, their profiles in the same axes.
+    /// Creates the wheel and the rail of one side from surfaces that may vary along the rail and
+    /// round the wheel. Profiles are in the axes of [`super::profile`].
     ///
     /// # Errors
-    /// The rail's profile has no gauge point.
+    /// Fails if the rail's profile has no gauge point.
     pub fn of_surfaces(
         [wheel, rail]: &[Surface; 2],
         side: Side,
@@ -90,11 +96,13 @@ impl WheelOnRail {
         Ok(Self { pair, depth: FIRST_DEPTH, leaning: Vec::new() })
     }
 
-    /// Solves a position: the wheelset, how the rail is off its place, what is given along the vertical, and the
-    /// heights and the friction of the elements.
+    /// Solves one position, given the motion of the wheelset, the deviation of the rail, the
+    /// condition along the vertical, and the heights and friction of the interface.
     ///
     /// # Errors
-    /// There is no solution, or none was found.
+    /// Fails if the bodies have different elastic constants, if the wheel is beside the rail, if
+    /// the force is negative or not reached, if a patch is too large, or if a contact or its
+    /// friction does not converge.
     pub fn solve(
         &mut self,
         motion: &Motion,
@@ -125,7 +133,8 @@ impl WheelOnRail {
         self.pair.touching_height()
     }
 
-    /// The profiles of rail and wheel in a position, in so many points, y and z in track axes \[m\].
+    /// Returns the profiles of rail and wheel in a position, as `count` points y and z in track
+    /// axes \[m\].
     #[must_use]
     pub fn outlines(
         &self,
@@ -136,20 +145,20 @@ impl WheelOnRail {
         self.pair.outlines(motion, deviation, count)
     }
 
-    /// Depth below touching of the last position under a force [m].
+    /// Depth below touching of the last position solved under a force [m].
     #[must_use]
     pub fn depth(&self) -> f64 {
         self.depth
     }
 
-    /// Forgets the positions before.
+    /// Discards the state of earlier positions.
     pub fn forget(&mut self) {
         self.pair.forget();
         self.depth = FIRST_DEPTH;
         self.leaning.clear();
     }
 
-    /// Looks for the height under a force.
+    /// Finds the height under a vertical force.
     fn under(&mut self, force: f64, interface: &dyn Interface) -> Result<Solved, TrackError> {
         let touching = self.pair.touching_height().ok_or(TrackError::Beside)?;
         if force == 0.0 {
@@ -161,10 +170,11 @@ impl WheelOnRail {
         let (mut found, mut partings) = (0.0, 0);
         let mut depth = match self.pair.settings.normal {
             Normal::HalfSpace => self.depth,
-            // Several depths may have the force: the least one is meant.
+            // Several depths may have this force. Start shallow to find the smallest.
             Normal::Kpec | Normal::Analyn => FROM_ABOVE.0.min(self.depth),
         };
-        // Numbers of curved surfaces are those of the bodies where patches in planes carry the force without tractions: whatever was before.
+        // Compute the influence numbers of curved surfaces at the height where plane patches carry
+        // the force without tractions, so that they do not depend on earlier positions.
         if self.pair.is_curved() {
             self.leaning.clear();
             self.pair.stay_plane();
@@ -189,7 +199,8 @@ impl WheelOnRail {
         Err(TrackError::NotFound { wanted: force, found })
     }
 
-    /// Presses to the depth of a force, the tractions leaning as they did last, from a depth on.
+    /// Presses the wheel to the depth of a force, from a first depth on, with F_s/N of each patch
+    /// kept.
     fn press_to(
         &mut self,
         touching: f64,
@@ -230,16 +241,16 @@ impl WheelOnRail {
         Err(TrackError::NotFound { wanted: force, found: last.force })
     }
 
-    /// Vertical force of the pressures, and of tractions that lean as they did.
+    /// Vertical force of the pressures, and of lateral tractions with the known F_s/N.
     fn leaning_force(&self) -> f64 {
-        let of = |pressed: &super::pressed::Pressed| {
+        let of = |pressed: &super::pressed::NormalPatch| {
             let known = nearest(&self.leaning, pressed.region.s, |(s, _)| *s);
             pressed.vertical(known.map_or(0.0, |(_, leaning)| *leaning))
         };
         self.pair.pressed.iter().map(of).sum()
     }
 
-    /// Work of the last position.
+    /// Work counters of the last position.
     #[must_use]
     pub fn work(&self) -> SolveStats {
         self.pair.work

@@ -1,20 +1,23 @@
-//! How the wheel moves over the rail at a patch.
+//! Creepages: motion of the wheel relative to the rail at a patch.
 //!
-//! Of the rail it is the reference P of the patch, of the wheel the point Q = P − δ n, δ the approach: as rigid slip
-//! is that of undeformed bodies, the radius is that of the undeformed wheel. With their velocities v and angular
-//! velocities ω in track axes, and the axes e_x, t, n of the patch,
+//! The point of the rail is the reference P of the patch. The point of the wheel is Q = P − δ n
+//! with the approach δ: rigid slip belongs to undeformed bodies, so that the radius is that of the
+//! undeformed wheel. With the velocities v and angular velocities ω of both in track axes, and the
+//! axes e_x, t, n of the patch,
 //!
 //! ξ = (v_Q − v_P)·e_x/V + φ t_P, η = (v_Q − v_P)·t/V − φ x_P, φ = (ω_wheel − ω_rail)·n/V
 //!
-//! at the origin of the axes, from which P is at (x_P, t_P). The rolling speed V = ½(|v_x| + |Ω-part of v_x|) is the mean of the speeds at which the patch goes along the
-//! rail and round the wheel. The track's axes go with the wheelset: in a curve they turn with V_x κ, and the rail
-//! turns against that.
+//! at the origin of the axes, from which P is at (x_P, t_P). The rolling speed
+//! V = ½(|v_x| + |Ω-part of v_x|) is the mean of the speeds of the patch along the rail and round
+//! the wheel. The track's axes move with the wheelset. In a curve they turn with V_x κ, and the
+//! rail turns in the opposite sense.
 //!
-//! *Off the plane* at the height n_w of the wheel over Q and n_r of the rail over P, rigid slip is
-//! (ω_t n, −ω_x n) of the wheel less that of the rail more, with the components ω_x, ω_t along the axes: a rolling
-//! radius that varies across the patch, which no creepage has. n_w is that of the lowest point of a row: along a row
-//! both bodies are pressed onto a surface between them, and the radius at which a particle goes round the axle is
-//! that of its circle.
+//! *Off the plane*, with the wheel at the height n_w above Q and the rail at n_r above P, each body
+//! adds the slip (ω_t n, −ω_x n); the rail's part is subtracted from the wheel's. Here ω_x and ω_t
+//! are components along the axes. This is a rolling radius that varies across the patch, which no
+//! creepage describes. n_w is that of the lowest point of a row: along a row both bodies are
+//! pressed onto a surface between them, and a particle goes round the axle at the radius of its
+//! circle.
 //!
 //! Source: Kalker (1990) §1.2 for V; CONTACT's user guide, ch. 4, for Q.
 
@@ -31,25 +34,25 @@ pub struct Rolling {
     pub creepage: Creepage,
     /// V [m/s].
     pub speed: f64,
-    /// Rigid slip more off the plane [1/m]: along x and along the tangent, by a height of the wheel and of the
-    /// rail.
+    /// Additional rigid slip off the plane [1/m], along x and along the tangent, per height of the
+    /// wheel and of the rail.
     pub by_height: [[f64; 2]; 2],
 }
 
-/// Rigid slip of a row of elements over V, beside that of the creepages.
+/// Additional rigid slip of a row of elements relative to V, besides the creepages.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RowSlip {
     /// Along x and along the tangent, at x = 0 [-].
     pub slip: [f64; 2],
-    /// Spin [1/m]: along the tangent it grows with x.
+    /// Spin [1/m]; its slip along the tangent grows with x.
     pub spin: f64,
 }
 
-/// A wheelset that does not roll forward.
+/// Error: the wheelset does not roll forward.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the wheelset does not roll forward: it goes at {along:.4e} m/s, and its rim at {round:.4e} m/s round the \
-     axle; both have to be above zero"
+    "the wheelset does not roll forward: it moves at {along:.4e} m/s, and its rim at {round:.4e} m/s round the \
+     axle; both must be positive"
 )]
 pub struct NotRolling {
     /// Speed of the patch along the rail [m/s].
@@ -58,10 +61,10 @@ pub struct NotRolling {
     pub round: f64,
 }
 
-/// The creepages of a patch with these axes at this approach [m], at their origin.
+/// Creepages of a patch at the origin of these axes, at this approach [m].
 ///
 /// # Errors
-/// The wheelset does not roll forward.
+/// Fails if the wheelset does not roll forward.
 pub fn rolling(
     frame: &Frame,
     approach: f64,

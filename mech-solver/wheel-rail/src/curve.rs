@@ -1,37 +1,38 @@
 //! A curve z(y) through measured points: natural cubic splines between kinks, smoothed within a
 //! tolerance if one is given.
 //!
-//! *Why splines.* Pressure follows curvature, so that a smooth shape needs an interpolation whose
-//! curvature is continuous and converges; shape-preserving ones of first order (monotone, Akima) have
-//! steps of curvature at every point. Their merit, no overshoot beside a corner, is had by ending the
-//! spline there: a spline through a corner that turns by τ between points of spacing h swings about
-//! the chords by 0.08 τ h, 0.02 τ h, … on either side, and a light contact touches on such a bump alone.
+//! *Why splines.* Pressure follows curvature. A smooth shape therefore needs an interpolation whose
+//! curvature is continuous and converges. Shape-preserving interpolations of first order (monotone,
+//! Akima) have steps of curvature at every point. Their merit is that they do not overshoot beside
+//! a corner; here the spline ends at the corner instead. A spline through a corner that turns by τ
+//! between points of spacing h swings about the chords by 0.08 τ h, 0.02 τ h, … on either side, and
+//! a light contact touches on such a bump alone.
 //!
-//! Where it has kinks and how it is smoothed: [`super::spline`].
+//! Detection of kinks and smoothing: [`super::spline`].
 
 use super::spline::{kinks, smoothed, smoothest};
 
-/// A curve.
+/// Height z(y) by splines between kinks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Places, rising [m].
+    /// Coordinates y, in ascending order [m].
     y: Vec<f64>,
     /// Heights [m].
     z: Vec<f64>,
     /// Second derivatives [1/m]; zero at kinks and ends.
     bend: Vec<f64>,
-    /// Indices of the kinks, rising.
+    /// Indices of the kinks, in ascending order.
     kinks: Vec<usize>,
-    /// The farthest that smoothing has moved a point [m].
+    /// Largest distance by which smoothing moved a point [m].
     moved: f64,
 }
 
 impl Curve {
-    /// The curve through points with rising y that moves none by more than `tolerance` [m]; 0 goes
-    /// through all of them.
+    /// Creates the curve through points in ascending order of y. Smoothing moves no point by more
+    /// than `tolerance` [m]; with 0 the curve passes through all points.
     ///
     /// # Panics
-    /// If there are fewer than two points, or not as many heights as places.
+    /// Panics if there are fewer than two points, or if the numbers of y and z differ.
     #[must_use]
     pub fn new(y: Vec<f64>, z: Vec<f64>, tolerance: f64) -> Self {
         assert!(y.len() == z.len() && y.len() >= 2, "{} places, {} heights", y.len(), z.len());
@@ -49,7 +50,7 @@ impl Curve {
         curve
     }
 
-    /// The first and the last place [m].
+    /// First and last y [m].
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         [self.y[0], self.y[self.y.len() - 1]]
@@ -61,23 +62,23 @@ impl Curve {
         self.y.len()
     }
 
-    /// The points that the curve passes [m].
+    /// Points that the curve passes through [m].
     pub fn passed(&self) -> Vec<[f64; 2]> {
         self.y.iter().zip(&self.z).map(|(y, z)| [*y, *z]).collect()
     }
 
-    /// Places of the kinks [m].
+    /// y of the kinks [m].
     pub fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
         self.kinks.iter().map(|at| self.y[*at])
     }
 
-    /// The farthest that smoothing has moved a point [m].
+    /// Largest distance by which smoothing moved a point [m].
     #[must_use]
     pub fn moved(&self) -> f64 {
         self.moved
     }
 
-    /// Height [m] and slope [-] at y [m]; beyond the ends the straight continuation.
+    /// Height [m] and slope [-] at y [m]. Beyond the ends the curve continues straight.
     #[must_use]
     pub fn at(&self, y: f64) -> [f64; 2] {
         let [first, last] = self.range();
@@ -94,7 +95,7 @@ impl Curve {
         [height + slope * (y - inside), slope]
     }
 
-    /// Fits the points from `first` to `last`, which stay.
+    /// Fits the points from `first` to `last`; these two stay where they are.
     fn fit(&mut self, first: usize, last: usize, tolerance: f64) {
         if last - first < 2 {
             return;
@@ -116,7 +117,7 @@ impl Curve {
 mod tests {
     use super::*;
 
-    /// Points every half a millimetre over ±20 mm.
+    /// Curve through points every half millimetre over ±20 mm.
     fn of(function: impl Fn(f64) -> f64, tolerance: f64) -> Curve {
         let y: Vec<f64> = (-40..=40).map(|k| 0.5e-3 * f64::from(k)).collect();
         let z = y.iter().map(|y| function(*y)).collect();
@@ -127,7 +128,7 @@ mod tests {
         curve.kinks().map(|y| (1e6 * y).round() / 1e3).collect()
     }
 
-    /// Beside a corner the curve stays on its chords, on points and between points.
+    /// Beside a corner the curve follows its chords, at the points and between them.
     #[test]
     fn a_corner_is_kept_and_nothing_overshoots() {
         let edge = |at: f64| move |y: f64| -0.05 * (y.abs() - at).max(0.0);
@@ -137,7 +138,7 @@ mod tests {
             let y = 1e-5 * f64::from(k);
             assert!((curve.at(y)[0] - edge(10e-3)(y)).abs() < 1e-15, "{y}");
         }
-        // A corner between two points is cut by the chord, and by no more than that.
+        // The chord cuts off a corner between two points, and no more than the corner.
         let curve = of(edge(10.2e-3), 0.0);
         assert_eq!(places(&curve), [-10.5, -10.0, 10.0, 10.5]);
         let highest = (0..2000).map(|k| curve.at(1e-5 * f64::from(k))[0]).fold(-1.0, f64::max);
@@ -154,7 +155,8 @@ mod tests {
         assert_eq!(places(&of(lip, 0.0)), [4.0]);
     }
 
-    /// Arcs that meet without a corner, as on every railhead: curvature has steps, slope has none.
+    /// Arcs that meet without a corner, as on every railhead: the curvature is discontinuous, the
+    /// slope is continuous.
     #[test]
     fn arcs_and_roundings_are_no_kinks() {
         let arcs = |y: f64| {
@@ -174,8 +176,8 @@ mod tests {
         assert_eq!(places(&of(bump, 0.0)), [0.0; 0]);
     }
 
-    /// Noise of a micrometre, from a linear congruence, on a crown: its curvature over 5 mm comes back
-    /// to 5 % of the crown's, and no point has moved by more than the tolerance.
+    /// Noise of one micrometre on a crown, from a linear congruential generator. The curvature over
+    /// 5 mm is recovered to 5 % of the crown's, and no point moves by more than the tolerance.
     #[test]
     fn noise_is_smoothed_within_the_tolerance() {
         let noisy = |tolerance| {
@@ -206,7 +208,7 @@ mod tests {
         assert!(farthest <= 1.2e-6 && (farthest - smooth.moved()).abs() < 1e-12, "{farthest}");
     }
 
-    /// A corner above the tolerance is kept, one below it smoothed.
+    /// A corner above the tolerance is kept; a corner below the tolerance is smoothed.
     #[test]
     fn the_tolerance_decides_about_corners() {
         let roof = |y: f64| -0.01 * y.abs();

@@ -1,19 +1,26 @@
-//! A patch on a surface that turns under it, as between a wheel's flange root and the gauge corner of a rail.
+//! A patch on a curved surface, as between the flange root of a wheel and the gauge corner of a
+//! rail.
 //!
-//! **Surface.** Every row of the patch has axes of its own: the place of the rail at its tape distance, and as its angle α_j the mean
-//! of those of both surfaces, of the rail there and of the wheel where the rail's normal meets it. The undeformed distance is along
-//! that normal, pressure acts along it and tractions along its tangent.
+//! **Surface.** Every row of the patch has its own axes. Their origin is the point of the rail at
+//! the row's tape distance. Their angle α_j is the mean of the angles of both surfaces: of the rail
+//! there, and of the wheel where the rail's normal meets the wheel. The undeformed distance is
+//! measured along the normal of the row, pressure acts along that normal and tractions along the
+//! tangent.
 //!
-//! **Bodies** are prisms along x for what they displace each other by ([`half_space::conformal::numbers`]). Their sections are those of
-//! rail and wheel round the patch, over the same lengths from where the normal at the patch's reference meets
-//! both, as far as [`AROUND`] beyond the patch, or as they have turned by [`MOST_TURN`]; straight from there. Numbers are kept for the
-//! heights of one position, with room for a patch that grows.
+//! **Bodies.** For their elastic displacements the bodies are prisms along x
+//! ([`half_space::conformal::numbers`]). Their sections are those of rail and wheel round the
+//! patch, over the same lengths from the points where the normal at the patch's reference meets
+//! both. They extend as far as [`AROUND`] beyond the patch, or until they have turned by
+//! [`MOST_TURN`], and are straight from there. Influence numbers are kept for the heights of one
+//! position, with room for a patch that grows.
 //!
-//! **Rigid slip** of a row is that of its own place and axes: with the creepages (ξ_j, η_j, φ_j) there, from [`super::creepage`] with its
-//! own Q, it is (ξ_j, η_j + φ_j x), what differs from that of the plane through the reference being [`RowSlip`].
+//! **Rigid slip** of a row belongs to its own origin and axes. With the creepages (ξ_j, η_j, φ_j)
+//! there, from [`super::creepage`] with the row's own Q, it is (ξ_j, η_j + φ_j x). [`RowSlip`]
+//! holds its difference from the slip of the plane through the reference.
 //!
-//! Source: Vollebregt and Segal, Vehicle System Dynamics 52 (2014) suppl. 455, for contact on a curved surface; they
-//! take the surface from the deformed bodies and the numbers from finite elements, CONTACT for measured profiles from half-spaces that it turns.
+//! Source: Vollebregt and Segal, Vehicle System Dynamics 52 (2014) suppl. 455, for contact on a
+//! curved surface. They take the surface from the deformed bodies and the influence numbers from
+//! finite elements; for measured profiles CONTACT takes them from rotated half-spaces.
 
 use super::creepage::{NotRolling, Rolling, RowSlip, rolling};
 use super::error::TrackError;
@@ -32,39 +39,39 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Distance beyond a patch up to which the sections of the bodies are followed [m].
+/// Distance beyond a patch to which the sections of the bodies are followed [m].
 const AROUND: f64 = 30e-3;
-/// The farthest that they turn from the reference of the patch [rad].
+/// Largest angle by which the sections turn from the reference of the patch [rad].
 const MOST_TURN: f64 = 0.45 * PI;
-/// Room for a patch that grows: of its elements, and elements.
+/// Margin for a patch that grows: share of its elements, and number of elements.
 const ROOM: (f64, usize) = (0.1, 3);
-/// Elements times rows at most: numbers of every pair of rows take 150 bytes each.
+/// Limit of elements times rows. Influence numbers of every pair of rows take 150 bytes each.
 const MOST: f64 = 3e7;
 
-/// Numbers of the patches of a position.
+/// Influence numbers of the patches of one position.
 #[derive(Debug, Default)]
 pub(super) struct KnownNumbers {
-    /// With the first of their rows.
+    /// Influence numbers, each with the number of its first row.
     known: Vec<(i64, Arc<InfluenceNumbers>)>,
 }
 
-/// A patch on such a surface.
+/// A patch on a curved surface.
 #[derive(Debug)]
 pub(super) struct Curved {
-    /// The axes of every row of its window.
+    /// Axes of every row of the window.
     rows: Vec<Frame>,
-    /// Elements of the rows that are its own, in the order of the fields.
+    /// Range of elements in the rows that belong to the patch, in the order of the fields.
     own: Range<usize>,
     elastic: ElasticPair,
 }
 
 impl KnownNumbers {
-    /// Forgets all.
+    /// Discards all influence numbers.
     pub(super) fn clear(&mut self) {
         self.known.clear();
     }
 
-    /// A patch in the window around the origin of a frame, of which these rows are its own, the first and the one behind the last.
+    /// Creates a patch in the window around the origin of a frame. Its own rows are `from..end`.
     pub(super) fn patch(
         &mut self,
         frame: &Frame,
@@ -97,7 +104,7 @@ impl KnownNumbers {
     }
 }
 
-/// Numbers of so many elements along x and rows from the first on.
+/// Influence numbers for these counts of elements along x and of rows, beginning with row `first`.
 fn numbers(
     frame: &Frame,
     (first, counts): (i64, [usize; 2]),
@@ -131,7 +138,8 @@ fn numbers(
     Ok(InfluenceNumbers::new(&settings.materials, &sections, &patch))
 }
 
-/// A section from the directions at these lengths, round `middle`, as far as the body goes and does not turn too much.
+/// Section of a body round `middle`, from its directions at these lengths. Ends where the body ends
+/// or has turned too far.
 fn section(
     at: &[f64],
     middle: f64,
@@ -159,14 +167,14 @@ fn section(
     CrossSection::new(at, directions)
 }
 
-/// A frame whose origin is the rail at a tape distance [m].
+/// Frame whose origin is the point of the rail at a tape distance [m].
 fn on_rail(frame: &Frame, rail: &Rail, s: f64) -> Frame {
     let [y, z] = rail.outline.at(s).position;
     let origin = Vector3::new(frame.origin.x, y, z);
     Frame { origin, reference: origin, ..*frame }
 }
 
-/// The axes of every row of a window around the origin of a frame.
+/// Axes of every row of a window around the origin of a frame.
 fn rows(frame: &Frame, window: &Window, (rail, wheel, pose): (&Rail, &Wheel, &Pose)) -> Vec<Frame> {
     let first = frame.element[1] - window.half[1] as i64;
     let row = |j: usize| {
@@ -184,7 +192,7 @@ fn rows(frame: &Frame, window: &Window, (rail, wheel, pose): (&Rail, &Wheel, &Po
 }
 
 impl Curved {
-    /// The pressure under which the gap closes [Pa], from the one that is there.
+    /// Solves the pressure under which the gap closes [Pa], starting from the present pressure.
     pub(super) fn press(
         &mut self,
         gap: &[f64],
@@ -193,13 +201,14 @@ impl Curved {
         self.elastic.press(&gap[self.own.clone()], &mut pressure[self.own.clone()])
     }
 
-    /// By how much tractions open the gap [m].
+    /// Gap opening by the tractions [m].
     pub(super) fn opening(&mut self, [x, s]: &[Vec<f64>; 2], opening: &mut [f64]) {
         let own = || self.own.clone();
         self.elastic.opening([&x[own()], &s[own()]], &mut opening[own()]);
     }
 
-    /// Slip of a step that half-spaces do not have under these tractions and this pressure [m].
+    /// Slip of a step under these tractions and this pressure, in excess of that of half-spaces
+    /// [m].
     pub(super) fn elastic_slip(
         &mut self,
         [x, s]: &[Vec<f64>; 2],
@@ -214,7 +223,7 @@ impl Curved {
         slip
     }
 
-    /// The undeformed distance of the elements of a window along the normals of its rows [m].
+    /// Undeformed distance of the elements of a window along the normals of its rows [m].
     pub(super) fn distance(&self, window: &Window, bodies: (&Rail, &Wheel, &Pose)) -> Vec<f64> {
         let row = Window { half: [window.half[0], 0], ..*window };
         let of = |frame: &Frame| {
@@ -224,7 +233,8 @@ impl Curved {
         self.rows.iter().flat_map(of).collect()
     }
 
-    /// Sum over the elements of a field along the normals [Pa] and of one along the tangents, the parts along the vertical.
+    /// Sum over the elements of the vertical components of a field along the normals [Pa] and of
+    /// one along the tangents.
     pub(super) fn vertical(&self, normal: &[f64], tangent: Option<&[f64]>) -> f64 {
         let count = normal.len() / self.rows.len();
         let sum = |field: &[f64], row: usize| -> f64 {
@@ -237,7 +247,8 @@ impl Curved {
         self.rows.iter().enumerate().map(of).sum()
     }
 
-    /// Rigid slip of the rows beside that of a patch; `lowest` are the least distances of the rows [m].
+    /// Rigid slip of the rows in excess of that of the plane patch; `lowest` are the least
+    /// distances of the rows [m].
     pub(super) fn rigid_slip(
         &self,
         plane: (&Window, &Rolling),
@@ -255,7 +266,7 @@ impl Curved {
         self.rows.iter().zip(lowest).enumerate().map(row).collect()
     }
 
-    /// Forces and moments on the wheel in the axes of a patch, about their origin.
+    /// Forces and moments on the wheel about the origin of the patch's axes, in these axes.
     pub(super) fn load(&self, frame: &Frame, fields: &Fields) -> Load {
         let grid = fields.grid();
         let [_, tangent, normal] = frame.axes();

@@ -1,14 +1,15 @@
-//! The fields of all patches on one grid over x and the tape distance: the surface of the rail, developed.
+//! The fields of all patches on one grid over x and the tape distance, the developed surface of the
+//! rail.
 //!
-//! Elements of all patches are those of one grid, and none is in contact in two of them unless their planes
-//! overlap at a cut ([`super::region`]), where sums are taken. What is along x and along the tangent of a patch is
-//! along x and along the tape.
+//! The elements of all patches belong to one grid. An element is in contact in two patches only if
+//! their planes overlap at a cut ([`super::region`]); there the values are summed. Components along
+//! x and along the tangent of a patch become components along x and along the tape.
 
 use super::fields::Fields;
 use super::patch::Patch;
 
-/// Fields over x and the tape; element (i, j) at the index j·nx + i, its middle at ((first₀ + i) Δx,
-/// (first₁ + j) Δs).
+/// Fields over x and the tape distance. Element (i, j) has the index j·nx + i and its middle at
+/// ((first₀ + i) Δx, (first₁ + j) Δs).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Developed {
     /// Numbers of the first element along x and along the tape.
@@ -26,8 +27,8 @@ pub struct Developed {
 }
 
 impl Developed {
-    /// The fields of patches, on the smallest part of the grid with `margin` elements round all in which
-    /// something happens; empty without patches.
+    /// Combines the fields of patches on the smallest grid that holds all loaded elements plus
+    /// `margin` elements on each side. Empty without patches.
     #[must_use]
     pub fn of(patches: &[Patch], margin: usize) -> Self {
         let mut low = [i64::MAX; 2];
@@ -44,7 +45,7 @@ impl Developed {
         Self::on(patches, first, counts)
     }
 
-    /// The fields of patches on a given part of the grid; what is outside is left out.
+    /// Combines the fields of patches on a given part of the grid; elements outside are omitted.
     #[must_use]
     pub fn on(patches: &[Patch], first: [i64; 2], counts: [usize; 2]) -> Self {
         let mut sum = Self::empty(first, counts);
@@ -52,7 +53,7 @@ impl Developed {
         sum
     }
 
-    /// A part of the grid on which nothing happens.
+    /// Creates a part of the grid with all fields zero.
     #[must_use]
     pub fn empty(first: [i64; 2], counts: [usize; 2]) -> Self {
         let zeros = || vec![0.0; counts[0] * counts[1]];
@@ -66,7 +67,7 @@ impl Developed {
         }
     }
 
-    /// Takes the fields of patches, so many rows further along the tape; what is outside is left out.
+    /// Adds the fields of patches, shifted by `rows` along the tape; elements outside are omitted.
     pub fn take(&mut self, patches: &[Patch], rows: i64) {
         patches.iter().for_each(|patch| self.add(&patch.fields, rows));
     }

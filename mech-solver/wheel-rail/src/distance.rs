@@ -1,18 +1,22 @@
-//! The undeformed distance of a wheel that is not round, or a rail that varies, on the elements of a patch.
+//! Undeformed distance of a wheel that is not round, or a rail that varies, on the elements of a
+//! patch.
 //!
-//! As in [`super::local`] it is n_w − n_r along the normal of the patch, of the true surfaces, here at every column. Where
-//! O + x e_x + t t + n n meets the rail, with r(u, s) its surface at the way u of the place,
+//! The distance is n_w − n_r along the normal of the patch, as in [`super::local`], but between the
+//! true surfaces and at every column. The rail is met where O + x e_x + t t + n n lies on its
+//! surface r(u, s), at the distance u along the rail:
 //!
 //! (r(u, s) − O)·t = t.
 //!
-//! On the wheel, with q = Rᵀ(· − M) in wheelset axes, θ the angle of q from the lowest point forwards and the surface
-//! (y_w, −r_w) at the mark θ + pitch and s,
+//! On the wheel, q = Rᵀ(· − M) are wheelset axes, θ is the angle of q forwards from the lowest
+//! point, and the surface is (y_w, −r_w) at the mark θ + pitch and s:
 //!
-//! q_y(n) = y_w(θ(n) + pitch, s) and √(q_x² + q_z²) = r_w(θ(n) + pitch, s):
+//! q_y(n) = y_w(θ(n) + pitch, s) and √(q_x² + q_z²) = r_w(θ(n) + pitch, s).
 //!
-//! two equations for n and s, by Newton's method from the element beside, in which θ moves with n.
+//! Newton's method solves these two equations for n and s, starting from the neighbouring element;
+//! θ changes with n.
 //!
-//! The normal of the patch is across x. On a rail that rises by the slope β the distance is 1/cos β too large: 0.5 % at 1:10.
+//! The normal of the patch is perpendicular to x. On a rail that rises by the slope β the distance
+//! is too large by 1/cos β: 0.5 % at 1:10.
 
 use super::local::{EXACT, Frame, NOTHING, STEEPEST, STEPS, Window};
 use super::rail::Rail;
@@ -20,11 +24,13 @@ use super::surface::Surface;
 use super::wheelset::{Pose, Wheel};
 use nalgebra::Vector3;
 
-/// Changes of an iterate at which it has settled, where rounding is not reached, as at a kink [m].
+/// Change of an iterate below which it has converged where rounding is not reached, as at a kink
+/// [m].
 const SETTLED: f64 = 1e-9;
 
-/// The undeformed distance of the elements of a window [m], and the height of the rail over the plane in every row, where
-/// the distance is least [m], zero where there is none; the wheel turned by `pitch` [rad].
+/// Returns the undeformed distance of the elements of a window [m], and for every row the height of
+/// the rail over the plane at the least distance [m], zero in a row without rail. The wheel is
+/// turned by `pitch` [rad].
 #[must_use]
 pub fn distance_of_surfaces(
     frame: &Frame,
@@ -73,8 +79,8 @@ pub fn distance_of_surfaces(
     [distance, heights]
 }
 
-/// A frame whose reference, on the rail's profile where that is cut, is put onto the rail where it is along the track: on
-/// a rail that rises its rolling radius is another.
+/// Moves the reference of a frame from the rail's profile at the cut onto the rail at its own
+/// position along the track. On a rail that rises the rolling radius differs.
 #[must_use]
 pub fn on_rail(frame: &Frame, rail: &Rail) -> Frame {
     let [_, tangent, up] = frame.axes();
@@ -86,7 +92,7 @@ pub fn on_rail(frame: &Frame, rail: &Rail) -> Frame {
     Frame { origin: frame.origin + shift, reference: frame.reference + shift, ..*frame }
 }
 
-/// Places at which an element's normal met the surfaces last.
+/// Starting values at an element: where the previous normal met the surfaces.
 #[derive(Clone, Copy, Debug)]
 struct Guess {
     /// s on the rail [m].
@@ -96,7 +102,7 @@ struct Guess {
     height: f64,
 }
 
-/// The rail, seen from the plane of a patch.
+/// The rail in the axes of a patch.
 struct RailSurface<'a> {
     rail: &'a Rail,
     frame: &'a Frame,
@@ -104,14 +110,15 @@ struct RailSurface<'a> {
 }
 
 impl RailSurface<'_> {
-    /// s of the rail that is nearest to the plane's origin.
+    /// s of the point of the rail nearest to the plane's origin.
     fn start(&self) -> f64 {
         let Self { rail, frame, .. } = self;
         let at = rail.way + frame.origin.x;
         nearest(&rail.surface, at, [frame.origin.y, frame.origin.z])
     }
 
-    /// Height of the rail above the plane at (x, t) [m], from the tape distance `s` on, which becomes that of the place.
+    /// Height of the rail above the plane at (x, t) [m]. `s` is the starting value of the tape
+    /// distance and receives the solution.
     fn meet(&mut self, x: f64, along: f64, s: &mut f64) -> Option<f64> {
         let Self { rail, frame, near } = self;
         let (sin, cos) = frame.angle.sin_cos();
@@ -136,11 +143,11 @@ impl RailSurface<'_> {
     }
 }
 
-/// The wheel, seen from the plane of a patch.
+/// The wheel in the axes of a patch.
 struct WheelSurface<'a> {
     surface: &'a Surface,
     pitch: f64,
-    /// The plane's origin, e_x, t and n in wheelset axes.
+    /// Origin of the plane, and e_x, t and n, in wheelset axes.
     origin: Vector3<f64>,
     axes: [Vector3<f64>; 3],
     near: usize,
@@ -153,7 +160,7 @@ impl<'a> WheelSurface<'a> {
         Self { surface: &wheel.surface, pitch, origin, axes, near: 0 }
     }
 
-    /// Place of the wheel that is nearest to the plane's origin.
+    /// Starting values at the point of the wheel nearest to the plane's origin.
     fn start(&self, rail: f64) -> Guess {
         let [x, y, z] = self.origin.into();
         let at = x.atan2(-z) + self.pitch;
@@ -199,7 +206,7 @@ impl<'a> WheelSurface<'a> {
     }
 }
 
-/// s of a surface at a position where it is nearest to a point of the plane y, z [m].
+/// s of the point of a surface, at a position along it, nearest to the point y, z [m].
 fn nearest(surface: &Surface, position: f64, [y, z]: [f64; 2]) -> f64 {
     let [from, to] = surface.range();
     let mut near = 0;
@@ -229,8 +236,9 @@ mod tests {
         Slices::new(&slices, Along::Through, period).unwrap().into()
     }
 
-    /// Equal slices have the distance of their profile, on the tread, on the throat and on the flank, with yaw and roll.
-    /// Tolerances: rounding at every fourth column of the round wheel, and the cubics through those between them.
+    /// Equal slices have the same distance as their profile, on tread, throat and flank, with yaw
+    /// and roll. Tolerances: rounding at every fourth column of the round wheel, and the cubics
+    /// between these columns.
     #[test]
     fn equal_slices_have_the_distance_of_their_profile() {
         let placing = Placing::Gauge { width: 1.435, height: 14e-3 };

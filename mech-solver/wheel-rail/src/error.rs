@@ -1,55 +1,55 @@
-//! Why a wheel on a rail has no solution.
+//! Errors of the contact of a wheel and a rail.
 
 use super::creepage::NotRolling;
 use half_space::grid_continuation::TangentialError;
 use half_space::normal::NormalError;
 use half_space::slip_iteration::Unsettled;
 
-/// Why a wheel on a rail has no solution.
+/// Reason why a wheel on a rail has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TrackError {
-    /// The bodies are of different materials.
+    /// The bodies have different materials.
     #[error(
-        "wheel and rail are of different elastic constants, whose pressures and tractions act on each other; \
-         here they have to be of the same"
+        "wheel and rail have different elastic constants, so that pressure and tractions are coupled; \
+         this model needs the same constants for both"
     )]
     Different,
     /// The wheel is not above the rail.
     #[error("the wheel is beside the rail: their profiles do not meet at any height")]
     Beside,
-    /// The force is none that a contact carries.
+    /// A contact cannot carry this force.
     #[error("a vertical force of {0} N cannot press a wheel on a rail")]
     Force(f64),
-    /// The force is not met.
+    /// No height of the wheelset has the requested force.
     #[error(
-        "the height of the wheelset is not found for a vertical force of {wanted:.6e} N: {found:.6e} N is \
+        "no height of the wheelset gives a vertical force of {wanted:.6e} N: {found:.6e} N is the \
          nearest"
     )]
     NotFound {
-        /// Force asked for [N].
+        /// Requested force [N].
         wanted: f64,
-        /// Force reached [N].
+        /// Nearest force found [N].
         found: f64,
     },
-    /// The wheels do not stand at one height.
+    /// No roll angle brings both wheels to one height.
     #[error(
-        "the roll of the wheelset is not found at which both wheels carry their loads: at {roll:.6e} rad the left \
-         one is {apart:.3e} m above the right one; under a flange that is steep both heights rise together"
+        "no roll of the wheelset lets both wheels carry their loads: at {roll:.6e} rad the left \
+         one is {apart:.3e} m above the right one; on a steep flange both heights rise together"
     )]
     Roll {
-        /// Roll that is nearest [rad].
+        /// Roll of the best attempt [rad].
         roll: f64,
         /// Height of the axle over the left wheel less that over the right one [m].
         apart: f64,
     },
-    /// The torque is not met.
+    /// No angular velocity carries the torque.
     #[error(
-        "the wheels do not carry a torque of {wanted:.6e} N m at any angular velocity: {found:.6e} N m is nearest"
+        "the wheels do not carry a torque of {wanted:.6e} N m at any angular velocity: the nearest is {found:.6e} N m"
     )]
     Torque {
-        /// Torque asked for [N m].
+        /// Requested torque [N m].
         wanted: f64,
-        /// Torque reached [N m].
+        /// Nearest torque found [N m].
         found: f64,
     },
     /// A patch has too many elements.
@@ -61,13 +61,13 @@ pub enum TrackError {
         penetration: f64,
         /// Elements of the patch.
         elements: usize,
-        /// Most elements.
+        /// Largest allowed number of elements.
         limit: usize,
     },
     /// A patch on a curved surface has too many rows.
     #[error(
         "a patch on a curved surface needs influence numbers of every pair of its {rows} rows, of {elements} elements each, \
-         which is too much; take fewer by mech.lateral_resolution"
+         which is too much; reduce mech.lateral_resolution"
     )]
     Rows {
         /// Elements of a row.
@@ -75,27 +75,27 @@ pub enum TrackError {
         /// Rows of the patch.
         rows: usize,
     },
-    /// Pressure and tractions of a patch on a curved surface.
+    /// Pressure and tractions of a patch on a curved surface did not converge.
     #[error(
-        "on a curved surface pressure and tractions did not settle: they still change by {change:.1e} of the largest pressure"
+        "on a curved surface pressure and tractions did not converge: they still change by {change:.1e} of the largest pressure"
     )]
     Turns {
-        /// Their change over the largest pressure.
+        /// Last change relative to the largest pressure.
         change: f64,
     },
-    /// The normal contact of a patch.
+    /// Error of the normal contact of a patch.
     #[error(transparent)]
     Normal(#[from] NormalError),
-    /// The tangential contact of a patch.
+    /// Error of the tangential contact of a patch.
     #[error(transparent)]
     Tangential(#[from] TangentialError),
-    /// The friction of a patch.
+    /// Error of the friction law of a patch.
     #[error("{0}")]
     Friction(String),
-    /// Friction that follows the slip of every element.
+    /// Friction that depends on the slip of every element did not converge.
     #[error(transparent)]
     Unsettled(#[from] Unsettled),
-    /// The motion of the wheelset.
+    /// The wheelset does not roll forward.
     #[error(transparent)]
     Rolling(#[from] NotRolling),
 }

@@ -1,10 +1,10 @@
-//! The fields of a patch, on its part of the grid over x and the tape distance, and sums of them.
+//! The fields of a patch, on its part of the grid over x and the tape distance, and their sums.
 //!
 //! **Friction power** of an element is −p·S_I V/Δx plus the numerical dissipation of the difference
-//! ([`half_space::dissipation`]), with the traction p that works on the slip
-//! ([`half_space::difference`]). Its sum over a patch is −V(ξF_x + ηF_y + φM_z), M_z about the
-//! *pivot*: the origin with Fromm's difference, Δx/3 ahead of it with the upwind one. If rigid slip is
-//! taken on the surfaces, the part off the plane adds its own power.
+//! ([`half_space::dissipation`]), where p is the traction that works on the slip
+//! ([`half_space::difference`]). The sum over a patch is −V(ξF_x + ηF_y + φM_z), with M_z about
+//! the *pivot*: the origin for Fromm's difference, Δx/3 ahead of the origin for the upwind
+//! difference. If rigid slip is taken on the surfaces, the part off the plane adds its own power.
 
 use super::local::Window;
 use grids::Structured;
@@ -12,10 +12,10 @@ use half_space::difference::Difference;
 use half_space::friction::ElementFriction;
 use half_space::tangential::{ElementState, TangentialState};
 
-/// Fields of a patch; element (i, j) at the index j·nx + i.
+/// Fields of a patch. Element (i, j) has the index j·nx + i.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fields {
-    /// Element (i, j) of the grid over x and the tape distance that is the first here: its middle is at
+    /// First element, as numbers (i, j) on the grid over x and the tape distance. Its middle is at
     /// (i Δx, j Δs), x in track axes.
     pub first: [i64; 2],
     /// Elements along x and along the tape.
@@ -24,7 +24,7 @@ pub struct Fields {
     pub sides: [f64; 2],
     /// Column and row of the origin of the patch's axes.
     pub origin: [usize; 2],
-    /// Difference along x, which places slip and friction power.
+    /// Difference scheme along x, which sets the positions of slip and friction power.
     pub difference: Difference,
     /// Undeformed distance [m], [`super::local::NOTHING`] beyond the rows of the patch.
     pub distance: Vec<f64>,
@@ -32,26 +32,26 @@ pub struct Fields {
     pub pressure: Vec<f64>,
     /// Tractions on the wheel, along x and along the tangent [Pa].
     pub traction: [Vec<f64>; 2],
-    /// Velocity of the wheel's surface relative to the rail's, along x and along the tangent [m/s]; zero outside
-    /// the contact.
+    /// Velocity of the wheel's surface relative to the rail's, along x and along the tangent [m/s];
+    /// zero outside the contact.
     pub slip_velocity: [Vec<f64>; 2],
     /// Friction power [W/m²].
     pub friction_power: Vec<f64>,
-    /// State of every element; all exterior where there are no tractions.
+    /// State of every element; exterior where there are no tractions.
     pub element: Vec<ElementState>,
 }
 
-/// Forces and moments on the wheel in the axes of a patch, about its origin.
+/// Forces and moments on the wheel about the origin of a patch, in the axes of the patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load {
-    /// Along x, along the tangent and along the normal [N].
+    /// Force along x, along the tangent and along the normal [N].
     pub force: [f64; 3],
-    /// About the same axes [N m].
+    /// Moment about the same axes [N m].
     pub moment: [f64; 3],
 }
 
 impl Fields {
-    /// The fields without tractions on a window whose origin is this element.
+    /// Creates the fields on a window whose origin is this element, still without tractions.
     #[must_use]
     pub fn pressed(
         window: &Window,
@@ -77,7 +77,8 @@ impl Fields {
         }
     }
 
-    /// Traction bound on a window around the same origin, no larger than this, by the friction of its elements [Pa].
+    /// Traction bound [Pa] from the friction of the elements, on a window around the same origin
+    /// that lies within these fields.
     #[must_use]
     pub fn bound(&self, window: &Window, friction: &ElementFriction) -> Vec<f64> {
         let narrow = window.counts();
@@ -91,8 +92,9 @@ impl Fields {
         (0..narrow[0] * narrow[1]).map(of).collect()
     }
 
-    /// Takes the tractions of a solution on a window around the same origin, no larger than this, at the speed
-    /// V [m/s], with the numerical dissipation of the difference along x [W/m²].
+    /// Stores the tractions of a solution on a window around the same origin that lies within these
+    /// fields. `speed` is V [m/s]; the numerical dissipation belongs to the difference along x
+    /// [W/m²].
     pub fn take(
         &mut self,
         window: &Window,
@@ -122,7 +124,7 @@ impl Fields {
         }
     }
 
-    /// Power of tractions on a window around the same origin against a slip of a step there [m] [W].
+    /// Power [W] of the tractions on a window around the same origin against a slip per step [m].
     #[must_use]
     pub fn power_of_slip(
         &self,
@@ -139,7 +141,7 @@ impl Fields {
         (0..window.points()).map(of).sum::<f64>() * speed * self.sides[1]
     }
 
-    /// The grid over x in track axes and the tape distance.
+    /// Grid over x in track axes and the tape distance.
     #[must_use]
     pub fn developed_grid(&self) -> Structured {
         let [dx, dy] = self.sides;
@@ -147,7 +149,7 @@ impl Fields {
         Structured::contact_plane(x0, y0, dx, dy, self.counts[0], self.counts[1])
     }
 
-    /// The grid in the axes of the patch.
+    /// Grid in the axes of the patch.
     #[must_use]
     pub fn grid(&self) -> Structured {
         let [dx, dy] = self.sides;
@@ -175,7 +177,8 @@ impl Fields {
         load
     }
 
-    /// Traction along the tangent over pressure, both summed over the elements in contact [-].
+    /// Sum of the tractions along the tangent over the sum of the pressures, of the elements in
+    /// contact [-].
     #[must_use]
     pub fn leaning(&self) -> f64 {
         let pressed = self.pressure.iter().zip(&self.traction[1]).filter(|(p, _)| **p > 0.0);
@@ -190,13 +193,13 @@ impl Fields {
         self.friction_power.iter().sum::<f64>() * self.sides[0] * self.sides[1]
     }
 
-    /// Distance along x ahead of the origin at which the moment does the work of the spin [m].
+    /// Distance along x ahead of the origin at which the moment works on the spin [m].
     #[must_use]
     pub fn pivot(&self) -> f64 {
         (self.difference.middle() - self.difference.rigid_slip_ahead()) * self.sides[0]
     }
 
-    /// Area of the elements that slip over that of all in contact [-].
+    /// Area of the slipping elements over that of all elements in contact [-].
     #[must_use]
     pub fn slip_area_ratio(&self) -> f64 {
         let count = |state| self.element.iter().filter(|element| **element == state).count() as f64;

@@ -1,46 +1,50 @@
-//! What is between the bodies at a row of the rail, along its normal.
+//! Gap between the bodies at a row of the rail, along its normal.
 //!
-//! Over x the gap of a row is g(x), negative where the bodies penetrate each other. Its weight in the reference of a patch
-//! is w = ∫g² dx over where it is negative, and its place ∫x g² dx/w. A round wheel of the radius of curvature R has
-//! g = g_j + (x − x_j)²/2R there, of which w is |g_j|^{5/2} √(2R) 16/15, as all are of nearly the same R.
+//! The gap of a row is g(x), negative where the bodies penetrate each other. The weight of the row
+//! in the reference of a patch is w = ∫g² dx over the negative part, and its position is ∫x g²
+//! dx/w. A round wheel with the radius of curvature R has g = g_j + (x − x_j)²/2R there and
+//! w = |g_j|^{5/2} √(2R) 16/15; the constant is dropped because R is nearly the same for all rows.
 //!
-//! Between columns at equal distances h, g is the parabola of both values and of the mean of both second differences.
+//! Between columns of equal spacing h, g is the parabola through both values with the mean of both
+//! second differences.
 
 use numerics::quadrature::GAUSS_3;
 
 /// Exponent of a gap in the weight of its row.
 const WEIGHT: f64 = 2.5;
 
-/// Gap between the bodies at a row.
+/// Gap between the bodies at one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gap {
     /// Least gap [m].
     pub(super) gap: f64,
-    /// Place along the track [m]: of the reference.
+    /// Position of the row's reference along the track [m].
     pub(super) x: f64,
-    /// Range in which it is negative [m].
+    /// Range of x in which the gap is negative [m].
     pub(super) x_range: [f64; 2],
-    /// Weight in the reference of a patch; of all rows in the same unit.
+    /// Weight in the reference of a patch, in the same unit for all rows.
     pub(super) weight: f64,
 }
 
-/// There is nothing to touch.
+/// Gap of a row where the bodies cannot touch.
 pub(super) const OPEN: Gap = Gap { gap: f64::INFINITY, x: 0.0, x_range: [0.0; 2], weight: 0.0 };
 
 impl Gap {
-    /// Gap of a round wheel: the least gap at x, and the wheel's radius of curvature along x there [m].
+    /// Gap of a round wheel: the least gap at x, and the wheel's radius of curvature along x there
+    /// [m].
     pub(super) fn round(gap: f64, x: f64, radius: f64) -> Self {
         let penetration = (-gap).max(0.0);
         let half = (2.0 * radius * penetration).sqrt();
         Self { gap, x, x_range: [x - half, x + half], weight: penetration.powf(WEIGHT) }
     }
 
-    /// The same with x counted from another place, which is at `x` [m].
+    /// Same gap with x counted from another origin; the present origin is at `x` [m].
     pub(super) fn from(self, x: f64) -> Self {
         Self { x: x + self.x, x_range: self.x_range.map(|end| x + end), ..self }
     }
 
-    /// Gap of a row by those at columns from `first` on, `step` apart [m]; infinite where there is none.
+    /// Gap of a row from gaps at columns, `first` being the first and `step` their spacing [m]. An
+    /// infinite gap means no body.
     pub(super) fn along(first: f64, step: f64, gaps: &[f64]) -> Self {
         let Some([x, gap]) = lowest(first, step, gaps) else { return OPEN };
         let place = |at: usize| first + at as f64 * step;
@@ -63,7 +67,7 @@ impl Gap {
     }
 }
 
-/// Second derivative at a column by those beside it [1/m]; 0 at an end.
+/// Second derivative at a column from its neighbours [1/m]; 0 at an end.
 fn curvature(gaps: &[f64], at: usize, step: f64) -> f64 {
     match (at.checked_sub(1).map(|k| gaps[k]), gaps.get(at + 1)) {
         (Some(before), Some(behind)) if before.is_finite() && behind.is_finite() => {
@@ -73,8 +77,8 @@ fn curvature(gaps: &[f64], at: usize, step: f64) -> f64 {
     }
 }
 
-/// Place and least gap, by the parabola at the least of those at columns from `first` on, `step` apart [m]; `None` if
-/// there are none that are finite.
+/// Position and value of the least gap, by a parabola through the lowest column and its neighbours.
+/// Columns begin at `first`, `step` apart [m]; `None` if no gap is finite.
 pub(super) fn lowest(first: f64, step: f64, gaps: &[f64]) -> Option<[f64; 2]> {
     let by_gap = |a: &usize, b: &usize| gaps[*a].total_cmp(&gaps[*b]);
     let least = (0..gaps.len()).min_by(by_gap).filter(|at| gaps[*at] < f64::INFINITY)?;
@@ -87,7 +91,7 @@ pub(super) fn lowest(first: f64, step: f64, gaps: &[f64]) -> Option<[f64; 2]> {
     Some([place - slope / bend, gaps[least] - 0.5 * slope * slope / bend])
 }
 
-/// ∫g² dx and ∫x g² dx over where g is negative, and the ends of that.
+/// ∫g² dx and ∫x g² dx over the negative part of g, and its ends.
 #[derive(Clone, Copy, Debug)]
 struct Sum {
     weight: f64,
@@ -102,7 +106,8 @@ impl Default for Sum {
 }
 
 impl Sum {
-    /// A parabola over a `step` from x = `from` on, of these values at the ends and this second derivative.
+    /// Adds a parabola over a `step` from x = `from` on, with these values at its ends and this
+    /// second derivative.
     fn add(&mut self, from: f64, step: f64, [one, next]: [f64; 2], bend: f64) {
         let slope = (next - one) / step;
         let value = |x: f64| one + slope * x - 0.5 * bend * x * (step - x);
@@ -113,7 +118,7 @@ impl Sum {
         if a == 0.0 && b != 0.0 {
             ends[1] = -one / b;
         } else if a != 0.0 && root > 0.0 {
-            // Of both roots none by a difference of numbers that are nearly equal.
+            // Stable quadratic formula: no root by the difference of nearly equal numbers.
             let q = -0.5 * (b + root.sqrt().copysign(b));
             ends[1] = (q / a).min(one / q);
             ends[2] = (q / a).max(one / q);
@@ -139,8 +144,8 @@ impl Sum {
 mod tests {
     use super::*;
 
-    /// A circle's gap by its columns: place, least gap, ends and weight are those of the parabola. Tolerances: the
-    /// circle's fourth order, and the parabola of the columns beside a root.
+    /// For columns on a circle, position, least gap, ends and weight agree with the parabola.
+    /// Tolerances: the circle's fourth order, and the parabola of the columns beside a root.
     #[test]
     fn columns_of_a_circle_are_the_circle() {
         let (radius, x) = (0.46_f64, 3.37e-4);
@@ -163,7 +168,8 @@ mod tests {
         assert_eq!((apart.gap, apart.weight), (1.0, 0.0));
     }
 
-    /// Two places at which the bodies penetrate are from the first to the last of both.
+    /// Two places of penetration give one range, from the start of the first to the end of the
+    /// second.
     #[test]
     fn two_places_are_one_range() {
         let gap = |x: f64| (x.abs() - 20e-3).powi(2) - 1e-6;

@@ -1,16 +1,17 @@
-//! What is between wheel and rail: heights of their surfaces, and friction with what it may depend on.
+//! Interface between wheel and rail: heights of their surfaces, and friction with the quantities it
+//! may depend on.
 
 use super::rail::Side;
 use grids::Structured;
 use half_space::friction::ElementFriction;
 use half_space::slip_iteration::SlipStart;
 
-/// The elements of a patch, and how they move over each other.
+/// Elements of a patch, and their motion relative to each other.
 #[derive(Clone, Copy)]
 pub struct Elements<'a> {
     /// Side of the track.
     pub side: Side,
-    /// Over x in track axes and the tape distance [m].
+    /// Grid over x in track axes and the tape distance [m].
     pub grid: Structured,
     /// Pressure [Pa].
     pub pressure: &'a [f64],
@@ -20,20 +21,21 @@ pub struct Elements<'a> {
     pub angle: f64,
     /// Rolling speed V [m/s].
     pub speed: f64,
-    /// Slip velocity that an element would have if the bodies were rigid [m/s].
+    /// Slip velocity of an element if the bodies were rigid [m/s].
     pub rigid_slip: &'a dyn Fn(usize) -> f64,
-    /// Slip velocity with its elastic part, where friction follows that [m/s].
+    /// Slip velocity with its elastic part, for friction that depends on it [m/s].
     pub slip: Option<&'a [f64]>,
 }
 
 /// Heights and friction between wheel and rail.
 pub trait Interface: Sync {
-    /// Heights are to be added to the undeformed distance.
+    /// True if heights are to be added to the undeformed distance.
     fn is_rough(&self) -> bool {
         false
     }
 
-    /// Height of both surfaces at x in track axes and a tape distance [m]; positive opens the gap [m].
+    /// Combined height of both surfaces [m] at x in track axes and a tape distance [m]. Positive
+    /// opens the gap.
     fn height(&self, _side: Side, _place: [f64; 2]) -> f64 {
         0.0
     }
@@ -41,16 +43,17 @@ pub trait Interface: Sync {
     /// Friction of the elements of a patch.
     ///
     /// # Errors
-    /// There is none, and why.
+    /// Returns the reason if the friction law has no value here.
     fn friction(&self, elements: &Elements<'_>) -> Result<ElementFriction, String>;
 
-    /// It follows the slip of every element with its elastic part, looked for from here.
+    /// Returns the initial slip if friction depends on the elastic slip of every element; such
+    /// contacts are iterated.
     fn follows_elements(&self) -> Option<SlipStart> {
         None
     }
 }
 
-/// Smooth bodies with a coefficient of friction that is the same everywhere [-].
+/// Smooth bodies with a uniform coefficient of friction [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constant(pub f64);
 

@@ -1,22 +1,27 @@
 //! KPEC: the normal contact by virtual penetration, corrected by an equivalent ellipse.
 //!
-//! The undeformed bodies penetrate each other by δ − h at most; where they would by more than a part of δ, they are taken to be
-//! in contact. Kik and Piotrowski have one part for all patches, 0.45 of δ; here it varies across the patch, so that an
-//! ellipse is met. With A the bend of the deepest row, B that of the parabola across as wide as the penetration is at
-//! δ/2, about its middle y_m, Hertz has the semi-axes a and b at the approach δ, and
+//! The undeformed bodies penetrate each other by δ − h. They are taken to be in contact where they
+//! penetrate by more than a share of δ. Kik and Piotrowski use one share for all patches, 0.45 δ.
+//! Here the share varies across the patch such that an ellipse is reproduced. A is half the
+//! curvature of the deepest row along x. B is that of the parabola across the patch which is as
+//! wide as the penetration is at δ/2, about its middle y_m. Hertz's contact of A and B has the
+//! semi-axes a and b at the approach δ. The region
 //!
 //! h < A a² − (A a² − B b²) (y − y_m)²/b², between 0 and δ,
 //!
-//! is in contact: for h = A x² + B y² all of the ellipse. The pressure of a row is half an ellipse over its length 2l, in proportion to √(l² − (x − x₀)²),
-//! with one factor for all rows, by which the surfaces are displaced by δ where they penetrate deepest.
+//! is in contact; for h = A x² + B y² this is the whole ellipse. The pressure of a row is half an
+//! ellipse over its length 2l, proportional to √(l² − (x − x₀)²). All rows share one factor, chosen
+//! such that the surfaces are displaced by δ where they penetrate deepest.
 //!
-//! As the theory looks at the deepest place and at the ends of the penetration at δ/2, its force jumps where these do:
-//! where a second place becomes the deepest, or joins what is deeper than δ/2.
+//! The theory uses the deepest place and the ends of the penetration at δ/2. Its force therefore
+//! jumps where these jump: where a second place becomes the deepest, or joins the region deeper
+//! than δ/2.
 //!
-//! Sources: Kik, Piotrowski, A fast, approximate method to calculate normal load at contact between wheel and rail, Proc.
-//! 2nd Mini Conf. on Contact Mechanics and Wear of Rail/Wheel Systems, Budapest (1996); Piotrowski, Kik, Vehicle System
-//! Dynamics 46 (2008) 27–48; Vollebregt, User guide for CONTACT (2022), for the correction. Deviation: places, ends and
-//! lengths between elements, by parabolas, so that the force is continuous in the height of the wheel.
+//! Sources: Kik, Piotrowski, A fast, approximate method to calculate normal load at contact between
+//! wheel and rail, Proc. 2nd Mini Conf. on Contact Mechanics and Wear of Rail/Wheel Systems,
+//! Budapest (1996); Piotrowski, Kik, Vehicle System Dynamics 46 (2008) 27–48; Vollebregt, User
+//! guide for CONTACT (2022), for the correction. Deviation: positions, ends and lengths between
+//! elements follow from parabolas, so that the force is continuous in the height of the wheel.
 
 use super::local::Window;
 use super::parabolas::{Deepest, Parabola, Parabolas};
@@ -26,15 +31,15 @@ use elastic::hertz::elliptic_contact;
 use half_space::influence::Influence;
 use std::f64::consts::PI;
 
-/// Part of the penetration at which its width is taken.
+/// Share of the penetration at which its width is measured.
 const HALF: f64 = 0.5;
-/// Square of the distance, over that of an element's diagonal, beyond which an element acts as a load and the moments of its
-/// extent: 1e-5 of it.
+/// Squared distance, relative to the squared diagonal of an element, beyond which an element acts
+/// as a point load plus the moments of its extent. The relative error is 1e-5.
 const FAR: f64 = 16.0;
-/// Least bend across [1/m].
+/// Lower bound of half the curvature across [1/m].
 pub(super) const FLATTEST: f64 = 0.1;
 
-/// The strips of a contact, from right to left; none without penetration.
+/// Strips of a contact, from right to left; empty if the bodies do not penetrate.
 pub(super) fn strips(
     parabolas: &Parabolas,
     window: &Window,
@@ -55,15 +60,15 @@ pub(super) fn strips(
         })
     };
     let mut strips: Vec<PressedStrip> = parabolas.of_patch().filter_map(strip).collect();
-    // Pressures are lengths so far.
+    // Until here pressures have the unit of a length.
     let displaced = displacement(&strips, window, bodies, [deepest.parabola.place, deepest.along]);
     strips.iter_mut().for_each(|strip| strip.pressure *= approach / displaced);
     strips
 }
 
-/// Heights below which bodies touch, over the row.
+/// Height below which the bodies touch, as a function of the row.
 struct Level {
-    /// In the middle, and how much less at b [m].
+    /// Level in the middle, and its decrease at b [m].
     middle: f64,
     less: f64,
     place: f64,
@@ -91,17 +96,18 @@ impl Level {
     }
 }
 
-/// Place where the penetration of a patch falls below δ/2 for the last time, to the left or to the right [m].
+/// Position where the penetration of a patch last falls below δ/2, to the left or to the right [m].
 fn end(parabolas: &Parabolas, deepest: &Deepest, up: bool) -> f64 {
     let gap = deepest.parabola.gap;
     let inside = |(row, own): (usize, &Parabola)| (own.gap <= (1.0 - HALF) * gap).then_some(row);
     let mut rows = parabolas.of_patch().filter_map(inside);
-    // The root of the height over the deepest place is linear in the distance from it, where that is a parabola.
+    // The square root of the height over the deepest place is linear in the distance if the shape
+    // is a parabola.
     let root = |own: &Parabola| (own.gap - gap).max(0.0).sqrt();
     let level = (-HALF * gap).sqrt();
     let (last, sign) = if up { (rows.last(), 1.0) } else { (rows.next(), -1.0) };
     let Some(last) = last else {
-        // Less than a row: a parabola as wide as it would be by the rows beside.
+        // Narrower than a row: use the width of a parabola through the neighbouring row.
         let beside = if up { Some(deepest.row + 1) } else { deepest.row.checked_sub(1) };
         let rise = parabolas.at(beside).map_or(level, root).max(f64::MIN_POSITIVE);
         return deepest.along + sign * parabolas.spacing * (level / rise).min(1.0);
@@ -115,7 +121,7 @@ fn end(parabolas: &Parabolas, deepest: &Deepest, up: bool) -> f64 {
     parabolas.along(last) + sign * share * parabolas.spacing
 }
 
-/// Displacement of the surfaces by the pressure of strips, at a place of the patch [m].
+/// Displacement of the surfaces at a point of the patch by the pressure of the strips [m].
 fn displacement(
     strips: &[PressedStrip],
     window: &Window,
@@ -135,7 +141,7 @@ fn displacement(
         if square < FAR * (dx * dx + dy * dy) {
             return p * influence.zz_at(x, y);
         }
-        // A load in the middle, and what it is spread over.
+        // Point load in the middle, corrected for its extent.
         let spread = (dx * dx * (3.0 * x * x - square) + dy * dy * (3.0 * y * y - square))
             / (24.0 * square * square);
         p * bodies.contact_compliance() / PI * dx * dy * (1.0 + spread) / square.sqrt()

@@ -1,41 +1,43 @@
 #![doc = include_str!("../README.md")]
 //! # Modules
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
 //! | [`profile`] | profiles of rails and wheels, from files: Miniprof, SIMPACK, columns |
-//! | [`outline`] | a profile as a curve over its length |
+//! | [`outline`] | a profile as a curve over its arc length |
 //! | [`curve`], `spline` | a height over a coordinate; splines between kinks, smoothed |
-//! | [`slices`], [`surface`] | profiles that vary along the rail or round the wheel; with an irregularity or without |
+//! | [`slices`], [`surface`] | profiles that vary along the rail or round the wheel |
 //! | [`standard`] | the rail 60E1 and the wheel S1002, from their formulae |
-//! | [`rail`], [`wheelset`] | where rails are, and wheels, and how they move |
-//! | [`silhouette`] | the shadow of a wheel along the rail |
-//! | [`rows`], `gap`, [`columns`] | the rail cut across into rows; what is between the bodies there; where they vary |
-//! | [`search`], [`region`] | where they penetrate each other undeformed; the patches that this makes |
-//! | [`local`], [`distance`] | a patch in its own plane: axes, elements, undeformed distance; the same of bodies that vary |
+//! | [`rail`], [`wheelset`] | positions of rails and wheels, and their motion |
+//! | [`silhouette`] | the silhouette of a wheel along the rail |
+//! | [`rows`], `gap`, [`columns`] | cuts across the rail; gaps between the bodies; varying bodies |
+//! | [`search`], [`region`] | penetration of the undeformed bodies, and the patches that result |
+//! | [`local`], [`distance`] | axes, elements and undeformed distance of a patch; varying bodies |
 //! | [`creepage`] | creepages and rolling speed of a patch |
 //! | [`fields`], [`patch`] | fields, forces and figures of patches; sums of a wheel |
-//! | [`developed`] | the fields of all patches on one grid over x and the tape |
-//! | [`contact`] | **all of it**: one position after another, by height or vertical force |
-//! | [`balance`] | one wheel or both: the roll under two loads, the angular velocity under a torque |
-//! | [`settings`], [`error`] | what it is solved with; why there is no solution |
-//! | `parabolas`, `kpec`, `analyn`, `strips` | approximate theories of the normal contact: a patch row by row |
-//! | `curved` | a patch on a surface that turns under it |
-//! | `mutual` | what patches in planes of their own do to each other |
-//! | `springs` | the simplified theory of the tangential one, strip by strip |
-//! | [`interface`], `tractions` | heights and friction; a patch that slides under it |
-//! | `pair`, `pressed`, `pool` | a position at one height after another; a patch under pressure; solvers of all sizes |
-//! | `root` | the root of a function that is dear to evaluate |
+//! | [`developed`] | the fields of all patches on one grid over x and the tape distance |
+//! | [`contact`] | **entry point**: one position after another, by height or vertical force |
+//! | [`balance`] | one or two wheels: the roll under both loads, the speed under a torque |
+//! | [`settings`], [`error`] | settings of the solvers; errors |
+//! | `parabolas`, `kpec`, `analyn`, `strips` | approximate theories of the normal contact |
+//! | `curved` | a patch on a curved surface |
+//! | `mutual` | mutual influence of patches in different planes |
+//! | `springs` | the simplified theory of the tangential contact, strip by strip |
+//! | [`interface`], `tractions` | heights and friction; tractions of a patch with that friction |
+//! | `pair`, `pressed`, `pool` | a wheel on a rail; a patch under pressure; solvers by size |
+//! | `root` | root finder for expensive functions |
 //!
 //! ```text
-//! profiles ─► outline ─► surface ─► rail, wheelset ─► silhouette, columns ─► search ─► region ─► local, distance ─► pressed ─┐
-//!                                                                                       creepage ─► patch ─► contact ─► balance
+//! profiles ─► outline ─► surface ─► rail, wheelset ─► silhouette, columns ─► search ─► region ─┐
+//!                                                                                              │
+//!         balance ◄─ contact ◄─ patch ◄─ creepage; pressed ◄─ local, distance ◄────────────────┘
 //! ```
 //!
-//! Every patch is a contact of half-spaces ([`half_space`]) in its own plane, or what fast theories have in their place, of bodies of the same
-//! material, rolling steadily. Axes are those of [`rail`]: x forward, y to the left, z up; forces act on the wheel.
-//! On a rail and a wheel that are one surface round a corner (conformal contact) half-spaces are a rough picture: there a patch may be on a
-//! curved surface ([`half_space::conformal`]).
+//! Every patch is a contact of half-spaces ([`half_space`]) in its own plane, or is solved by a
+//! fast theory instead. The bodies have the same material and roll steadily. Axes are those of
+//! [`rail`]: x forward, y to the left, z up; forces act on the wheel. Where rail and wheel form one
+//! surface round a corner (conformal contact), half-spaces are a rough approximation; such a patch
+//! may lie on a curved surface ([`half_space::conformal`]).
 
 mod analyn;
 pub mod balance;

@@ -1,21 +1,23 @@
 //! A patch in its own plane: its axes, and the undeformed distance of the bodies along its normal.
 //!
-//! **Axes of a patch**: x along the track, the tangent t = (0, cos α, sin α) to the left, the normal
-//! n = (0, −sin α, cos α) up into the wheel, with the angle α of the patch. The plane of x and t goes through the
-//! point P of the rail that is the reference of the search. The origin O is the place of the plane with the tape
-//! distance j₀ Δs and x = i₀ Δx, whole numbers next to P: so the elements of all patches are those of one grid
-//! over x and the tape distance, element (i, j) at (i Δx, j Δs), in the plane (x − x_P, s − s_P) from P. Over a
-//! patch that turns by ±γ the tape is longer than the plane by γ²/6.
+//! **Axes of a patch**: x along the track, the tangent t = (0, cos α, sin α) to the left, the
+//! normal n = (0, −sin α, cos α) up into the wheel, with the angle α of the patch. The plane of x
+//! and t goes through the point P of the rail, the reference of the search. The origin O is the
+//! point of the plane with the tape distance j₀ Δs and x = i₀ Δx, where i₀ and j₀ are the whole
+//! numbers nearest to P. The elements of all patches therefore belong to one grid over x and the
+//! tape distance. Element (i, j) is at (i Δx, j Δs), and in the plane at (x − x_P, s − s_P) from P.
+//! Over a patch that turns by ±γ the tape is longer than the plane by γ²/6.
 //!
-//! **Undeformed distance** of element (x, t): h = n_w − n_r, where O + x e_x + t t + n n meets the rail at n_r,
-//! and the wheel at n_w. On the rail, r(s) its outline, (r(s) − O)·t = t. On the wheel, with q = Rᵀ(· − M) in
-//! wheelset axes and the outline (y_w(s), −r_w(s)), both
+//! **Undeformed distance** of element (x, t): h = n_w − n_r, where the line O + x e_x + t t + n n
+//! meets the rail at n_r and the wheel at n_w. On the rail, with its outline r(s), (r(s) −
+//! O)·t = t. On the wheel, with q = Rᵀ(· − M) in wheelset axes and the outline (y_w(s), −r_w(s)),
 //!
-//! q_y(n) = y_w(s) and √(q_x² + q_z²) = r_w(s)
+//! q_y(n) = y_w(s) and √(q_x² + q_z²) = r_w(s).
 //!
-//! hold: two equations for n and s, by Newton's method from the element beside. Nothing is left out of a yaw or
-//! a roll. Of a row every fourth column is solved, and cubics go through them, which are off a circle of the radius
-//! R by less than (4Δx)⁴/8R³. Where a profile ends there is no body, and the distance is [`NOTHING`].
+//! Newton's method solves these two equations for n and s, starting from the neighbouring element.
+//! Yaw and roll are exact. In a row every fourth column is solved. Cubics interpolate between
+//! these; on a circle of the radius R their error is below (4Δx)⁴/8R³. Beyond the end of a profile
+//! there is no body, and the distance is [`NOTHING`].
 
 use super::outline::Outline;
 use super::rail::Rail;
@@ -25,25 +27,25 @@ use nalgebra::Vector3;
 
 /// Distance where one of the bodies is missing [m].
 pub const NOTHING: f64 = 1.0;
-/// A residual of this is rounding [m].
+/// Residual at the level of rounding [m].
 pub(super) const EXACT: f64 = 1e-14;
-/// Newton steps at most.
+/// Most Newton steps.
 pub(super) const STEPS: usize = 12;
-/// Columns of which one is solved for: along the rail a round wheel is as smooth as a circle.
+/// Every EVERY-th column is solved: along the rail a round wheel is as smooth as a circle.
 const EVERY: usize = 4;
-/// Cosine of the steepest surface that a plane sees.
+/// Cosine of the steepest surface that is resolved in a plane.
 pub(super) const STEEPEST: f64 = 0.05;
 
 /// Axes of a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    /// i₀ and j₀ of its origin.
+    /// i₀ and j₀ of the origin.
     pub element: [i64; 2],
-    /// Its origin in track axes [m].
+    /// Origin in track axes [m].
     pub origin: Vector3<f64>,
-    /// The reference on the rail, in track axes [m].
+    /// Reference point on the rail, in track axes [m].
     pub reference: Vector3<f64>,
-    /// Its angle, from the y-axis to its tangent [rad].
+    /// Angle from the y-axis to the tangent [rad].
     pub angle: f64,
 }
 
@@ -57,7 +59,7 @@ pub struct Window {
 }
 
 impl Frame {
-    /// The axes at the reference of a region; `sides` of the elements [m].
+    /// Creates the axes at the reference of a region; `sides` are those of the elements [m].
     #[must_use]
     pub fn at(region: &Region, rail: &Rail, sides: [f64; 2]) -> Self {
         let element = [region.x / sides[0], region.s / sides[1]].map(|at| at.round() as i64);
@@ -76,7 +78,7 @@ impl Frame {
         [Vector3::x(), Vector3::new(0.0, cos, sin), Vector3::new(0.0, -sin, cos)]
     }
 
-    /// A vector with these components along the axes, in track axes.
+    /// Converts components along these axes to a vector in track axes.
     #[must_use]
     pub fn track_axes(&self, components: [f64; 3]) -> Vector3<f64> {
         let axes = self.axes();
@@ -98,15 +100,15 @@ impl Window {
         nx * ny
     }
 
-    /// Coordinate in the plane of a column or a row [m].
+    /// Coordinate of a column or a row in the plane [m].
     #[must_use]
     pub fn along(&self, axis: usize, at: usize) -> f64 {
         (at as f64 - self.half[axis] as f64) * self.sides[axis]
     }
 }
 
-/// The undeformed distance of the elements of a window [m], and the height of the rail over the plane in every row
-/// [m], zero where it has none.
+/// Returns the undeformed distance of the elements of a window [m], and the height of the rail over
+/// the plane in every row [m], zero in a row without rail.
 #[must_use]
 pub fn undeformed_distance(
     frame: &Frame,
@@ -128,18 +130,19 @@ pub fn undeformed_distance(
     [distance, heights]
 }
 
-/// A row of a window as three of its distances.
+/// Three distances of a row of a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct NeighbourRows {
-    /// x of the middle one, and how far the others are from it [m].
+pub(super) struct RowDistances {
+    /// x of the middle distance, and the spacing of the three [m].
     pub(super) middle: f64,
     pub(super) reach: f64,
     /// Distances behind, in the middle and ahead [m].
     pub(super) distances: [f64; 3],
 }
 
-impl NeighbourRows {
-    /// The parabola through them, h = g + A (x − x₀)²: g and x₀ [m], and A [1/m], if it has a lowest place.
+impl RowDistances {
+    /// Parabola through the three distances, h = g + A (x − x₀)²: g and x₀ [m], and A [1/m]; `None`
+    /// without a minimum.
     pub(super) fn parabola(&self) -> Option<[f64; 3]> {
         let [behind, middle, ahead] = self.distances;
         let slope = (ahead - behind) / (2.0 * self.reach);
@@ -149,13 +152,14 @@ impl NeighbourRows {
     }
 }
 
-/// Three undeformed distances of every row of a window, around its lowest place, as far apart as half of the window's half length; none
-/// where a body is missing. And the height of the rail as in [`undeformed_distance`].
+/// Three undeformed distances of every row of a window around its minimum, spaced by half of the
+/// window's half length; `None` where a body is missing. The second value is the height of the rail
+/// as in [`undeformed_distance`].
 pub(super) fn three_distances(
     frame: &Frame,
     window: &Window,
     (rail, wheel, pose): (&Rail, &Wheel, &Pose),
-) -> (Vec<Option<NeighbourRows>>, Vec<f64>) {
+) -> (Vec<Option<RowDistances>>, Vec<f64>) {
     let [_, ny] = window.counts();
     let (mut three, mut heights) = (vec![None; ny], vec![0.0; ny]);
     let mut surface = WheelSurface::new(frame, wheel, pose);
@@ -176,13 +180,14 @@ pub(super) fn three_distances(
     (three, heights)
 }
 
-/// The rows of a window from the middle out, to one side and to the other, so that every row starts from the one beside it.
+/// Rows of a window from the middle outwards to either side, so that every row starts from its
+/// neighbour.
 fn outwards(window: &Window) -> [Box<dyn Iterator<Item = usize>>; 2] {
     let (middle, end) = (window.half[1], window.counts()[1]);
     [Box::new(middle..end), Box::new((0..middle).rev())]
 }
 
-/// Visits those of these rows in which there is a rail, with its height over the plane.
+/// Visits every row with a rail, and passes the rail's height over the plane.
 fn for_rail(
     frame: &Frame,
     window: &Window,
@@ -198,7 +203,8 @@ fn for_rail(
     }
 }
 
-/// Height of the rail above the plane at t [m], from the tape distance `s` on, which becomes that of the place.
+/// Height of the rail above the plane at t [m]. `s` is the starting value of the tape distance and
+/// receives the solution.
 fn rail_height(frame: &Frame, rail: &Outline, along: f64, s: &mut f64) -> Option<f64> {
     let (sin, cos) = frame.angle.sin_cos();
     let [from, to] = rail.range();
@@ -225,13 +231,14 @@ pub(super) struct WheelAbove {
     pub(super) s: f64,
     /// Tape distance of the frame's element [m].
     tape: f64,
-    /// Unit vector from the axle to the place, in wheelset axes.
+    /// Unit vector from the axle to the point, in wheelset axes.
     radial: Vector3<f64>,
-    /// Direction of the surface across, from the y-axis [rad].
+    /// Inclination of the surface across the track, from the y-axis [rad].
     pub(super) angle: f64,
 }
 
-/// Place where the normal through the origin of a frame meets the wheel; `None` if it does not.
+/// Place where the normal through the origin of a frame meets the wheel; `None` if it misses the
+/// wheel.
 pub(super) fn wheel_above(
     frame: &Frame,
     (wheel, pose): (&Wheel, &Pose),
@@ -248,7 +255,8 @@ pub(super) fn wheel_above(
 }
 
 impl WheelAbove {
-    /// Direction of the surface as far from the place along the profile as a tape distance [m] is from that of the frame [rad].
+    /// Inclination of the wheel's surface at a tape distance [m], counted along the profile from
+    /// the point above the frame's origin [rad].
     pub(super) fn angle_at(&self, tape: f64, wheel: &Wheel, pose: &Pose) -> f64 {
         let [across, up] = wheel.outline.at(self.s + tape - self.tape).tangent;
         let tangent = pose.rotation * (Vector3::y() * across - self.radial * up);
@@ -256,19 +264,20 @@ impl WheelAbove {
     }
 }
 
-/// The wheel, seen from the plane of a patch.
+/// The wheel in the axes of a patch.
 struct WheelSurface<'a> {
     outline: &'a Outline,
     range: [f64; 2],
-    /// The plane's origin, e_x, t and n in wheelset axes.
+    /// Origin of the plane, and e_x, t and n, in wheelset axes.
     origin: Vector3<f64>,
     axes: [Vector3<f64>; 3],
     near: usize,
-    /// Distances of a row, to one side of the middle.
+    /// Distances of a row, from the middle to one side.
     heights: Vec<f64>,
 }
 
-/// The distance at a column, of those at every [`EVERY`]th: a cubic through the four around it.
+/// Distance at a column, by a cubic through the four nearest solved columns; every [`EVERY`]th is
+/// solved.
 fn between(heights: &[f64], column: usize) -> f64 {
     let (left, part) = (column / EVERY, column % EVERY);
     let known = |at: usize| heights.get(at).copied().filter(|height| *height < NOTHING);
@@ -284,7 +293,7 @@ fn between(heights: &[f64], column: usize) -> f64 {
             let ends = to_b * to_c * (d * to_a - a * to_d) / 6.0;
             ends + to_a * to_d * (b * to_c - c * to_b) / 2.0
         }
-        // At an end of a profile.
+        // Near an end of a profile.
         _ => match (known(left), known(left + 1)) {
             (Some(one), Some(next)) => one + (next - one) * part as f64 / EVERY as f64,
             _ => NOTHING,
@@ -307,7 +316,7 @@ impl<'a> WheelSurface<'a> {
         Self { outline: &wheel.outline, range, origin, axes, near: 0, heights: Vec::new() }
     }
 
-    /// The point of the profile that is nearest to the plane's origin.
+    /// Starting values at the point of the profile nearest to the plane's origin.
     fn start(&self) -> Guess {
         let radius = self.origin.x.hypot(self.origin.z);
         let [from, to] = self.range;
@@ -320,8 +329,8 @@ impl<'a> WheelSurface<'a> {
         Guess { height: 0.0, s }
     }
 
-    /// Distances of a row at t above a rail of this height, from the middle out; the guess becomes that of the
-    /// middle.
+    /// Distances of a row at t above a rail of this height, from the middle outwards. `guess`
+    /// receives the solution in the middle.
     fn row(&mut self, window: &Window, along: f64, rail: f64, guess: &mut Guess, row: &mut [f64]) {
         let base = self.origin + self.axes[1] * along;
         let middle = window.half[0];
@@ -330,7 +339,7 @@ impl<'a> WheelSurface<'a> {
         for side in [1.0, -1.0] {
             self.heights.clear();
             let mut near = first;
-            // Heights go on as they went, with their differences of first and second order.
+            // Extrapolate the height with its first and second differences.
             let (mut change, mut bend) = (0.0, 0.0);
             for k in 0..=sections {
                 let x = side * (EVERY * k) as f64 * window.sides[0];
@@ -353,14 +362,15 @@ impl<'a> WheelSurface<'a> {
         *guess = first;
     }
 
-    /// Distances around a place of the plane, above a rail of this height; the guess becomes that of the middle.
+    /// Distances around a point of the plane, above a rail of this height. `guess` receives the
+    /// solution in the middle.
     fn three(
         &mut self,
         [middle, along]: [f64; 2],
         reach: f64,
         rail: f64,
         guess: &mut Guess,
-    ) -> Option<NeighbourRows> {
+    ) -> Option<RowDistances> {
         let base = self.origin + self.axes[1] * along;
         let own = self.meet(base + self.axes[0] * middle, *guess)?;
         *guess = own;
@@ -370,10 +380,10 @@ impl<'a> WheelSurface<'a> {
             let found = self.meet(base + self.axes[0] * (middle + side * reach), own)?;
             distances[distance] = found.height - rail;
         }
-        range.contains(&own.s).then_some(NeighbourRows { middle, reach, distances })
+        range.contains(&own.s).then_some(RowDistances { middle, reach, distances })
     }
 
-    /// Place where the line along the normal through a place of the plane meets the wheel.
+    /// Point where the normal through a point of the plane meets the wheel.
     fn meet(&mut self, at: Vector3<f64>, guess: Guess) -> Option<Guess> {
         let normal = self.axes[2];
         let Guess { mut height, mut s } = guess;

@@ -1,33 +1,35 @@
-//! What patches in planes of their own do to each other: the pressure of one displaces the surfaces under the others.
+//! Mutual influence of patches in different planes: the pressure of one patch displaces the
+//! surfaces under the others.
 //!
-//! At the distance r a load P displaces the surfaces of two half-spaces apart by E* P/(π r) along its normal, with the
-//! compliance E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂; along the normal of another patch, whose plane is turned by β, by cos β of that.
-//! What bodies of the same material are displaced by along the surface is the same for both, and opens nothing. Distances are straight.
+//! At the distance r a load P moves the surfaces of two half-spaces apart by E* P/(π r) along its
+//! normal, with the compliance E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. Along the normal of another patch,
+//! whose plane is turned by β, this is multiplied by cos β. The displacements along the surface are
+//! the same for bodies of the same material, and open no gap. Distances r are straight.
 //!
-//! A patch acts as the loads of blocks of [`BLOCK`] × [`BLOCK`] elements, in their centres: off by
-//! the square of a block over r.
+//! A patch acts as the point loads of blocks of [`BLOCK`] × [`BLOCK`] elements at their centres of
+//! load. The error is of the order of the square of a block's size over r.
 //!
-//! Left out: the tractions of other patches, which have a part sin β in the normal, and shapes of wheel and rail that are no half-space
-//! over the distance of patches.
+//! Neglected: the tractions of other patches, which have a part sin β along the normal, and the
+//! true shape of wheel and rail, which are no half-space over the distance of patches.
 
-use super::pressed::Pressed;
+use super::pressed::NormalPatch;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Elements of a block along either axis.
+/// Elements of a block along each axis.
 const BLOCK: usize = 4;
 
-/// A patch, as others feel it.
+/// Loads of a patch that act on other patches.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Acting {
+pub(super) struct BlockLoads {
     angle: f64,
-    /// Places in track axes [m], and loads [N].
+    /// Positions in track axes [m], and loads [N].
     loads: Vec<(Vector3<f64>, f64)>,
 }
 
-impl Acting {
-    /// A patch under its pressure.
-    pub(super) fn of(pressed: &Pressed) -> Self {
+impl BlockLoads {
+    /// Combines the pressure of a patch to loads of blocks.
+    pub(super) fn of(pressed: &NormalPatch) -> Self {
         let [nx, ny] = pressed.window.counts();
         let [dx, dy] = pressed.window.sides;
         let blocks = [nx, ny].map(|count| count.div_ceil(BLOCK));
@@ -51,10 +53,10 @@ impl Acting {
     }
 }
 
-/// By how much others open the gap of a patch, on the elements of its window [m].
+/// Opening of the gap of a patch by other patches, on the elements of its window [m].
 pub(super) fn opening<'a>(
-    pressed: &Pressed,
-    others: impl Iterator<Item = &'a Acting> + Clone,
+    pressed: &NormalPatch,
+    others: impl Iterator<Item = &'a BlockLoads> + Clone,
     compliance: f64,
 ) -> Vec<f64> {
     let window = &pressed.window;
@@ -62,7 +64,7 @@ pub(super) fn opening<'a>(
     let at = |index: usize| {
         let here = [window.along(0, index % nx), window.along(1, index / nx)];
         let here = in_track(pressed, here);
-        let by = |other: &Acting| {
+        let by = |other: &BlockLoads| {
             let turned = (other.angle - pressed.frame.angle).cos();
             let near = other.loads.iter().map(|(place, load)| load / (here - place).norm());
             turned * near.sum::<f64>()
@@ -72,7 +74,7 @@ pub(super) fn opening<'a>(
     (0..window.points()).map(at).collect()
 }
 
-/// A place of the plane of a patch in track axes [m].
-fn in_track(pressed: &Pressed, [x, along]: [f64; 2]) -> Vector3<f64> {
+/// Converts a point in the plane of a patch to track axes [m].
+fn in_track(pressed: &NormalPatch, [x, along]: [f64; 2]) -> Vector3<f64> {
     pressed.frame.origin + pressed.frame.track_axes([x, along, 0.0])
 }

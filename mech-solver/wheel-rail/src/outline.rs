@@ -1,29 +1,32 @@
-//! A profile as a plane curve (y(s), z(s)) over the length s of its chords, so that it may be vertical and
-//! beyond: natural cubic splines between kinks, smoothed within a tolerance if one is given.
+//! A profile as a plane curve (y(s), z(s)) over the length s of its chords, so that it may be
+//! vertical or overhang: natural cubic splines between kinks, smoothed within a tolerance if one is
+//! given.
 //!
 //! Both coordinates are splines over s with the same kinks and the same λ ([`crate::spline`]), so
-//! that a profile and the same profile turned or mirrored are the same curve. |dr/ds| differs from 1 by
-//! (κh)²/24, κ the curvature and h the distance of points: 3e-5 on an arc of 13 mm with points every 0.35 mm.
-//! s is that of the measured points, from the origin that is chosen ([`Outline::starting_at`]).
+//! that turning or mirroring a profile gives the same curve, turned or mirrored. |dr/ds| differs
+//! from 1 by (κh)²/24, with the curvature κ and the spacing h of points: 3e-5 on an arc of 13 mm
+//! with points every 0.35 mm. s runs along the measured points, from the origin set by
+//! [`Outline::starting_at`].
 //!
-//! Smoothing of a wavelength L takes λ = (L/2π)⁴/h, h the mean step, for which the splines halve a wave of that length, and
-//! no tolerance: of profiles that belong together all are smoothed alike. Corners of less than 30° are smoothed with it.
-//! CONTACT's λ without weights is the same, in mm³.
+//! Smoothing of a wavelength L uses λ = (L/2π)⁴/h with the mean spacing h, for which the splines
+//! halve a wave of that length. No tolerance applies, so that profiles that belong together are all
+//! smoothed alike. Corners of less than 30° are smoothed too. CONTACT's λ without weights is the
+//! same, in mm³.
 //!
-//! Points closer than [`CLOSEST`] to the one before are left out: the rounding of a file with seven digits
-//! turns such a chord by as much as a kink. Beyond its ends the curve goes on straight, for iterations that
-//! look there; there is no material.
+//! Points closer than [`CLOSEST`] to the previous one are omitted: the rounding of a file with
+//! seven digits turns such a chord by as much as a kink. Beyond its ends the curve continues
+//! straight, for iterations that go there; there is no material.
 
 use crate::spline::{kinks, smoothed, smoothest};
 use std::f64::consts::{PI, TAU};
 
-/// Points closer than this are one [m].
+/// Points closer than this are merged [m].
 pub const CLOSEST: f64 = 1e-6;
-/// Fewest points.
+/// Least number of points.
 const FEWEST: usize = 4;
-/// Least turn of a corner for a smoothing of a wavelength [rad].
+/// Least angle of a corner that smoothing by wavelength keeps [rad].
 const CORNER: f64 = PI / 6.0;
-/// A chord that turns by more than this goes back over the curve [rad].
+/// Turn of a chord beyond which the curve runs back on itself [rad].
 const MOST_TURN: f64 = 5.0 / 6.0 * PI;
 
 /// A plane curve through measured points.
@@ -31,42 +34,42 @@ const MOST_TURN: f64 = 5.0 / 6.0 * PI;
 pub struct Outline {
     /// Length of the chords, from the origin [m].
     length: Vec<f64>,
-    /// Points, y and z [m].
+    /// Points y and z [m].
     points: Vec<[f64; 2]>,
-    /// Second derivatives by s [1/m]; zero at kinks and ends.
+    /// Second derivatives with respect to s [1/m]; zero at kinks and ends.
     bend: Vec<[f64; 2]>,
-    /// Indices of the kinks, rising.
+    /// Indices of the kinks, in ascending order.
     kinks: Vec<usize>,
-    /// The farthest that smoothing has moved a point [m].
+    /// Largest distance by which smoothing moved a point [m].
     moved: f64,
 }
 
 /// Smoothing of points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Smoothing {
-    /// As far as moves none by more than this [m]; 0 for none.
+    /// Moves no point by more than this distance [m]; 0 for no smoothing.
     Within(f64),
-    /// Waves of this length are halved [m], of every profile alike.
+    /// Halves the amplitude of waves of this length [m], equally for every profile.
     Halving(f64),
 }
 
-/// Why points are no curve.
+/// Reason why points do not form a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OutlineError {
     /// Too few points.
-    #[error("it has {0} points that are apart from each other, and a curve needs {FEWEST}")]
+    #[error("it has {0} distinct points, and a curve needs {FEWEST}")]
     Few(usize),
     /// The curve turns back on itself, as where two measurements are joined.
-    #[error("the curve turns back on itself at point {0}; leave out the points that overlap")]
+    #[error("the curve turns back on itself at point {0}; remove the points that overlap")]
     TurnsBack(usize),
 }
 
-/// A place of a curve.
+/// A point of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// y and z [m].
     pub position: [f64; 2],
-    /// Derivative of the position by s [-], of a length of about 1.
+    /// Derivative of the position with respect to s [-], of a length of about 1.
     pub tangent: [f64; 2],
 }
 
@@ -79,19 +82,19 @@ impl Place {
 }
 
 impl Outline {
-    /// The curve through points (y, z) [m] that moves none by more than `tolerance` [m]; 0 goes through
-    /// all of them. s is zero at the first.
+    /// Creates the curve through points (y, z) [m], with s = 0 at the first. Smoothing moves no
+    /// point by more than `tolerance` [m]; with 0 the curve passes through all points.
     ///
     /// # Errors
-    /// Too few points, or points that lie back on the curve.
+    /// Fails if there are too few points, or if the points run back over the curve.
     pub fn new(points: &[[f64; 2]], tolerance: f64) -> Result<Self, OutlineError> {
         Self::smoothed(points, Smoothing::Within(tolerance))
     }
 
-    /// The curve through points (y, z) [m] that is smoothed in this way; s is zero at the first.
+    /// Creates the curve through points (y, z) [m], smoothed as given, with s = 0 at the first.
     ///
     /// # Errors
-    /// Too few points, or points that lie back on the curve.
+    /// Fails if there are too few points, or if the points run back over the curve.
     pub fn smoothed(points: &[[f64; 2]], smoothing: Smoothing) -> Result<Self, OutlineError> {
         let (points, numbers) = apart(points);
         if points.len() < FEWEST {
@@ -127,7 +130,8 @@ impl Outline {
         Ok(curve)
     }
 
-    /// The curve of these points [m] at these lengths [m], with these second derivatives by the length [1/m].
+    /// Assembles a curve from points [m] at these lengths [m] and second derivatives with respect
+    /// to the length [1/m].
     pub(super) fn of_parts(
         length: Vec<f64>,
         points: Vec<[f64; 2]>,
@@ -137,7 +141,7 @@ impl Outline {
         Self { length, points, bend, kinks, moved: 0.0 }
     }
 
-    /// Fits the points from `first` to `last`, which stay.
+    /// Fits the points from `first` to `last`; these two stay where they are.
     fn fit(&mut self, first: usize, last: usize, smoothing: Smoothing) {
         if last - first < 2 {
             return;
@@ -164,7 +168,7 @@ impl Outline {
         }
     }
 
-    /// The first and the last s [m].
+    /// First and last s [m].
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         [self.length[0], self.length[self.length.len() - 1]]
@@ -175,7 +179,7 @@ impl Outline {
         &self.length
     }
 
-    /// The points, smoothed [m].
+    /// Smoothed points [m].
     #[must_use]
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
@@ -186,20 +190,21 @@ impl Outline {
         self.kinks.iter().map(|at| self.length[*at])
     }
 
-    /// The farthest that smoothing has moved a point [m].
+    /// Largest distance by which smoothing moved a point [m].
     #[must_use]
     pub fn moved(&self) -> f64 {
         self.moved
     }
 
-    /// The place at s [m].
+    /// Point of the curve at s [m].
     #[must_use]
     pub fn at(&self, s: f64) -> Place {
         let right = self.length.partition_point(|length| *length <= s);
         self.on(right.clamp(1, self.length.len() - 1) - 1, s)
     }
 
-    /// The place at s [m], looked for from the interval `near` on, which becomes that of s.
+    /// Point of the curve at s [m]. The search starts at the interval `near`, which receives the
+    /// interval of s.
     #[must_use]
     pub fn at_near(&self, s: f64, near: &mut usize) -> Place {
         let last = self.length.len() - 2;
@@ -214,7 +219,7 @@ impl Outline {
         self.on(left, s)
     }
 
-    /// The place at s in an interval, or beyond the end that it has.
+    /// Point of the curve at s in an interval, or beyond an end of the curve.
     fn on(&self, left: usize, s: f64) -> Place {
         let [from, to] = [self.length[left], self.length[left + 1]];
         let (width, inside) = (to - from, s.clamp(from, to));
@@ -234,14 +239,14 @@ impl Outline {
         Place { position, tangent }
     }
 
-    /// The same curve with s = 0 where it is `s` now [m].
+    /// Shifts s, so that s = 0 where it is `s` now [m].
     #[must_use]
     pub fn starting_at(mut self, s: f64) -> Self {
         self.length.iter_mut().for_each(|length| *length -= s);
         self
     }
 
-    /// The curve on the other side of the z-axis, run through the other way: (y, s) → (−y, −s).
+    /// Mirrors the curve at the z-axis and reverses its direction: (y, s) → (−y, −s).
     #[must_use]
     pub fn mirrored(&self) -> Self {
         let last = self.points.len() - 1;
@@ -255,7 +260,8 @@ impl Outline {
         }
     }
 
-    /// The curve turned about the origin, from y to z, by `angle` [rad], then shifted by (y, z) [m].
+    /// Turns the curve about the origin, from y to z, by `angle` [rad], then shifts it by (y, z)
+    /// [m].
     #[must_use]
     pub fn placed(&self, angle: f64, shift: [f64; 2]) -> Self {
         let (sin, cos) = angle.sin_cos();
@@ -276,8 +282,8 @@ impl Outline {
         }
     }
 
-    /// s between `from` and `to` where `value` of a place is largest [m]: at one of many places, and by
-    /// golden sections beside it.
+    /// s between `from` and `to` where `value` is largest [m]: the best of many points, refined by
+    /// golden sections.
     pub(super) fn largest(&self, [from, to]: [f64; 2], value: impl Fn(&Place) -> f64) -> f64 {
         const PLACES: usize = 1000;
         let of = |s: f64| value(&self.at(s));
@@ -302,7 +308,7 @@ fn turn(one: [f64; 2], next: [f64; 2]) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-/// The points that are apart from the one before, and their numbers.
+/// Points at least [`CLOSEST`] from the previous one, and their numbers.
 fn apart(points: &[[f64; 2]]) -> (Vec<[f64; 2]>, Vec<usize>) {
     let (mut kept, mut numbers) = (Vec::<[f64; 2]>::new(), Vec::new());
     for (number, point) in points.iter().enumerate() {
@@ -324,8 +330,8 @@ mod tests {
         (-count..=count).map(angle).map(|a| [radius * a.sin(), radius * a.cos()]).collect()
     }
 
-    /// A circle beyond the vertical, of both coordinates: of fourth order between the points, away from the
-    /// ends, where the natural spline is straight.
+    /// A circle beyond the vertical. Both coordinates are of fourth order between the points, away
+    /// from the ends, where the natural spline is straight.
     #[test]
     fn a_circle_is_followed_beyond_the_vertical() {
         let error = |count: i32| {
@@ -365,7 +371,7 @@ mod tests {
         }
     }
 
-    /// Noise of a micrometre is smoothed away by a tolerance of two, a corner is kept.
+    /// Noise of one micrometre is smoothed away by a tolerance of two; a corner is kept.
     #[test]
     fn noise_goes_and_a_corner_stays() {
         let mut noise = 1_u64;
@@ -385,7 +391,8 @@ mod tests {
         assert!(angle.abs() < 5e-4, "{angle}");
     }
 
-    /// A wave on a straight line: of the wavelength half of it stays, of half of that a seventeenth, of twice that all but a seventeenth.
+    /// A wave on a straight line. At the smoothing wavelength half of it remains, at half that
+    /// length a seventeenth, at twice that length all but a seventeenth.
     #[test]
     fn waves_of_a_wavelength_are_halved() {
         let (length, height) = (8e-3, 1e-6);

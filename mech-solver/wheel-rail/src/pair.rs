@@ -1,64 +1,66 @@
 //! A wheel on a rail, pressed and sliding at one height after another.
 //!
-//! What depends on a position of the wheelset is made once for it: the shadow, and the rows of a rail that is off
-//! its place. What depends on the height is found from the last height on, and the tractions of a patch from those
-//! of the same patch before.
+//! Data that depend on the position of the wheelset are computed once per position: the silhouette,
+//! and the rows of a displaced rail. Data that depend on the height start from the previous height,
+//! and the tractions of a patch from the previous tractions of the same patch.
 
 use super::columns::{Columns, PlacedProfile};
 use super::creepage::{Rolling, rolling};
 use super::error::TrackError;
 use super::interface::Interface;
-use super::mutual::{Acting, opening};
+use super::mutual::{BlockLoads, opening};
 use super::outline::Outline;
 use super::patch::{Patch, SolveStats, Solved};
 use super::pool::Pool;
-use super::pressed::{Heights, Pressed};
+use super::pressed::{Heights, NormalPatch};
 use super::rail::{Deviation, Rail, Side};
 use super::region::{Cuts, Region};
 use super::rows::Rows;
-use super::search::{Search, Seen, clearance};
+use super::search::{Search, WheelView, clearance};
 use super::settings::{PatchSurface, RigidSlip, Settings};
-use super::silhouette::{Circles, Shadow, shadow};
-use super::tractions::{Slid, Sliding};
+use super::silhouette::{Circles, SilhouettePoint, shadow};
+use super::tractions::{TractionProblem, TractionSolution};
 use super::wheelset::{Motion, Pose, Wheel, Wheelset};
 use half_space::tangential::TangentialState;
 use nalgebra::Vector3;
 
-/// Patches are the same if their places along the tape are no farther from each other than this [m].
+/// Largest distance along the tape at which patches of two solutions count as the same [m].
 const SAME: f64 = 5e-3;
 
-/// Turns in which patches displace each other, or pressure and tractions do: each leaves a tenth of the change before, or less.
+/// Most iterations of patches that displace each other, or of pressure and tractions. Each
+/// iteration leaves a tenth of the last change, or less.
 const MOST_TURNS: usize = 60;
-/// Forces of patches have settled when they change by less than this share of the tolerance.
+/// Forces of patches have converged when they change by less than this share of the tolerance.
 const MUTUAL_SHARE: f64 = 0.03;
-/// Pressure and tractions on a curved surface rest when they change by less than this share of the largest pressure.
+/// Pressure and tractions on a curved surface have converged when they change by less than this
+/// share of the largest pressure.
 const REST: f64 = 1e-5;
 
-/// A wheel and a rail, their solvers, and what they were last.
+/// A wheel and a rail, their solvers, and the last solution.
 #[derive(Debug)]
 pub(super) struct Pair {
     pub(super) settings: Settings,
     side: Side,
     wheelset: Wheelset,
-    /// The rail as it was placed, and off its place.
+    /// Rail as designed, and displaced.
     design: Rail,
     rail: Rail,
     rows: Rows,
     deviation: Deviation,
     wheel: Wheel,
     circles: Circles,
-    shadow: Vec<Shadow>,
-    /// Cuts across the rail, where the rail is no prism or the wheel not round.
+    shadow: Vec<SilhouettePoint>,
+    /// Cuts across the rail, if the rail is not a prism or the wheel not round.
     columns: Option<Columns>,
     pub(super) motion: Motion,
     pose: Pose,
     search: Search,
-    /// Rows at which patches are held apart; without them they are where the criterion says.
+    /// Rows at which patches are kept apart; `None` if the criterion decides.
     cuts: Option<Vec<i64>>,
     pool: Pool,
-    /// The patches at the last height.
-    pub(super) pressed: Vec<Pressed>,
-    /// Tractions of patches, with their places along the tape.
+    /// Patches at the last height.
+    pub(super) pressed: Vec<NormalPatch>,
+    /// Tractions of patches, with their positions along the tape.
     sliding: Vec<(f64, [usize; 2], TangentialState)>,
     pub(super) work: SolveStats,
 }
@@ -96,7 +98,7 @@ impl Pair {
         }
     }
 
-    /// Goes to a position.
+    /// Moves to a position.
     pub(super) fn go_to(&mut self, motion: &Motion, deviation: &Deviation) {
         let goes_on = self.rail.surface.constant().is_none() && self.rail.way != motion.way;
         if self.deviation != *deviation || goes_on {
@@ -124,8 +126,9 @@ impl Pair {
         }
     }
 
-    /// Profiles of rail and wheel in a position, whatever position was solved last, in so many points,
-    /// y and z in track axes \[m\]: the rail where it is touched first, the wheel through its axle.
+    /// Returns the profiles of rail and wheel in a position, independent of the last solved one, as
+    /// `count` points y and z in track axes \[m\]. The rail is cut at the first touch, the wheel
+    /// through its axle.
     pub(super) fn outlines(
         &self,
         motion: &Motion,
@@ -159,23 +162,23 @@ impl Pair {
         self.settings.patch_surface == PatchSurface::Curved
     }
 
-    /// Has patches on curved surfaces from now on, of bodies as they are here.
+    /// Puts patches on curved surfaces from now on, and discards earlier influence numbers.
     pub(super) fn turn(&mut self) {
         self.pool.curved.get_or_insert_default().clear();
     }
 
-    /// Has patches in planes until they turn.
+    /// Puts patches in planes until [`Pair::turn`].
     pub(super) fn stay_plane(&mut self) {
         self.pool.curved = None;
     }
 
-    /// The bodies, where they are.
+    /// The bodies at their present positions.
     fn standing(&self) -> PlacedProfile<'_> {
         let Self { rail, rows, wheel, pose, motion, .. } = self;
         PlacedProfile { rail, rows, wheel, pose, motion }
     }
 
-    /// Goes up or down to a height.
+    /// Moves to a height.
     pub(super) fn lift_to(&mut self, z: f64) {
         self.motion.z = z;
         self.pose.middle.z = self.wheelset.nominal_radius + z;
@@ -191,7 +194,7 @@ impl Pair {
         Some(self.motion.z - clear?)
     }
 
-    /// Presses at this height.
+    /// Presses the bodies together at this height.
     pub(super) fn press(&mut self, interface: &dyn Interface) -> Result<(), TrackError> {
         let spacing = self.settings.sides[1];
         if let Some(mut columns) = self.columns.take() {
@@ -214,7 +217,7 @@ impl Pair {
         for region in &regions {
             let near = nearest(&self.pressed, region.s, |near| near.region.s);
             let rest = (near, heights);
-            let found = Pressed::of(region, bodies, &self.settings, &mut self.pool, rest)?;
+            let found = NormalPatch::of(region, bodies, &self.settings, &mut self.pool, rest)?;
             self.work.normal_contacts += 1;
             self.work.normal_iterations += found.iterations;
             pressed.push(found);
@@ -227,13 +230,13 @@ impl Pair {
         Ok(())
     }
 
-    /// Presses patches in turn, until what they displace under each other has settled.
-    fn press_together(&mut self, pressed: &mut [Pressed]) -> Result<(), TrackError> {
+    /// Presses patches in turn, until their mutual displacements have converged.
+    fn press_together(&mut self, pressed: &mut [NormalPatch]) -> Result<(), TrackError> {
         if pressed.len() < 2 {
             return Ok(());
         }
         let compliance = self.settings.bodies.contact_compliance();
-        let mut acting: Vec<Acting> = pressed.iter().map(Acting::of).collect();
+        let mut acting: Vec<BlockLoads> = pressed.iter().map(BlockLoads::of).collect();
         for _ in 0..MOST_TURNS {
             let (mut change, mut force) = (0.0_f64, 0.0);
             for at in 0..pressed.len() {
@@ -242,7 +245,7 @@ impl Pair {
                 let (before, iterations) = (patch.normal_force, patch.iterations);
                 let opening = opening(patch, others, compliance);
                 patch.press_again(opening, &self.settings, &mut self.pool)?;
-                acting[at] = Acting::of(patch);
+                acting[at] = BlockLoads::of(patch);
                 change = change.max((patch.normal_force - before).abs());
                 force += patch.normal_force;
                 self.work.normal_contacts += 1;
@@ -255,7 +258,8 @@ impl Pair {
         Ok(())
     }
 
-    /// Parts patches where the criterion says at this height; returns true if they were apart there already.
+    /// Separates patches by the criterion at this height; returns true if the separation is
+    /// unchanged.
     pub(super) fn part(&mut self) -> bool {
         let spacing = self.settings.sides[1];
         let found = self.search.cuts(&self.rows, spacing, &self.settings.joining);
@@ -267,16 +271,16 @@ impl Pair {
         anew == parted(self.regions(&held))
     }
 
-    /// The regions at this height, apart at these rows.
+    /// Regions of penetration at this height, separated at these rows.
     fn regions(&mut self, cuts: &Cuts) -> Vec<Region> {
         let seen = match &mut self.columns {
-            Some(columns) => Seen::Columns(columns),
-            None => Seen::Shadow(&self.shadow),
+            Some(columns) => WheelView::Columns(columns),
+            None => WheelView::SilhouettePoint(&self.shadow),
         };
         self.search.patches(&self.rows, (seen, self.pose.middle), self.settings.sides[1], cuts)
     }
 
-    /// Looks for contact in all of the regions.
+    /// Solves every patch on its whole window.
     pub(super) fn complete(&mut self) -> Result<(), TrackError> {
         for patch in &mut self.pressed {
             let before = patch.iterations;
@@ -286,7 +290,7 @@ impl Pair {
         Ok(())
     }
 
-    /// Slides at this height: the patches with their tractions.
+    /// Solves the tractions of the patches at this height.
     pub(super) fn slide(&mut self, interface: &dyn Interface) -> Result<Solved, TrackError> {
         let Self { settings, side, rail, wheel, pose, motion, pool, work, .. } = self;
         let mut patches = Vec::with_capacity(self.pressed.len());
@@ -309,21 +313,22 @@ impl Pair {
         Ok(Solved::of(self.motion.z, patches, &self.pose, self.work))
     }
 
-    /// Forgets what was: the next position is solved as if it were the first.
+    /// Discards earlier results: the next position is solved as if it were the first.
     pub(super) fn forget(&mut self) {
         self.pressed.clear();
         self.sliding.clear();
     }
 }
 
-/// Slides a patch, from tractions that are near if there are; on a curved surface its pressure and its tractions in turn, until both rest.
+/// Solves the tractions of a patch, starting from `near` if given. On a curved surface pressure and
+/// tractions alternate until both have converged.
 fn slide(
-    pressed: &mut Pressed,
+    pressed: &mut NormalPatch,
     (settings, side, bodies): (&Settings, Side, (&Rail, &Pose, &Motion)),
     mut near: Option<([usize; 2], TangentialState)>,
     interface: &dyn Interface,
     (pool, work): (&mut Pool, &mut SolveStats),
-) -> Result<(Rolling, Slid), TrackError> {
+) -> Result<(Rolling, TractionSolution), TrackError> {
     let (rail, pose, motion) = bodies;
     let mut traction = [0, 1].map(|_| vec![0.0; pressed.window.points()]);
     let mut change = f64::INFINITY;
@@ -336,7 +341,8 @@ fn slide(
         };
         let elastic = pressed.elastic_slip(&traction, settings.difference);
         let near_here = near.take().filter(|(half, _)| *half == part.half);
-        let about = Sliding { side, settings, pressed, rolling: &rolling, part, besides, elastic };
+        let about =
+            TractionProblem { side, settings, pressed, rolling: &rolling, part, besides, elastic };
         let slid = about.solve(interface, near_here.map(|(_, state)| state), pool, work)?;
         if pressed.curved.is_none() || change <= REST {
             return Ok((rolling, slid));
@@ -350,14 +356,14 @@ fn slide(
     Err(TrackError::Turns { change })
 }
 
-/// By how much tractions differ, over the largest pressure.
-fn change_of(traction: &[Vec<f64>; 2], before: &[Vec<f64>; 2], pressed: &Pressed) -> f64 {
+/// Largest difference of two tractions, relative to the largest pressure.
+fn change_of(traction: &[Vec<f64>; 2], before: &[Vec<f64>; 2], pressed: &NormalPatch) -> f64 {
     let largest = pressed.pressure.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let pairs = traction.iter().flatten().zip(before.iter().flatten());
     pairs.map(|(one, other)| (one - other).abs()).fold(0.0, f64::max) / largest
 }
 
-/// The entry whose place is nearest, if it is near.
+/// Entry with the nearest position, if it is within [`SAME`].
 pub(super) fn nearest<T>(entries: &[T], s: f64, place: impl Fn(&T) -> f64) -> Option<&T> {
     let off = |entry: &&T| (place(entry) - s).abs();
     let found = entries.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;

@@ -1,23 +1,24 @@
 //! The undeformed distance of a patch, row by row as parabolas: h = g + A (x − x₀)².
 //!
-//! Along a row a wheel is as good as a circle, and the parabola off it by (x − x₀)⁴ A³: 3e-5 of h at 5 mm beside a
-//! wheel of 0.46 m. What approximate theories of the normal contact know of a patch are these rows.
+//! Along a row a wheel is almost a circle, and the parabola is off it by (x − x₀)⁴ A³: 3e-5 of h at
+//! 5 mm beside a wheel of 0.46 m. Approximate theories of the normal contact use nothing but these
+//! rows.
 
-use super::local::{NOTHING, NeighbourRows, Window};
+use super::local::{NOTHING, RowDistances, Window};
 
-/// A row.
+/// Parabola of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Parabola {
-    /// g, the least distance, negative where the undeformed bodies penetrate [m].
+    /// Least distance g, negative where the undeformed bodies penetrate [m].
     pub(super) gap: f64,
-    /// x₀ [m].
+    /// Position x₀ of the least distance [m].
     pub(super) place: f64,
-    /// A [1/m].
+    /// Half the curvature, A [1/m].
     pub(super) bend: f64,
 }
 
 impl Parabola {
-    /// Between this one and the next.
+    /// Interpolates linearly between this parabola and the next.
     fn towards(&self, next: &Self, share: f64) -> Self {
         let between = |one: f64, other: f64| one + share * (other - one);
         Self {
@@ -31,11 +32,11 @@ impl Parabola {
 /// The rows of a patch, in the axes of the patch.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Parabolas {
-    /// One a row of the window; none where a body is missing.
+    /// One parabola per row of the window; `None` where a body is missing.
     pub(super) rows: Vec<Option<Parabola>>,
-    /// First row of the patch, and the one behind its last: others are of other patches.
+    /// Range of rows of the patch, end exclusive. Other rows belong to other patches.
     pub(super) own: [usize; 2],
-    /// Place of t = 0, in rows, and the distance of rows [m].
+    /// Row of t = 0, and the spacing of rows [m].
     middle: usize,
     pub(super) spacing: f64,
 }
@@ -43,24 +44,24 @@ pub(super) struct Parabolas {
 /// Deepest penetration of the undeformed bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Deepest {
-    /// Its row, and t [m].
+    /// Lowest row, and t of the minimum [m].
     pub(super) row: usize,
     pub(super) along: f64,
-    /// The row that it would have: the parabola there.
+    /// Interpolated parabola at the minimum.
     pub(super) parabola: Parabola,
 }
 
 impl Parabolas {
-    /// Parabolas of a window, whose rows of this range are those of the patch.
-    pub(super) fn of(window: &Window, rows: &[Option<NeighbourRows>], own: [usize; 2]) -> Self {
-        let parabola = |three: &NeighbourRows| {
+    /// Parabolas of a window; `own` is the range of rows of the patch.
+    pub(super) fn of(window: &Window, rows: &[Option<RowDistances>], own: [usize; 2]) -> Self {
+        let parabola = |three: &RowDistances| {
             three.parabola().map(|[gap, place, bend]| Parabola { gap, place, bend })
         };
         let rows = rows.iter().map(|three| three.as_ref().and_then(parabola)).collect();
         Self { rows, own, middle: window.half[1], spacing: window.sides[1] }
     }
 
-    /// The distance of the patch's elements [m].
+    /// Undeformed distance of the patch's elements [m].
     pub(super) fn distance(&self, window: &Window) -> Vec<f64> {
         let [nx, _] = window.counts();
         let mut distance = vec![NOTHING; window.points()];
@@ -73,7 +74,7 @@ impl Parabolas {
         distance
     }
 
-    /// With gaps that are opened by as much as in the elements of the window where rows are lowest [m].
+    /// Opens the gap of every row by the opening of the element where the row is lowest [m].
     pub(super) fn opened(&self, window: &Window, opening: &[f64]) -> Self {
         let [nx, _] = window.counts();
         let mut opened = self.clone();
@@ -91,19 +92,20 @@ impl Parabolas {
         (row as f64 - self.middle as f64) * self.spacing
     }
 
-    /// A row, if it is there.
+    /// Parabola of a row, if there is one.
     pub(super) fn at(&self, row: Option<usize>) -> Option<&Parabola> {
         self.rows.get(row?)?.as_ref()
     }
 
-    /// The rows of the patch that are there.
+    /// Rows of the patch that have a parabola.
     pub(super) fn of_patch(&self) -> impl Iterator<Item = (usize, &Parabola)> {
         let [first, end] = self.own;
         let rows = self.rows.iter().enumerate().skip(first).take(end.saturating_sub(first));
         rows.filter_map(|(row, parabola)| Some((row, parabola.as_ref()?)))
     }
 
-    /// Deepest penetration of the patch, by a parabola through three rows; none if it does not.
+    /// Deepest penetration of the patch, by a parabola through three rows; `None` if the bodies do
+    /// not penetrate.
     pub(super) fn deepest(&self) -> Option<Deepest> {
         let least = |a: &(usize, &Parabola), b: &(usize, &Parabola)| a.1.gap.total_cmp(&b.1.gap);
         let (row, own) = self.of_patch().min_by(least).filter(|(_, own)| own.gap < 0.0)?;

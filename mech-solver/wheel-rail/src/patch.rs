@@ -1,83 +1,84 @@
-//! What is known of a patch, and of all patches of a wheel.
+//! Results of a patch, and of all patches of a wheel.
 
 use super::creepage::Rolling;
 use super::fields::{Fields, Load};
 use super::local::Frame;
-use super::pressed::Pressed;
+use super::pressed::NormalPatch;
 use super::rail::Rail;
-use super::springs::Slid;
+use super::springs::TractionSolution;
 use super::wheelset::{Pose, Wheel};
 use nalgebra::Vector3;
 
-/// A patch.
+/// Solution of a contact patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
-    /// Its axes, and its reference in track axes; their origin is the middle of an element.
+    /// Axes and reference of the patch; their origin is the middle of an element.
     pub frame: Frame,
     /// Tape distance of the reference [m].
     pub tape: f64,
-    /// The reference in the axes of the rail's profile, y and z [m].
+    /// Reference in the axes of the rail's profile, y and z [m].
     pub in_rail: [f64; 2],
-    /// The reference in the axes of the wheel's profile, x, y and z [m].
+    /// Reference in the axes of the wheel's profile, x, y and z [m].
     pub in_wheel: [f64; 3],
-    /// Penetration of the undeformed bodies along the normal: the approach [m].
+    /// Approach: penetration of the undeformed bodies along the normal [m].
     pub approach: f64,
     /// Area of the contact [m²].
     pub area: f64,
     /// Largest pressure [Pa].
     pub max_pressure: f64,
-    /// Forces and moments on the wheel in the patch's axes, about their origin.
+    /// Forces and moments on the wheel about the origin of the patch's axes, in these axes.
     pub load: Load,
-    /// Lean of its force by the tractions, as [`Pressed::leaning`] has it [-].
+    /// Ratio of tangential to normal force, as in [`NormalPatch::leaning`] [-].
     pub(super) leaning: f64,
-    /// Creepages at the origin, and the rolling speed.
+    /// Creepages at the origin, and rolling speed.
     pub rolling: Rolling,
     /// Friction power [W].
     pub friction_power: f64,
-    /// The part of it that rigid slip off the plane gives [W].
+    /// Part of the friction power that is due to rigid slip off the plane [W].
     pub power_off_plane: f64,
-    /// Area that slips over the area of the contact, by elements [-].
+    /// Slipping area over the area of the contact, by elements [-].
     pub slip_area_ratio: f64,
-    /// The region of penetration reaches an end of a profile.
+    /// True if the region of penetration reaches an end of a profile.
     pub at_end: bool,
-    /// Its fields.
+    /// Fields of the patch.
     pub fields: Fields,
 }
 
-/// A wheel on a rail.
+/// Solution of a wheel on a rail.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Solved {
     /// Height of the wheelset [m], as in [`super::wheelset::Motion`].
     pub z: f64,
-    /// Its patches, from right to left.
+    /// Patches from right to left.
     pub patches: Vec<Patch>,
     /// Force on the wheel in track axes [N].
     pub force: [f64; 3],
-    /// The same in wheelset axes [N].
+    /// Force on the wheel in wheelset axes [N].
     pub force_wheelset: [f64; 3],
     /// Moment on the wheel about the middle of the wheelset, in track axes [N m].
     pub moment: [f64; 3],
-    /// The same in wheelset axes [N m]; along y it turns the axle.
+    /// Moment on the wheel about the middle of the wheelset, in wheelset axes [N m]; its y
+    /// component turns the axle.
     pub moment_wheelset: [f64; 3],
-    /// Work of the solution.
+    /// Work counters of the solution.
     pub work: SolveStats,
 }
 
-/// Work of a solution.
+/// Work counters of a solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolveStats {
-    /// Normal contacts of patches that were solved.
+    /// Number of normal contacts solved.
     pub normal_contacts: usize,
-    /// Their iterations.
+    /// Iterations of the normal contacts.
     pub normal_iterations: usize,
-    /// Tangential contacts of patches that were solved.
+    /// Number of tangential contacts solved.
     pub tangential_contacts: usize,
-    /// Their Newton steps, on all grids.
+    /// Newton steps of the tangential contacts, on all grids.
     pub newton_steps: usize,
 }
 
 impl SolveStats {
-    /// Both together.
+    /// Adds two sets of counters.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {
         Self {
@@ -90,9 +91,9 @@ impl SolveStats {
 }
 
 impl Patch {
-    /// The figures of fields.
+    /// Evaluates the figures of a patch from its fields.
     pub(super) fn of(
-        pressed: &Pressed,
+        pressed: &NormalPatch,
         fields: Fields,
         rolling: Rolling,
         power_off_plane: f64,
@@ -121,8 +122,9 @@ impl Patch {
         }
     }
 
-    /// With the tractions' loads, power and slip as springs have them, which elements show as their means.
-    pub(super) fn sliding(mut self, slid: &Slid) -> Self {
+    /// Replaces loads, power and slip by those of the springs. The elements hold only means of the
+    /// springs.
+    pub(super) fn sliding(mut self, slid: &TractionSolution) -> Self {
         self.load.force[..2].copy_from_slice(&slid.force);
         self.load.moment[2] = slid.moment;
         self.leaning = self.load.force[1] / self.load.force[2];
@@ -138,7 +140,7 @@ impl Patch {
 }
 
 impl Solved {
-    /// Sums of patches.
+    /// Sums forces and moments over the patches.
     pub(super) fn of(z: f64, patches: Vec<Patch>, pose: &Pose, work: SolveStats) -> Self {
         let mut force = Vector3::zeros();
         let mut moment = Vector3::zeros();

@@ -1,8 +1,9 @@
-//! Solvers of the sizes that have been needed.
+//! Cache of solvers, by the size of their window.
 //!
-//! A window reaches as far to one side of its origin as to the other, so that its operators are those of its
-//! size alone, wherever it is. Its counts are the largest odd ones below products of the primes that transforms
-//! are fast with, so that contacts of about the same size share solvers.
+//! A window extends equally to both sides of its origin, so that its operators depend on its size
+//! alone and not on its position. Its counts are the largest odd numbers below products of the
+//! small primes for which transforms are fast. Contacts of about the same size therefore share
+//! solvers.
 
 use super::curved::KnownNumbers;
 use super::local::Window;
@@ -13,23 +14,23 @@ use half_space::influence::Influence;
 use half_space::normal::NormalSolver;
 use numerics::convolution::smooth_size;
 
-/// Sizes that are kept, of either kind.
+/// Most sizes kept, per kind of solver.
 const KEPT: usize = 16;
 
-/// At least this many elements on either side of an origin: as many as a transform of the next size takes.
+/// Half size of a window of at least this half size, enlarged to fill the next fast transform.
 pub(super) fn room(half: usize) -> usize {
     let least = 2 * half.max(3) + 1;
     let size = smooth_size(least);
     if size % 2 == 1 { size / 2 } else { size / 2 - usize::from(size > least) }
 }
 
-/// The solvers.
+/// Solvers by window size.
 #[derive(Debug)]
 pub(super) struct Pool {
     settings: Settings,
     normal: Vec<([usize; 2], NormalSolver)>,
     tangential: Vec<([usize; 2], Levels)>,
-    /// Numbers of curved surfaces, where patches are on them.
+    /// Influence numbers of curved surfaces, if patches lie on such surfaces.
     pub(super) curved: Option<KnownNumbers>,
 }
 
@@ -38,7 +39,7 @@ impl Pool {
         Self { settings, normal: Vec::new(), tangential: Vec::new(), curved: None }
     }
 
-    /// The solver of normal contacts on a window.
+    /// Solver of the normal contact on a window.
     pub(super) fn normal(&mut self, window: &Window) -> &mut NormalSolver {
         let Settings { sides: [dx, dy], bodies, .. } = self.settings;
         let tolerance = self.settings.pressure_tolerance();
@@ -54,8 +55,8 @@ impl Pool {
         })
     }
 
-    /// The solver of steady rolling on a window, which is about as large as its contact: what it answers depends
-    /// on the window alone, and not on the contact that it was made for.
+    /// Solver of steady rolling on a window about as large as its contact. Its result depends on
+    /// the window alone, not on the contact for which the solver was created.
     pub(super) fn tangential(&mut self, window: &Window) -> &mut Levels {
         let Settings { sides: [dx, dy], bodies, layer, difference, tolerance, .. } = self.settings;
         kept(&mut self.tangential, window.half, || {
@@ -80,7 +81,7 @@ impl Pool {
     }
 }
 
-/// The entry of a size, made if there is none; the one that was not used for longest makes room.
+/// Entry of a size, created if missing. The least recently used entry is evicted.
 fn kept<T>(
     entries: &mut Vec<([usize; 2], T)>,
     size: [usize; 2],

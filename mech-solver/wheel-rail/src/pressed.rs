@@ -21,21 +21,23 @@ use half_space::difference::Difference;
 use half_space::normal::Prescribed;
 use std::borrow::Cow;
 
-/// Elements by which a contact may grow on each side from one height to the next, beside the one round it.
+/// Elements by which a contact may grow on each side from one height to the next, besides the one
+/// element of margin.
 const GROWTH: usize = 1;
 
-/// Rows beside those that penetrate in which a patch on a curved surface may touch: there tractions close the gap, too.
+/// Rows beside the region of penetration in which a patch on a curved surface may touch, because
+/// tractions close the gap as well.
 const BESIDE: i64 = 3;
 
-/// Heights to be added to the undeformed distance, at x in track axes and a tape distance [m].
+/// Heights added to the undeformed distance, at x in track axes and a tape distance [m].
 pub(super) type Heights<'a> = &'a dyn Fn([f64; 2]) -> f64;
 
 /// A patch and its pressure.
 ///
-/// From a pressure that is near, the patch is solved on the part of its window that the contact had, until
-/// [`Pressed::complete`] is asked for.
+/// Starting from a nearby pressure, the patch is solved on the part of its window around the
+/// previous contact. [`NormalPatch::complete`] solves it on the whole window.
 #[derive(Debug)]
-pub(super) struct Pressed {
+pub(super) struct NormalPatch {
     pub(super) region: Region,
     pub(super) frame: Frame,
     pub(super) window: Window,
@@ -49,21 +51,21 @@ pub(super) struct Pressed {
     pub(super) pressure: Vec<f64>,
     /// Normal force [N].
     pub(super) normal_force: f64,
-    /// The pressure is that of all of the window.
+    /// True if the pressure was solved on the whole window.
     complete: bool,
-    /// By how much other patches, or tractions, open the gap [m]; empty if they do not.
+    /// Opening of the gap by other patches or by tractions [m]; empty if there is none.
     opening: Vec<f64>,
-    /// The surface that it is on, where that is no plane.
+    /// Curved surface of the patch, if it is not plane.
     pub(super) curved: Option<Curved>,
-    /// Parabolas of an approximate theory, and the strips that it made.
+    /// Parabolas and strips of an approximate theory.
     approximate: Option<(Parabolas, Vec<PressedStrip>)>,
     /// Iterations of the normal contact.
     pub(super) iterations: usize,
 }
 
-impl Pressed {
-    /// The patch of a region, the wheel turned by `pitch` [rad]; its pressure is looked for from that of `near` on, with heights if surfaces are
-    /// rough.
+impl NormalPatch {
+    /// Solves the patch of a region, with the wheel turned by `pitch` [rad]. Starts from the
+    /// pressure of `near`, and adds heights if surfaces are rough.
     pub(super) fn of(
         region: &Region,
         (bodies, pitch): ((&Rail, &Wheel, &Pose), f64),
@@ -116,7 +118,7 @@ impl Pressed {
             if curved.is_some() && !near.opening.is_empty() {
                 opening = near.opening_of((&frame, &window));
             }
-            // Bodies that vary, or are rough, may touch where they did not at the height before.
+            // Varying or rough bodies may touch where they did not at the last height.
             if constant && heights.is_none() && curved.is_none() {
                 let half = near.contact_window().half;
                 part.half = [0, 1].map(|k| room(half[k] + GROWTH).min(window.half[k]));
@@ -143,7 +145,7 @@ impl Pressed {
         Ok(pressed)
     }
 
-    /// Presses with the gap that others leave, from the pressure that is there.
+    /// Solves the pressure again with this opening of the gap, starting from the present pressure.
     pub(super) fn press_again(
         &mut self,
         opening: Vec<f64>,
@@ -182,7 +184,7 @@ impl Pressed {
         Ok(())
     }
 
-    /// The contact as strips along x.
+    /// Contact as strips along x.
     pub(super) fn strips(&self) -> Vec<PressedStrip> {
         match &self.approximate {
             Some((_, strips)) => strips.clone(),
@@ -198,7 +200,7 @@ impl Pressed {
         }
     }
 
-    /// Solves on all of the window: what is outside a part of it may touch too.
+    /// Solves on the whole window, because elements outside a part of it may touch too.
     pub(super) fn complete(&mut self, pool: &mut Pool) -> Result<(), TrackError> {
         if self.complete {
             return Ok(());
@@ -207,7 +209,7 @@ impl Pressed {
         self.solve(&self.window.clone(), pool)
     }
 
-    /// Solves on a part of the window, from the pressure that is there.
+    /// Solves on a part of the window, starting from the present pressure.
     fn solve(&mut self, part: &Window, pool: &mut Pool) -> Result<(), TrackError> {
         let approach = Prescribed::Approach(0.0);
         let gap = gap(&self.distance, &self.opening);
@@ -232,7 +234,7 @@ impl Pressed {
         }
     }
 
-    /// The opening of the gap on the elements of another window, nothing where they are not here [m].
+    /// Opening of the gap on the elements of another window, zero beyond this window [m].
     fn opening_of(&self, (frame, window): (&Frame, &Window)) -> Vec<f64> {
         let [nx, ny] = self.window.counts();
         let shift = [0, 1].map(|k| {
@@ -252,7 +254,8 @@ impl Pressed {
         (0..window.points()).map(|index| at(index).unwrap_or(0.0)).collect()
     }
 
-    /// Lets tractions open the gap of a patch on a curved surface, and presses it anew; by how much its pressure changes, over the largest.
+    /// Opens the gap of a patch on a curved surface by the tractions and solves the pressure again.
+    /// Returns the change of pressure relative to the largest.
     pub(super) fn yield_to(
         &mut self,
         traction: &[Vec<f64>; 2],
@@ -268,7 +271,8 @@ impl Pressed {
         Ok(changes.fold(0.0, f64::max) / largest)
     }
 
-    /// Slip of a step that elastic half-spaces do not have under these tractions [m], on a curved surface.
+    /// Slip of a step under these tractions in excess of that of elastic half-spaces [m], on a
+    /// curved surface.
     pub(super) fn elastic_slip(
         &mut self,
         traction: &[Vec<f64>; 2],
@@ -277,8 +281,9 @@ impl Pressed {
         Some(self.curved.as_mut()?.elastic_slip(traction, &self.pressure, difference))
     }
 
-    /// Lean of the force by tractions: in a plane what of it is along the tangent for one along the normal, on a curved surface the vertical part of
-    /// the tractions over the sum of the pressure [-].
+    /// Ratio of tangential to normal force [-]. In a plane, the force along the tangent per force
+    /// along the normal; on a curved surface, the vertical part of the tractions per sum of the
+    /// pressure.
     pub(super) fn leaning(&self, fields: &Fields) -> f64 {
         match &self.curved {
             Some(curved) => {
@@ -290,7 +295,7 @@ impl Pressed {
         }
     }
 
-    /// Vertical force of the pressure, and of tractions that lean it so [N].
+    /// Vertical force of the pressure, and of tractions with this ratio to it [N].
     pub(super) fn vertical(&self, leaning: f64) -> f64 {
         match &self.curved {
             Some(curved) => {
@@ -304,7 +309,8 @@ impl Pressed {
         }
     }
 
-    /// Rigid slip of the rows of the window beside that of creepages in its plane, where it is taken on the surfaces.
+    /// Rigid slip of the rows of the window in excess of that of the creepages in its plane, if
+    /// rigid slip is taken on the surfaces.
     pub(super) fn rigid_slip(
         &self,
         rolling: &Rolling,
@@ -321,7 +327,7 @@ impl Pressed {
         Ok(rows.map(off_plane).map(|slip| RowSlip { slip, spin: 0.0 }).collect())
     }
 
-    /// Forces and moments on the wheel in the axes of the patch, about their origin.
+    /// Forces and moments on the wheel about the origin of the patch's axes, in these axes.
     pub(super) fn load(&self, fields: &Fields) -> Load {
         match &self.curved {
             Some(curved) => curved.load(&self.frame, fields),
@@ -334,8 +340,8 @@ impl Pressed {
         -self.distance.iter().copied().fold(0.0, f64::min)
     }
 
-    /// Heights over the plane of the rail, and of the wheel from its point Q, where it is lowest in a row; in
-    /// every row of a part of the window [m].
+    /// Height of the rail over the plane, and height of the wheel over its point Q, both at the
+    /// lowest point of every row in a part of the window [m].
     pub(super) fn heights(&self, part: &Window) -> [Vec<f64>; 2] {
         let approach = self.approach();
         let first = self.window.half[1] - part.half[1];
@@ -349,7 +355,7 @@ impl Pressed {
         [rail, wheel]
     }
 
-    /// Part of the window that holds the contact and an element round it.
+    /// Part of the window that holds the contact and one element of margin.
     pub(super) fn contact_window(&self) -> Window {
         let [nx, _] = self.window.counts();
         let mut most = [0; 2];
@@ -365,13 +371,13 @@ impl Pressed {
     }
 }
 
-/// Least distance in every row [m].
+/// Least distance of every row [m].
 fn lowest_of_rows(window: &Window, distance: &[f64]) -> Vec<f64> {
     let rows = distance.chunks_exact(window.counts()[0]);
     rows.map(|row| row.iter().copied().fold(NOTHING, f64::min)).collect()
 }
 
-/// Adds heights where there is a surface.
+/// Adds heights wherever both bodies exist.
 fn roughen(distance: &mut [f64], frame: &Frame, window: &Window, heights: Heights<'_>) {
     let nx = window.counts()[0];
     let [first_x, first_tape] = [0, 1].map(|k| frame.element[k] - window.half[k] as i64);
@@ -382,7 +388,7 @@ fn roughen(distance: &mut [f64], frame: &Frame, window: &Window, heights: Height
     }
 }
 
-/// The distance with what others open it by [m].
+/// Undeformed distance plus opening [m].
 fn gap<'a>(distance: &'a [f64], opening: &[f64]) -> Cow<'a, [f64]> {
     match opening {
         [] => distance.into(),
@@ -390,20 +396,20 @@ fn gap<'a>(distance: &'a [f64], opening: &[f64]) -> Cow<'a, [f64]> {
     }
 }
 
-/// Rows of a window of these first and last ones: the first, and the one behind the last.
+/// Range of rows in a window, end exclusive, from the first and last row of a region.
 fn own_rows(rows: [i64; 2], frame: &Frame, window: &Window) -> [usize; 2] {
     let [first, last] = rows.map(|row| row - frame.element[1] + window.half[1] as i64);
     [first, last + 1].map(|row| row.clamp(0, window.counts()[1] as i64) as usize)
 }
 
-/// Rows beyond those of the region are of other patches, or of none.
+/// Removes rows beyond the region, which belong to other patches or to none.
 fn leave_to_others(window: &Window, [first, end]: [usize; 2], distance: &mut [f64]) {
     let [nx, _] = window.counts();
     distance[..first * nx].fill(NOTHING);
     distance[end * nx..].fill(NOTHING);
 }
 
-/// The elements that hold a region with these rows, and one round it.
+/// Window around a region with these rows, plus one element of margin.
 fn window(
     (region, rows): (&Region, [i64; 2]),
     frame: &Frame,
@@ -424,7 +430,7 @@ fn window(
     }
 }
 
-/// A field of one window on another with the same origin, as far as they overlap.
+/// Copies a field from one window to another with the same origin, where they overlap.
 pub(super) fn copy_centred((from, source): (&Window, &[f64]), (to, target): (&Window, &mut [f64])) {
     let half = [0, 1].map(|k| from.half[k].min(to.half[k]));
     let width = 2 * half[0] + 1;

@@ -1,19 +1,19 @@
-//! Profiles of rails and wheels as they are measured: Miniprof, SIMPACK, and columns of numbers.
+//! Measured profiles of rails and wheels: Miniprof, SIMPACK, and columns of numbers.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`read`] | a text, and how it is to be taken, to a curve |
-//! | [`miniprof`], [`simpack`], [`columns`] | the formats: a text to points as they stand in the file |
+//! | [`read`] | conversion of a text to a curve, with the settings for it |
+//! | [`miniprof`], [`simpack`], [`columns`] | formats: from a text to points as in the file |
 //! | [`heights`] | a profile as a height over y, for bodies without flanks |
 //! | [`slice_list`] | files that name profiles at positions |
-//! | [`orientation`] | from the axes of a file to ours |
-//! | [`error`] | what may be wrong with a file |
+//! | [`orientation`] | from the axes of a file to those of a profile |
+//! | [`error`] | errors of a file |
 //! | `text` | lines and numbers |
 //!
-//! **Axes of a profile**: y from the middle of the track to the field side, z up, points with y rising on the
-//! whole: from the gauge face over the crown to the field side, or from the back of the flange over the tread
-//! to the field side. On the left that is y to the left; the right profile is its mirror image
-//! ([`crate::outline::Outline::mirrored`]).
+//! **Axes of a profile**: y from the middle of the track to the field side, z up. Points run with
+//! rising y on the whole: from the gauge face over the crown to the field side, or from the back of
+//! the flange over the tread to the field side. On the left side of the track y is to the left; the
+//! right profile is the mirror image ([`crate::outline::Outline::mirrored`]).
 
 pub mod columns;
 pub mod error;

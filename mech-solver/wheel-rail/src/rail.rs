@@ -1,24 +1,26 @@
-//! Where the rails of a track are.
+//! Positions of the rails of a track.
 //!
-//! **Track axes**: x forward along the middle of the track, y to the left, z up; the plane z = 0 touches the
-//! tops of both rails as they are designed. Positions are those of an instant, x = 0 under the middle of the
-//! wheelset.
+//! **Track axes**: x forward along the middle of the track, y to the left, z up. The plane z = 0
+//! touches the tops of both rails as designed. Positions are those of an instant, with x = 0 under
+//! the middle of the wheelset.
 //!
-//! A profile is inclined by the rail's cant, positive towards the middle of the track: the left one turns about
-//! x by +cant, the right one by −cant. Then it is shifted until its top is at z = 0, and the innermost point no
-//! more than the gauge's measuring height below that is at half the gauge. Or its origin is put at a given
-//! place. A deviation, of an irregularity or of a rail that gives, turns it about its origin and shifts it; the
-//! track's axes stay.
+//! A profile is inclined by the rail's cant, positive towards the middle of the track: the left one
+//! turns about x by +cant, the right one by −cant. Then it is placed in one of two ways. By gauge,
+//! its top is at z = 0, and the innermost point within the gauge's measuring height below the top
+//! is at half the gauge. By origin, its origin is at a given point. A deviation, due to an
+//! irregularity or an elastic support, turns the rail about its origin and shifts it; the track's
+//! axes stay.
 //!
-//! The right rail is the mirror image of a left one with the same profile, to the bit.
+//! The right rail is the mirror image of a left one with the same profile, to the last bit.
 //!
-//! CONTACT has y to the right and z down, which is this turned by π about x: rolls have the same sign, y, z,
-//! yaw and pitch the opposite one. Source for the placement: its user guide, ch. 4 (definitions).
+//! CONTACT has y to the right and z down, which is this system turned by π about x: rolls have the
+//! same sign, y, z, yaw and pitch the opposite one. Source for the placement: its user guide, ch. 4
+//! (definitions).
 
 use super::outline::Outline;
 use super::surface::Surface;
 
-/// A side of the track, as seen along x.
+/// Side of the track, seen along x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// y > 0.
@@ -37,7 +39,7 @@ impl Side {
         }
     }
 
-    /// The surface, which is that of the left, on this side.
+    /// Mirrors a surface of the left side if this is the right side.
     #[must_use]
     pub(super) fn of(self, surface: Surface) -> Surface {
         match self {
@@ -47,7 +49,7 @@ impl Side {
     }
 }
 
-/// Placing of a rail.
+/// Way of placing a rail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Placing {
     /// By the gauge.
@@ -69,33 +71,33 @@ pub enum Placing {
 /// A track as it is designed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
-    /// Placing of the rails.
+    /// Placement of the rails.
     pub placing: Placing,
-    /// Inclination of the rails to the middle of the track [rad], 0.05 for 1:20; 0 if the profile is measured
-    /// inclined.
+    /// Inclination of the rails towards the middle of the track [rad], 0.05 for 1:20; 0 if the
+    /// profile was measured inclined.
     pub cant: f64,
     /// Curvature of the line [1/m], positive in a curve to the left.
     pub curvature: f64,
 }
 
-/// Deviation of a rail from its place, in track axes.
+/// Displacement of a rail from its design position, in track axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
     /// Shift to the left [m].
     pub y: f64,
     /// Shift up [m].
     pub z: f64,
-    /// Turn about the origin of the profile, from y to z [rad].
+    /// Rotation about the origin of the profile, from y to z [rad].
     pub roll: f64,
     /// Rates of the three [m/s, m/s, rad/s].
     pub rates: [f64; 3],
 }
 
-/// A profile without a gauge point.
+/// Error: the profile has no gauge point.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the rail's profile ends {reach:.4e} m below its top on the side of the track's middle, and the gauge is \
-     measured {height:.4e} m below; give more of the profile, or the place of its origin"
+     measured {height:.4e} m below; extend the profile, or give the position of its origin"
 )]
 pub struct NoGauge {
     /// Depth to which the profile reaches [m].
@@ -104,19 +106,19 @@ pub struct NoGauge {
     pub height: f64,
 }
 
-/// A rail in its place.
+/// A rail at its position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rail {
-    /// Its profile in track axes, s rising to the left: of a rail that varies that where it is cut, at first under the
-    /// middle of the wheelset.
+    /// Profile in track axes, s rising to the left. For a rail that varies, the profile where it is
+    /// cut, initially under the middle of the wheelset.
     pub outline: Outline,
-    /// Its surface in track axes, over the way along the track.
+    /// Surface in track axes, over the distance along the track.
     pub surface: Surface,
-    /// Way along the track of the middle of the wheelset [m].
+    /// Distance of the middle of the wheelset along the track [m].
     pub way: f64,
-    /// Place of the profile's origin, y and z [m].
+    /// Position of the profile's origin, y and z [m].
     pub origin: [f64; 2],
-    /// Turn of the profile's axes, from y to z [rad].
+    /// Rotation of the profile's axes, from y to z [rad].
     pub roll: f64,
     /// Rates of shift and turn [m/s, m/s, rad/s].
     pub rates: [f64; 3],
@@ -125,11 +127,11 @@ pub struct Rail {
 }
 
 impl Rail {
-    /// The rail with this surface, its profiles in the axes of [`super::profile`], on one side of a track; it is
-    /// placed by its profile at the beginning of the way, without a hollow.
+    /// Places a rail with this surface, its profiles in the axes of [`super::profile`], on one side
+    /// of a track. The profile at distance 0, without any hollow, determines the placement.
     ///
     /// # Errors
-    /// The profile does not reach to the height of the gauge.
+    /// Fails if the profile does not reach down to the height of the gauge.
     pub fn placed(surface: &Surface, side: Side, track: &Track) -> Result<Self, NoGauge> {
         let inclined = surface.smooth_section(0.0).placed(track.cant, [0.0; 2]);
         let [y, z] = match track.placing {
@@ -152,7 +154,7 @@ impl Rail {
         })
     }
 
-    /// The rail off its place, and the wheelset so far along it [m].
+    /// Displaces the rail, with the wheelset at `way` along the track [m].
     #[must_use]
     pub fn deviated(&self, by: &Deviation, way: f64) -> Self {
         let (sin, cos) = by.roll.sin_cos();
@@ -170,7 +172,7 @@ impl Rail {
         self.outline = self.surface.section(self.way + x);
     }
 
-    /// A place of the track, y and z [m], in the axes of the profile, y to the left.
+    /// Converts a point y, z [m] from track axes to the axes of the profile, y to the left.
     #[must_use]
     pub fn profile_axes(&self, [y, z]: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = self.roll.sin_cos();
@@ -179,13 +181,13 @@ impl Rail {
     }
 }
 
-/// y of the innermost point no more than `height` below the top, and z of the top [m].
+/// y of the innermost point within `height` below the top, and z of the top [m].
 fn gauge_point(rail: &Outline, height: f64) -> Result<[f64; 2], NoGauge> {
     let [first, last] = rail.range();
     let crown = rail.largest([first, last], |place| place.position[1]);
     let top = rail.at(crown).position[1];
     let depth = |s: f64| top - rail.at(s).position[1];
-    // From the crown inwards to where the depth is reached first.
+    // From the crown inwards to the first place that is deep enough.
     const PLACES: usize = 2000;
     let place = |k: usize| crown + (first - crown) * k as f64 / PLACES as f64;
     let Some(beyond) = (1..=PLACES).find(|k| depth(place(*k)) >= height) else {
@@ -230,7 +232,8 @@ mod tests {
             assert!((inner - 0.7175).abs() < 2e-6, "{inner}");
             let [y, z] = rail.outline.at(0.0).position;
             assert!((y - rail.origin[0]).hypot(z - rail.origin[1]) < 1e-12);
-            // An inclined rail leans to the middle: left of the crown it falls faster.
+            // An inclined rail leans to the middle: the tangent at its origin turns by the cant,
+            // with the sign of the side.
             assert!((rail.outline.at(0.0).angle() - side.sign() * cant).abs() < 1e-4);
         }
         let short = Surface::from(rail_60e1().unwrap());

@@ -1,37 +1,39 @@
-//! Regions of penetration, and the patches that they make.
+//! Regions of penetration, and the patches that they form.
 //!
-//! *Patches.* Regions are of one patch if the distance along the tape from the last row of one to the first of
-//! the next is no more than [`Joining::distance`], and their angles differ by no more than
-//! [`Joining::angle`]: they then are solved on one half-space and feel each other. Others are of two patches, each
-//! in a plane of its own, that do not. As that makes a step of the force over the height of the wheel, patches are
-//! held as they are, apart at some rows between them, while a height is looked for.
+//! *Patches.* Two regions belong to one patch if the distance along the tape from the last row of
+//! one to the first row of the next is at most [`Joining::distance`], and if their angles differ by
+//! at most [`Joining::angle`]. They are then solved on one half-space and influence each other.
+//! Otherwise they form two patches, each in its own plane, without mutual influence. This criterion
+//! makes the force jump over the height of the wheel. The separation at certain rows is therefore
+//! kept while a height is searched.
 //!
-//! *Reference.* A patch has the place and the angle that are the means over it, weighted with the
-//! squared penetration, integrated along x ([`super::gap`]). Its angle thus is continuous in the position of the
-//! wheel.
+//! *Reference.* The position and angle of a patch are means over the patch, weighted with the
+//! squared penetration, integrated along x ([`super::gap`]). The angle is therefore continuous in
+//! the position of the wheel.
 //!
-//! CONTACT weights alike. Between two distances it attenuates the mutual influence in steps, and turns the
-//! planes of patches that come near each other; here there is one distance and neither.
+//! CONTACT uses the same weights. Between two distances it reduces the mutual influence in steps,
+//! and turns the planes of patches that come near each other. Here there is one distance, and
+//! neither of the two.
 
 use super::gap::Gap;
 
-/// When regions are of one patch.
+/// Criterion for regions that belong to one patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joining {
     /// Largest distance along the tape [m].
     pub distance: f64,
-    /// Largest difference of their angles [rad].
+    /// Largest difference of the angles [rad].
     pub angle: f64,
 }
 
 impl Default for Joining {
-    /// 4 mm, and any angle that a railhead has.
+    /// 4 mm, and any angle that occurs on a railhead.
     fn default() -> Self {
         Self { distance: 4e-3, angle: std::f64::consts::FRAC_PI_2 }
     }
 }
 
-/// A row that penetrates.
+/// Row in which the bodies penetrate each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Penetrated {
     pub(super) row: i64,
@@ -41,10 +43,11 @@ pub(super) struct Penetrated {
     pub(super) at_end: bool,
 }
 
-/// Rows at which patches are apart, rising: a patch has rows from one of them to the last before the next.
+/// Rows at which patches are separated, in ascending order. A patch extends from one of them to the
+/// last row before the next.
 pub type Cuts = [i64];
 
-/// A region, or several of one patch.
+/// A region, or several that form one patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
     /// First and last row j.
@@ -59,12 +62,13 @@ pub struct Region {
     pub s: f64,
     /// Angle of the reference, from the y-axis to the rail's tangent [rad].
     pub angle: f64,
-    /// The region reaches an end of the rail's or the wheel's profile.
+    /// True if the region reaches an end of the rail's or the wheel's profile.
     pub at_end: bool,
     weight: f64,
 }
 
-/// Regions, those between the same cuts as one. A region that goes on over a cut is on both sides of it.
+/// Joins all regions between the same two cuts. A region that extends across a cut appears on both
+/// sides.
 pub(super) fn grouped(rows: &[Region], cuts: &Cuts) -> Vec<Region> {
     let cell = |region: &Region| cuts.partition_point(|cut| *cut <= region.rows[0]);
     let mut patches: Vec<(usize, Region)> = Vec::new();

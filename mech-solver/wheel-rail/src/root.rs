@@ -1,41 +1,43 @@
-//! The root of a function that is dear to evaluate: by secants, which stay within a bracket as soon as there is one.
+//! Root of a function that is expensive to evaluate: secant iteration, kept within a bracket once
+//! one is known.
 
-/// Values of the function that are taken at most.
+/// Most evaluations of the function.
 const MOST: usize = 60;
-/// A step without a bracket is no more than this over the one before.
+/// Largest ratio of a step to the previous one while there is no bracket.
 const GROWTH: f64 = 4.0;
 
-/// Range of a search for a root, and its start.
+/// Start and range of a search for a root.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RootSearch {
-    /// The first place.
+    /// First abscissa.
     pub(super) first: f64,
-    /// Slope there, about.
+    /// Approximate slope at the first abscissa.
     pub(super) slope: f64,
-    /// The first step is no longer than this.
+    /// Length limit of the first step.
     pub(super) reach: f64,
-    /// Places lie between these.
+    /// Lower and upper limit of the abscissa.
     pub(super) range: [f64; 2],
 }
 
-/// A place and its value.
+/// Result of a search for a root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
-    /// The place.
+    /// Abscissa of the result.
     pub(super) place: f64,
-    /// The value there.
+    /// Function value there.
     pub(super) value: f64,
-    /// Slope at last.
+    /// Last estimate of the slope.
     pub(super) slope: f64,
-    /// The value is within its tolerance, and the place was the last one; else it is the nearest to a root.
+    /// True if the value is within its tolerance; the result is then the last abscissa. Otherwise
+    /// the result is the nearest to a root.
     pub(super) met: bool,
 }
 
 impl RootSearch {
-    /// Looks for a place whose value is within the tolerance that the function gives with it.
+    /// Finds an abscissa whose value is within the tolerance that the function returns with it.
     ///
     /// # Errors
-    /// Errors of the function.
+    /// Passes on errors of the function.
     pub(super) fn root<E>(
         &self,
         mut function: impl FnMut(f64) -> Result<(f64, f64), E>,
@@ -62,7 +64,7 @@ impl RootSearch {
                 let [low, high] = [one.min(other), one.max(other)];
                 if wanted > low && wanted < high { wanted } else { 0.5 * (low + high) }
             } else {
-                // The way that the first slope says.
+                // Direction given by the first slope.
                 let towards = -value.signum() * self.slope.signum();
                 let step = wanted - place;
                 let step = if step * towards > 0.0 { step.abs().min(longest) } else { longest };
@@ -96,7 +98,7 @@ mod tests {
         (found.unwrap(), count)
     }
 
-    /// A line, a curve that is flat at its ends, a jump, and none.
+    /// A line, a curve with flat ends, a jump, and a function without root.
     #[test]
     fn roots_are_found_or_are_not_there() {
         let (line, count) = root(&search(0.1, -1.5), |x| 0.3 - 1.4 * x);

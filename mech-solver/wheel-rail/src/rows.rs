@@ -1,13 +1,13 @@
-//! The rail, cut across into rows, and what meets a row along its normal.
+//! Rows of the rail, and the intersections of their normals with a curve.
 //!
-//! The rail is cut at the tape distances s_j = j Δs, whole numbers j, of its profile; a rail that varies at the column
-//! at which the wheel touches first.
+//! Rows are cuts of the rail at the tape distances s_j = j Δs of its profile, with whole numbers j.
+//! For a rail that varies this is the profile of the column where the wheel touches first.
 
 use super::rail::Rail;
 
-/// Gaps beyond this are not looked at [m].
+/// Gaps larger than this are ignored [m].
 const FAR: f64 = 0.02;
-/// Cosine of the steepest row that a wheel stands on.
+/// Cosine of the steepest row on which a wheel can stand.
 const STEEPEST: f64 = 0.02;
 
 /// A row of the rail.
@@ -19,25 +19,25 @@ pub(super) struct Row {
     pub(super) angle: f64,
 }
 
-/// The rail, cut into rows.
+/// Rail cut into rows.
 #[derive(Clone, Debug)]
 pub struct Rows {
     pub(super) first: i64,
     pub(super) rows: Vec<Row>,
 }
 
-/// Place where a row's normal meets a curve, between its points `at` and `at + 1`.
+/// Intersection of a row's normal with a curve, between the curve's points `at` and `at + 1`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Intersection {
     pub(super) at: usize,
-    /// Share of the way to the next point that is before it.
+    /// Position between the two points, as a share of their distance.
     pub(super) share: f64,
-    /// Height over the row along its normal [m].
+    /// Height above the row along its normal [m].
     pub(super) height: f64,
 }
 
 impl Rows {
-    /// The rows of a rail at whole multiples of `spacing` [m].
+    /// Cuts a rail into rows at whole multiples of `spacing` [m].
     #[must_use]
     pub fn of(rail: &Rail, spacing: f64) -> Self {
         let [from, to] = rail.outline.range();
@@ -52,13 +52,13 @@ impl Rows {
         Self { first, rows: (first..=last).map(row).collect() }
     }
 
-    /// The places of rows on which a wheel can stand, y rising.
+    /// Positions of the rows on which a wheel can stand, with y rising.
     pub(super) fn standing(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.rows.iter().filter(|row| row.tangent[0] > STEEPEST).map(|row| row.place)
     }
 
-    /// For every row where it meets a curve of `count` points, `point` gives them in track axes, s rising; `None` beyond
-    /// its ends and far from it.
+    /// Intersects every row's normal with a curve of `count` points; `point` returns them in track
+    /// axes, s rising. `None` beyond the ends of the curve and far from it.
     pub(super) fn meet(
         &self,
         count: usize,
@@ -88,14 +88,14 @@ impl Rows {
 }
 
 impl Row {
-    /// A point of the plane y, z from the row, along its tangent and its normal [m].
+    /// Converts a point y, z to coordinates along the tangent and the normal of the row [m].
     fn seen_from_here(&self, point: [f64; 2]) -> [f64; 2] {
         let [y, z] = [point[0] - self.place[0], point[1] - self.place[1]];
         let [along, up] = self.tangent;
         [y * along + z * up, z * along - y * up]
     }
 
-    /// The segment of a curve that the row's normal meets nearest to the row.
+    /// Segment of a curve that the row's normal meets nearest to the row.
     fn nearest(&self, count: usize, point: &impl Fn(usize) -> [f64; 2]) -> Option<usize> {
         let meets = |k: usize| {
             let [one, next] = [k, k + 1].map(|k| self.seen_from_here(point(k)));
@@ -105,7 +105,8 @@ impl Row {
         found.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
 
-    /// Place where the row's normal meets a curve near the segment `at`, which becomes the one that it meets.
+    /// Intersection of the row's normal with a curve near the segment `at`, which receives the
+    /// segment found.
     fn follow(
         &self,
         count: usize,
@@ -134,8 +135,8 @@ impl Row {
     }
 }
 
-/// The least height of a curve above places, y rising in both: of a curve of `count` points; `None` where they are beside
-/// each other.
+/// Least height above these positions of a curve with `count` points, y rising in both; `None` if
+/// they do not overlap in y.
 pub(super) fn least_above(
     places: impl Iterator<Item = [f64; 2]>,
     count: usize,

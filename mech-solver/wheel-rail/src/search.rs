@@ -1,39 +1,41 @@
-//! Where a wheel and a rail penetrate each other as they are, undeformed: the regions in which they may touch.
+//! Search for the regions in which a wheel and a rail penetrate each other undeformed, and may
+//! therefore touch.
 //!
-//! The rail is cut into rows ([`super::rows`]). There its normal meets the shadow of the
-//! wheel ([`super::silhouette`]) at the gap g_j, negative where the bodies penetrate, at the place x_j along the
-//! track; where there is no prism or no round wheel the least gap over x takes its place ([`super::columns`]). Rows with g_j < 0 that follow each other are a region; in each of them the wheel, of the radius of
-//! curvature R_j along x, penetrates over |x − x_j| < √(2 R_j |g_j|). As elastic displacements only open the gap,
-//! no place outside can be in contact.
+//! The rail is cut into rows ([`super::rows`]). The normal of row j meets the silhouette of the
+//! wheel ([`super::silhouette`]) at the gap g_j, negative where the bodies penetrate, and at the
+//! position x_j along the track. If the rail is no prism or the wheel not round, the least gap over
+//! x is used instead ([`super::columns`]). Consecutive rows with g_j < 0 form a region. In each of
+//! them the wheel, with the radius of curvature R_j along x, penetrates over |x − x_j| < √(2
+//! R_j |g_j|). Elastic displacements only open the gap, so that no point outside can be in contact.
 
 use super::columns::Columns;
 use super::gap::{Gap, OPEN};
 use super::region::{Cuts, Joining, Penetrated, Region, grouped};
 use super::rows::{Intersection, Rows, least_above};
-use super::silhouette::Shadow;
+use super::silhouette::SilhouettePoint;
 use nalgebra::Vector3;
 
-/// The wheel as it is seen from the rail, from the middle of the wheelset.
+/// Representation of the wheel for the search, relative to the middle of the wheelset.
 #[derive(Debug)]
-pub enum Seen<'a> {
-    /// As its shadow: a round wheel on a prism.
-    Shadow(&'a [Shadow]),
-    /// Cut across the rail.
+pub enum WheelView<'a> {
+    /// Silhouette: a round wheel on a prism.
+    SilhouettePoint(&'a [SilhouettePoint]),
+    /// Cuts across the rail.
     Columns(&'a mut Columns),
 }
 
-/// The gaps of a pair, and memory for them.
+/// Gaps of all rows, with scratch buffers.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
     gaps: Vec<Gap>,
     met: Vec<Option<Intersection>>,
 }
 
-/// By how much a wheel with this shadow, its middle here, has to be lowered until it touches [m], negative if
-/// it penetrates already; `None` if it is beside the rail. The distance along z is least where it touches, so that
-/// rows are near enough.
+/// Distance by which a wheel with this silhouette and its middle here must be lowered until it
+/// touches [m]. Negative if it penetrates already; `None` if it is beside the rail. The distance
+/// along z is stationary at the touching point, so that the spacing of rows suffices.
 #[must_use]
-pub fn clearance(rows: &Rows, shadow: &[Shadow], middle: Vector3<f64>) -> Option<f64> {
+pub fn clearance(rows: &Rows, shadow: &[SilhouettePoint], middle: Vector3<f64>) -> Option<f64> {
     let point = |k: usize| {
         let [_, y, z] = shadow[k].place;
         [y + middle.y, z + middle.z]
@@ -42,18 +44,18 @@ pub fn clearance(rows: &Rows, shadow: &[Shadow], middle: Vector3<f64>) -> Option
 }
 
 impl Search {
-    /// The patches of a wheel that is seen so, its middle here, in the order of their places along the tape,
-    /// whose rows are `spacing` apart [m]; they are held apart at these rows, or where the criterion says.
+    /// Patches of a wheel with its middle here, in the order of their tape distances, on rows
+    /// `spacing` apart [m]. They are separated at the given rows, or by the criterion.
     pub fn patches(
         &mut self,
         rows: &Rows,
-        (wheel, middle): (Seen<'_>, Vector3<f64>),
+        (wheel, middle): (WheelView<'_>, Vector3<f64>),
         spacing: f64,
         cuts: &Cuts,
     ) -> Vec<Region> {
         match wheel {
-            Seen::Shadow(shadow) => self.measure(rows, shadow, [middle.y, middle.z]),
-            Seen::Columns(columns) => {
+            WheelView::SilhouettePoint(shadow) => self.measure(rows, shadow, [middle.y, middle.z]),
+            WheelView::Columns(columns) => {
                 columns.gaps(rows, [middle.y, middle.z], &mut self.gaps);
             }
         }
@@ -61,12 +63,12 @@ impl Search {
         grouped(&penetrated, cuts)
     }
 
-    /// Cuts between patches by the criterion, at the gaps that were measured last.
+    /// Cuts between patches by the criterion, from the gaps measured last.
     #[must_use]
     pub fn cuts(&self, rows: &Rows, spacing: f64, joining: &Joining) -> Vec<i64> {
         let runs = self.runs(rows, spacing, 0.0);
         let apart = runs.windows(2).filter(|pair| !pair[0].joins(&pair[1], spacing, joining));
-        // Where they are farthest from touching.
+        // Cut where the gap is largest.
         let widest = |pair: &[Region]| {
             let between = pair[0].rows[1] + 1..pair[1].rows[0];
             let gap = |j: &i64| self.gaps[(j - rows.first) as usize].gap;
@@ -75,8 +77,8 @@ impl Search {
         apart.map(widest).collect()
     }
 
-    /// The gaps of all rows to a shadow.
-    fn measure(&mut self, rows: &Rows, shadow: &[Shadow], middle: [f64; 2]) {
+    /// Measures the gaps of all rows to a silhouette.
+    fn measure(&mut self, rows: &Rows, shadow: &[SilhouettePoint], middle: [f64; 2]) {
         let point = |k: usize| {
             let [_, y, z] = shadow[k].place;
             [y + middle[0], z + middle[1]]
@@ -93,7 +95,7 @@ impl Search {
         self.gaps.extend(self.met.iter().map(gap));
     }
 
-    /// Rows that penetrate, those that follow each other as one.
+    /// Penetrated rows, with consecutive ones joined.
     fn runs(&self, rows: &Rows, spacing: f64, middle: f64) -> Vec<Region> {
         let mut found: Vec<Region> = Vec::new();
         for region in self.rows(rows, spacing, middle) {
@@ -105,7 +107,7 @@ impl Search {
         found
     }
 
-    /// The rows that penetrate.
+    /// Penetrated rows.
     fn rows<'a>(
         &'a self,
         rows: &'a Rows,

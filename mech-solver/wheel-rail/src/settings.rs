@@ -1,4 +1,4 @@
-//! What a wheel on a rail is solved with, and what it is asked for.
+//! Settings of the solver of a wheel on a rail, and the condition along the vertical.
 
 use super::region::Joining;
 use elastic::Elasticity;
@@ -6,45 +6,46 @@ use elastic::Material;
 use elastic::fastsim::flexibility::Kind;
 use half_space::difference::Difference;
 
-/// Tolerance of the pressure over that of the tractions.
+/// Ratio of the tolerance of the pressure to that of the tractions.
 const PRESSURE_SHARE: f64 = 1e-2;
 
 /// Discretisation, bodies and accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Sides of an element along x and along the tape [m], of all patches.
+    /// Sides of an element along x and along the tape [m], the same for all patches.
     pub sides: [f64; 2],
     /// Elastic constants of wheel (body 1) and rail (body 2), of the same material.
     pub bodies: Elasticity,
-    /// The same of each.
+    /// Elastic constants of wheel and rail, each by itself.
     pub materials: [Material; 2],
-    /// Surfaces may stick; without it all of a contact slides.
+    /// True if surfaces may stick; false if the whole contact slides.
     pub adhesion: bool,
     /// Tangential flexibility of a layer between the surfaces [m/Pa], 0 for none.
     pub layer: f64,
-    /// When regions are of one patch.
+    /// Criterion for regions that belong to one patch.
     pub joining: Joining,
-    /// Place at which the rigid slip is taken.
+    /// Location at which the rigid slip is evaluated.
     pub rigid_slip: RigidSlip,
     /// Surface of a patch.
     pub patch_surface: PatchSurface,
-    /// The pressure of a patch displaces the surfaces under the others.
+    /// True if the pressure of a patch displaces the surfaces under the others.
     pub mutual: bool,
-    /// Theory of the pressure.
+    /// Theory for the pressure.
     pub normal: Normal,
-    /// Theory of the tractions.
+    /// Theory for the tractions.
     pub tangential: Tangential,
-    /// Difference of displacements along x.
+    /// Difference scheme for displacements along x.
     pub difference: Difference,
     /// Most elements of a patch.
     pub limit: usize,
-    /// Tractions have settled when they change by less than this share of the largest, a given force is met to
-    /// this share of it.
+    /// Tractions have converged when they change by less than this share of the largest. A given
+    /// force is met to this share of it.
     pub tolerance: f64,
 }
 
 impl Settings {
-    /// Elements of these sides [m] on a wheel and a rail of these materials; the rest as usual.
+    /// Creates settings for elements of these sides [m] on a wheel and a rail of these materials,
+    /// with defaults for the rest.
     #[must_use]
     pub fn new(sides: [f64; 2], materials: [Material; 2]) -> Self {
         Self {
@@ -66,68 +67,69 @@ impl Settings {
     }
 }
 
-/// Place at which the rigid slip of an element is taken.
+/// Location at which the rigid slip of an element is evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RigidSlip {
-    /// In the plane of its patch: three creepages.
+    /// Plane of the patch: three creepages.
     #[default]
     Plane,
-    /// On the surfaces, above the plane and below it: the rolling radius is that of every place.
+    /// Surfaces above and below the plane: the rolling radius varies over the patch.
     Surfaces,
 }
 
 /// Surface of a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PatchSurface {
-    /// A plane between half-spaces.
+    /// Plane between half-spaces.
     #[default]
     Plane,
-    /// A surface that turns with the bodies, which are prisms of their sections.
+    /// Curved surface that follows the bodies, which are prisms with their sections.
     Curved,
 }
 
-/// Theory of the pressure of a patch.
+/// Theory for the pressure of a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Normal {
     /// Half-spaces.
     #[default]
     HalfSpace,
-    /// Virtual penetration, corrected by an equivalent ellipse: KPEC.
+    /// KPEC: virtual penetration, corrected by an equivalent ellipse.
     Kpec,
-    /// Hertz's theory row by row: ANALYN.
+    /// ANALYN: Hertz's theory row by row.
     Analyn,
 }
 
-/// Theory of the tractions of a patch that may stick.
+/// Theory for the tractions of a patch that may stick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tangential {
     /// Half-spaces.
     #[default]
     HalfSpace,
-    /// Springs, of these flexibilities of an equivalent ellipse: FASTSIM.
+    /// FASTSIM: springs with these flexibilities of an equivalent ellipse.
     Fastsim(Kind),
-    /// The same where surfaces slip, strip theory where they stick: FASTRIP.
+    /// FASTRIP: springs where surfaces slip, strip theory where they stick.
     Fastrip(Kind),
 }
 
-/// Springs that are asked for.
+/// Springs for the tangential contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct AskedSprings {
-    /// Their flexibilities.
+pub struct SpringOptions {
+    /// Kind of flexibilities.
     pub kind: Kind,
-    /// Strip theory where strips stick.
+    /// True if strip theory applies where strips stick.
     pub strip_theory: bool,
 }
 
 impl Settings {
-    /// Tolerance of the pressure: a share of that of the tractions.
+    /// Tolerance of the pressure, a share of that of the tractions.
     pub(super) fn pressure_tolerance(&self) -> f64 {
         PRESSURE_SHARE * self.tolerance
     }
 
-    /// The springs that give the tractions, if they do: a patch that cannot stick needs none.
-    pub fn springs(&self) -> Option<AskedSprings> {
-        let of = |kind, strip_theory| Some(AskedSprings { kind, strip_theory });
+    /// Springs that determine the tractions; `None` for half-spaces, and for a patch that cannot
+    /// stick.
+    pub fn springs(&self) -> Option<SpringOptions> {
+        let of = |kind, strip_theory| Some(SpringOptions { kind, strip_theory });
         match self.tangential {
             _ if !self.adhesion => None,
             Tangential::HalfSpace => None,
@@ -137,12 +139,12 @@ impl Settings {
     }
 }
 
-/// Height or vertical force of a wheel.
+/// Condition along the vertical of a wheel: height or force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Vertical {
-    /// The height of the wheelset, as its motion has it.
+    /// Height of the wheelset as in its motion.
     Height,
-    /// The vertical force on the wheel in track axes [N], pressures and tractions together; the height is
-    /// found, and that of the motion is where the search begins.
+    /// Vertical force on the wheel in track axes [N], of pressures and tractions together. The
+    /// height is solved for, starting from that of the motion.
     Force(f64),
 }

@@ -1,28 +1,31 @@
-//! The shadow of a wheel along a rail: the points whose normal is across x, as a curve in the plane y, z.
+//! The silhouette of a wheel along a rail: the points whose normal is perpendicular to x, as a
+//! curve in the plane y, z.
 //!
-//! A straight rail is a prism along x, and of all points of a wheel on the same line along x the one that a
-//! prism touches first has no normal along x. On the circle of a profile's point, at y and radius r in wheelset
-//! axes, with the angle θ from the lowest point forwards, the outward normal is
+//! A straight rail is a prism along x. Among all points of a wheel on a line along x, a prism first
+//! touches the one whose normal has no component along x. A point of the profile at y and radius r
+//! in wheelset axes moves on a circle, with the angle θ forwards from the lowest point. Its outward
+//! normal is
 //!
-//! n_y e_y + n_r (sin θ e_x − cos θ e_z),
+//! n_y e_y + n_r (sin θ e_x − cos θ e_z).
 //!
-//! and with the track's x-axis c in wheelset axes it has no component along it where
-//! n_y c_y + n_r (c_x sin θ − c_z cos θ) = 0. For R = R_x(roll) R_z(yaw) c_z is 0 and
+//! The normal has no component along the track's x-axis, c in wheelset axes, where n_y c_y + n_r
+//! (c_x sin θ − c_z cos θ) = 0. For R = R_x(roll) R_z(yaw), c_z is 0 and
 //!
 //! sin θ = −(n_y c_y)/(n_r c_x) = (n_y/n_r) tan(yaw):
 //!
-//! a flange touches ahead of the axle or behind it by r tan(δ) yaw to first order, δ the angle of the flank.
+//! a flange touches ahead of the axle or behind it by r tan(δ) yaw to first order, with the angle δ
+//! of the flank.
 //!
-//! Source: this is the locus of possible contacts of the wheel–rail literature; the formula is the scalar
-//! product above.
+//! Source: this is the locus of possible contacts of the wheel–rail literature; the formula is the
+//! scalar product above.
 
 use super::wheelset::{Pose, Wheel};
 
-/// Distance of the points of a profile whose circles are taken [m]. A straight line between two of them is off
-/// an arc of 13 mm by 0.1 µm.
+/// Spacing of the points of a profile whose circles are used [m]. A chord of this length is off an
+/// arc of 13 mm by 0.1 µm.
 const STEP: f64 = 1e-4;
 
-/// A point of a profile.
+/// Point of a profile.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     s: f64,
@@ -32,12 +35,12 @@ struct Sample {
     steepness: f64,
 }
 
-/// A wheel's profile at equal distances.
+/// Sampled profile of a wheel, at equal spacing.
 #[derive(Clone, Debug)]
 pub struct Circles(Vec<Sample>);
 
 impl Circles {
-    /// Circles of a wheel; parts of its profile that overhang are left out.
+    /// Samples a wheel's profile; overhanging parts are omitted.
     #[must_use]
     pub fn of(wheel: &Wheel) -> Self {
         let [from, to] = wheel.outline.range();
@@ -53,19 +56,19 @@ impl Circles {
     }
 }
 
-/// A point of the shadow, from the middle of the wheelset in track axes.
+/// Point of the silhouette, relative to the middle of the wheelset, in track axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shadow {
+pub struct SilhouettePoint {
     /// x, y and z [m].
     pub place: [f64; 3],
     /// s on the wheel's profile [m].
     pub s: f64,
-    /// Radius of curvature of the wheel along x, across the normal [m].
+    /// Radius of curvature of the wheel along x, in the normal plane [m].
     pub radius: f64,
 }
 
-/// The shadow of a wheel at a pose, y rising; its longest part without a gap.
-pub fn shadow(circles: &Circles, pose: &Pose, points: &mut Vec<Shadow>) {
+/// Computes the silhouette of a wheel at a pose, y rising; the longest part without a gap is kept.
+pub fn shadow(circles: &Circles, pose: &Pose, points: &mut Vec<SilhouettePoint>) {
     points.clear();
     let forward = pose.rotation.matrix().row(0).transpose();
     let across = -forward.y / forward.x;
@@ -73,7 +76,7 @@ pub fn shadow(circles: &Circles, pose: &Pose, points: &mut Vec<Shadow>) {
     for sample in &circles.0 {
         let sine = sample.steepness * across;
         if sine.abs() >= 1.0 {
-            // What is behind the gap may be longer.
+            // The part after the gap may be longer.
             if points.len() - start > longest.len() {
                 longest = start..points.len();
             }
@@ -83,7 +86,7 @@ pub fn shadow(circles: &Circles, pose: &Pose, points: &mut Vec<Shadow>) {
         let (along, down) = (sample.radius * sine, sample.radius * (1.0 - sine * sine).sqrt());
         let place = pose.rotation * nalgebra::Vector3::new(along, sample.y, -down);
         let radius = sample.radius * (1.0 + sample.steepness * sample.steepness).sqrt();
-        points.push(Shadow { place: place.into(), s: sample.s, radius });
+        points.push(SilhouettePoint { place: place.into(), s: sample.s, radius });
     }
     if points.len() - start > longest.len() {
         longest = start..points.len();
@@ -99,7 +102,7 @@ mod tests {
     use crate::standard::wheel_s1002;
     use crate::wheelset::{Motion, Wheelset};
 
-    fn points(side: Side, yaw: f64) -> Vec<Shadow> {
+    fn points(side: Side, yaw: f64) -> Vec<SilhouettePoint> {
         let shape = Wheelset {
             flange_back_distance: 1.36,
             flange_back_position: -0.07,
@@ -112,8 +115,9 @@ mod tests {
         points
     }
 
-    /// Without yaw the shadow is the profile, below the axle. With it, the flank of 70° is ahead of the axle by
-    /// r tan 70° yaw on the left; the axle's own turn moves it back by y yaw.
+    /// Silhouette without and with yaw. Without yaw it is the profile, below the axle. With yaw,
+    /// the flank of 70° touches ahead of the axle by r tan 70° yaw on the left; the turn of the
+    /// axle itself moves it back by y yaw.
     #[test]
     fn the_flank_touches_ahead_or_behind() {
         let straight = points(Side::Left, 0.0);
@@ -121,7 +125,7 @@ mod tests {
         let yaw = 1e-3;
         for side in [Side::Left, Side::Right] {
             let turned = points(side, yaw);
-            let by_flank = |point: &&Shadow| (point.place[1].abs() - 0.7109).abs() < 1e-4;
+            let by_flank = |point: &&SilhouettePoint| (point.place[1].abs() - 0.7109).abs() < 1e-4;
             let flank = turned.iter().find(by_flank).unwrap();
             let (radius, slope) = (-flank.place[2], side.sign() * 70.0_f64.to_radians().tan());
             let expected = radius * slope * yaw - flank.place[1] * yaw;
@@ -129,7 +133,8 @@ mod tests {
         }
     }
 
-    /// No point of the wheel is below its shadow: the circles by brute force, at a large yaw and roll.
+    /// No point of the wheel is below its silhouette; brute force over the circles, at a large yaw
+    /// and roll.
     #[test]
     fn the_shadow_is_the_lowest_of_all_points() {
         let turned = points(Side::Left, 0.05);

@@ -1,52 +1,57 @@
-//! A surface through profiles at positions along the rolling direction: a rail that varies, a wheel that is not round.
+//! A surface through profiles at positions along the rolling direction: a rail that varies, a wheel
+//! that is not round.
 //!
-//! **Paths.** Points of the slices that correspond to each other lie on a path. A slice is parted at its breaks: its ends
-//! and s = 0, or the features that are given. Between two breaks a path divides the tape of every slice in the same ratio;
-//! there are as many paths as the slice with most points has points, and s is the tape distance along that one. Kinks of
-//! a slice are on the path next to them.
+//! **Paths.** Corresponding points of the slices lie on a path. A slice is divided at its breaks:
+//! its ends and s = 0, or the given features. Between two breaks a path divides the tape of every
+//! slice in the same ratio. The number of paths is the number of points of the finest slice, and s
+//! is the tape distance along that slice. Kinks of a slice move to the nearest path.
 //!
-//! **Across**, every slice is a natural cubic spline over its own tape through its points on the paths. **Along**, at the
-//! position u, everything of which a piece between two paths is made, its ends, their second derivatives times the
-//! squared width, and the width, is a cubic spline over u, so that the surface is a tensor product of splines:
+//! **Across**, every slice is a natural cubic spline over its own tape through its points on the
+//! paths. **Along**, a piece between two paths consists of its ends, their second derivatives times
+//! the squared width, and the width. Each of these numbers is a cubic spline over the position u,
+//! so that the surface is a tensor product of splines:
 //!
 //! - [`Along::Through`]: a natural spline through the slices;
-//! - [`Along::Near`]: the cubic B-spline over the knots u_k whose control points are the slices. At u_k it is
-//!   P_k + α(P_{k+1} − P_k) + β(P_{k−1} − P_k) with α = h²_{k−1} c₊, β = h²_k c₋, h_k = u_{k+1} − u_k,
-//!   c₊ = 1/((u_{k+1} − u_{k−1})(u_{k+2} − u_{k−1})), c₋ = 1/((u_{k+1} − u_{k−1})(u_{k+1} − u_{k−2})), and its second derivative
-//!   6 c₊(P_{k+1} − P_k) + 6 c₋(P_{k−1} − P_k). It smooths over three slices.
+//! - [`Along::Near`]: the cubic B-spline over the knots u_k whose control points are the slices. At
+//!   u_k it is P_k + α(P_{k+1} − P_k) + β(P_{k−1} − P_k) with α = h²_{k−1} c₊, β = h²_k c₋,
+//!   h_k = u_{k+1} − u_k, c₊ = 1/((u_{k+1} − u_{k−1})(u_{k+2} − u_{k−1})), c₋ = 1/((u_{k+1} −
+//!   u_{k−1})(u_{k+1} − u_{k−2})), and its second derivative 6 c₊(P_{k+1} − P_k) + 6 c₋(P_{k−1} −
+//!   P_k). It smooths over three slices.
 //!
-//! *Ends.* A rail goes on beyond its slices as it is in the last of them. A wheel closes: if slices are all round it the
-//! spline goes on over the seam, and else the surface is straight over u from the last slice to the first.
+//! *Ends.* Beyond its slices a rail continues with the profile of the last one. A wheel closes: if
+//! there are slices all round it, the spline continues over the seam. Otherwise the surface is
+//! straight over u from the last slice to the first.
 //!
-//! Slices that are equal are their profile to rounding.
+//! If all slices are equal, the surface reproduces their profile to rounding.
 //!
-//! Source: de Boor, *A Practical Guide to Splines* (1978) ch. 9, 10 and 17. CONTACT's user guide, ch. 3 (rail slices-file), has
-//! the same surface with paths of 0.5 mm.
+//! Source: de Boor, *A Practical Guide to Splines* (1978) ch. 9, 10 and 17. CONTACT's user guide,
+//! ch. 3 (rail slices-file), has the same surface with paths of 0.5 mm.
 
 use super::outline::{Outline, Place};
 use crate::spline::smoothed;
 
-/// Fewest slices.
+/// Least number of slices.
 const FEWEST: usize = 2;
-/// Least distance of two slices over the length of all.
+/// Least distance of two slices, relative to the length of all.
 const CLOSEST: f64 = 1e-9;
-/// A wheel has slices all round it if the seam is no wider than the widest distance of two slices times this.
+/// A wheel counts as having slices all round it if the seam is at most this many times the widest
+/// distance of two slices.
 const SEAM: f64 = 1.5;
 /// Most pieces of a surface.
 const MOST_PIECES: usize = 4_000_000;
-/// Slices that are repeated on either side of a seam.
+/// Number of slices repeated on each side of a seam.
 const REPEATED: usize = 8;
 
-/// A piece of a slice between two paths, in one list: y and z of both ends, their second derivatives by the tape times the
-/// squared width, and the width [m].
+/// Piece of a slice between two paths: y and z of both ends, their second derivatives with respect
+/// to the tape times the squared width, and the width [m].
 type Piece = [f64; 9];
 
-/// Course of a surface along its slices.
+/// Interpolation of a surface along its slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Along {
-    /// Through all of them.
+    /// Through all slices.
     Through,
-    /// Near them: smoothed over three slices.
+    /// Near the slices: smoothed over three of them.
     Near,
 }
 
@@ -57,46 +62,46 @@ pub struct Slice {
     pub at: f64,
     /// The profile, in the axes of [`super::profile`].
     pub outline: Outline,
-    /// Features, as distances along the tape from the profile's first point, rising [m]; of all slices as many. Empty for
-    /// none.
+    /// Features as distances along the tape from the profile's first point, in ascending order [m];
+    /// all slices have the same number. Empty for none.
     pub features: Vec<f64>,
 }
 
-/// Why slices are no surface.
+/// Reason why slices do not form a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SlicesError {
     /// Too few slices.
-    #[error("it has {0} slices, and a surface needs {FEWEST}")]
+    #[error("number of slices is {0}; a surface needs at least {FEWEST}")]
     Few(usize),
-    /// Positions do not rise.
+    /// Positions are not in ascending order.
     #[error(
-        "the positions of slices {number} and {next} are {from:.6e} and {to:.6e}; they have to rise",
+        "the positions of slices {number} and {next} are {from:.6e} and {to:.6e}; they must be in ascending order",
         next = number + 1
     )]
     Order {
-        /// Number of the first of both, from 1.
+        /// Number of the first of the two slices, from 1.
         number: usize,
-        /// Its position [m or rad].
+        /// Position of the first [m or rad].
         from: f64,
-        /// Position of the next [m or rad].
+        /// Position of the second [m or rad].
         to: f64,
     },
-    /// Slices go more than once round a wheel.
-    #[error("its slices span {0:.4} rad, more than one and a half turns of a wheel")]
+    /// Slices span more than one and a half turns of a wheel.
+    #[error("the slices span {0:.4} rad, more than one and a half turns of a wheel")]
     Turns(f64),
-    /// Too many slices of too many points.
+    /// Too many slices with too many points.
     #[error(
-        "it has {slices} slices of up to {points} points; leave out points that a spline does not need"
+        "it has {slices} slices of up to {points} points; remove points that a spline does not need"
     )]
     Large {
-        /// Slices.
+        /// Number of slices.
         slices: usize,
-        /// Points of the slice with most of them.
+        /// Points of the finest slice.
         points: usize,
     },
-    /// Features that are not on the profile, do not rise, or of which slices have not as many.
+    /// Features are off the profile, not in ascending order, or not the same number for all slices.
     #[error(
-        "the features of slice {0} do not rise along its profile, or are not as many as those of the first"
+        "the features of slice {0} are not in ascending order on its profile, or their number differs from the first slice"
     )]
     Features(usize),
 }
@@ -104,42 +109,43 @@ pub enum SlicesError {
 /// A surface through slices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slices {
-    /// Positions, rising [m or rad].
+    /// Positions, in ascending order [m or rad].
     at: Vec<f64>,
     /// Tape distance of the paths [m].
     paths: Vec<f64>,
-    /// Paths with a kink in a slice.
+    /// Paths on which a slice has a kink.
     kinks: Vec<usize>,
     /// Pieces of every slice.
     pieces: Vec<Vec<Piece>>,
-    /// Their second derivatives by the position.
+    /// Second derivatives of the pieces with respect to the position.
     bends: Vec<Vec<Piece>>,
-    /// Positions repeat after this [rad].
+    /// Period of the positions [rad].
     period: Option<f64>,
 }
 
-/// A place of a surface.
+/// A point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// y and z, and their derivatives by s.
+    /// y and z, and their derivatives with respect to s.
     pub place: Place,
-    /// Derivative of y and z by the position [-] or [m/rad].
+    /// Derivative of y and z with respect to the position [-] or [m/rad].
     pub along: [f64; 2],
 }
 
-/// A position among the slices: two of them, and the weights of both and of their second derivatives.
+/// Neighbouring slices of a position, with the weights of both and of their second derivatives.
 struct SlicePair {
     slices: [usize; 2],
     weights: [f64; 4],
-    /// Derivatives of the weights by the position.
+    /// Derivatives of the weights with respect to the position.
     rates: [f64; 4],
 }
 
 impl Slices {
-    /// The surface through slices, of a wheel if their positions repeat after a `period` [rad].
+    /// Creates the surface through slices; `period` [rad] is given for a wheel.
     ///
     /// # Errors
-    /// Too few slices, positions that do not rise, features that are no parts of a profile.
+    /// Fails if there are too few slices or too many points, if positions are not in ascending
+    /// order or span too many turns, or if features do not fit the profiles.
     pub fn new(slices: &[Slice], along: Along, period: Option<f64>) -> Result<Self, SlicesError> {
         check_positions(slices, period)?;
         let breaks = breaks(slices)?;
@@ -169,7 +175,7 @@ impl Slices {
         Ok(surface)
     }
 
-    /// Natural splines over the positions, of everything by itself.
+    /// Natural splines over the positions, for each number of a piece separately.
     fn interpolate(&mut self) {
         let count = self.paths.len() - 1;
         self.bends = vec![vec![[0.0; 9]; count]; self.at.len()];
@@ -183,14 +189,14 @@ impl Slices {
         }
     }
 
-    /// The spline whose control points are the slices; the first and the last are as they are.
+    /// Spline whose control points are the slices; the first and the last are interpolated.
     fn approximate(&mut self) {
         let (at, last) = (&self.at, self.at.len() - 1);
         let of = |k: usize, part: fn([f64; 4]) -> f64, piece: usize, number: usize| {
             if k == 0 || k == last {
                 return part([self.pieces[k][piece][number], 0.0, 0.0, 0.0]);
             }
-            // Beyond the ends knots go on at equal distances.
+            // Beyond the ends knots continue at equal distances.
             let far_left = if k > 1 { at[k - 2] } else { 2.0 * at[0] - at[1] };
             let far_right = if k + 1 < last { at[k + 2] } else { 2.0 * at[last] - at[last - 1] };
             let width = at[k + 1] - at[k - 1];
@@ -219,19 +225,20 @@ impl Slices {
         self.pieces = pieces;
     }
 
-    /// The first and the last s [m].
+    /// First and last s [m].
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         [self.paths[0], self.paths[self.paths.len() - 1]]
     }
 
-    /// The positions of the slices [m or rad]; of a wheel that has them all round, more than a turn.
+    /// Positions of the slices [m or rad]; more than a turn if a wheel has slices all round it.
     #[must_use]
     pub fn positions(&self) -> &[f64] {
         &self.at
     }
 
-    /// The place at a position and s [m], looked for from the piece `near` on, which becomes that of s.
+    /// Point of the surface at a position and s [m]. The search starts at the piece `near`, which
+    /// receives the piece of s.
     #[must_use]
     pub fn at(&self, position: f64, s: f64, near: &mut usize) -> Spot {
         let last = self.paths.len() - 2;
@@ -254,7 +261,7 @@ impl Slices {
         Spot { place: Place { position, tangent }, along }
     }
 
-    /// The profile at a position; its s is the tape distance along itself, zero where that of the paths is.
+    /// Profile at a position. Its s is its own tape distance, zero where that of the paths is.
     #[must_use]
     pub fn section(&self, position: f64) -> Outline {
         let between = self.between(position);
@@ -264,11 +271,11 @@ impl Slices {
         for left in 0..count - 1 {
             let piece = self.blend(&between, left, &between.weights);
             let [y, z, next_y, next_z, bend_y, bend_z, next_bend_y, next_bend_z, width] = piece;
-            // A spline over slices of parts that grow and shrink may swing below zero.
+            // A spline over slices whose parts grow and shrink may become negative.
             let width = width.max(super::outline::CLOSEST);
             length[left + 1] = length[left] + width;
             (points[left], points[left + 1]) = ([y, z], [next_y, next_z]);
-            // The mean of both sides, which are one of a slice and nearly so between slices.
+            // Mean of both sides, which are equal in a slice and nearly equal between slices.
             let squared = width * width;
             let half = |bend: f64| 0.5 * bend / squared;
             let [first, second] = [[bend_y, bend_z], [next_bend_y, next_bend_z]];
@@ -282,14 +289,15 @@ impl Slices {
         Outline::of_parts(length, points, bend, self.kinks.clone())
     }
 
-    /// Tape distance of s = 0 from the first point, of a section whose points are at these lengths [m].
+    /// Tape distance of s = 0 from the first point, in a section whose points are at these lengths
+    /// [m].
     fn origin(&self, length: &[f64]) -> f64 {
         let right = self.paths.partition_point(|path| *path <= 0.0).clamp(1, self.paths.len() - 1);
         let [from, to] = [self.paths[right - 1], self.paths[right]];
         length[right - 1] - from / (to - from) * (length[right] - length[right - 1])
     }
 
-    /// The surface on the other side of the z-axis: (y, s) → (−y, −s).
+    /// Mirrors the surface at the z-axis: (y, s) → (−y, −s).
     #[must_use]
     pub fn mirrored(&self) -> Self {
         let flip = |piece: &Piece| {
@@ -307,7 +315,8 @@ impl Slices {
         }
     }
 
-    /// The surface turned about the origin, from y to z, by `angle` [rad], then shifted by (y, z) [m].
+    /// Turns the surface about the origin, from y to z, by `angle` [rad], then shifts it by (y, z)
+    /// [m].
     #[must_use]
     pub fn placed(&self, angle: f64, shift: [f64; 2]) -> Self {
         let (sin, cos) = angle.sin_cos();
@@ -327,7 +336,7 @@ impl Slices {
         self.each(|slice| of(slice, shift), |slice| of(slice, [0.0; 2]))
     }
 
-    /// The same surface with its pieces, and their second derivatives, turned to others.
+    /// Maps the pieces of every slice, and their second derivatives, to new ones.
     fn each(
         &self,
         pieces: impl Fn(&[Piece]) -> Vec<Piece>,
@@ -343,7 +352,7 @@ impl Slices {
         }
     }
 
-    /// The slices beside a position, and their weights.
+    /// Slices beside a position, and their weights.
     fn between(&self, position: f64) -> SlicePair {
         let last = self.at.len() - 1;
         let [from, to] = [self.at[0], self.at[last]];
@@ -387,7 +396,7 @@ impl Slices {
         }
     }
 
-    /// A piece with these weights.
+    /// Weighted sum of a piece of both slices.
     fn blend(&self, between: &SlicePair, piece: usize, [a, b, c, d]: &[f64; 4]) -> Piece {
         let [one, next] = between.slices;
         let (from, to) = (&self.pieces[one][piece], &self.pieces[next][piece]);
@@ -399,7 +408,7 @@ impl Slices {
     }
 }
 
-/// Positions rise, and are no more than one and a half turns.
+/// Checks that positions rise and span at most one and a half turns.
 fn check_positions(slices: &[Slice], period: Option<f64>) -> Result<(), SlicesError> {
     if slices.len() < FEWEST {
         return Err(SlicesError::Few(slices.len()));
@@ -418,7 +427,7 @@ fn check_positions(slices: &[Slice], period: Option<f64>) -> Result<(), SlicesEr
     }
 }
 
-/// s of the breaks of every slice, rising.
+/// s of the breaks of every slice, in ascending order.
 fn breaks(slices: &[Slice]) -> Result<Vec<Vec<f64>>, SlicesError> {
     let count = slices[0].features.len();
     if count > 0 {
@@ -438,7 +447,7 @@ fn breaks(slices: &[Slice]) -> Result<Vec<Vec<f64>>, SlicesError> {
         };
         return (1..).zip(slices).map(of).collect();
     }
-    // The origin is a break if it is inside all of them, away from their points or on one of them.
+    // The origin is a break if it lies inside all slices.
     let inside = |slice: &Slice| {
         let [from, to] = slice.outline.range();
         from < -super::outline::CLOSEST && to > super::outline::CLOSEST
@@ -451,7 +460,8 @@ fn breaks(slices: &[Slice]) -> Result<Vec<Vec<f64>>, SlicesError> {
     Ok(slices.iter().map(of).collect())
 }
 
-/// Places of the points of a slice between its breaks: number of the part, and the share of it before them.
+/// Positions of the points of a slice between its breaks: number of the part, and the share of the
+/// part before the point.
 fn ratios(lengths: &[f64], breaks: &[f64]) -> Vec<(usize, f64)> {
     let last = breaks.len() - 2;
     let mut ratios = Vec::with_capacity(lengths.len() + breaks.len());
@@ -474,7 +484,7 @@ fn tape(ratios: &[(usize, f64)], breaks: &[f64]) -> Vec<f64> {
     ratios.iter().map(at).collect()
 }
 
-/// A slice between the paths at these s; its kinks are added.
+/// Divides a slice at these s of the paths, and appends its kinks.
 fn pieces_of(outline: &Outline, paths: &[f64], kinks: &mut Vec<usize>) -> Vec<Piece> {
     let last = paths.len() - 1;
     let mut near = 0;
@@ -507,7 +517,7 @@ fn pieces_of(outline: &Outline, paths: &[f64], kinks: &mut Vec<usize>) -> Vec<Pi
     (0..last).map(piece).collect()
 }
 
-/// Repeats slices on either side of a seam that is as narrow as the distances of slices.
+/// Repeats slices on either side of a seam that is not much wider than the distances of slices.
 fn close(at: &mut Vec<f64>, pieces: &mut Vec<Vec<Piece>>, period: f64) {
     let count = at.len();
     let seam = period - (at[count - 1] - at[0]);
@@ -522,7 +532,7 @@ fn close(at: &mut Vec<f64>, pieces: &mut Vec<Vec<Piece>>, period: f64) {
     (*at, *pieces) = before.chain(own).chain(behind).unzip();
 }
 
-/// Value of a piece where `b` of it is before the place, and its derivative by `b`.
+/// Value of a piece at the share `b` of its width, and its derivative with respect to `b`.
 fn cubic(piece: &Piece, b: f64) -> ([f64; 2], [f64; 2]) {
     let a = 1.0 - b;
     let (weight_a, weight_b) = ((a * a * a - a) / 6.0, (b * b * b - b) / 6.0);
@@ -545,7 +555,7 @@ mod tests {
         Slice { at, outline, features: Vec::new() }
     }
 
-    /// A rail whose slices are equal is that rail everywhere, along it too.
+    /// A rail with equal slices reproduces the profile everywhere, along the rail too.
     #[test]
     fn equal_slices_are_their_profile() {
         for profile in [rail_60e1().unwrap(), wheel_s1002().unwrap()] {
@@ -582,8 +592,8 @@ mod tests {
         }
     }
 
-    /// A profile that is raised along u: of fourth order through the slices, of second near them, which lie
-    /// h²/6 times the second derivative inside.
+    /// A profile raised along u. The error is of fourth order through the slices and of second
+    /// order near them, where the surface lies h²/6 times the second derivative inside.
     #[test]
     fn along_the_slices_the_orders_are_those_of_splines() {
         let profile = rail_60e1().unwrap();
@@ -613,7 +623,8 @@ mod tests {
         assert!((near.1 / inside - 1.0).abs() < 0.05, "{} {inside}", near.1);
     }
 
-    /// All round a wheel the seam is as smooth as elsewhere; of a few slices it is straight, and a turn later all is the same.
+    /// A wheel with slices all round has a seam as smooth as the rest. With few slices the seam is
+    /// straight. After a full turn the surface repeats.
     #[test]
     fn a_wheel_closes() {
         let profile = wheel_s1002().unwrap();
@@ -637,7 +648,7 @@ mod tests {
         assert!((height(-0.1) - height(-0.1 - TAU)).abs() < 1e-15);
     }
 
-    /// A corner that wanders across stays on its path if it is a feature, and is smeared if it is none.
+    /// A corner that wanders across stays on its path if it is a feature, and is smeared otherwise.
     #[test]
     fn features_hold_corners_together() {
         let roof = |at: f64, ridge: f64| {
@@ -672,7 +683,7 @@ mod tests {
     }
 
     proptest! {
-        /// Positions and features of any size, and slices of other numbers of points.
+        /// Positions and features of any size, and slices with different numbers of points.
         #[test]
         fn no_slices_panic(
             given in prop::collection::vec((any::<f64>(), -2.0..2.0_f64, 0.0..0.2_f64, 4..40_usize), 0..6),
@@ -704,9 +715,9 @@ mod tests {
             let slices: Vec<Slice> = at.iter().map(|at| slice(*at, profile.clone())).collect();
             Slices::new(&slices, Along::Through, period).unwrap_err().to_string()
         };
-        assert!(of(&[0.0], None).contains("1 slices"));
+        assert!(of(&[0.0], None).contains("is 1;"));
         assert!(of(&[0.0, 1.0, 1.0], None).contains("slices 2 and 3"));
-        assert!(of(&[0.0, f64::NAN], None).contains("rise"));
+        assert!(of(&[0.0, f64::NAN], None).contains("ascending"));
         assert!(of(&[0.0, 12.0], Some(TAU)).contains("12.0000 rad"));
     }
 }

@@ -1,11 +1,12 @@
-//! A patch that slides everywhere: traction f p against the rigid slip, which is all the slip there is.
+//! A patch that slides everywhere: the traction f p opposes the rigid slip, and there is no elastic
+//! slip.
 
 use super::local::Window;
 use half_space::difference::Difference;
 use half_space::tangential::{Creepage, ElementState, TangentialState};
 
-/// The tractions under a bound [Pa], and the slip of a step of one element, at these creepages and a slip that is
-/// there besides [m].
+/// Tractions under a bound [Pa], and the slip per step of one element, for these creepages and an
+/// additional slip [m].
 pub(super) fn everywhere(
     bound: &[f64],
     window: &Window,

@@ -1,33 +1,38 @@
-//! What splines through measured points are made of: where they end, and how far they are smoothed.
+//! Kinks and smoothing of splines through measured points.
 //!
-//! Of a function z(y) the parameter is y; of a plane curve (y(s), z(s)) it is the length s of its chords,
-//! and both coordinates are splines over it.
+//! For a function z(y) the parameter is y. For a plane curve (y(s), z(s)) it is the length s of the
+//! chords, and both coordinates are splines over s.
 //!
-//! *Kinks.* With the turns τ_k of the chords and the curvatures c_k = 2 τ_k/(h_{k−1} + h_k), h the steps of
-//! the parameter, a point is a kink if |τ_k| > [`LEAST_TURN`], which moves a spline by less than 10⁻⁴ h; if
-//! |c_k| is more than [`SHARPNESS`] times the second largest among the points two and three away, so that
-//! neither an arc that begins nor a rounding with points of its own is one, and a corner cut by two kinks is
-//! two; and if it is as much over the median of all points, which is what noise amounts to. A corner between
-//! two points is two kinks, and the chord between them straight.
+//! *Kinks.* τ_k are the turns of the chords and c_k = 2 τ_k/(h_{k−1} + h_k) the curvatures, with
+//! the steps h of the parameter. A point is a kink if three conditions hold:
 //!
-//! *Smoothing.* Between kinks the curve minimises ∫z''² + (1/λ) Σ (z_k − measured)², with λ as large as
-//! leaves every point within the tolerance; kinks and ends stay. A corner that turns by less than the
-//! tolerance, τ h_{k−1} h_k/(h_{k−1} + h_k), is smoothed like everything else.
+//! - |τ_k| > [`LEAST_TURN`]; a smaller turn moves a spline by less than 10⁻⁴ h.
+//! - |c_k| is more than [`SHARPNESS`] times the second largest among the points two and three away.
+//!   Neither the beginning of an arc nor a rounding with several points is then a kink, and a
+//!   corner cut by two kinks is two kinks.
+//! - |c_k| exceeds the median of all points by the same factor, which is the level of noise.
 //!
-//! Source: de Boor, *A Practical Guide to Splines* (1978) ch. 4 and 14; Reinsch, Numer. Math. 10 (1967)
-//! 177, for the smoothing spline.
+//! A corner between two points is two kinks with a straight chord between them.
+//!
+//! *Smoothing.* Between kinks the curve minimises ∫z''² + (1/λ) Σ (z_k − measured)², with the
+//! largest λ that leaves every point within the tolerance; kinks and ends stay. A corner whose turn
+//! amounts to less than the tolerance, τ h_{k−1} h_k/(h_{k−1} + h_k), is smoothed too.
+//!
+//! Source: de Boor, *A Practical Guide to Splines* (1978) ch. 4 and 14; Reinsch, Numer. Math. 10
+//! (1967) 177, for the smoothing spline.
 
 /// Smallest turn of a kink [rad].
 const LEAST_TURN: f64 = 2e-3;
-/// Sharpness of a kink over that of its surroundings.
+/// Curvature of a kink relative to its surroundings.
 const SHARPNESS: f64 = 4.0;
-/// Steps of the search for λ, each halving the logarithm's bracket.
+/// Bisection steps in the search for ln λ.
 const STEPS: usize = 40;
-/// Range of λ over the cubed mean spacing: nothing is moved; a hundred points are smoothed together.
+/// Range of λ over the cubed mean spacing, from no smoothing to smoothing over about a hundred
+/// points.
 const SMOOTHING: [f64; 2] = [1e-6, 1e8];
 
-/// Indices of the kinks of a polygon whose chords have these lengths [m], and turn by `turns` from one to
-/// the next; corners within the tolerance [m] are none.
+/// Indices of the kinks of a polygon whose chords have these lengths [m] and turn by `turns` from
+/// one to the next. Corners within the tolerance [m] are no kinks.
 pub(crate) fn kinks(spacing: &[f64], turns: &[f64], tolerance: f64) -> Vec<usize> {
     let curvature = |(at, turn): (usize, &f64)| 2.0 * turn.abs() / (spacing[at] + spacing[at + 1]);
     let curvatures: Vec<f64> = turns.iter().enumerate().map(curvature).collect();
@@ -44,8 +49,8 @@ pub(crate) fn kinks(spacing: &[f64], turns: &[f64], tolerance: f64) -> Vec<usize
     (0..turns.len()).filter(is_kink).map(|at| at + 1).collect()
 }
 
-/// The result of `fit` with the largest λ that moves no point by more than the tolerance [m]; `fit` returns
-/// it with the farthest that a point has moved. `spacing` is the mean step of the parameter [m].
+/// Result of `fit` with the largest λ that moves no point by more than the tolerance [m]. `fit`
+/// also returns the largest move of a point. `spacing` is the mean step of the parameter [m].
 pub(crate) fn smoothest<T>(
     spacing: f64,
     tolerance: f64,
@@ -57,7 +62,7 @@ pub(crate) fn smoothest<T>(
     }
     let mut bracket = SMOOTHING.map(|factor| (factor * spacing.powi(3)).ln());
     for step in 0..STEPS {
-        // The strongest first: it may do.
+        // Try the strongest smoothing first, which may suffice.
         let exponent = if step == 0 { bracket[1] } else { 0.5 * (bracket[0] + bracket[1]) };
         let found = fit(exponent.exp());
         let within = found.1 <= tolerance;
@@ -72,7 +77,7 @@ pub(crate) fn smoothest<T>(
     best
 }
 
-/// The second largest value among those two and three places from `at`; the only one, if there is one.
+/// Second largest of the values two and three places from `at`; the largest if there is only one.
 fn second_largest(values: &[f64], at: usize) -> Option<f64> {
     let before = [3, 2].into_iter().filter_map(|d| at.checked_sub(d));
     let around = before.chain([at + 2, at + 3]).filter_map(|k| values.get(k).copied());
@@ -85,14 +90,14 @@ fn second_largest(values: &[f64], at: usize) -> Option<f64> {
 pub(crate) struct Smoothed {
     /// Values at the points.
     pub(crate) z: Vec<f64>,
-    /// Second derivatives there, zero at the ends.
+    /// Second derivatives at the points, zero at the ends.
     pub(crate) bend: Vec<f64>,
-    /// By how much each point has moved.
+    /// Distance by which each point moved.
     pub(crate) moves: Vec<f64>,
 }
 
-/// The spline of λ through points whose ends stay: (R + λ QᵀVQ) z'' = Qᵀ measured and
-/// z = measured − λ V Q z'', with Q the second differences, V one but for the ends. λ = 0
+/// Smoothing spline of λ with fixed ends: (R + λ QᵀVQ) z'' = Qᵀ measured and z = measured − λ V Q
+/// z''. Q are the second differences, V is the identity except for zeros at the ends. λ = 0
 /// interpolates.
 pub(crate) fn smoothed(y: &[f64], z: &[f64], lambda: f64) -> Smoothed {
     let count = y.len();
@@ -100,7 +105,7 @@ pub(crate) fn smoothed(y: &[f64], z: &[f64], lambda: f64) -> Smoothed {
     let free = |k: usize| if k == 0 || k == count - 1 { 0.0 } else { lambda };
     // Column k of Q, at the points k − 1, k and k + 1.
     let q = |k: usize| [1.0 / h[k - 1], -1.0 / h[k - 1] - 1.0 / h[k], 1.0 / h[k]];
-    // Rows k of the matrix: on the diagonal and one and two places beside it.
+    // Row k of the matrix: the diagonal, and one and two places beside it.
     let row = |k: usize| {
         let [left, middle, right] = q(k);
         let diagonal = (h[k - 1] + h[k]) / 3.0
@@ -136,8 +141,8 @@ pub(crate) fn smoothed(y: &[f64], z: &[f64], lambda: f64) -> Smoothed {
     Smoothed { z: smooth, bend, moves }
 }
 
-/// Solves a symmetric positive definite system by LDLᵀ; `rows` holds the diagonal and what stands one
-/// and two places beside it.
+/// Solves a symmetric positive definite system by LDLᵀ; `rows` holds the diagonal and the entries
+/// one and two places beside it.
 fn solve_pentadiagonal(mut rows: Vec<[f64; 3]>, mut values: Vec<f64>) -> Vec<f64> {
     let count = rows.len();
     for k in 0..count {

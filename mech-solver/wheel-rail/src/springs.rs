@@ -1,41 +1,44 @@
 //! The tractions of a patch of any outline by the simplified theory: FASTSIM, and FASTRIP.
 //!
-//! A strip is the middle strip of an ellipse of its own, with its length and f times its pressure
-//! ([`elastic::fastsim`]); its bound is half an ellipse. f is the mean of its elements, and every node is bounded by the friction of the element in
-//! which it lies. All have the flexibilities of the equivalent ellipse
-//! ([`super::strips`]). With creepages ξ, η, φ at the origin of the patch, and what is off the plane besides, a strip whose middle is at (x₀, t) has
-//! the rigid slip of ξ − φ t, η + φ x₀ in its middle.
+//! Each strip is treated as the middle strip of its own ellipse, with its length and f times its
+//! pressure ([`elastic::fastsim`]). Its bound is half an ellipse. f is the mean over the elements
+//! of the strip, and every node is bounded by the friction of its element. All strips have the
+//! flexibilities of the equivalent ellipse ([`super::strips`]). With creepages ξ, η, φ at the
+//! origin of the patch, and the additional slip off the plane, a strip with its middle at (x₀, t)
+//! has the rigid slip ξ − φ t, η + φ x₀ there.
 //!
-//! Strip theory compares a strip with the ellipse by its pressure over its length, which is p₀/a in all strips of an ellipse.
+//! Strip theory compares a strip with the ellipse by its pressure over its length, which is p₀/a in
+//! all strips of an ellipse.
 //!
-//! **Energy.** With one flexibility friction dissipates what the creepages give, −V(ξF_x + ηF_y + φM_z), to rounding, M_z of the means of
-//! the cells; with strip theory all slip has one factor that makes it so.
+//! **Energy.** With one flexibility the dissipated power equals that of the creepages, −V(ξF_x +
+//! ηF_y + φM_z), to rounding, with M_z from the means of the cells. With strip theory the slip is
+//! scaled by one factor to satisfy this balance.
 //!
-//! Source: Vollebregt, User guide for CONTACT (2022), for FASTSIM on patches that are no ellipse. Deviation: the march has cells of its own, shorter
-//! towards the edges, whose tractions elements share; slip and power lie half an element ahead, as in
-//! [`super::fields`].
+//! Source: Vollebregt, User guide for CONTACT (2022), for FASTSIM on patches that are no ellipse.
+//! Deviation: the integration has its own cells, shorter towards the edges, whose tractions are
+//! distributed to the elements; slip and power lie half an element ahead, as in [`super::fields`].
 
 use super::creepage::{Rolling, RowSlip};
 use super::fields::Fields;
 use super::local::Window;
-use super::pressed::Pressed;
-use super::settings::{AskedSprings, Settings};
+use super::pressed::NormalPatch;
+use super::settings::{Settings, SpringOptions};
 use super::strips::{PressedStrip, equivalent_ellipse};
 use elastic::Elasticity;
 use elastic::fastsim::bound::Bound;
 use elastic::fastsim::flexibility::{Flexibilities, Kind, Springs};
-use elastic::fastsim::integration::{Cell, Lattice, March, Strip};
+use elastic::fastsim::integration::{Cell, Lattice, Strip, StripIntegration};
 use elastic::fastsim::overlaps::overlaps;
 use elastic::fastsim::strip_theory::StripTheory;
 use elastic::kalker::creep_coefficients;
 use half_space::friction::ElementFriction;
 use half_space::tangential::{Creepage, ElementState};
 
-/// Cells of a strip.
+/// Cells per strip.
 const CELLS: usize = 40;
 
-/// A patch, about to slide.
-struct Sliding<'a> {
+/// Input for the tractions of a patch.
+struct TractionProblem<'a> {
     strips: &'a [PressedStrip],
     window: &'a Window,
     /// Friction of the elements of the window.
@@ -43,42 +46,42 @@ struct Sliding<'a> {
     /// Coefficient of friction of every strip [-].
     friction: Vec<f64>,
     rolling: &'a Rolling,
-    /// Rigid slip of every row of the window besides.
+    /// Additional rigid slip of every row of the window.
     besides: Vec<RowSlip>,
     bodies: Elasticity,
     kind: Kind,
-    /// Strip theory where strips stick.
+    /// True if strip theory applies where strips stick.
     strip_theory: bool,
 }
 
-/// Result of sliding.
+/// Tractions of a patch on springs.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Slid {
+pub(super) struct TractionSolution {
     /// Force on the wheel [N].
     pub(super) force: [f64; 2],
-    /// Moment on it about the normal through the patch's origin [N m].
+    /// Moment on the wheel about the normal through the patch's origin [N m].
     pub(super) moment: f64,
-    /// Part of the friction power that rigid slip off the plane gives [W].
+    /// Part of the friction power that is due to rigid slip off the plane [W].
     pub(super) off_plane: f64,
-    /// Area that slips over all [-].
+    /// Slipping area over the area of the contact [-].
     pub(super) slip_area_ratio: f64,
-    /// Cells with their strips; x from the middle of the strip.
+    /// Cells with the index of their strip; x from the middle of the strip.
     cells: Vec<(usize, Cell)>,
 }
 
-/// Slides a patch on springs and writes its fields, with the friction of its elements, and what rigid slip its
-/// rows have besides, if there is.
+/// Solves a patch on springs and writes its fields, with the friction of its elements and the
+/// additional rigid slip of its rows, if any.
 pub(super) fn slide(
-    pressed: &Pressed,
+    pressed: &NormalPatch,
     rolling: &Rolling,
-    (settings, springs): (&Settings, AskedSprings),
+    (settings, springs): (&Settings, SpringOptions),
     (friction, besides): (&ElementFriction, Option<&[RowSlip]>),
     fields: &mut Fields,
-) -> Slid {
-    let AskedSprings { kind, strip_theory } = springs;
+) -> TractionSolution {
+    let SpringOptions { kind, strip_theory } = springs;
     let window = &pressed.window;
     let strips = pressed.strips();
-    let sliding = Sliding {
+    let sliding = TractionProblem {
         elements: friction,
         friction: strips.iter().map(|strip| mean_of_row(strip.row, fields, friction)).collect(),
         strips: &strips,
@@ -97,7 +100,7 @@ pub(super) fn slide(
     slid
 }
 
-/// The coefficient of friction of a row: the mean, weighted with the pressure [-].
+/// Coefficient of friction of a row, the mean weighted with the pressure [-].
 fn mean_of_row(row: usize, fields: &Fields, friction: &ElementFriction) -> f64 {
     let nx = fields.counts[0];
     friction.mean(row * nx..(row + 1) * nx, &fields.pressure)
@@ -111,10 +114,10 @@ struct Bed {
     poisson_ratio: f64,
 }
 
-impl Sliding<'_> {
-    /// The tractions.
-    fn solve(&self) -> Slid {
-        let mut slid = Slid::default();
+impl TractionProblem<'_> {
+    /// Solves the tractions.
+    fn solve(&self) -> TractionSolution {
+        let mut slid = TractionSolution::default();
         let bed = self.bed();
         for (index, strip) in self.strips.iter().enumerate() {
             self.march(&bed, index, self.creepage(strip), |cell| slid.cells.push((index, *cell)));
@@ -123,7 +126,7 @@ impl Sliding<'_> {
         slid
     }
 
-    /// ξ, η and φ in the axes of the patch, with what this row has besides.
+    /// ξ, η and φ in the axes of the patch, including the additional slip of this row.
     fn creepage(&self, strip: &PressedStrip) -> Creepage {
         let [xi, eta, phi] = self.rolling.creepage;
         let RowSlip { slip: [x, y], spin } = self.besides[strip.row];
@@ -134,7 +137,7 @@ impl Sliding<'_> {
         self.window.along(1, strip.row)
     }
 
-    /// The springs of the equivalent ellipse.
+    /// Springs of the equivalent ellipse.
     fn bed(&self) -> Bed {
         let spacing = self.window.sides[1];
         let [a, b] = equivalent_ellipse(self.strips, spacing);
@@ -160,7 +163,7 @@ impl Sliding<'_> {
             cells: CELLS,
             bound: Bound::Elliptic,
         };
-        let march = March {
+        let march = StripIntegration {
             lattice,
             springs: bed.springs,
             creepage: bed.springs.in_the_middle(creepage, middle),
@@ -185,8 +188,8 @@ impl Sliding<'_> {
             .strip(&strip, limit, visit);
     }
 
-    /// Sums over the cells, after the slip of strip theory is scaled.
-    fn sum(&self, slid: &mut Slid) {
+    /// Sums over the cells, after scaling the slip for strip theory.
+    fn sum(&self, slid: &mut TractionSolution) {
         let (mut taken, mut off_plane, mut slips, mut all) = (0.0, 0.0, 0.0, 0.0);
         for (index, cell) in &slid.cells {
             let strip = &self.strips[*index];
@@ -212,8 +215,8 @@ impl Sliding<'_> {
         }
     }
 
-    /// Puts it on the elements of the window's fields.
-    fn write(&self, slid: &Slid, fields: &mut Fields) {
+    /// Distributes the result to the elements of the window's fields.
+    fn write(&self, slid: &TractionSolution, fields: &mut Fields) {
         let [nx, _] = self.window.counts();
         let dx = self.window.sides[0];
         let (speed, difference) = (self.rolling.speed, fields.difference);
@@ -221,7 +224,8 @@ impl Sliding<'_> {
         for (index, cell) in &slid.cells {
             let strip = &self.strips[*index];
             let first = strip.row * nx;
-            // In elements, from the trailing edge of the first one; slip and power may be half an element ahead.
+            // Positions in elements, from the trailing edge of the first one. Slip and power may
+            // lie half an element ahead.
             let place =
                 |x: f64, ahead: f64| (strip.middle + x) / dx + self.window.half[0] as f64 + ahead;
             overlaps(cell.ends.map(|x| place(x, 0.5)), nx, |i, length| {

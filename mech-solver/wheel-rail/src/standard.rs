@@ -1,36 +1,38 @@
-//! Profiles of public standards, from their formulae: the head of the rail 60E1 and the wheel S1002.
+//! Profiles of public standards, from their formulae: the head of the rail 60E1 and the wheel
+//! S1002.
 //!
-//! Rail 60E1 (EN 13674-1, before UIC 60): arcs that meet without a corner, of the radii 300, 80 and 13 mm,
-//! whose chords are 20.456 mm and 52.053 mm wide, and flanks of 1:20 below.
+//! Rail 60E1 (EN 13674-1, formerly UIC 60): arcs that meet without a corner, with radii of 300, 80
+//! and 13 mm. The chords of the first two are 20.456 mm and 52.053 mm wide. Flanks of 1:20 follow
+//! below.
 //!
-//! Wheel S1002 (EN 13715, UIC 510-2), for flanges 28 mm high and 32.5 mm thick: a straight line, two
-//! polynomials, the arcs of throat and flange and a flank of 70°, each over its own part of −70 mm < y < 60 mm.
-//! The standard measures depths, y from the tape circle to the field side. As printed its parts meet within
-//! 0.12 µm.
+//! Wheel S1002 (EN 13715, UIC 510-2), for flanges 28 mm high and 32.5 mm thick: a straight line,
+//! two polynomials, the arcs of throat and flange and a flank of 70°, each on its own part of −70
+//! mm < y < 60 mm. The standard measures depths, with y from the tape circle to the field side. The
+//! printed parts meet within 0.12 µm.
 //!
-//! Both in the axes of a profile ([`super::profile`]), with points so close that a spline through them is
-//! close to the formula: within half a micrometre.
+//! Both are in the axes of a profile ([`super::profile`]). Their points are so dense that a spline
+//! through them agrees with the formula within half a micrometre.
 
 use super::outline::{Outline, OutlineError};
 use super::profile::orientation::Body;
 use super::profile::read::from_origin;
 
-/// Points of a rail: on each arc and on each flank.
+/// Points on each arc and on each flank of a rail.
 const POINTS: usize = 80;
-/// Distance of the points of a wheel along y, and on arcs by their angle times radius, at most [mm].
+/// Largest spacing of the points of a wheel, along y or along an arc [mm].
 const STEP: f64 = 0.25;
 
 /// Radii of the head's arcs [mm], and half-widths where the first two end [mm].
 const HEAD: ([f64; 3], [f64; 2]) = ([300.0, 80.0, 13.0], [10.228, 26.0265]);
-/// Slope of the flanks, width over height.
+/// Slope of the flanks, width per height.
 const FLANK: f64 = 1.0 / 20.0;
 /// Length of the flanks [mm].
 const FLANK_LENGTH: f64 = 20.0;
 
-/// The head of the rail 60E1, upright.
+/// Head of the rail 60E1, upright.
 ///
 /// # Errors
-/// None: the points are a curve.
+/// Never fails: the points of the standard form a valid curve.
 pub fn rail_60e1() -> Result<Outline, OutlineError> {
     let mut half = vec![[0.0, 0.0]];
     let ([crown, shoulder, corner], ends) = HEAD;
@@ -70,7 +72,7 @@ const PARTS: [f64; 9] = [
     32.15796,
     60.0,
 ];
-/// Coefficients of the tread from −26 mm on, of rising order.
+/// Coefficients of the tread from −26 mm on, in ascending order.
 const TREAD: [f64; 9] = [
     0.0,
     -3.358537058e-2,
@@ -82,7 +84,7 @@ const TREAD: [f64; 9] = [
     -5.957839843e-12,
     2.646656573e-13,
 ];
-/// Coefficients of the part before the throat.
+/// Coefficients of the part next to the throat.
 const ROOT: [f64; 8] = [
     -4.320221063e3,
     -1.038384026e3,
@@ -94,7 +96,7 @@ const ROOT: [f64; 8] = [
     -2.252755540e-7,
 ];
 
-/// A circular part: depth of the centre, radius, y of the centre [mm], and on which side of the centre it is.
+/// Circular parts: depth of the centre, radius, y of the centre [mm], and the side of the centre.
 const ARCS: [([f64; 3], f64); 4] = [
     ([9.519259302, 20.5, -49.5], 1.0),
     ([16.0, 12.0, -55.0], 1.0),
@@ -122,16 +124,16 @@ pub fn s1002_depth(y: f64) -> f64 {
     }
 }
 
-/// The wheel S1002.
+/// Wheel S1002.
 ///
 /// # Errors
-/// None: the points are a curve.
+/// Never fails: the points of the standard form a valid curve.
 pub fn wheel_s1002() -> Result<Outline, OutlineError> {
     let mut points = Vec::new();
     for (part, pair) in PARTS.windows(2).enumerate() {
         let places: Box<dyn Fn(f64) -> f64> =
             match [0, 1, 2, 9, 3].get(part).and_then(|k| ARCS.get(*k)) {
-                // On an arc at equal angles.
+                // On an arc, at equal angles.
                 Some(([_, radius, at], _)) => {
                     let angle = |y: f64| ((y - at) / radius).clamp(-1.0, 1.0).asin();
                     let [from, to] = [angle(pair[0]), angle(pair[1])];
@@ -154,7 +156,7 @@ pub fn wheel_s1002() -> Result<Outline, OutlineError> {
 mod tests {
     use super::*;
 
-    /// 72 mm wide 14 mm below the top, as the standard says; the radii where they stand.
+    /// Width of 72 mm at 14 mm below the top, as in the standard, and the radii of the arcs.
     #[test]
     fn the_rail_has_the_width_and_the_radii_of_the_standard() {
         let rail = rail_60e1().unwrap();
@@ -170,7 +172,7 @@ mod tests {
         }
     }
 
-    /// The parts meet, and the curve is on the formula.
+    /// The parts meet, and the curve follows the formula.
     #[test]
     fn the_wheel_is_on_its_formula() {
         let wheel = wheel_s1002().unwrap();

@@ -1,11 +1,13 @@
-//! A contact as strips along x, each with half an ellipse of pressure: p √(1 − (x − x₀)²/l²) over |x − x₀| < l.
+//! A contact as strips along x, each with half an ellipse of pressure: p √(1 − (x − x₀)²/l²)
+//! over |x − x₀| < l.
 //!
-//! Approximate theories of the normal contact give such strips, and the simplified theory of the tangential one takes
-//! them. Of a pressure on elements a strip has the load of its row, and its length between the edges of contact.
+//! Approximate theories of the normal contact produce such strips, and the simplified theory of the
+//! tangential contact uses them. From a pressure on elements, a strip takes the load of its row and
+//! the length between the edges of contact.
 //!
-//! *Equivalent ellipse*: that of the area of the strips, with the aspect ratio of length and width of all of them together
-//! (Piotrowski and Kik, A simplified model of wheel/rail contact mechanics for non-Hertzian problems, Vehicle System
-//! Dynamics 46 (2008) 27–48).
+//! *Equivalent ellipse*: the ellipse with the area of the strips and the aspect ratio of their
+//! total length and width (Piotrowski and Kik, A simplified model of wheel/rail contact mechanics
+//! for non-Hertzian problems, Vehicle System Dynamics 46 (2008) 27–48).
 
 use super::local::Window;
 use elastic::strips::semi_ellipse::segment_area;
@@ -14,17 +16,17 @@ use std::f64::consts::PI;
 /// A strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PressedStrip {
-    /// Its row of the window.
+    /// Row of the window.
     pub(super) row: usize,
-    /// x₀ [m].
+    /// Middle x₀ [m].
     pub(super) middle: f64,
-    /// l [m].
+    /// Half length l [m].
     pub(super) half_length: f64,
-    /// p, the pressure in its middle [Pa].
+    /// Pressure p in the middle [Pa].
     pub(super) pressure: f64,
 }
 
-/// Writes the mean pressure of every element of a window, [Pa] times the factor.
+/// Writes the mean pressure of every element of a window, in Pa times the factor.
 pub(super) fn write_pressure(
     strips: &[PressedStrip],
     window: &Window,
@@ -50,7 +52,7 @@ pub(super) fn write_pressure(
     }
 }
 
-/// The strips of a pressure on the elements of a window [Pa].
+/// Converts a pressure on the elements of a window [Pa] to strips.
 pub(super) fn of_pressure(window: &Window, pressure: &[f64]) -> Vec<PressedStrip> {
     let [nx, _] = window.counts();
     let rows = pressure.chunks_exact(nx).enumerate();
@@ -62,7 +64,7 @@ fn of_row(window: &Window, row: usize, pressure: &[f64]) -> Option<PressedStrip>
     let first = pressure.iter().position(|p| *p > 0.0)?;
     let last = pressure.iter().rposition(|p| *p > 0.0)?;
     let sum: f64 = pressure.iter().sum();
-    // The square of the pressure falls to zero in a straight line, within the last element.
+    // The squared pressure falls linearly to zero within the last element.
     let beyond = |edge: f64, inner: f64| match inner > edge {
         true => (edge * edge / (inner * inner - edge * edge)).min(0.5),
         false => 0.5,
@@ -76,7 +78,8 @@ fn of_row(window: &Window, row: usize, pressure: &[f64]) -> Option<PressedStrip>
     Some(PressedStrip { row, middle: 0.5 * (from + to), half_length, pressure })
 }
 
-/// Area of strips `spacing` apart [m²]: the square of their length is linear from row to row, and beyond the last ones to its end.
+/// Area of strips `spacing` apart [m²]. The squared length is linear from row to row, and beyond
+/// the last strips down to zero.
 pub(super) fn area(strips: &[PressedStrip], spacing: f64) -> f64 {
     let runs = strips.chunk_by(|one, next| one.row + 1 == next.row);
     let of_run = |run: &[PressedStrip]| {
@@ -95,7 +98,8 @@ pub(super) fn area(strips: &[PressedStrip], spacing: f64) -> f64 {
     2.0 * spacing * runs.map(of_run).sum::<f64>()
 }
 
-/// Rows beyond the last strip to where the square of the length, linear from the strip beside it, falls to zero.
+/// Number of rows beyond the last strip to the point where the squared length, extrapolated
+/// linearly, is zero.
 fn beyond(edge: &PressedStrip, inner: Option<&PressedStrip>) -> f64 {
     let square = |strip: &PressedStrip| strip.half_length * strip.half_length;
     match inner.filter(|inner| inner.row.abs_diff(edge.row) == 1).map(square) {

@@ -1,20 +1,22 @@
-//! The surface of a wheel or a rail over a position along the rolling direction: the same profile everywhere, or slices,
-//! with a hollow in it or none.
+//! The surface of a wheel or a rail over a position along the rolling direction: a constant profile
+//! or slices, with or without a hollow.
 //!
-//! *Position.* On a rail it is the way u along the track [m]. On a wheel it is the angle θ [rad] from a mark on it,
-//! forwards from the lowest point while the wheel has not turned (`pitch` 0): the mark θ is lowest at the pitch θ.
+//! *Position.* On a rail it is the distance u along the track [m]. On a wheel it is the angle θ
+//! [rad] from a mark on it, forwards from the lowest point while the wheel has not turned (`pitch`
+//! 0): the mark θ is lowest at the pitch θ.
 //!
-//! *Hollow.* An irregularity of the depth d over the way along the surface ([`elastic::axle::Irregularity`]), the same
-//! all across the profile: a rail is lower by d(u) in the axes of its profile, and the radius of a wheel smaller by d(Rθ), R the
-//! nominal radius. What a rail of the crown radius R_c wore is smaller by s²/2R_c at the tape distance s from the tape circle, and ends where
-//! that is all.
+//! *Hollow.* An irregularity of the depth d over the distance along the surface
+//! ([`elastic::axle::Irregularity`]), constant across the profile. A rail is lower by d(u) in the
+//! axes of its profile; the radius of a wheel is smaller by d(Rθ), with the nominal radius R. A
+//! hollow worn by a rail of the crown radius R_c is shallower by s²/2R_c at the tape distance s
+//! from the tape circle, and ends where its depth reaches zero.
 
 use super::outline::{Outline, Place};
 use super::slices::{Slices, Spot};
 use elastic::axle::Irregularity;
 use std::f64::consts::TAU;
 
-/// A surface before it has a hollow.
+/// Surface without its hollow.
 #[derive(Clone, Debug, PartialEq)]
 enum Sections {
     /// One profile.
@@ -27,16 +29,17 @@ enum Sections {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Hollow {
     form: Irregularity,
-    /// Way along the surface over the position: 1 for a rail, the nominal radius for a wheel [m].
+    /// Distance along the surface per position: 1 for a rail, the nominal radius for a wheel [m].
     radius: f64,
     circumference: f64,
-    /// One half over the radius across of what wore it [1/m]; 0 for a hollow that is as deep all across.
+    /// Half the inverse radius of the counter-body's crown, if it wore the hollow [1/m]; 0 for a
+    /// hollow of constant depth across.
     across: f64,
     /// Unit vector into the body, y and z.
     inwards: [f64; 2],
 }
 
-/// A surface.
+/// Surface of a wheel or a rail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     sections: Sections,
@@ -44,7 +47,7 @@ pub struct Surface {
 }
 
 impl Hollow {
-    /// Moves a place into the body.
+    /// Moves a point into the body.
     fn dig(&self, position: f64, s: f64, spot: &mut Spot) {
         let Self { form, radius, circumference, across, inwards } = self;
         let way = radius * position;
@@ -74,7 +77,7 @@ impl From<Slices> for Surface {
 }
 
 impl Surface {
-    /// The surface of a rail with an irregularity.
+    /// Adds an irregularity to the surface of a rail.
     #[must_use]
     pub fn hollow_rail(mut self, form: Irregularity) -> Self {
         let (radius, circumference) = (1.0, f64::INFINITY);
@@ -83,8 +86,8 @@ impl Surface {
         self
     }
 
-    /// The surface of a wheel of a nominal radius [m] with an irregularity, which a crown of a radius [m] wore or which
-    /// is as deep all across.
+    /// Adds an irregularity to the surface of a wheel of a nominal radius [m]. With `crown` the
+    /// hollow was worn by a crown of this radius [m]; otherwise its depth is constant across.
     #[must_use]
     pub fn hollow_wheel(mut self, form: Irregularity, radius: f64, crown: Option<f64>) -> Self {
         let circumference = TAU * radius;
@@ -93,7 +96,7 @@ impl Surface {
         self
     }
 
-    /// The profile, if it is the same at all positions.
+    /// Profile, if it is the same at all positions.
     #[must_use]
     pub fn constant(&self) -> Option<&Outline> {
         match (&self.sections, self.hollow) {
@@ -102,7 +105,7 @@ impl Surface {
         }
     }
 
-    /// The first and the last s [m].
+    /// First and last s [m].
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         match &self.sections {
@@ -111,7 +114,8 @@ impl Surface {
         }
     }
 
-    /// The place at a position and s [m], looked for from the piece `near` on, which becomes that of s.
+    /// Point of the surface at a position and s [m]. The search starts at the piece `near`, which
+    /// receives the piece of s.
     #[must_use]
     pub fn at(&self, position: f64, s: f64, near: &mut usize) -> Spot {
         let mut spot = match &self.sections {
@@ -124,13 +128,13 @@ impl Surface {
         spot
     }
 
-    /// The same without what depends on the position.
+    /// Point of the surface without the derivatives along the position.
     #[must_use]
     pub fn place(&self, position: f64, s: f64, near: &mut usize) -> Place {
         self.at(position, s, near).place
     }
 
-    /// The angle of the section at a position and s, from y to z [rad].
+    /// Inclination of the section at a position and s, from y to z [rad].
     #[must_use]
     pub fn angle(&self, position: f64, s: f64) -> f64 {
         match self.constant() {
@@ -139,7 +143,7 @@ impl Surface {
         }
     }
 
-    /// The profile at a position; of a hollow that is not as deep all across, without it.
+    /// Profile at a position. A hollow is included only if its depth is constant across.
     #[must_use]
     pub fn section(&self, position: f64) -> Outline {
         let section = self.smooth_section(position);
@@ -152,7 +156,7 @@ impl Surface {
         }
     }
 
-    /// The profile at a position, without the hollow.
+    /// Profile at a position, without the hollow.
     #[must_use]
     pub fn smooth_section(&self, position: f64) -> Outline {
         match &self.sections {
@@ -161,7 +165,7 @@ impl Surface {
         }
     }
 
-    /// The surface on the other side of the z-axis: (y, s) → (−y, −s).
+    /// Mirrors the surface at the z-axis: (y, s) → (−y, −s).
     #[must_use]
     pub fn mirrored(&self) -> Self {
         let sections = match &self.sections {
@@ -173,7 +177,8 @@ impl Surface {
         Self { sections, hollow: self.hollow.map(flip) }
     }
 
-    /// The surface turned about the origin of the profiles, from y to z, by `angle` [rad], then shifted by (y, z) [m].
+    /// Turns the surface about the origin of the profiles, from y to z, by `angle` [rad], then
+    /// shifts it by (y, z) [m].
     #[must_use]
     pub fn placed(&self, angle: f64, shift: [f64; 2]) -> Self {
         let sections = match &self.sections {
@@ -195,8 +200,8 @@ mod tests {
     use crate::standard::{rail_60e1, wheel_s1002};
     use elastic::axle::Form;
 
-    /// What a crown wore is as deep as the form at the tape circle, ends where the crown does, and its tangent is that of
-    /// its places.
+    /// A hollow worn by a crown has the depth of the form at the tape circle, ends where the crown
+    /// does, and has the tangent of its own points.
     #[test]
     fn a_worn_hollow_ends_across() {
         let form = Irregularity { form: Form::Flat, depth: 0.8e-3, length: 0.1, at: 0.0 };
@@ -210,7 +215,7 @@ mod tests {
         }
     }
 
-    /// A hollow goes into the body, turned and mirrored with it, and sections have it.
+    /// A hollow goes into the body, is turned and mirrored with the body, and appears in sections.
     #[test]
     fn a_hollow_goes_into_the_body() {
         let form = Irregularity { form: Form::Flat, depth: 1e-3, length: 0.1, at: 0.2 };

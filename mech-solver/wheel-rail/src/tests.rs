@@ -1,4 +1,4 @@
-//! A wheel on a rail, against closed forms and against itself.
+//! Tests of a wheel on a rail against closed forms and invariances.
 
 mod approximate;
 mod curved;
@@ -27,7 +27,7 @@ fn steel() -> Elasticity {
     Elasticity::of_pair(&STEEL, &STEEL)
 }
 
-/// A wheel of these profiles above the origin of a rail at the origin of the track.
+/// A wheel above a rail, both with their profile's origin at the origin of the track.
 fn single([wheel, rail]: [&Outline; 2], radius: f64, settings: Settings) -> WheelOnRail {
     let track = Track { placing: Placing::Origin { y: 0.0, z: 0.0 }, cant: 0.0, curvature: 0.0 };
     let wheelset =
@@ -35,7 +35,7 @@ fn single([wheel, rail]: [&Outline; 2], radius: f64, settings: Settings) -> Whee
     WheelOnRail::new([wheel, rail], Side::Left, &track, &wheelset, settings).unwrap()
 }
 
-/// Square elements of this side [m] on steel.
+/// Settings with square elements of this side [m] on steel.
 fn elements(side: f64) -> Settings {
     Settings::new([side, side], [STEEL; 2])
 }
@@ -60,13 +60,13 @@ fn solve(pair: &mut WheelOnRail, motion: &Motion, vertical: Vertical) -> Solved 
     pair.solve(motion, &Deviation::default(), vertical, &Constant(0.3)).unwrap()
 }
 
-/// An arc with its top at (y, 0), turning by ±angle.
+/// Arc with its top at (y, 0), turning by ±angle.
 fn arc(y: f64, radius: f64, angle: f64, count: i32) -> Vec<[f64; 2]> {
     let at = |k: i32| angle * f64::from(k) / f64::from(count);
     (-count..=count).map(at).map(|a| [y + radius * a.sin(), radius * (a.cos() - 1.0)]).collect()
 }
 
-/// A straight line from −width to width.
+/// Straight line from −width to width.
 fn line(width: f64) -> Outline {
     let points: Vec<[f64; 2]> = (-20..=20).map(|k| [width * f64::from(k) / 20.0, 0.0]).collect();
     Outline::new(&points, 0.0).unwrap().starting_at(width)

@@ -1,4 +1,4 @@
-//! A patch under its pressure, about to slide: friction, and the tractions that it allows.
+//! Tractions of a patch under its pressure, with its friction.
 
 use super::creepage::{Rolling, RowSlip};
 use super::error::TrackError;
@@ -7,7 +7,7 @@ use super::interface::{Elements, Interface};
 use super::local::Window;
 use super::patch::SolveStats;
 use super::pool::Pool;
-use super::pressed::{Pressed, copy_centred};
+use super::pressed::{NormalPatch, copy_centred};
 use super::rail::Side;
 use super::settings::Settings;
 use super::sliding::everywhere;
@@ -16,47 +16,47 @@ use half_space::difference::Difference;
 use half_space::friction::ElementFriction;
 use half_space::grid_continuation::{History, Levels, Solution, TangentialError};
 use half_space::slip_iteration::SlipStart;
-use half_space::slip_iteration::{Settling, first_velocities, slip_velocities};
+use half_space::slip_iteration::{SlipFrictionIteration, first_velocities, slip_velocities};
 use half_space::tangential::{Creepage, PrescribedMotion, TangentialState};
 
-/// A patch that is about to slide.
-pub(super) struct Sliding<'a> {
+/// Input for the tractions of a patch.
+pub(super) struct TractionProblem<'a> {
     pub(super) side: Side,
     pub(super) settings: &'a Settings,
-    pub(super) pressed: &'a Pressed,
+    pub(super) pressed: &'a NormalPatch,
     pub(super) rolling: &'a Rolling,
-    /// The part of its window that holds the contact.
+    /// Part of the patch's window that holds the contact.
     pub(super) part: Window,
-    /// Rigid slip of the rows of the window beside that of the creepages, if there is.
+    /// Rigid slip of the rows of the window in addition to that of the creepages, if any.
     pub(super) besides: Option<Vec<RowSlip>>,
-    /// Slip of a step on the window that elastic half-spaces do not have [m], if there is.
+    /// Slip per step on the window in excess of that of elastic half-spaces [m], if any.
     pub(super) elastic: Option<[Vec<f64>; 2]>,
 }
 
-/// A patch that slides.
-pub(super) struct Slid {
-    /// The part of the window that they were solved on.
+/// Tractions of a patch.
+pub(super) struct TractionSolution {
+    /// Part of the window on which the tractions were solved.
     pub(super) part: Window,
     pub(super) fields: Fields,
-    /// Part of the friction power that rigid slip off the plane gives [W].
+    /// Part of the friction power that is due to rigid slip off the plane [W].
     pub(super) off_plane: f64,
-    /// Its tractions on the part, if half-spaces gave them.
+    /// Tractions on the part, if half-spaces were used.
     pub(super) state: Option<TangentialState>,
-    /// Result of the springs.
-    pub(super) by_springs: Option<springs::Slid>,
+    /// Result of the springs, if these were used.
+    pub(super) by_springs: Option<springs::TractionSolution>,
 }
 
-impl Sliding<'_> {
-    /// The tractions, from a state that is near if there is one.
+impl TractionProblem<'_> {
+    /// Solves the tractions, starting from `near` if given.
     pub(super) fn solve(
         &self,
         law: &dyn Interface,
         near: Option<TangentialState>,
         pool: &mut Pool,
         work: &mut SolveStats,
-    ) -> Result<Slid, TrackError> {
+    ) -> Result<TractionSolution, TrackError> {
         let Self { settings, pressed, rolling, part, besides, elastic, .. } = self;
-        let Pressed { frame, window, .. } = pressed;
+        let NormalPatch { frame, window, .. } = pressed;
         let mut fields = Fields::pressed(
             window,
             settings.difference,
@@ -64,7 +64,7 @@ impl Sliding<'_> {
             &pressed.distance,
             &pressed.pressure,
         );
-        let rubs = Rubs { about: self, law };
+        let rubs = FrictionIteration { about: self, law };
         work.tangential_contacts += 1;
         if let Some(springs) = settings.springs() {
             let friction = rubs.friction(&fields, None)?;
@@ -72,7 +72,7 @@ impl Sliding<'_> {
             let with = (*settings, springs);
             let slid = springs::slide(pressed, rolling, with, given, &mut fields);
             let off_plane = slid.off_plane;
-            return Ok(Slid {
+            return Ok(TractionSolution {
                 part: *part,
                 fields,
                 off_plane,
@@ -104,18 +104,24 @@ impl Sliding<'_> {
         fields.take(part, &state, rolling.speed, dissipation.as_deref());
         let off_plane = rigid
             .map_or(0.0, |slip| fields.power_of_slip(part, slip, &state.traction, rolling.speed));
-        Ok(Slid { part: *part, fields, off_plane, state: Some(state), by_springs: None })
+        Ok(TractionSolution {
+            part: *part,
+            fields,
+            off_plane,
+            state: Some(state),
+            by_springs: None,
+        })
     }
 }
 
-/// A patch and its law of friction.
-struct Rubs<'a> {
-    about: &'a Sliding<'a>,
+/// A patch and its friction law.
+struct FrictionIteration<'a> {
+    about: &'a TractionProblem<'a>,
     law: &'a dyn Interface,
 }
 
-impl Rubs<'_> {
-    /// The tractions with the friction of the slip that they leave, looked for from a start.
+impl FrictionIteration<'_> {
+    /// Tractions whose friction agrees with the resulting slip, iterated from a start.
     fn settle(
         &self,
         start: SlipStart,
@@ -126,10 +132,11 @@ impl Rubs<'_> {
             Option<TangentialState>,
         ) -> Result<TangentialState, TangentialError>,
     ) -> Result<TangentialState, TrackError> {
-        let Sliding { rolling, part, .. } = self.about;
+        let TractionProblem { rolling, part, .. } = self.about;
         let duration = part.sides[0] / rolling.speed;
         let scale = (part.points(), duration, rolling.speed);
-        let mut settling = Settling::from(first_velocities(start, near.as_ref(), scale));
+        let mut settling =
+            SlipFrictionIteration::from(first_velocities(start, near.as_ref(), scale));
         let bound_by = |velocity: &[f64]| {
             Ok::<_, TrackError>(fields.bound(part, &self.friction(fields, Some(velocity))?))
         };
@@ -145,14 +152,14 @@ impl Rubs<'_> {
         }
     }
 
-    /// Friction on the window, with slip velocities on the part [m/s] if it follows those.
+    /// Friction on the window, with slip velocities on the part [m/s] if friction depends on them.
     fn friction(
         &self,
         fields: &Fields,
         slip: Option<&[f64]>,
     ) -> Result<ElementFriction, TrackError> {
-        let Sliding { side, pressed, rolling, part, .. } = self.about;
-        let Pressed { frame, window, region, .. } = pressed;
+        let TractionProblem { side, pressed, rolling, part, .. } = self.about;
+        let NormalPatch { frame, window, region, .. } = pressed;
         let slip = slip.map(|slip| {
             let mut wide = vec![0.0; window.points()];
             copy_centred((part, slip), (window, &mut wide));
@@ -171,9 +178,10 @@ impl Rubs<'_> {
         self.law.friction(&elements).map_err(TrackError::Friction)
     }
 
-    /// Slip velocity of rigid bodies, in the middle of an element of the window [m/s].
+    /// Slip velocity of rigid bodies in the middle of an element of the window [m/s].
     fn rigid_slip(&self, index: usize) -> f64 {
-        let Sliding { pressed: Pressed { window, .. }, rolling, besides, .. } = self.about;
+        let TractionProblem { pressed: NormalPatch { window, .. }, rolling, besides, .. } =
+            self.about;
         let [xi, eta, phi] = rolling.creepage;
         let nx = window.counts()[0];
         let (x, t) = (window.along(0, index % nx), window.along(1, index / nx));
@@ -183,7 +191,8 @@ impl Rubs<'_> {
     }
 }
 
-/// The tractions of rolling contact, with a slip that is there besides [m], from a solution that is near if there is one.
+/// Tractions of rolling contact with an additional slip [m], starting from a nearby solution if
+/// given.
 fn rolls(
     levels: &mut Levels,
     bound: &[f64],
@@ -199,7 +208,7 @@ fn rolls(
             .is_ok()
             .then_some(solution)
     });
-    // What is too far from the last solution is solved without it.
+    // If the last solution is too far away, solve without it.
     if let Some(solution) = improved {
         return Ok(solution);
     }
@@ -210,7 +219,7 @@ fn rolls(
     Ok(solution)
 }
 
-/// Rigid slip of rows as the slip of a step on the elements of a part [m].
+/// Rigid slip of rows as the slip per step on the elements of a part [m].
 fn slip_of_a_step(
     rows: &[RowSlip],
     window: &Window,
@@ -231,7 +240,7 @@ fn slip_of_a_step(
     })
 }
 
-/// Slip of a step on a part, with an elastic one on the window, of which there may be none [m].
+/// Sum of the rigid slip on a part and the elastic slip on the window, each optional [m].
 fn with_elastic(
     rigid: Option<&[Vec<f64>; 2]>,
     elastic: Option<&[Vec<f64>; 2]>,

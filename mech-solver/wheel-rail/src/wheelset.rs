@@ -1,18 +1,20 @@
-//! A wheelset: where its wheels are, and how they move.
+//! Position and motion of a wheelset and its wheels.
 //!
-//! **Wheelset axes**: from its middle, x forward, y along the axle to the left, z up. In track axes its middle
-//! is at (0, y, R₀ + z), R₀ the nominal radius, and its axes are turned by R = R_x(roll) R_z(yaw): yaw about the
-//! axis z that roll has turned. A wheel's profile has its origin at half the distance of the flange backs less
-//! the place of the flange back in the profile, and R₀ below the axle; it is turned about the axle.
+//! **Wheelset axes**: from its middle, x forward, y along the axle to the left, z up. In track axes
+//! the middle is at (0, y, R₀ + z), with the nominal radius R₀. The axes are turned by
+//! R = R_x(roll) R_z(yaw): yaw is about the axis z that roll has turned. The origin of a wheel's
+//! profile is R₀ below the axle; its distance from the middle is half the flange back distance
+//! minus the position of the flange back in the profile. The profile is revolved about the axle.
 //!
-//! A point at r in wheelset axes has, as of a body that turns about its axle too, the velocity
+//! A point at r in wheelset axes, on a body that also turns about its axle, has the velocity
 //!
 //! v + ω × R r, ω = φ̇ e_x + ψ̇ R e_z + Ω R e_y,
 //!
-//! with v, roll rate φ̇, yaw rate ψ̇ and angular velocity Ω, positive where the wheelset rolls forward.
+//! with v, roll rate φ̇, yaw rate ψ̇ and angular velocity Ω, positive where the wheelset rolls
+//! forward.
 //!
-//! CONTACT has y to the right and z down: y, z, yaw, their rates and Ω have the opposite sign there. It takes
-//! φ̇ along R e_x. Source for the definitions: its user guide, ch. 4.
+//! CONTACT has y to the right and z down: y, z, yaw, their rates and Ω have the opposite sign
+//! there. CONTACT applies φ̇ along R e_x. Source for the definitions: its user guide, ch. 4.
 
 use super::outline::Outline;
 use super::rail::Side;
@@ -22,7 +24,7 @@ use nalgebra::{Rotation3, Vector3};
 /// Dimensions of a wheelset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wheelset {
-    /// Distance of the flange backs of its wheels [m].
+    /// Distance of the flange backs [m].
     pub flange_back_distance: f64,
     /// y of the flange back in the axes of the profile [m], usually −0.07.
     pub flange_back_position: f64,
@@ -33,39 +35,40 @@ pub struct Wheelset {
 /// Position and velocities of a wheelset, in track axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Way of its middle along the track [m], which matters where the rail or friction varies.
+    /// Distance of the middle along the track [m]; matters where the rail or friction varies.
     pub way: f64,
-    /// Angle by which it has turned about its axle, rolling forward [rad], which matters for wheels that are not round.
+    /// Angle of rotation about the axle, rolling forward [rad]; matters for wheels that are not
+    /// round.
     pub pitch: f64,
     /// Shift to the left [m].
     pub y: f64,
-    /// Height over that at which circles of the nominal radius touch z = 0 [m].
+    /// Height above the position in which circles of the nominal radius touch z = 0 [m].
     pub z: f64,
     /// Roll, from y to z [rad].
     pub roll: f64,
     /// Yaw, from x to y [rad].
     pub yaw: f64,
-    /// Velocity of its middle [m/s].
+    /// Velocity of the middle [m/s].
     pub velocity: [f64; 3],
     /// Rate of roll [rad/s].
     pub roll_rate: f64,
     /// Rate of yaw [rad/s].
     pub yaw_rate: f64,
-    /// Angular velocity about its axle [rad/s], positive where it rolls forward.
+    /// Angular velocity about the axle [rad/s], positive when rolling forward.
     pub angular_velocity: f64,
 }
 
-/// Place and orientation of a wheelset.
+/// Position and orientation of a wheelset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Its middle in track axes [m].
+    /// Middle in track axes [m].
     pub middle: Vector3<f64>,
-    /// From wheelset axes to track axes.
+    /// Rotation from wheelset axes to track axes.
     pub rotation: Rotation3<f64>,
 }
 
 impl Pose {
-    /// Pose of a wheelset of these dimensions in a motion.
+    /// Creates the pose of a wheelset of these dimensions in a motion.
     #[must_use]
     pub fn of(motion: &Motion, wheelset: &Wheelset) -> Self {
         let roll = Rotation3::from_axis_angle(&Vector3::x_axis(), motion.roll);
@@ -81,7 +84,7 @@ impl Pose {
         Vector3::x() * motion.roll_rate + self.rotation * turning
     }
 
-    /// A place of the track in wheelset axes [m].
+    /// Converts a point from track axes to wheelset axes [m].
     #[must_use]
     pub fn wheelset_axes(&self, place: Vector3<f64>) -> Vector3<f64> {
         self.rotation.inverse() * (place - self.middle)
@@ -91,16 +94,17 @@ impl Pose {
 /// A wheel of a wheelset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wheel {
-    /// Its profile in wheelset axes at its mark, y and z, s rising to the left; −z is the radius.
+    /// Profile at the mark in wheelset axes, y and z, s rising to the left; −z is the radius.
     pub outline: Outline,
-    /// Its surface over the angle from the mark; in the axes of the outline.
+    /// Surface over the angle from the mark, in the axes of the outline.
     pub surface: Surface,
     /// y and z of the profile's origin in wheelset axes [m].
     pub origin: [f64; 2],
 }
 
 impl Wheel {
-    /// The wheel with this surface, its profiles in the axes of [`super::profile`], on one side of a wheelset.
+    /// Places a wheel with this surface, its profiles in the axes of [`super::profile`], on one
+    /// side of a wheelset.
     #[must_use]
     pub fn placed(surface: &Surface, side: Side, wheelset: &Wheelset) -> Self {
         let y = 0.5 * wheelset.flange_back_distance - wheelset.flange_back_position;
@@ -131,8 +135,8 @@ mod tests {
         }
     }
 
-    /// Yaw turns forward to the left, roll lifts the left wheel, and rolling forward the lowest point goes
-    /// backwards over the middle.
+    /// Yaw turns forward to the left, roll lifts the left wheel, and in rolling forward the lowest
+    /// point moves backwards relative to the middle.
     #[test]
     fn signs_of_turns_and_rates() {
         let motion = Motion { yaw: 0.1, roll: 0.02, angular_velocity: 3.0, ..Motion::default() };

@@ -27,7 +27,7 @@ fn direct(nx: usize, ny: usize, kernel: impl Fn(i32, i32) -> f64, input: &[f64])
     (0..nx * ny).map(at).collect()
 }
 
-/// Tolerance: rounding of transforms of a few hundred values, relative to the largest.
+/// Tolerance: rounding of transforms of a few hundred values, relative to the largest value.
 #[track_caller]
 fn assert_same(field: &[f64], expected: &[f64]) {
     let scale = expected.iter().fold(0.0_f64, |max, value| max.max(value.abs()));
@@ -43,7 +43,7 @@ fn equals_the_direct_sum() {
     for (nx, ny) in SHAPES {
         let mut convolution = Convolution::new(nx, ny);
         let spectrum = convolution.spectrum(kernel(3));
-        // Twice, so that nothing left in the working memory may matter.
+        // Twice, to detect effects of values left in the working memory.
         for seed in [1, 2] {
             let input = noise(nx * ny, seed);
             let mut output = vec![f64::NAN; nx * ny];
@@ -53,7 +53,7 @@ fn equals_the_direct_sum() {
     }
 }
 
-/// A sum that stays in Fourier space is that of the fields.
+/// A sum in Fourier space equals the sum of the fields.
 #[test]
 fn a_sum_is_transformed_back_once() {
     for (nx, ny) in SHAPES {
@@ -95,7 +95,7 @@ fn tensor_equals_four_sums() {
     }
 }
 
-/// Spectra combine wave by wave; that of second differences is known to lie between 0 and 8.
+/// Spectra combine wave by wave; the spectrum of second differences lies between 0 and 8.
 #[test]
 fn spectra_combine() {
     let mut convolution = Convolution::new(12, 9);
@@ -130,7 +130,7 @@ fn padded_sizes_are_smooth_and_sufficient() {
     assert_eq!(sizes, [1, 8, 12, 15, 32, 125, 162, 648]);
 }
 
-/// Rows and columns of a large grid are transformed by whoever takes them, to the same bits.
+/// The distribution of rows and columns over threads does not change any bit.
 #[test]
 fn threads_change_no_bit() {
     let (nx, ny) = (331, 247);

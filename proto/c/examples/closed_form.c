@@ -1,17 +1,17 @@
 /*
- * Flash temperature of two bodies in closed form: a thermal solver in C that does what the
- * model `ertz-knothe` of thermal-solver does (Naeimi et al., equations 9 to 12, corrected; Ertz &
+ * Flash temperature of two bodies in closed form: a thermal solver in C with the same results as
+ * the model `ertz-knothe` of thermal-solver (Naeimi et al., equations 9 to 12, corrected; Ertz &
  * Knothe, Wear 253 (2002) 498-508).
  *
- * Each row along x of the friction power becomes the ellipse with its moments: heat Q, centre x_c,
- * semi-axis a and amplitude q_0,
+ * Each row of the friction power along x is replaced by the ellipse with the same moments: heat Q,
+ * centre x_c, semi-axis a and amplitude q_0,
  *
  *     Q = int q dx,  x_c = int x q dx / Q,  a = 2 sqrt(int (x - x_c)^2 q dx / Q),
  *     q_0 = 2 Q / (pi a).
  *
  * Material passes at the surface speed V, from the leading edge (large x) towards -x, and conducts
- * heat normal to the surface only. With the share eps of the heat and the effusivity
- * beta = sqrt(lambda rho c) the surface is warmer by
+ * heat only normal to the surface. With the share eps of the heat and the effusivity
+ * beta = sqrt(lambda rho c), the temperature rise of the surface is
  *
  *     T(x) = eps q_0 / beta sqrt(a / (pi V)) F(xi),  xi = (x_c - x) / a,
  *
@@ -75,18 +75,18 @@ static const char *const DESCRIPTION = COSIM_JSON({
     ]
 });
 
-/* The ellipse that stands for a row. */
+/* Ellipse that replaces a row. */
 struct ellipse {
     double heat;      /* Q [W/m] */
     double centre;    /* x_c [m] */
     double semi_axis; /* a [m]; 0 where there is no heat */
 };
 
-/* What a solve finds: the whole temperature field follows from it. */
+/* Result of a solve, from which the temperature field follows. */
 struct field {
     double speed[BODIES]; /* V [m/s] */
     double share[BODIES]; /* eps [-] */
-    struct ellipse row[]; /* one a row */
+    struct ellipse row[]; /* one per row */
 };
 
 struct closed_form {
@@ -103,8 +103,8 @@ static size_t field_size(const struct closed_form *cf)
     return sizeof(struct field) + cf->grid.nj * sizeof(struct ellipse);
 }
 
-/* F(xi). Behind the contact it is a difference of two roots. Far behind, where they nearly cancel,
- * it is the difference of their squares over their sum, in which the powers above xi^4 cancel. */
+/* F(xi). Behind the contact, F is a difference of two roots. Far behind, where the roots nearly
+ * cancel, the difference of their squares is divided by their sum; powers above xi^4 cancel. */
 static double rise_shape(double xi)
 {
     if (xi <= -1.0)
@@ -141,9 +141,9 @@ static double limited(double value, double left, double right)
     return copysign(fmin(fmax(copysign(1.0, left) * value, 0.0), most), left);
 }
 
-/* The flux at the edge before element i of a row with n element means: the cubic through the four
- * means round it, or a parabola near an end, kept between 0 and three times the smaller mean beside
- * it. Material comes into the row, at its end, from where there is no heat. */
+/* Flux at the edge before element i of a row with n element means, from the cubic through the four
+ * surrounding means, or a parabola near an end. The value is limited to between 0 and three times
+ * the smaller adjacent mean. Material enters at the end of the row, where the flux is zero. */
 static double edge(const double *q, size_t n, size_t i)
 {
     if (i == n)
@@ -157,8 +157,8 @@ static double edge(const double *q, size_t n, size_t i)
     return limited((2.0 * q[n - 1] + 5.0 * q[n - 2] - q[n - 3]) / 6.0, q[n - 2], q[n - 1]);
 }
 
-/* The ellipse of a row of n element means, from the moments about the row's middle element of
- * parabolas with the edge values l, r and the mean of each element. False if there is none. */
+/* Fits the ellipse of a row of n element means. The moments about the row's middle element use a
+ * parabola in each element with the edge values l, r and the mean. Returns false if none fits. */
 static bool fit(const cosim_grid *grid, const double *q, struct ellipse *ellipse)
 {
     size_t n = grid->ni, middle = n / 2;
@@ -195,7 +195,7 @@ static double amplitude(const struct closed_form *cf, const struct field *field,
     return flux / cf->effusivity[body] * sqrt(e->semi_axis / (PI * field->speed[body]));
 }
 
-/* Writes the surface temperatures of a field, where they are wanted. */
+/* Writes the requested surface temperatures of a field. */
 static void write_surfaces(const struct closed_form *cf, const struct field *field,
                            cosim_outputs *outputs)
 {
@@ -293,7 +293,7 @@ static void destroy(void *user)
 static int build(void *user)
 {
     struct closed_form *cf = user;
-    destroy(cf); /* what the run before has left */
+    destroy(cf); /* remains of the previous run */
     cf->trial = calloc(1, field_size(cf));
     cf->accepted = calloc(1, field_size(cf));
     return cf->trial && cf->accepted ? COSIM_OK : cosim_fail("out of memory");
@@ -356,7 +356,7 @@ static int restore(void *user, cosim_blob *blob)
     return cosim_blob_read(blob, cf->accepted, field_size(cf));
 }
 
-/* The hottest place of each body, which may lie between the element centres. */
+/* Hottest place of each body, possibly between element centres. */
 static const char *summary(void *user)
 {
     struct closed_form *cf = user;

@@ -3,8 +3,8 @@
  *
  *     T(x) = 1/(beta sqrt(pi V)) int q/2 dx'/sqrt(x' - x)  upstream,
  *
- * with q constant over elements, one half of the heat into each body; beta is a body's effusivity, V the rolling speed
- * (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
+ * with q constant over elements and half of the heat flowing into each body; beta is a body's
+ * effusivity, V the rolling speed (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
  */
 #include <cosim.h>
 #include <math.h>
@@ -52,7 +52,7 @@ struct columns {
     char name[2][32]; /* names of the bodies, in the order of SURFACE */
     double scale[2];  /* 1/(beta sqrt(pi V)) of each body, in that order [K m^1.5/W] */
     double *shape;   /* int dx'/(2 sqrt(x' - x)) over the element itself, the next one upstream, ... [sqrt(m)] */
-    double *trial, *accepted; /* the sums over the elements upstream [W/m^1.5] */
+    double *trial, *accepted; /* sums over the elements upstream [W/m^1.5] */
     char summary[256];
 };
 
@@ -92,7 +92,7 @@ static int configure(void *user, const cosim_configuration *told, cosim_layout *
     if (read_body(told, COSIM_LOWER, c->name[0], &c->scale[0]) || read_body(told, COSIM_UPPER, c->name[1], &c->scale[1]))
         return COSIM_REFUSED;
     if (!cosim_input_grid(told, "friction_power", &c->grid))
-        return COSIM_OK; /* while planning */
+        return COSIM_OK; /* the grid is unknown while planning */
     if (c->grid.kind != COSIM_STRUCTURED)
         return cosim_refuse("mech.model", "its grid has no rows along x", "name a model whose grid is structured");
     cosim_layout_grid(layout, &c->grid);
@@ -113,7 +113,7 @@ static void destroy(void *user)
 static int build(void *user)
 {
     struct columns *c = user;
-    destroy(c); /* what the run before has left */
+    destroy(c); /* remains of the previous run */
     size_t n = c->grid.points, ni = c->grid.ni;
     c->shape = calloc(ni, sizeof *c->shape);
     c->trial = calloc(n, sizeof *c->trial);

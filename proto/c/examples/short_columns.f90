@@ -2,8 +2,8 @@
 !
 !     T(x) = 1/(beta sqrt(pi V)) int q/2 dx'/sqrt(x' - x)  upstream,
 !
-! with q constant over elements, one half of the heat into each body; beta is a body's effusivity, V the rolling speed
-! (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
+! with q constant over elements and half of the heat flowing into each body; beta is a body's
+! effusivity, V the rolling speed (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
 module short_columns_callbacks
    use cosim
    implicit none
@@ -15,7 +15,7 @@ module short_columns_callbacks
       character(len=32) :: name(2)         ! of the lower and the upper body
       real(c_double) :: scale(2)           ! 1/(beta sqrt(pi V)) of the lower and the upper body [K m^1.5/W]
       real(c_double), allocatable :: shape(:) ! int dx'/(2 sqrt(x' - x)) over the element itself, the next upstream, ... [sqrt(m)]
-      real(c_double), allocatable :: trial(:, :) ! the sums over the elements upstream [W/m^1.5]
+      real(c_double), allocatable :: trial(:, :) ! sums over the elements upstream [W/m^1.5]
       real(c_double), allocatable :: accepted(:, :)
    end type
 
@@ -24,7 +24,7 @@ module short_columns_callbacks
 
 contains
 
-   ! The callbacks.
+   ! Returns the table of callbacks.
    function solver() result(all)
       type(cosim_solver) :: all
       description = letters(description_text())
@@ -68,7 +68,7 @@ contains
          '", "required": true, "above": 0, "help": "'//help//'"}'
    end function
 
-   ! A string of C that stays where it is.
+   ! Returns the words as a C string.
    pure function letters(words)
       character(len=*), intent(in) :: words
       character(kind=c_char) :: letters(len(words) + 1)
@@ -119,7 +119,7 @@ contains
       status = read_body(told, COSIM_LOWER, c%name(1), c%scale(1))
       if (status == COSIM_OK) status = read_body(told, COSIM_UPPER, c%name(2), c%scale(2))
       if (status /= COSIM_OK) return
-      if (.not. cosim_input_grid(told, c_text('friction_power'), c%grid)) return ! while planning
+      if (.not. cosim_input_grid(told, c_text('friction_power'), c%grid)) return ! the grid is unknown while planning
       if (c%grid%kind /= COSIM_STRUCTURED) then
          status = cosim_refuse(c_text('mech.model'), c_text('its grid has no rows along x'), &
                                c_text('name a model whose grid is structured'))
@@ -142,7 +142,7 @@ contains
       call c_f_pointer(user, c)
       associate (ni => c%grid%ni, nj => c%grid%nj, h => c%grid%step_i(1))
          c%shape = [(sqrt((k + 0.5_c_double)*h) - sqrt(max(k - 0.5_c_double, 0.0_c_double)*h), k=0, int(ni) - 1)]
-         if (allocated(c%trial)) deallocate (c%trial, c%accepted) ! of the run before
+         if (allocated(c%trial)) deallocate (c%trial, c%accepted) ! remains of the previous run
          allocate (c%trial(ni, nj), c%accepted(ni, nj))
       end associate
       c%accepted = 0
@@ -160,7 +160,7 @@ contains
 
       do body = 1, 2
          place = cosim_output(outputs, c_text(SURFACE(body)))
-         if (.not. c_associated(place)) cycle ! nobody needs it
+         if (.not. c_associated(place)) cycle ! nobody needs the field
          call c_f_pointer(place, values, shape(sums))
          values = c%scale(body)*sums
       end do

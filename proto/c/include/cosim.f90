@@ -1,7 +1,8 @@
-! The participant contract in Fortran 2018, over libcosim: what each function does stands in cosim.h.
+! Participant contract in Fortran 2018, as a module over libcosim. cosim.h documents the functions.
 !
-! Compile this file with the program, and link -lcosim. A program fills a cosim_solver with its callbacks
-! (c_funloc) and hands it to cosim_run; proto/c/examples/short_columns.f90 is a whole solver.
+! Compile this file with the program, and link with -lcosim. A program fills a cosim_solver with its
+! callbacks (c_funloc) and passes it to cosim_run; proto/c/examples/short_columns.f90 is a complete
+! solver.
 module cosim
    use, intrinsic :: iso_c_binding
    implicit none
@@ -9,7 +10,7 @@ module cosim
 
    integer(c_int), parameter :: COSIM_UPPER = 0, COSIM_LOWER = 1
    integer(c_int), parameter :: COSIM_OK = 0, COSIM_REFUSED = 1, COSIM_FAILED = 2
-   integer(c_int), parameter :: COSIM_STRUCTURED = 1, COSIM_QUADRILATERALS = 2
+   integer(c_int), parameter :: COSIM_STRUCTURED = 1, COSIM_QUADRILATERALS = 2, COSIM_VERTICES = 3
    integer(c_int32_t), parameter :: COSIM_VERSION = 3
 
    type, bind(c) :: cosim_step
@@ -34,7 +35,7 @@ module cosim
       type(c_ptr) :: vertices, elements
    end type
 
-   ! cosim_run sets size and version. A callback that is left out stays c_null_funptr.
+   ! cosim_run sets size and version. An omitted callback stays c_null_funptr.
    type, bind(c) :: cosim_solver
       integer(c_size_t) :: size = 0
       integer(c_int32_t) :: version = 0
@@ -152,7 +153,7 @@ module cosim
          integer(c_int) :: status
       end function
 
-      ! count and grid may be left out.
+      ! count and grid are optional.
       function cosim_input(inputs, field, count, grid) bind(c) result(values)
          import
          type(c_ptr), value :: inputs
@@ -246,7 +247,7 @@ module cosim
 
 contains
 
-   ! The whole main of a participant: cosim_main with the words of the command line. Returns its exit code.
+   ! Complete main of a participant: cosim_main with the command line. Returns the exit code.
    function cosim_run(solver, user) result(code)
       type(cosim_solver), intent(in) :: solver
       type(c_ptr), intent(in) :: user
@@ -275,14 +276,14 @@ contains
       code = cosim_main(int(size(first), c_int), argv, filled, user)
    end function
 
-   ! Words as a string of C.
+   ! Returns the words as a C string.
    pure function c_text(words) result(text)
       character(len=*), intent(in) :: words
       character(kind=c_char, len=len_trim(words) + 1) :: text
       text = trim(words)//c_null_char
    end function
 
-   ! A string of C as words; none of a null pointer.
+   ! Returns a C string as words; empty for a null pointer.
    function words_of(text) result(words)
       type(c_ptr), intent(in) :: text
       character(len=:), allocatable :: words

@@ -1,12 +1,12 @@
 /*
  * libcosim: a participant of a co-simulation in C, C++ or Fortran.
  *
- * Fill a cosim_solver and hand it to cosim_main(); proto/c/README.md shows how, and
- * proto/c/examples/closed_form.c is a whole solver.
+ * Fill a cosim_solver and pass it to cosim_main(); proto/c/README.md shows how, and
+ * proto/c/examples/closed_form.c is a complete solver.
  *
- * Numbers are in SI units. Strings end with a NUL and are UTF-8. A pointer that a callback is given
- * holds until it returns. A NULL where none is allowed, like every other wrong use, makes the
- * callback in which it happens fail, whatever that returns.
+ * Numbers are in SI units. Strings are UTF-8 and end with a NUL. Pointers passed to a callback are
+ * valid until the callback returns. Any misuse, such as a forbidden NULL, makes the callback fail,
+ * whatever status it returns.
  */
 
 #ifndef COSIM_H
@@ -32,7 +32,7 @@
 #define COSIM_LOWER 1
 
 /**
- * Status of a callback or function: done.
+ * Status of a callback or function: success.
  */
 #define COSIM_OK 0
 
@@ -42,7 +42,7 @@
 #define COSIM_REFUSED 1
 
 /**
- * Status of a callback or function: it failed, see cosim_fail().
+ * Status of a callback or function: failure, see cosim_fail().
  */
 #define COSIM_FAILED 2
 
@@ -57,7 +57,12 @@
 #define COSIM_QUADRILATERALS 2
 
 /**
- * Version of this interface. Raised when a program has to be changed, and not only compiled again.
+ * Kind of a grid: vertices that carry values. Such a grid is only received.
+ */
+#define COSIM_VERTICES 3
+
+/**
+ * Version of this interface; raised when programs must be changed, not only recompiled.
  */
 #define COSIM_VERSION 3
 
@@ -67,7 +72,7 @@
 #define COSIM_RECTILINEAR 3
 
 /**
- * Kind of a volume: ni x nj x nk hexahedra with vertices anywhere.
+ * Kind of a volume: ni x nj x nk hexahedra with vertices at any position.
  */
 #define COSIM_STRUCTURED_HEXAHEDRA 4
 
@@ -77,13 +82,13 @@
 #define COSIM_UNSTRUCTURED_HEXAHEDRA 5
 
 /**
- * A state on its way to or from a file.
+ * A state being written to or read from a file.
  */
 typedef struct cosim_blob cosim_blob;
 
 /**
- * What a program is given before a run: role, model, case values, inputs and outputs. Strings that
- * come from it hold until configure returns.
+ * Configuration of a program before a run: role, model, case values, inputs and outputs. Strings
+ * obtained from it are valid until configure returns.
  */
 typedef struct cosim_configuration cosim_configuration;
 
@@ -93,12 +98,12 @@ typedef struct cosim_configuration cosim_configuration;
 typedef struct cosim_inputs cosim_inputs;
 
 /**
- * What configure answers: the program's grids, which field lives on which, and the expected cost.
+ * Answer of configure: the program's grids, the grid of each field, and the expected cost.
  */
 typedef struct cosim_layout cosim_layout;
 
 /**
- * Grids whose geometry a program may give: those that move, and volumes.
+ * Grids whose geometry a program may supply: moving grids and volumes.
  */
 typedef struct cosim_moves cosim_moves;
 
@@ -130,44 +135,44 @@ typedef struct cosim_step {
 } cosim_step;
 
 /**
- * What a solve says besides its outputs. The library sets everything to 0 or NAN before.
+ * Report of a solve, besides its outputs. The library initialises all members to 0 or NAN.
  */
 typedef struct cosim_report {
     /**
-     * Steps taken inside the window.
+     * Number of steps inside the window.
      */
     uint32_t substeps;
     /**
-     * Iterations of the inner solver.
+     * Number of iterations of the inner solver.
      */
     uint32_t inner_iterations;
     /**
-     * Number of elementary operations in the program's own measure.
+     * Number of elementary operations, in the program's own unit.
      */
     uint64_t work;
     /**
-     * Heat received through conservative inputs, as the mean power over the window [W]: the
-     * coordinator's audit compares it with what was sent. NAN for a program that receives none.
+     * Mean power received through conservative inputs over the window [W]; the coordinator
+     * compares it with the power sent. NAN for a program that receives none.
      */
     double heat_received;
     /**
-     * Longest window that the program would take from this one's start [s]: up to an event, or for
-     * its accuracy. Adaptive windows obey it where it is shorter. NAN for no wish.
+     * Longest window that the program accepts from the start of this one [s], limited by an event
+     * or by accuracy. Adaptive windows respect a shorter value. NAN without a limit.
      */
     double wanted_window;
 } cosim_report;
 
 /**
- * A solver: its callbacks, each called with the `user` of cosim_main() as the first argument, and
- * never from two threads at once.
+ * A solver: its callbacks. Each is called with the `user` of cosim_main() as the first argument,
+ * and never from two threads at once.
  *
- * A callback answers COSIM_OK, or what cosim_refuse() or cosim_fail() return; one that answers with
- * a text, NULL after one of these. It must not throw a C++ exception nor jump out. A callback that
- * is NULL is left out; describe, configure and solve must be there.
+ * A callback returns COSIM_OK, or the result of cosim_refuse() or cosim_fail(). A callback that
+ * returns a text returns NULL after one of these. A callback must not throw a C++ exception nor
+ * longjmp out. Optional callbacks may be NULL; describe, configure and solve are required.
  */
 typedef struct cosim_solver {
     /**
-     * sizeof(cosim_solver): callbacks that a later version appends are NULL for this program.
+     * sizeof(cosim_solver); callbacks appended in a later version are NULL for this program.
      */
     size_t size;
     /**
@@ -175,30 +180,30 @@ typedef struct cosim_solver {
      */
     uint32_t version;
     /**
-     * What the program can do, as JSON (see proto/c/README.md); called once. The text is the
-     * program's and stays until destroy.
+     * Returns the description of the program as JSON (see proto/c/README.md); called once. The
+     * program owns the text, which must stay valid until destroy.
      */
     const char *(*describe)(void *user);
     /**
-     * Checks a configuration and answers with grids and cost; cheap, allocates no field. May be
-     * called more than once, the last one counts.
+     * Checks a configuration and sets grids and cost. Cheap; allocates no fields. May be called
+     * more than once; the last call counts.
      */
     int (*configure)(void *user,
                      const struct cosim_configuration *configuration,
                      struct cosim_layout *layout);
     /**
-     * Allocates everything the solver needs. NULL: nothing. A program that describes itself as
-     * "reusable" is configured and built again for another run, in which nothing of the one before
-     * may be left.
+     * Allocates everything the solver needs. NULL: nothing to allocate. A program that describes
+     * itself as "reusable" is configured and built again for another run, in which nothing of the
+     * previous run may remain.
      */
     int (*build)(void *user);
     /**
-     * Writes the outputs that hold before the first solve. NULL: zeros.
+     * Writes the initial outputs, before the first solve. NULL: zeros.
      */
     int (*first_outputs)(void *user, struct cosim_outputs *outputs);
     /**
      * Solves one window from the accepted state with the given inputs, and writes the outputs. A
-     * window may be solved any number of times: only accept moves on.
+     * window may be solved any number of times; only accept advances the state.
      */
     int (*solve)(void *user,
                  const struct cosim_step *step,
@@ -206,56 +211,58 @@ typedef struct cosim_solver {
                  struct cosim_outputs *outputs,
                  struct cosim_report *report);
     /**
-     * Makes the last solve the accepted state. NULL: there is no state.
+     * Makes the last solve the accepted state. NULL: the program has no state.
      */
     int (*accept)(void *user);
     /**
-     * Writes the observed fields of the accepted state: those that are only looked at and need not
-     * be there in every iteration. NULL: a run that would observe any is refused.
+     * Writes the observed fields of the accepted state, which are output fields not needed in
+     * every iteration. NULL: runs that observe a field are refused.
      */
     int (*observe)(void *user, struct cosim_outputs *outputs);
     /**
-     * Writes the accepted state with cosim_blob_write(). NULL, together with restore: no state.
+     * Writes the accepted state with cosim_blob_write(). NULL, together with restore: the program
+     * has no state.
      */
     int (*save)(void *user, struct cosim_blob *blob);
     /**
-     * Returns to a saved state, all of which it reads with cosim_blob_read(); the run then continues
-     * bit-identically.
+     * Restores a saved state, which it must read completely with cosim_blob_read(); the run then
+     * continues bit-identically.
      */
     int (*restore)(void *user, struct cosim_blob *blob);
     /**
-     * The program's part of summary.json, a JSON object of sections that are merged over the
-     * participants: {"temperature": {...}}. The text is the program's and stays until destroy.
-     * NULL: none.
+     * Returns the program's part of summary.json, a JSON object of sections that are merged over
+     * the participants: {"temperature": {...}}. The program owns the text, which must stay valid
+     * until destroy. NULL: no summary.
      */
     const char *(*summary)(void *user);
     /**
-     * Frees what `user` holds; called once, last.
+     * Frees the resources of `user`; called once, last.
      */
     void (*destroy)(void *user);
     /**
-     * Gives the geometry of the layout's volumes and of its grids that move, as they are in the
-     * accepted state, with cosim_geometry(). Called after build, accept and restore, if anybody
-     * needs one of them; between these calls they stay. NULL: there are none.
+     * Supplies the geometry of the layout's volumes and moving grids in the accepted state, with
+     * cosim_geometry(). Called after build, accept and restore, if any of these grids is needed;
+     * the geometry must not change in between. NULL: there are no such grids.
      */
     int (*moved_grids)(void *user, struct cosim_moves *moves);
     /**
-     * Frees what build has allocated: the run is over. Called after a build that succeeded, also
-     * if the run failed. NULL: destroy or the next build does it.
+     * Frees the allocations of build, because the run is over. Called after every successful
+     * build, even if the run failed. NULL: destroy or the next build frees them.
      */
     int (*finish)(void *user);
 } cosim_solver;
 
 /**
- * A surface grid. Values belong to element centres.
+ * A surface grid. Values belong to element centres or, on vertices, to the vertices.
  *
- * Structured: the centre of element (i, j) is origin + i step_i + j step_j, its value stands at
- * j ni + i. For the contact plane step_i points along x, the rolling direction, and step_j along
- * y, to the left. Quadrilaterals: element n has the corners elements[4n] to elements[4n+3], in
- * order round it; vertex v is at vertices[3v] to vertices[3v+2].
+ * Structured: the centre of element (i, j) is origin + i step_i + j step_j, and its value stands
+ * at j ni + i. In the contact plane, step_i points along x, the rolling direction, and step_j
+ * along y, to the left. Quadrilaterals: element n has the corners elements[4n] to elements[4n+3],
+ * in order around the element; vertex v stands at vertices[3v] to vertices[3v+2]. Vertices: vertex
+ * v stands there too, and its value at v.
  *
- * In a grid that comes from the library the pointers are the library's and hold until the callback
- * returns; members of the other kind are 0.
+ * In a grid obtained from the library, the library owns the pointers; they are valid until the
+ * callback returns. Members of the other kind are 0.
  */
 typedef struct cosim_grid {
     /**
@@ -263,15 +270,16 @@ typedef struct cosim_grid {
      */
     char name[32];
     /**
-     * Rises by one whenever the geometry changes; the first is 1, and 0 is taken for 1.
+     * Increases by one whenever the geometry changes; starts at 1, and 0 is read as 1.
      */
     uint64_t revision;
     /**
-     * COSIM_STRUCTURED or COSIM_QUADRILATERALS.
+     * COSIM_STRUCTURED, COSIM_QUADRILATERALS or COSIM_VERTICES.
      */
     int kind;
     /**
-     * Number of elements, whatever the kind; for a structured grid given to the library, unused.
+     * Number of elements or vertices with values; unused for a structured grid passed to the
+     * library.
      */
     size_t points;
     /**
@@ -279,11 +287,11 @@ typedef struct cosim_grid {
      */
     double origin[3];
     /**
-     * Structured: from one element to the next in i [m].
+     * Structured: vector from one element to the next in i [m].
      */
     double step_i[3];
     /**
-     * Structured: from one element to the next in j [m].
+     * Structured: vector from one element to the next in j [m].
      */
     double step_j[3];
     /**
@@ -295,29 +303,28 @@ typedef struct cosim_grid {
      */
     size_t nj;
     /**
-     * Quadrilaterals: number of vertices.
+     * Quadrilaterals and vertices: number of vertices.
      */
     size_t vertex_count;
     /**
-     * Quadrilaterals: three coordinates of each vertex [m].
+     * Quadrilaterals and vertices: three coordinates of each vertex [m].
      */
     const double *vertices;
     /**
-     * Quadrilaterals: four vertices of each element, counted from 0.
+     * Quadrilaterals: four vertices of each element, numbered from 0.
      */
     const uint32_t *elements;
 } cosim_grid;
 
 /**
- * A volume: hexahedra on which fields are only written out. The value of element (i, j, k) stands at
- * (k nj + j) ni + i.
+ * A volume: hexahedra for output fields only. Element (i, j, k) has index (k nj + j) ni + i.
  *
- * Its geometry goes into the place of cosim_geometry(): vectors of three components [m], the
- * first components of all of them, then the second, then the third. Rectilinear: the n-th nodes of
- * the axes x, y and z, as many as the longest axis has, 0 beyond the last of a shorter one.
- * Structured: the (ni + 1) (nj + 1) (nk + 1) vertices, i fastest, then j. Unstructured: the vertices,
- * then for each element its corners a to h, numbers of vertices from 0, as (a, b, c), (d, e, f) and
- * (g, h, 0). Corners are in VTK's order, with a positive volume.
+ * The geometry goes into the buffer of cosim_geometry(): vectors of three components [m],
+ * component-major (all first components, then all second, then all third). Rectilinear: the n-th
+ * nodes of the axes x, y and z, as many as the longest axis has; 0 beyond the end of a shorter
+ * axis. Structured: the (ni + 1) (nj + 1) (nk + 1) vertices, i fastest, then j. Unstructured: the
+ * vertices, followed for each element by its corners a to h, vertex numbers from 0, as (a, b, c),
+ * (d, e, f) and (g, h, 0). Corners are in VTK's order, with a positive volume.
  */
 typedef struct cosim_volume {
     /**
@@ -329,7 +336,7 @@ typedef struct cosim_volume {
      */
     int kind;
     /**
-     * Number of elements in i; of unstructured hexahedra unused, as nj and nk.
+     * Number of elements in i; unused for unstructured hexahedra, like nj and nk.
      */
     size_t ni;
     /**
@@ -355,126 +362,124 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * The whole main of a participant: answers --describe and --estimate, and with --join takes part in
- * a run until it is finished. `user` is handed to every callback and not looked at.
+ * Complete main function of a participant: answers --describe and --estimate, and with --join
+ * takes part in a run until the run is finished. `user` is passed unchanged to every callback.
  *
- * Returns the exit code: 0, 1 for an error, which is written to standard error, 2 for wrong
- * arguments. While it runs, a thread of the library's own beats the heart; should the coordinator
- * die, that thread ends the process. SIGPIPE is ignored from here on, unless the program handles it.
+ * Returns the exit code: 0 for success, 1 for an error, which is written to standard error, 2 for
+ * invalid arguments. A thread of the library sends the heartbeat and ends the process if the
+ * coordinator dies. SIGPIPE is ignored from here on, unless the program handles it.
  */
-int cosim_main(int argc,
-               char **argv,
-               const struct cosim_solver *solver,
-               void *user);
+int cosim_main(int argc, char **argv, const struct cosim_solver *solver, void *user);
 
 /**
- * The whole configuration as JSON, for what has no accessor. NULL on failure.
+ * Returns the whole configuration as JSON, for entries without an accessor. NULL on failure.
  */
 const char *cosim_configuration_json(const struct cosim_configuration *configuration);
 
 /**
- * The role to play ("thermal"). NULL on failure.
+ * Returns the role to play ("thermal"). NULL on failure.
  */
 const char *cosim_role(const struct cosim_configuration *configuration);
 
 /**
- * The model chosen, one of the description's. NULL on failure.
+ * Returns the name of the chosen model, from the description. NULL on failure.
  */
 const char *cosim_model(const struct cosim_configuration *configuration);
 
 /**
- * Whether the case is transient: windows of coupling time, and not one without duration.
+ * Returns true for a transient case (windows of coupling time), false for a steady case (a single
+ * window without duration).
  */
 bool cosim_is_transient(const struct cosim_configuration *configuration);
 
 /**
- * Threads that the program may compute on at the same time, at least 1. Its results must not depend
- * on it. 0 on failure.
+ * Returns the number of threads to compute on, at least 1. Results must be independent of this
+ * number. 0 on failure.
  */
 size_t cosim_threads(const struct cosim_configuration *configuration);
 
 /**
- * Whether an effect is active and claimed by this program.
+ * Returns true if an effect is active and claimed by this program.
  */
 bool cosim_has_effect(const struct cosim_configuration *configuration, const char *effect);
 
 /**
- * Whether an output is wanted: in every iteration, or observed.
+ * Returns true if an output is requested, in every iteration or when observed.
  */
 bool cosim_is_wanted(const struct cosim_configuration *configuration, const char *field);
 
 /**
- * Whether the case has a value or table at a dotted key.
+ * Returns true if the case has a value or table at a dotted key.
  */
 bool cosim_case_has(const struct cosim_configuration *configuration, const char *key);
 
 /**
  * Reads a number of the case, in SI units, at a dotted key ("materials.steel.conductivity").
  *
- * COSIM_OK; or COSIM_REFUSED with a reason that names the key, ready to be returned, if it is
- * missing or no finite number; *value then stays as it was.
+ * Returns COSIM_OK. If the number is missing or not finite, returns COSIM_REFUSED with a reason
+ * that names the key, which the callback can return; *value is then unchanged.
  */
 int cosim_case_number(const struct cosim_configuration *configuration,
                       const char *key,
                       double *value);
 
 /**
- * Reads a whole number of the case; otherwise as cosim_case_number().
+ * Reads a whole number of the case; otherwise like cosim_case_number().
  */
 int cosim_case_integer(const struct cosim_configuration *configuration,
                        const char *key,
                        int64_t *value);
 
 /**
- * Reads a truth value of the case; otherwise as cosim_case_number().
+ * Reads a Boolean of the case; otherwise like cosim_case_number().
  */
 int cosim_case_flag(const struct cosim_configuration *configuration, const char *key, bool *value);
 
 /**
- * A text or word of the case at a dotted key. NULL, with a refusal that names the key ready to be
- * returned, if it is missing or no text.
+ * Returns a text or word of the case at a dotted key. If it is missing or not a text, returns NULL
+ * and records a refusal that names the key.
  */
 const char *cosim_case_text(const struct cosim_configuration *configuration, const char *key);
 
 /**
- * The name that the case gives to a body, COSIM_UPPER or COSIM_LOWER; its values are those under
- * "bodies.NAME". NULL, with a refusal ready to be returned, if the case has not one body at each
- * position; the description has to list the key "bodies.*.position".
+ * Returns the case's name of a body, COSIM_UPPER or COSIM_LOWER; the body's values stand under
+ * "bodies.NAME". Returns NULL and records a refusal unless the case has one body at each position.
+ * The description must list the key "bodies.*.position".
  */
 const char *cosim_body_name(const struct cosim_configuration *configuration, int body);
 
 /**
- * Writes the grid on which an input will arrive, and says whether it is known. It is not for a
- * field that is no input of this run, nor as long as its producer has not been configured: then
- * configure answers without grids, and is called again later.
+ * Writes the grid on which an input will arrive; returns false if it is unknown. The grid is
+ * unknown if the field is not an input of this run, or while its producer is not yet configured.
+ * In the latter case configure returns without grids and is called again later.
  */
 bool cosim_input_grid(const struct cosim_configuration *configuration,
                       const char *field,
                       struct cosim_grid *grid);
 
 /**
- * Says why a case cannot be computed; the run ends before it has begun, with exit code 2.
+ * Refuses the case; the run ends before it has begun, with exit code 2.
  *
  * For configure and build: `return cosim_refuse(...)`. `key` is the dotted key of the case at
- * fault ("motion.speed"), `reason` why its value cannot be, `fix` what to write instead. All three
- * are copied. Returns COSIM_REFUSED.
+ * fault ("motion.speed"), `reason` states why its value is refused, `fix` what to write instead.
+ * All three are copied. Returns COSIM_REFUSED.
  */
 int cosim_refuse(const char *key, const char *reason, const char *fix);
 
 /**
- * Says why a callback failed; the run ends with exit code 1 and an error that has this text.
+ * Reports the failure of a callback; the run ends with exit code 1 and this text as its error.
  *
- * `return cosim_fail("...")` from any callback, on the thread on which it was called. `message` is
- * copied. Returns COSIM_FAILED.
+ * Use `return cosim_fail("...")` in any callback, on the thread of the call. `message` is copied.
+ * Returns COSIM_FAILED.
  */
 int cosim_fail(const char *message);
 
 /**
- * The values of an input at the end of the window: its components one after the other, each with
- * one value an element, read in place and valid until the callback returns.
+ * Returns the values of an input at the end of the window, component by component with one value
+ * per element. The values are read in place and valid until the callback returns.
  *
- * Writes the number of values and the grid as it is now; both pointers may be NULL. NULL, and a
- * count of 0, for a field that does not arrive in this run.
+ * Writes the number of values and the current grid; both pointers may be NULL. Returns NULL, and a
+ * count of 0, if the field does not arrive in this run.
  */
 const double *cosim_input(const struct cosim_inputs *inputs,
                           const char *field,
@@ -482,32 +487,30 @@ const double *cosim_input(const struct cosim_inputs *inputs,
                           struct cosim_grid *grid);
 
 /**
- * The values of an input at the start of the window, as long as those of cosim_input(): within the
- * window the field goes in a straight line from these to those. NULL for a field that does not
- * vary within a window.
+ * Returns the values of an input at the start of the window, as many as in cosim_input(). Within
+ * the window the field varies linearly from these values to those of cosim_input(). Returns NULL
+ * for a field that is constant within a window.
  */
 const double *cosim_input_start(const struct cosim_inputs *inputs,
                                 const char *field,
                                 size_t *count);
 
 /**
- * As cosim_input(), for an input that the program cannot do without: `count` values, all finite.
- * NULL, with a reason that names the field ready to be returned as COSIM_FAILED, if it does not
- * arrive, has another number of values, or holds a NaN or an infinity.
+ * Returns a required input like cosim_input(): `count` values, all finite. Otherwise returns NULL
+ * and records a reason that names the field, to be returned as COSIM_FAILED. This happens if the
+ * field does not arrive, has another number of values, or holds a NaN or an infinity.
  */
 const double *cosim_require_input(const struct cosim_inputs *inputs,
                                   const char *field,
                                   size_t count);
 
 /**
- * The place for the values of an output: its components one after the other, each with one value an
- * element, valid until the callback returns. Every value has to be written: the place holds old data
- * before, and an output that is left as it was fails the call. Writes the number of values; `count`
- * may be NULL. NULL, and a count of 0, for a field that nobody needs now.
+ * Returns the buffer for the values of an output, component by component with one value per
+ * element, valid until the callback returns. Every value must be written: the buffer holds old
+ * data, and an unwritten output fails the call. Writes the number of values; `count` may be NULL.
+ * Returns NULL, and a count of 0, if nobody needs the field now.
  */
-double *cosim_output(struct cosim_outputs *outputs,
-                     const char *field,
-                     size_t *count);
+double *cosim_output(struct cosim_outputs *outputs, const char *field, size_t *count);
 
 /**
  * Appends `size` bytes to the state, for save.
@@ -515,48 +518,45 @@ double *cosim_output(struct cosim_outputs *outputs,
 int cosim_blob_write(struct cosim_blob *blob, const void *bytes, size_t size);
 
 /**
- * Takes the next `size` bytes of the state, for restore, which has to take all of them. COSIM_FAILED,
- * with a reason ready to be returned, if there are fewer.
+ * Reads the next `size` bytes of the state, for restore, which must read all bytes. Returns
+ * COSIM_FAILED and records a reason if there are fewer.
  */
-int cosim_blob_read(struct cosim_blob *blob,
-                    void *bytes,
-                    size_t size);
+int cosim_blob_read(struct cosim_blob *blob, void *bytes, size_t size);
 
 /**
- * Takes at most `size` of the next bytes of the state, for restore; how many that were, 0 at its end
- * and on failure.
+ * Reads at most `size` bytes of the state, for restore. Returns the number of bytes read, 0 at the
+ * end of the state and on failure.
  */
-size_t cosim_blob_read_some(struct cosim_blob *blob,
-                            void *bytes,
-                            size_t size);
+size_t cosim_blob_read_some(struct cosim_blob *blob, void *bytes, size_t size);
 
 /**
- * Sets the whole layout from JSON, as docs/write-a-solver.md has it, for what has no function of its
- * own. COSIM_FAILED if it is none, or cannot be: a grid without area, a field on a grid that there
- * is not.
+ * Sets the whole layout from JSON (docs/write-a-solver.md), for entries without a function of
+ * their own. Returns COSIM_FAILED if the text is not a layout or is invalid, such as a grid
+ * without area or a field on an unknown grid.
  */
-int cosim_layout_json(struct cosim_layout *layout,
-                      const char *json);
+int cosim_layout_json(struct cosim_layout *layout, const char *json);
 
 /**
- * Adds a grid, which is copied. COSIM_FAILED if it cannot be: name, counts, elements without area.
+ * Adds a copy of a grid. Returns COSIM_FAILED if the grid is invalid: name, counts, elements
+ * without area.
  */
 int cosim_layout_grid(struct cosim_layout *layout, const struct cosim_grid *grid);
 
 /**
- * Adds a volume, which is copied; `moved_grids` gives its geometry. COSIM_FAILED if it cannot be:
- * name, counts.
+ * Adds a copy of a volume; `moved_grids` supplies its geometry. Returns COSIM_FAILED if the volume
+ * is invalid: name, counts.
  */
 int cosim_layout_volume(struct cosim_layout *layout, const struct cosim_volume *volume);
 
 /**
- * Says on which of the grids an output, or an observed field, lives. Both names are copied.
+ * Sets the grid of an output or observed field. Both names are copied.
  */
 int cosim_layout_output(struct cosim_layout *layout, const char *field, const char *grid);
 
 /**
- * Asks for an input on one of the grids: the coordinator maps it there, if its producer's is
- * another. An input without such a wish arrives on its producer's grid. Both names are copied.
+ * Requests an input on one of the program's grids; the coordinator maps it there from the
+ * producer's grid. Inputs without a request arrive on the grid of their producer. Both names are
+ * copied.
  */
 int cosim_layout_input(struct cosim_layout *layout, const char *field, const char *grid);
 
@@ -566,13 +566,13 @@ int cosim_layout_input(struct cosim_layout *layout, const char *field, const cha
 int cosim_layout_cost(struct cosim_layout *layout, double solve_seconds, uint64_t memory_bytes);
 
 /**
- * Sets the expected processor time of `build` [s]; the deadline for building follows it.
+ * Sets the expected processor time of `build` [s], from which the deadline for building follows.
  */
 int cosim_layout_build_seconds(struct cosim_layout *layout, double build_seconds);
 
 /**
- * Adds what the model leaves out in this very case, its expected relative error, and where that
- * number comes from. Both texts are copied.
+ * Adds a simplification of the model in this particular case, with its expected relative error and
+ * the origin of this number. Both texts are copied.
  */
 int cosim_layout_left_out(struct cosim_layout *layout,
                           const char *what,
@@ -580,20 +580,21 @@ int cosim_layout_left_out(struct cosim_layout *layout,
                           const char *source);
 
 /**
- * Adds a quantity of the summary that is known exactly in this case, by its dotted key, which is
- * copied.
+ * Adds a quantity of the summary whose exact value is known in this case, by its dotted key, which
+ * is copied.
  */
 int cosim_layout_closed_form(struct cosim_layout *layout, const char *key, double exact);
 
 /**
- * Adds a line to what `coordinator plan` prints: what the model makes of the case. It is copied.
+ * Adds a line to the output of `coordinator plan`, on the model's view of the case. The text is
+ * copied.
  */
 int cosim_layout_remark(struct cosim_layout *layout, const char *remark);
 
 /**
- * The place for the geometry of a grid in a revision: vectors of three components [m], the first
- * components of all of them, then the second, then the third, every value to be written. NULL, and
- * a count of 0, if it is known already or nobody needs it.
+ * Returns the buffer for the geometry of a grid in a revision: vectors of three components [m],
+ * component-major (all first components, then all second, then all third). Every value must be
+ * written. Returns NULL, and a count of 0, if the geometry is already known or nobody needs it.
  *
  * Structured: origin, step_i, step_j and (ni, nj, 1). Quadrilaterals: the vertices. Volume: see
  * cosim_volume. Writes the number of values; `count` may be NULL.
@@ -604,11 +605,12 @@ double *cosim_geometry(struct cosim_moves *moves,
                        size_t *count);
 
 /**
- * Says how far build, solve, save or restore is: `done` of `of` in the program's own measure, `of`
- * being 0 if nobody knows; `what` is being done, in an ASCII word of at most 31 letters
- * ("factorising"). From any thread, as often as the program likes.
+ * Reports the progress of build, solve, save or restore: `done` of `of` units of work; `of` is 0
+ * if unknown. `what` names the activity in one ASCII word of at most 31 letters ("factorising").
+ * May be called from any thread, as often as needed.
  *
- * Whenever it changes, the deadline of the coordinator starts anew, and the user sees it.
+ * Whenever the report changes, the coordinator restarts its deadline and shows the report to the
+ * user.
  */
 int cosim_progress(uint64_t done, uint64_t of, const char *what);
 

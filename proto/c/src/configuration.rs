@@ -1,4 +1,4 @@
-//! What a participant is settings, as C asks for it.
+//! Configuration of a participant, as read from C.
 
 use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
 use crate::grid::CosimGrid;
@@ -7,8 +7,8 @@ use proto::configuration::{Configuration, Mode, Refusal};
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
 
-/// What a program is given before a run: role, model, case values, inputs and outputs. Strings that
-/// come from it hold until configure returns.
+/// Configuration of a program before a run: role, model, case values, inputs and outputs. Strings
+/// obtained from it are valid until configure returns.
 pub struct CosimConfiguration<'a> {
     configuration: &'a Configuration,
     texts: RefCell<Vec<CString>>,
@@ -19,128 +19,129 @@ impl<'a> CosimConfiguration<'a> {
         Self { configuration, texts: RefCell::default() }
     }
 
-    /// Keeps a text for C.
+    /// Stores a text and returns a pointer for C.
     fn lend(&self, text: &str) -> Result<*const c_char, Fault> {
         let text = CString::new(text)
             .map_err(|_| Fault::Misused(format!("a text of the case has a NUL: {text:?}")))?;
-        // The bytes stay where they are when the list grows.
+        // The bytes keep their address when the list grows.
         let pointer = text.as_ptr();
         self.texts.borrow_mut().push(text);
         Ok(pointer)
     }
 }
 
-/// What every accessor begins with.
+/// Checks the configuration argument of an accessor.
 unsafe fn settings<'a>(
     configuration: *const CosimConfiguration<'a>,
 ) -> Result<&'a CosimConfiguration<'a>, Fault> {
-    // SAFETY: the header asks for what the library has handed out.
+    // SAFETY: the header requires what the library has handed out.
     unsafe { shared("configuration", configuration) }
 }
 
-/// A key of the case and where to put its value.
+/// Reads the value at a key of the case into `into`.
 unsafe fn value<'a, T>(
     configuration: *const CosimConfiguration<'a>,
     key: *const c_char,
     into: *mut T,
     read: impl FnOnce(&Configuration, &str) -> Result<T, Refusal>,
 ) -> Result<c_int, Fault> {
-    // SAFETY: the header asks for a configuration, a string and room for a value.
+    // SAFETY: the header requires a configuration, a string and room for a value.
     let (settings, key, into) =
         unsafe { (settings(configuration)?, text("key", key)?, exclusive("value", into)?) };
     *into = read(settings.configuration, key).map_err(Fault::Refused)?;
     Ok(COSIM_OK)
 }
 
-/// The whole configuration as JSON, for what has no accessor. NULL on failure.
+/// Returns the whole configuration as JSON, for entries without an accessor. NULL on failure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_configuration_json(
     configuration: *const CosimConfiguration<'_>,
 ) -> *const c_char {
     guard("cosim_configuration_json", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let settings = unsafe { settings(configuration)? };
         let json = serde_json::to_string(settings.configuration);
         settings.lend(&json.map_err(|error| Fault::Failed(error.to_string()))?)
     })
 }
 
-/// The role to play ("thermal"). NULL on failure.
+/// Returns the role to play ("thermal"). NULL on failure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_role(configuration: *const CosimConfiguration<'_>) -> *const c_char {
     guard("cosim_role", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let settings = unsafe { settings(configuration)? };
         settings.lend(&settings.configuration.role)
     })
 }
 
-/// The model chosen, one of the description's. NULL on failure.
+/// Returns the name of the chosen model, from the description. NULL on failure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_model(
     configuration: *const CosimConfiguration<'_>,
 ) -> *const c_char {
     guard("cosim_model", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let settings = unsafe { settings(configuration)? };
         settings.lend(&settings.configuration.model)
     })
 }
 
-/// Whether the case is transient: windows of coupling time, and not one without duration.
+/// Returns true for a transient case (windows of coupling time), false for a steady case (a single
+/// window without duration).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_is_transient(configuration: *const CosimConfiguration<'_>) -> bool {
     guard("cosim_is_transient", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         Ok(unsafe { settings(configuration)? }.configuration.mode == Mode::Transient)
     })
 }
 
-/// Threads that the program may compute on at the same time, at least 1. Its results must not depend
-/// on it. 0 on failure.
+/// Returns the number of threads to compute on, at least 1. Results must be independent of this
+/// number. 0 on failure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_threads(configuration: *const CosimConfiguration<'_>) -> usize {
     guard("cosim_threads", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         Ok(unsafe { settings(configuration)? }.configuration.threads)
     })
 }
 
-/// Whether an effect is active and claimed by this program.
+/// Returns true if an effect is active and claimed by this program.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_has_effect(
     configuration: *const CosimConfiguration<'_>,
     effect: *const c_char,
 ) -> bool {
     guard("cosim_has_effect", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let (settings, effect) = unsafe { (settings(configuration)?, text("effect", effect)?) };
         Ok(settings.configuration.has_effect(effect))
     })
 }
 
-/// Whether an output is wanted: in every iteration, or observed.
+/// Returns true if an output is requested, in every iteration or when observed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_is_wanted(
     configuration: *const CosimConfiguration<'_>,
     field: *const c_char,
 ) -> bool {
     guard("cosim_is_wanted", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let (settings, field) = unsafe { (settings(configuration)?, text("field", field)?) };
         let Configuration { outputs, observed, .. } = settings.configuration;
         Ok(outputs.iter().chain(observed).any(|name| name == field))
     })
 }
 
-/// Whether the case has a value or table at a dotted key.
+/// Returns true if the case has a value or table at a dotted key.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_case_has(
     configuration: *const CosimConfiguration<'_>,
     key: *const c_char,
 ) -> bool {
     guard("cosim_case_has", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let (settings, key) = unsafe { (settings(configuration)?, text("key", key)?) };
         Ok(settings.configuration.case.has(key))
     })
@@ -148,8 +149,8 @@ pub unsafe extern "C" fn cosim_case_has(
 
 /// Reads a number of the case, in SI units, at a dotted key ("materials.steel.conductivity").
 ///
-/// COSIM_OK; or COSIM_REFUSED with a reason that names the key, ready to be returned, if it is
-/// missing or no finite number; *value then stays as it was.
+/// Returns COSIM_OK. If the number is missing or not finite, returns COSIM_REFUSED with a reason
+/// that names the key, which the callback can return; *value is then unchanged.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_case_number(
     configuration: *const CosimConfiguration<'_>,
@@ -157,12 +158,12 @@ pub unsafe extern "C" fn cosim_case_number(
     value: *mut f64,
 ) -> c_int {
     guard("cosim_case_number", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         unsafe { self::value(configuration, key, value, |settings, key| settings.case.number(key)) }
     })
 }
 
-/// Reads a whole number of the case; otherwise as cosim_case_number().
+/// Reads a whole number of the case; otherwise like cosim_case_number().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_case_integer(
     configuration: *const CosimConfiguration<'_>,
@@ -170,14 +171,14 @@ pub unsafe extern "C" fn cosim_case_integer(
     value: *mut i64,
 ) -> c_int {
     guard("cosim_case_integer", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         unsafe {
             self::value(configuration, key, value, |settings, key| settings.case.integer(key))
         }
     })
 }
 
-/// Reads a truth value of the case; otherwise as cosim_case_number().
+/// Reads a Boolean of the case; otherwise like cosim_case_number().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_case_flag(
     configuration: *const CosimConfiguration<'_>,
@@ -190,20 +191,20 @@ pub unsafe extern "C" fn cosim_case_flag(
                 Refusal::new(key, "is not true or false", format!("write `{key} = true`"))
             })
         };
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         unsafe { self::value(configuration, key, value, read) }
     })
 }
 
-/// A text or word of the case at a dotted key. NULL, with a refusal that names the key ready to be
-/// returned, if it is missing or no text.
+/// Returns a text or word of the case at a dotted key. If it is missing or not a text, returns NULL
+/// and records a refusal that names the key.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_case_text(
     configuration: *const CosimConfiguration<'_>,
     key: *const c_char,
 ) -> *const c_char {
     guard("cosim_case_text", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let (settings, key) = unsafe { (settings(configuration)?, text("key", key)?) };
         settings.lend(settings.configuration.case.text(key).map_err(Fault::Refused)?)
     })
@@ -215,16 +216,16 @@ pub const COSIM_UPPER: c_int = 0;
 pub const COSIM_LOWER: c_int = 1;
 const _: () = assert!(COSIM_UPPER as usize == UPPER && COSIM_LOWER as usize == LOWER);
 
-/// The name that the case gives to a body, COSIM_UPPER or COSIM_LOWER; its values are those under
-/// "bodies.NAME". NULL, with a refusal ready to be returned, if the case has not one body at each
-/// position; the description has to list the key "bodies.*.position".
+/// Returns the case's name of a body, COSIM_UPPER or COSIM_LOWER; the body's values stand under
+/// "bodies.NAME". Returns NULL and records a refusal unless the case has one body at each position.
+/// The description must list the key "bodies.*.position".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_body_name(
     configuration: *const CosimConfiguration<'_>,
     body: c_int,
 ) -> *const c_char {
     guard("cosim_body_name", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let settings = unsafe { settings(configuration)? };
         let Bodies(names) = Bodies::read(&settings.configuration.case).map_err(Fault::Refused)?;
         match usize::try_from(body).ok().and_then(|body| names.get(body)) {
@@ -234,9 +235,9 @@ pub unsafe extern "C" fn cosim_body_name(
     })
 }
 
-/// Writes the grid on which an input will arrive, and says whether it is known. It is not for a
-/// field that is no input of this run, nor as long as its producer has not been configured: then
-/// configure answers without grids, and is called again later.
+/// Writes the grid on which an input will arrive; returns false if it is unknown. The grid is
+/// unknown if the field is not an input of this run, or while its producer is not yet configured.
+/// In the latter case configure returns without grids and is called again later.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_input_grid(
     configuration: *const CosimConfiguration<'_>,
@@ -244,7 +245,7 @@ pub unsafe extern "C" fn cosim_input_grid(
     grid: *mut CosimGrid,
 ) -> bool {
     guard("cosim_input_grid", || {
-        // SAFETY: as the header asks.
+        // SAFETY: guaranteed by the caller, see the header.
         let (settings, field, into) =
             unsafe { (settings(configuration)?, text("field", field)?, exclusive("grid", grid)?) };
         let Some(grid) = settings.configuration.input_grid(field) else { return Ok(false) };

@@ -1,7 +1,7 @@
-//! How a callback says that it failed, and how nothing of Rust unwinds into C.
+//! Errors of callbacks, and protection of C from Rust panics.
 //!
-//! A callback answers with a status; the reason stands in a cell of its thread, where
-//! [`cosim_refuse`], [`cosim_fail`] and every accessor that finds something wrong put it.
+//! A callback returns a status. The reason is stored per thread by [`cosim_refuse`], [`cosim_fail`]
+//! and every accessor that detects an error.
 
 use proto::configuration::Refusal;
 use std::any::Any;
@@ -10,21 +10,21 @@ use std::ffi::{CStr, c_char, c_int};
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Status of a callback or function: done.
+/// Status of a callback or function: success.
 pub const COSIM_OK: c_int = 0;
 /// Status of a callback or function: the case is refused, see cosim_refuse().
 pub const COSIM_REFUSED: c_int = 1;
-/// Status of a callback or function: it failed, see cosim_fail().
+/// Status of a callback or function: failure, see cosim_fail().
 pub const COSIM_FAILED: c_int = 2;
 
-/// Why a callback failed.
+/// Reason for the failure of a callback.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Fault {
-    /// The case cannot be.
+    /// The case is not supported.
     Refused(Refusal),
-    /// Something went wrong.
+    /// The callback failed.
     Failed(String),
-    /// The interface was used as it must not be; the callback fails whatever its status.
+    /// The interface was misused; the callback fails whatever its status.
     Misused(String),
 }
 
@@ -41,7 +41,7 @@ thread_local! {
     static FAULT: RefCell<Option<Fault>> = const { RefCell::new(None) };
 }
 
-/// Keeps a fault for the callback that is running; its status.
+/// Records a fault for the running callback and returns its status.
 fn record(fault: Fault) -> c_int {
     let status = if matches!(fault, Fault::Refused(_)) { COSIM_REFUSED } else { COSIM_FAILED };
     FAULT.with_borrow_mut(|kept| {
@@ -52,7 +52,7 @@ fn record(fault: Fault) -> c_int {
     status
 }
 
-/// Runs a callback that answers with a status.
+/// Runs a callback that returns a status.
 pub(crate) fn call(name: &str, callback: impl FnOnce() -> c_int) -> Result<(), Fault> {
     FAULT.set(None);
     let status = callback();
@@ -66,7 +66,7 @@ pub(crate) fn call(name: &str, callback: impl FnOnce() -> c_int) -> Result<(), F
     }
 }
 
-/// Runs a callback that answers with a text of the solver's, NULL for a failure.
+/// Runs a callback that returns a text owned by the solver, or NULL on failure.
 pub(crate) fn call_text(
     name: &str,
     callback: impl FnOnce() -> *const c_char,
@@ -77,14 +77,14 @@ pub(crate) fn call_text(
         if answer.is_null() {
             return COSIM_FAILED;
         }
-        // SAFETY: the header asks for a string that ends with a NUL and outlives the callback.
+        // SAFETY: the header requires a NUL-terminated string that outlives the callback.
         text = Some(unsafe { CStr::from_ptr(answer) }.to_string_lossy().into_owned());
         COSIM_OK
     })?;
     Ok(text.expect("a callback without a text has failed"))
 }
 
-/// What a function returns that did not succeed.
+/// Return type of an exported function, with a value for failure.
 pub(crate) trait Unsuccessful {
     fn with(status: c_int) -> Self;
 }
@@ -119,7 +119,7 @@ impl<T> Unsuccessful for *mut T {
     }
 }
 
-/// The body of an exported function: faults are recorded, and so are panics.
+/// Runs the body of an exported function; records faults and panics.
 pub(crate) fn guard<T: Unsuccessful>(name: &str, body: impl FnOnce() -> Result<T, Fault>) -> T {
     let fault = match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(value)) => return value,
@@ -130,49 +130,49 @@ pub(crate) fn guard<T: Unsuccessful>(name: &str, body: impl FnOnce() -> Result<T
     T::with(record(fault))
 }
 
-/// What a panic said.
+/// Returns the message of a panic.
 pub(crate) fn panic_text(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
     text.unwrap_or_else(|| "without a text".to_owned())
 }
 
-/// A text argument.
+/// Reads a text argument.
 ///
 /// # Safety
-/// `text` is NULL or points to a string that ends with a NUL and lives for `'a`.
+/// `text` must be NULL or point to a NUL-terminated string that lives for `'a`.
 pub(crate) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a str, Fault> {
     if text.is_null() {
         return Err(Fault::Misused(format!("`{what}` is NULL")));
     }
-    // SAFETY: not NULL, and the caller answers for the rest.
+    // SAFETY: not NULL; the caller guarantees the rest.
     let text = unsafe { CStr::from_ptr(text) };
     text.to_str().map_err(|_| Fault::Misused(format!("`{what}` is not UTF-8: {text:?}")))
 }
 
-/// An argument that is read.
+/// Reads an argument by shared reference.
 ///
 /// # Safety
-/// `pointer` is NULL or points to a `T` that nobody changes for `'a`.
+/// `pointer` must be NULL or point to a `T` that is not modified during `'a`.
 pub(crate) unsafe fn shared<'a, T>(what: &str, pointer: *const T) -> Result<&'a T, Fault> {
-    // SAFETY: the caller answers for it.
+    // SAFETY: guaranteed by the caller.
     unsafe { pointer.as_ref() }.ok_or_else(|| Fault::Misused(format!("`{what}` is NULL")))
 }
 
-/// An argument that is written.
+/// Reads an argument by exclusive reference.
 ///
 /// # Safety
-/// `pointer` is NULL or points to a `T` that nobody else uses for `'a`.
+/// `pointer` must be NULL or point to a `T` that nothing else uses during `'a`.
 pub(crate) unsafe fn exclusive<'a, T>(what: &str, pointer: *mut T) -> Result<&'a mut T, Fault> {
-    // SAFETY: the caller answers for it.
+    // SAFETY: guaranteed by the caller.
     unsafe { pointer.as_mut() }.ok_or_else(|| Fault::Misused(format!("`{what}` is NULL")))
 }
 
-/// Says why a case cannot be computed; the run ends before it has begun, with exit code 2.
+/// Refuses the case; the run ends before it has begun, with exit code 2.
 ///
 /// For configure and build: `return cosim_refuse(...)`. `key` is the dotted key of the case at
-/// fault ("motion.speed"), `reason` why its value cannot be, `fix` what to write instead. All three
-/// are copied. Returns COSIM_REFUSED.
+/// fault ("motion.speed"), `reason` states why its value is refused, `fix` what to write instead.
+/// All three are copied. Returns COSIM_REFUSED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_refuse(
     key: *const c_char,
@@ -180,21 +180,21 @@ pub unsafe extern "C" fn cosim_refuse(
     fix: *const c_char,
 ) -> c_int {
     guard("cosim_refuse", || {
-        // SAFETY: the header asks for strings.
+        // SAFETY: the header requires strings.
         let (key, reason, fix) =
             unsafe { (text("key", key)?, text("reason", reason)?, text("fix", fix)?) };
         Err(Fault::Refused(Refusal::new(key, reason, fix)))
     })
 }
 
-/// Says why a callback failed; the run ends with exit code 1 and an error that has this text.
+/// Reports the failure of a callback; the run ends with exit code 1 and this text as its error.
 ///
-/// `return cosim_fail("...")` from any callback, on the thread on which it was called. `message` is
-/// copied. Returns COSIM_FAILED.
+/// Use `return cosim_fail("...")` in any callback, on the thread of the call. `message` is copied.
+/// Returns COSIM_FAILED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_fail(message: *const c_char) -> c_int {
     guard("cosim_fail", || {
-        // SAFETY: the header asks for a string.
+        // SAFETY: the header requires a string.
         let message = unsafe { text("message", message)? };
         Err(Fault::Failed(message.to_owned()))
     })

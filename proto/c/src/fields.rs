@@ -1,4 +1,4 @@
-//! Inputs, outputs and state as C reads and writes them, in place.
+//! Inputs, outputs and state, as read and written in place by C.
 
 use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
 use crate::grid::CosimGrid;
@@ -19,38 +19,38 @@ pub struct CosimOutputs<'a> {
     pub(crate) fields: &'a [FieldSpec],
 }
 
-/// A state on its way to or from a file.
-pub struct CosimBlob<'a>(pub(crate) Way<'a>);
+/// A state being written to or read from a file.
+pub struct CosimBlob<'a>(pub(crate) Direction<'a>);
 
-/// Which way a state goes.
-pub(crate) enum Way<'a> {
+/// Direction in which a state is transferred.
+pub(crate) enum Direction<'a> {
     Saving(&'a mut dyn Write),
     Restoring(&'a mut dyn Read),
 }
 
-/// The field of this run with a name.
+/// Finds a field of this run by name.
 ///
 /// # Safety
-/// `name` is NULL or a string.
+/// `name` must be NULL or a string.
 unsafe fn find(fields: &[FieldSpec], name: *const c_char) -> Result<Option<&FieldSpec>, Fault> {
-    // SAFETY: the caller answers for it.
+    // SAFETY: guaranteed by the caller.
     let name = unsafe { text("field", name)? };
     Ok(fields.iter().find(|field| field.name == name))
 }
 
-/// Writes a result that C may not want.
+/// Writes a result, unless C passes NULL.
 unsafe fn put<T>(into: *mut T, value: T) {
     if !into.is_null() {
-        // SAFETY: not NULL, and the header asks for room for one value.
+        // SAFETY: not NULL, and the header requires room for one value.
         unsafe { into.write(value) };
     }
 }
 
-/// The values of an input at the end of the window: its components one after the other, each with
-/// one value an element, read in place and valid until the callback returns.
+/// Returns the values of an input at the end of the window, component by component with one value
+/// per element. The values are read in place and valid until the callback returns.
 ///
-/// Writes the number of values and the grid as it is now; both pointers may be NULL. NULL, and a
-/// count of 0, for a field that does not arrive in this run.
+/// Writes the number of values and the current grid; both pointers may be NULL. Returns NULL, and a
+/// count of 0, if the field does not arrive in this run.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_input(
     inputs: *const CosimInputs<'_>,
@@ -59,7 +59,7 @@ pub unsafe extern "C" fn cosim_input(
     grid: *mut CosimGrid,
 ) -> *const f64 {
     guard("cosim_input", || {
-        // SAFETY: the header asks for inputs, a string, and room or NULL.
+        // SAFETY: the header requires inputs, a string, and room or NULL.
         unsafe {
             put(count, 0);
             let inputs = shared("inputs", inputs)?;
@@ -74,9 +74,9 @@ pub unsafe extern "C" fn cosim_input(
     })
 }
 
-/// The values of an input at the start of the window, as long as those of cosim_input(): within the
-/// window the field goes in a straight line from these to those. NULL for a field that does not
-/// vary within a window.
+/// Returns the values of an input at the start of the window, as many as in cosim_input(). Within
+/// the window the field varies linearly from these values to those of cosim_input(). Returns NULL
+/// for a field that is constant within a window.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_input_start(
     inputs: *const CosimInputs<'_>,
@@ -84,7 +84,7 @@ pub unsafe extern "C" fn cosim_input_start(
     count: *mut usize,
 ) -> *const f64 {
     guard("cosim_input_start", || {
-        // SAFETY: the header asks for inputs, a string, and room or NULL.
+        // SAFETY: the header requires inputs, a string, and room or NULL.
         unsafe {
             put(count, 0);
             let inputs = shared("inputs", inputs)?;
@@ -96,9 +96,9 @@ pub unsafe extern "C" fn cosim_input_start(
     })
 }
 
-/// As cosim_input(), for an input that the program cannot do without: `count` values, all finite.
-/// NULL, with a reason that names the field ready to be returned as COSIM_FAILED, if it does not
-/// arrive, has another number of values, or holds a NaN or an infinity.
+/// Returns a required input like cosim_input(): `count` values, all finite. Otherwise returns NULL
+/// and records a reason that names the field, to be returned as COSIM_FAILED. This happens if the
+/// field does not arrive, has another number of values, or holds a NaN or an infinity.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_require_input(
     inputs: *const CosimInputs<'_>,
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn cosim_require_input(
     count: usize,
 ) -> *const f64 {
     guard("cosim_require_input", || {
-        // SAFETY: the header asks for inputs and a string.
+        // SAFETY: the header requires inputs and a string.
         let (inputs, name) = unsafe { (shared("inputs", inputs)?, text("field", field)?) };
         let spec = inputs.fields.iter().find(|field| field.name == name);
         let failed = |error: StepError| Fault::Failed(error.to_string());
@@ -126,10 +126,10 @@ pub unsafe extern "C" fn cosim_require_input(
     })
 }
 
-/// The place for the values of an output: its components one after the other, each with one value an
-/// element, valid until the callback returns. Every value has to be written: the place holds old data
-/// before, and an output that is left as it was fails the call. Writes the number of values; `count`
-/// may be NULL. NULL, and a count of 0, for a field that nobody needs now.
+/// Returns the buffer for the values of an output, component by component with one value per
+/// element, valid until the callback returns. Every value must be written: the buffer holds old
+/// data, and an unwritten output fails the call. Writes the number of values; `count` may be NULL.
+/// Returns NULL, and a count of 0, if nobody needs the field now.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_output(
     outputs: *mut CosimOutputs<'_>,
@@ -137,7 +137,7 @@ pub unsafe extern "C" fn cosim_output(
     count: *mut usize,
 ) -> *mut f64 {
     guard("cosim_output", || {
-        // SAFETY: the header asks for outputs, a string, and room or NULL.
+        // SAFETY: the header requires outputs, a string, and room or NULL.
         unsafe {
             put(count, 0);
             let CosimOutputs { outputs, fields } = exclusive("outputs", outputs)?;
@@ -157,12 +157,12 @@ pub unsafe extern "C" fn cosim_blob_write(
     size: usize,
 ) -> c_int {
     guard("cosim_blob_write", || {
-        // SAFETY: the header asks for a blob.
-        let Way::Saving(into) = &mut unsafe { exclusive("blob", blob)? }.0 else {
+        // SAFETY: the header requires a blob.
+        let Direction::Saving(into) = &mut unsafe { exclusive("blob", blob)? }.0 else {
             return Err(Fault::Misused("this state is restored, not saved".to_owned()));
         };
         if size > 0 {
-            // SAFETY: the header asks for `size` bytes, of which there is at least one.
+            // SAFETY: the header requires `size` bytes, and `size` is at least 1.
             let bytes =
                 unsafe { std::slice::from_raw_parts(shared("bytes", bytes.cast::<u8>())?, size) };
             into.write_all(bytes).map_err(|error| Fault::Failed(error.to_string()))?;
@@ -171,8 +171,8 @@ pub unsafe extern "C" fn cosim_blob_write(
     })
 }
 
-/// Takes the next `size` bytes of the state, for restore, which has to take all of them. COSIM_FAILED,
-/// with a reason ready to be returned, if there are fewer.
+/// Reads the next `size` bytes of the state, for restore, which must read all bytes. Returns
+/// COSIM_FAILED and records a reason if there are fewer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_blob_read(
     blob: *mut CosimBlob<'_>,
@@ -180,14 +180,14 @@ pub unsafe extern "C" fn cosim_blob_read(
     size: usize,
 ) -> c_int {
     guard("cosim_blob_read", || {
-        // SAFETY: the header asks for a blob and room for `size` bytes.
+        // SAFETY: the header requires a blob and room for `size` bytes.
         unsafe { reading(blob, bytes, size, |from, bytes| from.read_exact(bytes))? };
         Ok(COSIM_OK)
     })
 }
 
-/// Takes at most `size` of the next bytes of the state, for restore; how many that were, 0 at its end
-/// and on failure.
+/// Reads at most `size` bytes of the state, for restore. Returns the number of bytes read, 0 at the
+/// end of the state and on failure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_blob_read_some(
     blob: *mut CosimBlob<'_>,
@@ -195,30 +195,30 @@ pub unsafe extern "C" fn cosim_blob_read_some(
     size: usize,
 ) -> usize {
     guard("cosim_blob_read_some", || {
-        // SAFETY: the header asks for a blob and room for `size` bytes.
+        // SAFETY: the header requires a blob and room for `size` bytes.
         unsafe { reading(blob, bytes, size, |from, bytes| from.read(bytes)) }
     })
 }
 
-/// Reads with `read` into `size` bytes.
+/// Reads into `size` bytes with `read`.
 ///
 /// # Safety
-/// `blob` is NULL or the library's, and `bytes` is NULL or has room for `size` bytes.
+/// `blob` must be NULL or the library's, and `bytes` must be NULL or have room for `size` bytes.
 unsafe fn reading<T: Default>(
     blob: *mut CosimBlob<'_>,
     bytes: *mut c_void,
     size: usize,
     read: impl FnOnce(&mut dyn Read, &mut [u8]) -> io::Result<T>,
 ) -> Result<T, Fault> {
-    // SAFETY: the caller answers for it.
-    let Way::Restoring(from) = &mut unsafe { exclusive("blob", blob)? }.0 else {
+    // SAFETY: guaranteed by the caller.
+    let Direction::Restoring(from) = &mut unsafe { exclusive("blob", blob)? }.0 else {
         return Err(Fault::Misused("this state is saved, not restored".to_owned()));
     };
     if size == 0 {
         return Ok(T::default());
     }
-    // SAFETY: the caller answers for room for `size` bytes, of which there is at least one; zeros
-    // make them bytes that may be looked at.
+    // SAFETY: the caller guarantees room for `size` bytes, at least 1; filled with zeros they are
+    // initialised.
     let bytes = unsafe {
         let first = std::ptr::from_mut(exclusive("bytes", bytes.cast::<u8>())?);
         first.write_bytes(0, size);
@@ -346,7 +346,7 @@ mod tests {
     #[test]
     fn a_state_is_written_and_read_piece_by_piece() {
         let mut bytes = vec![7];
-        let mut saving = CosimBlob(Way::Saving(&mut bytes));
+        let mut saving = CosimBlob(Direction::Saving(&mut bytes));
         let number = 1.5_f64;
         let from = (&raw const number).cast::<c_void>();
         unsafe {
@@ -357,7 +357,7 @@ mod tests {
             assert!(call("save", || cosim_blob_read(to, null_mut(), 0)).is_err());
         }
         let (mut back, mut rest) = (0.0_f64, &bytes[1..]);
-        let mut restoring = CosimBlob(Way::Restoring(&mut rest));
+        let mut restoring = CosimBlob(Direction::Restoring(&mut rest));
         let (of, into) = (&raw mut restoring, (&raw mut back).cast::<c_void>());
         unsafe {
             assert_eq!(cosim_blob_read(of, into, 8), COSIM_OK);
@@ -369,7 +369,7 @@ mod tests {
         }
         assert_eq!(bytes[0], 7);
         let mut rest = &bytes[..3];
-        let mut restoring = CosimBlob(Way::Restoring(&mut rest));
+        let mut restoring = CosimBlob(Direction::Restoring(&mut rest));
         let mut room = [9_u8; 8];
         let (of, into) = (&raw mut restoring, room.as_mut_ptr().cast());
         let taken = [0, 1].map(|_| unsafe { cosim_blob_read_some(of, into, 8) });

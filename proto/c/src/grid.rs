@@ -1,4 +1,4 @@
-//! Grids as C sees them.
+//! Grids, as seen from C.
 
 use crate::fault::Fault;
 use proto::grid::{Grid, Quadrilaterals, Shape, Structured};
@@ -8,56 +8,60 @@ use std::ffi::{c_char, c_int};
 pub const COSIM_STRUCTURED: c_int = 1;
 /// Kind of a grid: a surface of quadrilaterals.
 pub const COSIM_QUADRILATERALS: c_int = 2;
+/// Kind of a grid: vertices that carry values. Such a grid is only received.
+pub const COSIM_VERTICES: c_int = 3;
 
-/// A surface grid. Values belong to element centres.
+/// A surface grid. Values belong to element centres or, on vertices, to the vertices.
 ///
-/// Structured: the centre of element (i, j) is origin + i step_i + j step_j, its value stands at
-/// j ni + i. For the contact plane step_i points along x, the rolling direction, and step_j along
-/// y, to the left. Quadrilaterals: element n has the corners elements[4n] to elements[4n+3], in
-/// order round it; vertex v is at vertices[3v] to vertices[3v+2].
+/// Structured: the centre of element (i, j) is origin + i step_i + j step_j, and its value stands
+/// at j ni + i. In the contact plane, step_i points along x, the rolling direction, and step_j
+/// along y, to the left. Quadrilaterals: element n has the corners elements[4n] to elements[4n+3],
+/// in order around the element; vertex v stands at vertices[3v] to vertices[3v+2]. Vertices: vertex
+/// v stands there too, and its value at v.
 ///
-/// In a grid that comes from the library the pointers are the library's and hold until the callback
-/// returns; members of the other kind are 0.
+/// In a grid obtained from the library, the library owns the pointers; they are valid until the
+/// callback returns. Members of the other kind are 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CosimGrid {
     /// Name, unique within the program that owns the grid: letters, digits, `_` and `-`.
     pub name: [c_char; 32],
-    /// Rises by one whenever the geometry changes; the first is 1, and 0 is taken for 1.
+    /// Increases by one whenever the geometry changes; starts at 1, and 0 is read as 1.
     pub revision: u64,
-    /// COSIM_STRUCTURED or COSIM_QUADRILATERALS.
+    /// COSIM_STRUCTURED, COSIM_QUADRILATERALS or COSIM_VERTICES.
     pub kind: c_int,
-    /// Number of elements, whatever the kind; for a structured grid given to the library, unused.
+    /// Number of elements or vertices with values; unused for a structured grid passed to the
+    /// library.
     pub points: usize,
     /// Structured: centre of element (0, 0) [m].
     pub origin: [f64; 3],
-    /// Structured: from one element to the next in i [m].
+    /// Structured: vector from one element to the next in i [m].
     pub step_i: [f64; 3],
-    /// Structured: from one element to the next in j [m].
+    /// Structured: vector from one element to the next in j [m].
     pub step_j: [f64; 3],
     /// Structured: number of elements in i.
     pub ni: usize,
     /// Structured: number of elements in j.
     pub nj: usize,
-    /// Quadrilaterals: number of vertices.
+    /// Quadrilaterals and vertices: number of vertices.
     pub vertex_count: usize,
-    /// Quadrilaterals: three coordinates of each vertex [m].
+    /// Quadrilaterals and vertices: three coordinates of each vertex [m].
     pub vertices: *const f64,
-    /// Quadrilaterals: four vertices of each element, counted from 0.
+    /// Quadrilaterals: four vertices of each element, numbered from 0.
     pub elements: *const u32,
 }
 
-/// The name in an array of C's, up to its first zero.
+/// Returns the name in a C array, up to its first zero.
 pub(crate) fn name_of(text: &[c_char; 32]) -> String {
     let bytes: Vec<u8> = text.iter().take_while(|c| **c != 0).map(|c| *c as u8).collect();
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
 impl CosimGrid {
-    /// A view of a grid.
+    /// Returns a view of a grid.
     pub(crate) fn of(grid: &Grid) -> Self {
         let mut name = [0; 32];
-        // The last byte stays 0: `Grid::check` has seen every grid that comes here.
+        // The last byte stays 0, because `Grid::check` has limited the length of every name.
         for (to, from) in name[..31].iter_mut().zip(grid.name.bytes()) {
             *to = from as c_char;
         }
@@ -86,16 +90,21 @@ impl CosimGrid {
                 view.vertices = q.points.as_flattened().as_ptr();
                 view.elements = q.elements.as_flattened().as_ptr();
             }
-            // No input is on a volume or at points: a kind that no program knows.
+            Shape::Vertices(v) => {
+                view.kind = COSIM_VERTICES;
+                view.vertex_count = v.points.len();
+                view.vertices = v.points.as_flattened().as_ptr();
+            }
+            // Unreachable: an input is never on a volume or at points. Kind 0 is invalid.
             Shape::Volume(_) | Shape::Points(_) => view.kind = 0,
         }
         view
     }
 
-    /// A copy for Rust, checked.
+    /// Returns a checked copy for Rust.
     ///
     /// # Safety
-    /// Of quadrilaterals, the pointers hold as many numbers as the counts say.
+    /// The pointers of quadrilaterals must hold as many numbers as the counts state.
     pub(crate) unsafe fn copied(&self) -> Result<Grid, Fault> {
         let shape = match self.kind {
             COSIM_STRUCTURED => Shape::Structured(Structured {
@@ -105,8 +114,11 @@ impl CosimGrid {
                 ni: self.ni,
                 nj: self.nj,
             }),
-            // SAFETY: the caller answers for the pointers.
+            // SAFETY: guaranteed by the caller.
             COSIM_QUADRILATERALS => Shape::Quadrilaterals(unsafe { self.surface() }?),
+            COSIM_VERTICES => {
+                return Err(Fault::Misused("grids of vertices are only received".to_owned()));
+            }
             kind => return Err(Fault::Misused(format!("the grid has the kind {kind}"))),
         };
         let name = name_of(&self.name);
@@ -119,7 +131,7 @@ impl CosimGrid {
         if self.vertices.is_null() || self.elements.is_null() {
             return Err(Fault::Misused("`vertices` or `elements` is NULL".to_owned()));
         }
-        // SAFETY: not NULL, and the caller answers for the counts.
+        // SAFETY: not NULL; the caller guarantees the counts.
         let (points, elements) = unsafe {
             (
                 std::slice::from_raw_parts(self.vertices.cast::<[f64; 3]>(), self.vertex_count),
@@ -133,6 +145,7 @@ impl CosimGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proto::grid::{Measure, Vertices};
 
     fn structured() -> Grid {
         let shape = Structured::contact_plane(-0.1, 0.2, 0.3, 0.4, 5, 3);
@@ -152,12 +165,25 @@ mod tests {
     }
 
     #[test]
+    fn vertices_are_received() {
+        let points = vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
+        let (edges, triangles, measure) = (vec![[0, 1]], Vec::new(), Measure::PerArea);
+        let grid = Grid::vertices("mesh", Vertices { points, edges, triangles, measure });
+        let view = CosimGrid::of(&grid);
+        assert_eq!((view.kind, view.points, view.vertex_count), (COSIM_VERTICES, 2, 2));
+        let coordinates = unsafe { std::slice::from_raw_parts(view.vertices, 6) };
+        assert_eq!(coordinates, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        assert!(view.elements.is_null());
+    }
+
+    #[test]
     fn what_cannot_be_is_reported() {
         let good = CosimGrid::of(&structured());
         let name = [b'x' as c_char; 32];
         let surface = CosimGrid { kind: COSIM_QUADRILATERALS, ..good };
         for (grid, why) in [
             (CosimGrid { kind: 0, ..good }, "the kind 0"),
+            (CosimGrid { kind: COSIM_VERTICES, ..good }, "only received"),
             (CosimGrid { ni: 0, ..good }, "0 x 3 points"),
             (CosimGrid { name: [0; 32], ..good }, "grid name"),
             (CosimGrid { name, ..good }, "grid name"),

@@ -1,4 +1,4 @@
-//! What a participant answers: grids, placement of the fields, cost.
+//! Layout, as written by C: grids, placement of the fields, cost.
 
 use crate::fault::{COSIM_OK, Fault, exclusive, guard, shared, text};
 use crate::grid::CosimGrid;
@@ -7,7 +7,7 @@ use proto::accuracy::Simplification;
 use proto::configuration::{FieldOnGrid, Layout};
 use std::ffi::{c_char, c_int};
 
-/// What configure answers: the program's grids, which field lives on which, and the expected cost.
+/// Answer of configure: the program's grids, the grid of each field, and the expected cost.
 #[derive(Default)]
 pub struct CosimLayout {
     pub(crate) layout: Layout,
@@ -18,19 +18,19 @@ fn placed(
     grid: *const c_char,
     among: &mut Vec<FieldOnGrid>,
 ) -> Result<c_int, Fault> {
-    // SAFETY: the header asks for strings.
+    // SAFETY: the header requires strings.
     let (field, grid) = unsafe { (text("field", field)?, text("grid", grid)?) };
     among.push(FieldOnGrid { field: field.to_owned(), grid: grid.to_owned() });
     Ok(COSIM_OK)
 }
 
-/// Sets the whole layout from JSON, as docs/write-a-solver.md has it, for what has no function of its
-/// own. COSIM_FAILED if it is none, or cannot be: a grid without area, a field on a grid that there
-/// is not.
+/// Sets the whole layout from JSON (docs/write-a-solver.md), for entries without a function of
+/// their own. Returns COSIM_FAILED if the text is not a layout or is invalid, such as a grid
+/// without area or a field on an unknown grid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_json(layout: *mut CosimLayout, json: *const c_char) -> c_int {
     guard("cosim_layout_json", || {
-        // SAFETY: the header asks for a layout and a string.
+        // SAFETY: the header requires a layout and a string.
         let (layout, json) = unsafe { (exclusive("layout", layout)?, text("json", json)?) };
         let wrong = |why: String| Fault::Failed(format!("the layout as JSON: {why}"));
         let given: Layout = serde_json::from_str(json).map_err(|error| wrong(error.to_string()))?;
@@ -40,14 +40,16 @@ pub unsafe extern "C" fn cosim_layout_json(layout: *mut CosimLayout, json: *cons
     })
 }
 
-/// Adds a grid, which is copied. COSIM_FAILED if it cannot be: name, counts, elements without area.
+/// Adds a copy of a grid. Returns COSIM_FAILED if the grid is invalid: name, counts, elements
+/// without area.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_grid(
     layout: *mut CosimLayout,
     grid: *const CosimGrid,
 ) -> c_int {
     guard("cosim_layout_grid", || {
-        // SAFETY: the header asks for a layout, and for a grid whose pointers hold what it counts.
+        // SAFETY: the header requires a layout, and a grid whose pointers hold as many numbers as
+        // it counts.
         let (layout, grid) =
             unsafe { (exclusive("layout", layout)?, shared("grid", grid)?.copied()?) };
         layout.layout.grids.push(grid);
@@ -55,15 +57,15 @@ pub unsafe extern "C" fn cosim_layout_grid(
     })
 }
 
-/// Adds a volume, which is copied; `moved_grids` gives its geometry. COSIM_FAILED if it cannot be:
-/// name, counts.
+/// Adds a copy of a volume; `moved_grids` supplies its geometry. Returns COSIM_FAILED if the volume
+/// is invalid: name, counts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_volume(
     layout: *mut CosimLayout,
     volume: *const CosimVolume,
 ) -> c_int {
     guard("cosim_layout_volume", || {
-        // SAFETY: the header asks for a layout and a volume.
+        // SAFETY: the header requires a layout and a volume.
         let (layout, volume) =
             unsafe { (exclusive("layout", layout)?, shared("volume", volume)?.announced()?) };
         layout.layout.grids.push(volume);
@@ -71,7 +73,7 @@ pub unsafe extern "C" fn cosim_layout_volume(
     })
 }
 
-/// Says on which of the grids an output, or an observed field, lives. Both names are copied.
+/// Sets the grid of an output or observed field. Both names are copied.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_output(
     layout: *mut CosimLayout,
@@ -79,14 +81,15 @@ pub unsafe extern "C" fn cosim_layout_output(
     grid: *const c_char,
 ) -> c_int {
     guard("cosim_layout_output", || {
-        // SAFETY: the header asks for a layout.
+        // SAFETY: the header requires a layout.
         let layout = unsafe { exclusive("layout", layout)? };
         placed(field, grid, &mut layout.layout.fields)
     })
 }
 
-/// Asks for an input on one of the grids: the coordinator maps it there, if its producer's is
-/// another. An input without such a wish arrives on its producer's grid. Both names are copied.
+/// Requests an input on one of the program's grids; the coordinator maps it there from the
+/// producer's grid. Inputs without a request arrive on the grid of their producer. Both names are
+/// copied.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_input(
     layout: *mut CosimLayout,
@@ -94,7 +97,7 @@ pub unsafe extern "C" fn cosim_layout_input(
     grid: *const c_char,
 ) -> c_int {
     guard("cosim_layout_input", || {
-        // SAFETY: the header asks for a layout.
+        // SAFETY: the header requires a layout.
         let layout = unsafe { exclusive("layout", layout)? };
         placed(field, grid, &mut layout.layout.inputs)
     })
@@ -108,7 +111,7 @@ pub unsafe extern "C" fn cosim_layout_cost(
     memory_bytes: u64,
 ) -> c_int {
     guard("cosim_layout_cost", || {
-        // SAFETY: the header asks for a layout.
+        // SAFETY: the header requires a layout.
         let layout = unsafe { exclusive("layout", layout)? };
         if !(solve_seconds >= 0.0 && solve_seconds.is_finite()) {
             return Err(Fault::Misused(format!("a solve takes {solve_seconds} s")));
@@ -119,14 +122,14 @@ pub unsafe extern "C" fn cosim_layout_cost(
     })
 }
 
-/// Sets the expected processor time of `build` [s]; the deadline for building follows it.
+/// Sets the expected processor time of `build` [s], from which the deadline for building follows.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_build_seconds(
     layout: *mut CosimLayout,
     build_seconds: f64,
 ) -> c_int {
     guard("cosim_layout_build_seconds", || {
-        // SAFETY: the header asks for a layout.
+        // SAFETY: the header requires a layout.
         let layout = unsafe { exclusive("layout", layout)? };
         if !(build_seconds >= 0.0 && build_seconds.is_finite()) {
             return Err(Fault::Misused(format!("building takes {build_seconds} s")));
@@ -136,8 +139,8 @@ pub unsafe extern "C" fn cosim_layout_build_seconds(
     })
 }
 
-/// Adds what the model leaves out in this very case, its expected relative error, and where that
-/// number comes from. Both texts are copied.
+/// Adds a simplification of the model in this particular case, with its expected relative error and
+/// the origin of this number. Both texts are copied.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_left_out(
     layout: *mut CosimLayout,
@@ -146,7 +149,7 @@ pub unsafe extern "C" fn cosim_layout_left_out(
     source: *const c_char,
 ) -> c_int {
     guard("cosim_layout_left_out", || {
-        // SAFETY: the header asks for a layout and strings.
+        // SAFETY: the header requires a layout and strings.
         let (layout, what, source) =
             unsafe { (exclusive("layout", layout)?, text("what", what)?, text("source", source)?) };
         if !(error >= 0.0 && error.is_finite()) {
@@ -157,8 +160,8 @@ pub unsafe extern "C" fn cosim_layout_left_out(
     })
 }
 
-/// Adds a quantity of the summary that is known exactly in this case, by its dotted key, which is
-/// copied.
+/// Adds a quantity of the summary whose exact value is known in this case, by its dotted key, which
+/// is copied.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_closed_form(
     layout: *mut CosimLayout,
@@ -166,7 +169,7 @@ pub unsafe extern "C" fn cosim_layout_closed_form(
     exact: f64,
 ) -> c_int {
     guard("cosim_layout_closed_form", || {
-        // SAFETY: the header asks for a layout and a string.
+        // SAFETY: the header requires a layout and a string.
         let (layout, key) = unsafe { (exclusive("layout", layout)?, text("key", key)?) };
         if !exact.is_finite() {
             return Err(Fault::Misused(format!("the closed form of `{key}` is {exact}")));
@@ -176,14 +179,15 @@ pub unsafe extern "C" fn cosim_layout_closed_form(
     })
 }
 
-/// Adds a line to what `coordinator plan` prints: what the model makes of the case. It is copied.
+/// Adds a line to the output of `coordinator plan`, on the model's view of the case. The text is
+/// copied.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_layout_remark(
     layout: *mut CosimLayout,
     remark: *const c_char,
 ) -> c_int {
     guard("cosim_layout_remark", || {
-        // SAFETY: the header asks for a layout and a string.
+        // SAFETY: the header requires a layout and a string.
         let (layout, remark) = unsafe { (exclusive("layout", layout)?, text("remark", remark)?) };
         layout.layout.remarks.push(remark.to_owned());
         Ok(COSIM_OK)

@@ -1,19 +1,19 @@
 //! The participant contract for C, C++ and Fortran: `libcosim` and `include/cosim.h`.
 //!
-//! A program in C fills a table of callbacks and hands it to [`cosim_main`], which is [`proto`]'s
-//! participant round it. What a callback is given it reads with functions: nothing of Rust's layout
-//! crosses but plain structures.
+//! A program in C fills a table of callbacks and passes it to [`cosim_main`], which runs
+//! [`proto`]'s participant around it. Callbacks read their arguments through functions; only plain
+//! structures cross the interface.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`solver`] | the table of callbacks, a step, a report |
-//! | [`fault`] | refusals and failures; no panic crosses |
-//! | [`configuration`], [`layout`] | what a program is given and what it answers |
+//! | [`solver`] | table of callbacks, step, report |
+//! | [`fault`] | refusals and failures; containment of panics |
+//! | [`configuration`], [`layout`] | configuration of a program, and its answer |
 //! | [`fields`] | inputs and outputs in place, state piece by piece |
-//! | [`grid`], [`volume`], [`moves`] | grids, volumes, and their geometry where it changes |
-//! | [`progress`] | how far it is |
+//! | [`grid`], [`volume`], [`moves`] | grids, volumes, and their changing geometry |
+//! | [`progress`] | progress reports |
 //!
-//! The header is written from these sources by `tests/header.rs`.
+//! `tests/header.rs` generates the header from these sources.
 
 #![allow(
     clippy::missing_safety_doc,
@@ -31,7 +31,7 @@ pub mod progress;
 pub mod solver;
 pub mod volume;
 
-use participant::{LastWords, Program};
+use participant::{FatalMessage, Program};
 use solver::CosimSolver;
 use std::any::Any;
 use std::ffi::{CStr, OsString, c_char, c_int, c_void};
@@ -39,12 +39,12 @@ use std::io::Write;
 use std::os::unix::ffi::OsStringExt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// The whole main of a participant: answers --describe and --estimate, and with --join takes part in
-/// a run until it is finished. `user` is handed to every callback and not looked at.
+/// Complete main function of a participant: answers --describe and --estimate, and with --join
+/// takes part in a run until the run is finished. `user` is passed unchanged to every callback.
 ///
-/// Returns the exit code: 0, 1 for an error, which is written to standard error, 2 for wrong
-/// arguments. While it runs, a thread of the library's own beats the heart; should the coordinator
-/// die, that thread ends the process. SIGPIPE is ignored from here on, unless the program handles it.
+/// Returns the exit code: 0 for success, 1 for an error, which is written to standard error, 2 for
+/// invalid arguments. A thread of the library sends the heartbeat and ends the process if the
+/// coordinator dies. SIGPIPE is ignored from here on, unless the program handles it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_main(
     argc: c_int,
@@ -54,7 +54,8 @@ pub unsafe extern "C" fn cosim_main(
 ) -> c_int {
     ignore_broken_pipes();
     let act = || -> Result<u8, String> {
-        // SAFETY: the header asks for a table, callbacks that keep its rules, and main's arguments.
+        // SAFETY: the header requires a table, callbacks that follow its rules, and main's
+        // arguments.
         let (program, arguments) =
             unsafe { (Program::new(solver::read(solver)?, user)?, arguments(argc, argv)) };
         Ok(proto::participant::main_from(arguments, &program))
@@ -68,10 +69,10 @@ pub unsafe extern "C" fn cosim_main(
     1
 }
 
-/// As Rust's own start does: the last words to a coordinator that has died must not kill the process
-/// before it has left the run in order.
+/// Ignores SIGPIPE like Rust's own runtime: writing to a dead coordinator must not kill the process
+/// before it has left the run cleanly.
 fn ignore_broken_pipes() {
-    // SAFETY: neither disposition runs code; one that the program has set is put back.
+    // SAFETY: neither disposition runs code; a handler set by the program is restored.
     unsafe {
         let before = libc::signal(libc::SIGPIPE, libc::SIG_IGN);
         if before != libc::SIG_DFL && before != libc::SIG_ERR {
@@ -80,10 +81,10 @@ fn ignore_broken_pipes() {
     }
 }
 
-/// The arguments of a C main; the library's name where there is none.
+/// Returns the arguments of a C main; the library's name if there are none.
 unsafe fn arguments(argc: c_int, argv: *mut *mut c_char) -> Vec<OsString> {
     let count = if argv.is_null() { 0 } else { usize::try_from(argc).unwrap_or(0) };
-    // SAFETY: the header asks for main's own argc and argv: as many strings, or NULL for an end.
+    // SAFETY: the header requires main's own argc and argv: as many strings, or NULL at the end.
     let words = (0..count).map(|n| unsafe { *argv.add(n) }).take_while(|word| !word.is_null());
     let words = words.map(|word| unsafe { CStr::from_ptr(word) }.to_bytes().to_vec());
     let mut words: Vec<OsString> = words.map(OsString::from_vec).collect();
@@ -95,7 +96,7 @@ unsafe fn arguments(argc: c_int, argv: *mut *mut c_char) -> Vec<OsString> {
 
 fn last_words(panic: &(dyn Any + Send)) -> String {
     match panic.downcast_ref() {
-        Some(LastWords(said)) => said.clone(),
+        Some(FatalMessage(said)) => said.clone(),
         None => format!("the library panicked: {}", fault::panic_text(panic)),
     }
 }

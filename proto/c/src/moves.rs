@@ -1,19 +1,19 @@
-//! Geometry of grids that move and of volumes, as C gives it.
+//! Geometry of moving grids and of volumes, as supplied by C.
 
 use crate::fault::{Fault, call, exclusive, guard, text};
 use proto::grid::Grid;
 use std::ffi::{c_char, c_int};
 
-/// Grids whose geometry a program may give: those that move, and volumes.
+/// Grids whose geometry a program may supply: moving grids and volumes.
 pub struct CosimMoves<'a> {
     followed: &'a Followed,
     given: Vec<(usize, u64, Vec<f64>)>,
 }
 
-/// Grids of a run whose geometry somebody needs, as they are in the accepted state.
+/// Grids of a run whose geometry is needed, in the accepted state.
 pub(crate) struct Followed {
     pub(crate) grids: Vec<Grid>,
-    /// Other grids of the layout, by name.
+    /// Names of the other grids of the layout.
     others: Vec<String>,
 }
 
@@ -24,7 +24,7 @@ impl Followed {
         Self { grids, others: others.into_iter().map(|grid| grid.name).collect() }
     }
 
-    /// Asks a program for their geometry, unless nobody needs any.
+    /// Asks a program for the geometry of these grids, if there are any.
     pub(crate) fn ask(
         &mut self,
         moved_grids: impl FnOnce(*mut CosimMoves<'_>) -> c_int,
@@ -42,9 +42,9 @@ impl Followed {
     }
 }
 
-/// The place for the geometry of a grid in a revision: vectors of three components [m], the first
-/// components of all of them, then the second, then the third, every value to be written. NULL, and
-/// a count of 0, if it is known already or nobody needs it.
+/// Returns the buffer for the geometry of a grid in a revision: vectors of three components [m],
+/// component-major (all first components, then all second, then all third). Every value must be
+/// written. Returns NULL, and a count of 0, if the geometry is already known or nobody needs it.
 ///
 /// Structured: origin, step_i, step_j and (ni, nj, 1). Quadrilaterals: the vertices. Volume: see
 /// cosim_volume. Writes the number of values; `count` may be NULL.
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn cosim_geometry(
     count: *mut usize,
 ) -> *mut f64 {
     guard("cosim_geometry", || {
-        // SAFETY: the header asks for moves, a string, and room or NULL.
+        // SAFETY: the header requires moves, a string, and room or NULL.
         let (moves, name) = unsafe {
             if !count.is_null() {
                 count.write(0);
@@ -74,13 +74,13 @@ pub unsafe extern "C" fn cosim_geometry(
         if revision == grid.revision && !grid.is_announced() {
             return Ok(std::ptr::null_mut());
         }
-        // A value that the program does not write stays NaN, which the check of the grid reports.
+        // Unwritten values stay NaN, which the check of the grid reports.
         let mut values = vec![f64::NAN; 3 * grid.geometry_points()];
         let (place, length) = (values.as_mut_ptr(), values.len());
-        // The values stay where they are when the list grows.
+        // The values keep their address when the list grows.
         moves.given.push((index, revision, values));
         if !count.is_null() {
-            // SAFETY: not NULL, and the header asks for room for one value.
+            // SAFETY: not NULL, and the header requires room for one value.
             unsafe { count.write(length) };
         }
         Ok(place)

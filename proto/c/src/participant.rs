@@ -1,13 +1,13 @@
 //! The callbacks as a [`Solver`], [`Setup`] and [`Model`] of the contract.
 //!
-//! A fault of a callback becomes the error of the trait's method. Where there is none (first outputs,
-//! accept, observe, summary, and what is no refusal in configure and build) it unwinds to
-//! `cosim_main`, which says it and ends the process, so that the coordinator names the participant
-//! with these last words.
+//! A fault of a callback becomes the error of the trait's method. Methods without an error (first
+//! outputs, accept, observe, summary, and failures in configure and build other than refusals)
+//! unwind to `cosim_main`. There the message is printed and the process ends, so that the
+//! coordinator reports the participant with this message.
 
 use crate::configuration::CosimConfiguration;
 use crate::fault::{Fault, call, call_text};
-use crate::fields::{CosimBlob, CosimInputs, CosimOutputs, Way};
+use crate::fields::{CosimBlob, CosimInputs, CosimOutputs, Direction};
 use crate::layout::CosimLayout;
 use crate::moves::Followed;
 use crate::progress;
@@ -28,7 +28,7 @@ use std::sync::{Mutex, PoisonError};
 
 const CHECKED: &str = "the table was checked when it was read";
 
-/// Callbacks and what they are called with.
+/// Callbacks and their user pointer.
 #[derive(Clone, Copy)]
 struct Callbacks {
     table: CosimSolver,
@@ -36,30 +36,30 @@ struct Callbacks {
 }
 
 impl Callbacks {
-    /// Asks where the grids are that somebody follows.
+    /// Asks for the geometry of the followed grids.
     fn move_grids(&self, followed: &mut Followed) -> Result<(), Fault> {
         let Some(moved_grids) = self.table.moved_grids else {
             return Ok(());
         };
-        // SAFETY: the caller answers for the callbacks.
+        // SAFETY: the caller guarantees valid callbacks.
         followed.ask(|moves| unsafe { moved_grids(self.user, moves) })
     }
 }
 
-/// A program whose description is known.
+/// A program with its description.
 pub(crate) struct Program {
     callbacks: Callbacks,
     description: Description,
 }
 
 impl Program {
-    /// Asks the program what it is.
+    /// Asks the program for its description.
     ///
     /// # Safety
-    /// The callbacks keep what the header asks of them, with this `user`.
+    /// The callbacks must follow the rules of the header, with this `user`.
     pub(crate) unsafe fn new(table: CosimSolver, user: *mut c_void) -> Result<Self, String> {
         let describe = table.describe.expect(CHECKED);
-        // SAFETY: the caller answers for the callbacks.
+        // SAFETY: the caller guarantees valid callbacks.
         let text = call_text("describe", || unsafe { describe(user) });
         let description = text.map_err(|fault| fault.to_string()).and_then(|text| described(&text));
         match description {
@@ -80,12 +80,12 @@ impl Drop for Program {
 
 fn destroy(callbacks: Callbacks) {
     if let Some(destroy) = callbacks.table.destroy {
-        // SAFETY: the caller answers for the callbacks; nothing is called after this.
+        // SAFETY: the caller guarantees valid callbacks; nothing is called after this.
         unsafe { destroy(callbacks.user) };
     }
 }
 
-/// A description from the program's text: what the library knows better or can guess is filled in.
+/// Parses a description and fills in values that the library knows or can default.
 fn described(text: &str) -> Result<Description, String> {
     let wrong = |error: serde_json::Error| format!("the text of `describe`: {error}");
     let mut value: Value = serde_json::from_str(text).map_err(wrong)?;
@@ -125,7 +125,7 @@ impl Solver for Program {
         let configure = table.configure.expect(CHECKED);
         let given = CosimConfiguration::new(configuration);
         let mut layout = CosimLayout::default();
-        // SAFETY: the caller answers for the callbacks.
+        // SAFETY: the caller guarantees valid callbacks.
         let configured =
             call("configure", || unsafe { configure(user, &raw const given, &raw mut layout) });
         refusing(configured)?;
@@ -144,7 +144,7 @@ impl Solver for Program {
         Ok(Setup::new(layout.layout, move |progress| {
             progress::report_to(progress);
             if let Some(build) = table.build {
-                // SAFETY: the caller answers for the callbacks.
+                // SAFETY: the caller guarantees valid callbacks.
                 refusing(call("build", || unsafe { build(user) }))?;
             }
             let mut built = Built { callbacks, followed, fields };
@@ -154,7 +154,7 @@ impl Solver for Program {
     }
 }
 
-/// The grids of a layout that move, and the volumes that a field of this run is on.
+/// Returns the moving grids of a layout, and the volumes that carry a field of this run.
 fn followed(layout: &Layout, configuration: &Configuration) -> Followed {
     let Configuration { outputs, observed, .. } = configuration;
     let is_used = |grid: &Grid| {
@@ -165,7 +165,7 @@ fn followed(layout: &Layout, configuration: &Configuration) -> Followed {
     })
 }
 
-/// Every field that the program may ask for in this run.
+/// Returns all fields that the program may request in this run.
 fn fields(description: &Description, configuration: &Configuration) -> Vec<FieldSpec> {
     let inputs = configuration.inputs.iter().map(|input| kept(&input.field));
     let known = |name: &String| description.field_kind(name).as_ref().map(kept);
@@ -173,8 +173,8 @@ fn fields(description: &Description, configuration: &Configuration) -> Vec<Field
     inputs.chain(sent.filter_map(known)).collect()
 }
 
-/// The form in which a model asks for a field. Its texts live as long as the process: one copy of
-/// each.
+/// Returns a field in the form that a model requests. Its texts live as long as the process, with
+/// one copy of each.
 fn kept(kind: &FieldKind) -> FieldSpec {
     static TEXTS: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
     let mut texts = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -196,7 +196,7 @@ fn kept(kind: &FieldKind) -> FieldSpec {
     }
 }
 
-/// A callback that may refuse the case; every other fault ends the program.
+/// Converts a refusal to an error; every other fault ends the program.
 fn refusing(called: Result<(), Fault>) -> Result<(), Refusal> {
     match called {
         Ok(()) => Ok(()),
@@ -221,7 +221,7 @@ impl Drop for Built {
     fn drop(&mut self) {
         let Callbacks { table, user } = self.callbacks;
         if let Some(finish) = table.finish {
-            // SAFETY: the caller answers for the callbacks.
+            // SAFETY: the caller guarantees valid callbacks.
             let finished = call("finish", || unsafe { finish(user) });
             if let Err(fault) = finished
                 && !std::thread::panicking()
@@ -232,11 +232,11 @@ impl Drop for Built {
     }
 }
 
-/// What a program says last, on the way to `cosim_main`.
-pub(crate) struct LastWords(pub(crate) String);
+/// Last message of a program, on the way to `cosim_main`.
+pub(crate) struct FatalMessage(pub(crate) String);
 
 fn end(fault: &Fault) -> ! {
-    resume_unwind(Box::new(LastWords(fault.to_string())))
+    resume_unwind(Box::new(FatalMessage(fault.to_string())))
 }
 
 impl Model for Built {
@@ -252,7 +252,7 @@ impl Model for Built {
         let inputs = CosimInputs { inputs, fields };
         let mut outputs = CosimOutputs { outputs, fields };
         let mut report = CosimReport::EMPTY;
-        // SAFETY: the caller answers for the callbacks; all four live until it returns.
+        // SAFETY: the caller guarantees valid callbacks; all four live until it returns.
         call("solve", || unsafe {
             solve(user, &raw const step, &raw const inputs, &raw mut outputs, &raw mut report)
         })
@@ -272,7 +272,7 @@ impl Model for Built {
             return;
         };
         let mut outputs = CosimOutputs { outputs, fields };
-        // SAFETY: the caller answers for the callbacks.
+        // SAFETY: the caller guarantees valid callbacks.
         call("first_outputs", || unsafe { first_outputs(user, &raw mut outputs) })
             .unwrap_or_else(|fault| end(&fault));
     }
@@ -280,7 +280,7 @@ impl Model for Built {
     fn accept(&mut self) {
         let Callbacks { table, user } = self.callbacks;
         if let Some(accept) = table.accept {
-            // SAFETY: the caller answers for the callbacks.
+            // SAFETY: the caller guarantees valid callbacks.
             call("accept", || unsafe { accept(user) }).unwrap_or_else(|fault| end(&fault));
         }
         self.move_grids();
@@ -294,7 +294,7 @@ impl Model for Built {
         let Callbacks { table, user } = self.callbacks;
         if let Some(observe) = table.observe {
             let mut outputs = CosimOutputs { outputs, fields: &self.fields };
-            // SAFETY: the caller answers for the callbacks.
+            // SAFETY: the caller guarantees valid callbacks.
             call("observe", || unsafe { observe(user, &raw mut outputs) })
                 .unwrap_or_else(|fault| end(&fault));
         }
@@ -303,7 +303,7 @@ impl Model for Built {
     fn summary(&self) -> Value {
         let Callbacks { table, user } = self.callbacks;
         let Some(summary) = table.summary else { return json!({}) };
-        // SAFETY: the caller answers for the callbacks.
+        // SAFETY: the caller guarantees valid callbacks.
         let text = call_text("summary", || unsafe { summary(user) });
         let text = text.unwrap_or_else(|fault| end(&fault));
         match serde_json::from_str(&text) {
@@ -316,8 +316,8 @@ impl Model for Built {
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         let Callbacks { table, user } = self.callbacks;
         let Some(save) = table.save else { return Ok(()) };
-        let mut blob = CosimBlob(Way::Saving(into));
-        // SAFETY: the caller answers for the callbacks.
+        let mut blob = CosimBlob(Direction::Saving(into));
+        // SAFETY: the caller guarantees valid callbacks.
         call("save", || unsafe { save(user, &raw mut blob) })
             .map_err(|fault| io::Error::other(fault.to_string()))
     }
@@ -325,8 +325,8 @@ impl Model for Built {
     fn restore(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
         let Callbacks { table, user } = self.callbacks;
         let Some(restore) = table.restore else { return Ok(()) };
-        let mut blob = CosimBlob(Way::Restoring(from));
-        // SAFETY: the caller answers for the callbacks.
+        let mut blob = CosimBlob(Direction::Restoring(from));
+        // SAFETY: the caller guarantees valid callbacks.
         call("restore", || unsafe { restore(user, &raw mut blob) })
             .and_then(|()| self.callbacks.move_grids(&mut self.followed))
             .map_err(|fault| StateError(fault.to_string()))

@@ -1,27 +1,28 @@
-//! How far the program is, as C says it.
+//! Progress reports, as sent by C.
 
 use crate::fault::{COSIM_OK, guard, text};
 use proto::progress::Progress;
 use std::ffi::{c_char, c_int};
 use std::sync::{Mutex, PoisonError};
 
-/// Where the program's reports go: it may report from any thread, and is one participant.
+/// Destination of the program's reports, from any thread.
 static REPORTS: Mutex<Option<Progress>> = Mutex::new(None);
 
-/// Reports go there from now on.
+/// Directs reports to `progress`.
 pub(crate) fn report_to(progress: &Progress) {
     *REPORTS.lock().unwrap_or_else(PoisonError::into_inner) = Some(progress.clone());
 }
 
-/// Says how far build, solve, save or restore is: `done` of `of` in the program's own measure, `of`
-/// being 0 if nobody knows; `what` is being done, in an ASCII word of at most 31 letters
-/// ("factorising"). From any thread, as often as the program likes.
+/// Reports the progress of build, solve, save or restore: `done` of `of` units of work; `of` is 0
+/// if unknown. `what` names the activity in one ASCII word of at most 31 letters ("factorising").
+/// May be called from any thread, as often as needed.
 ///
-/// Whenever it changes, the deadline of the coordinator starts anew, and the user sees it.
+/// Whenever the report changes, the coordinator restarts its deadline and shows the report to the
+/// user.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cosim_progress(done: u64, of: u64, what: *const c_char) -> c_int {
     guard("cosim_progress", || {
-        // SAFETY: the header asks for a string.
+        // SAFETY: the header requires a string.
         let what = unsafe { text("what", what)? };
         let reports = REPORTS.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(progress) = &*reports {

@@ -1,4 +1,4 @@
-//! The table of callbacks that is a program in C, and what it is checked for.
+//! Table of callbacks of a program in C, and its checks.
 
 use crate::configuration::CosimConfiguration;
 use crate::fields::{CosimBlob, CosimInputs, CosimOutputs};
@@ -8,10 +8,10 @@ use proto::model::{Step, StepReport};
 use std::ffi::{c_char, c_int, c_void};
 use std::mem::MaybeUninit;
 
-/// Version of this interface. Raised when a program has to be changed, and not only compiled again.
+/// Version of this interface; raised when programs must be changed, not only recompiled.
 pub const COSIM_VERSION: u32 = 3;
 
-/// The smallest table that there has ever been under this version [byte].
+/// Smallest size of the table in this version [byte].
 const FIRST_SIZE: usize = size_of::<CosimSolver>();
 
 /// One iteration of one window.
@@ -35,21 +35,21 @@ impl From<&Step> for CosimStep {
     }
 }
 
-/// What a solve says besides its outputs. The library sets everything to 0 or NAN before.
+/// Report of a solve, besides its outputs. The library initialises all members to 0 or NAN.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CosimReport {
-    /// Steps taken inside the window.
+    /// Number of steps inside the window.
     pub substeps: u32,
-    /// Iterations of the inner solver.
+    /// Number of iterations of the inner solver.
     pub inner_iterations: u32,
-    /// Number of elementary operations in the program's own measure.
+    /// Number of elementary operations, in the program's own unit.
     pub work: u64,
-    /// Heat received through conservative inputs, as the mean power over the window [W]: the
-    /// coordinator's audit compares it with what was sent. NAN for a program that receives none.
+    /// Mean power received through conservative inputs over the window [W]; the coordinator
+    /// compares it with the power sent. NAN for a program that receives none.
     pub heat_received: f64,
-    /// Longest window that the program would take from this one's start [s]: up to an event, or for
-    /// its accuracy. Adaptive windows obey it where it is shorter. NAN for no wish.
+    /// Longest window that the program accepts from the start of this one [s], limited by an event
+    /// or by accuracy. Adaptive windows respect a shorter value. NAN without a limit.
     pub wanted_window: f64,
 }
 
@@ -76,24 +76,24 @@ impl From<CosimReport> for StepReport {
     }
 }
 
-/// A solver: its callbacks, each called with the `user` of cosim_main() as the first argument, and
-/// never from two threads at once.
+/// A solver: its callbacks. Each is called with the `user` of cosim_main() as the first argument,
+/// and never from two threads at once.
 ///
-/// A callback answers COSIM_OK, or what cosim_refuse() or cosim_fail() return; one that answers with
-/// a text, NULL after one of these. It must not throw a C++ exception nor jump out. A callback that
-/// is NULL is left out; describe, configure and solve must be there.
+/// A callback returns COSIM_OK, or the result of cosim_refuse() or cosim_fail(). A callback that
+/// returns a text returns NULL after one of these. A callback must not throw a C++ exception nor
+/// longjmp out. Optional callbacks may be NULL; describe, configure and solve are required.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct CosimSolver {
-    /// sizeof(cosim_solver): callbacks that a later version appends are NULL for this program.
+    /// sizeof(cosim_solver); callbacks appended in a later version are NULL for this program.
     pub size: usize,
     /// COSIM_VERSION.
     pub version: u32,
-    /// What the program can do, as JSON (see proto/c/README.md); called once. The text is the
-    /// program's and stays until destroy.
+    /// Returns the description of the program as JSON (see proto/c/README.md); called once. The
+    /// program owns the text, which must stay valid until destroy.
     pub describe: Option<unsafe extern "C" fn(user: *mut c_void) -> *const c_char>,
-    /// Checks a configuration and answers with grids and cost; cheap, allocates no field. May be
-    /// called more than once, the last one counts.
+    /// Checks a configuration and sets grids and cost. Cheap; allocates no fields. May be called
+    /// more than once; the last call counts.
     pub configure: Option<
         unsafe extern "C" fn(
             user: *mut c_void,
@@ -101,15 +101,15 @@ pub struct CosimSolver {
             layout: *mut CosimLayout,
         ) -> c_int,
     >,
-    /// Allocates everything the solver needs. NULL: nothing. A program that describes itself as
-    /// "reusable" is configured and built again for another run, in which nothing of the one before
-    /// may be left.
+    /// Allocates everything the solver needs. NULL: nothing to allocate. A program that describes
+    /// itself as "reusable" is configured and built again for another run, in which nothing of the
+    /// previous run may remain.
     pub build: Option<unsafe extern "C" fn(user: *mut c_void) -> c_int>,
-    /// Writes the outputs that hold before the first solve. NULL: zeros.
+    /// Writes the initial outputs, before the first solve. NULL: zeros.
     pub first_outputs:
         Option<unsafe extern "C" fn(user: *mut c_void, outputs: *mut CosimOutputs<'_>) -> c_int>,
     /// Solves one window from the accepted state with the given inputs, and writes the outputs. A
-    /// window may be solved any number of times: only accept moves on.
+    /// window may be solved any number of times; only accept advances the state.
     pub solve: Option<
         unsafe extern "C" fn(
             user: *mut c_void,
@@ -119,50 +119,51 @@ pub struct CosimSolver {
             report: *mut CosimReport,
         ) -> c_int,
     >,
-    /// Makes the last solve the accepted state. NULL: there is no state.
+    /// Makes the last solve the accepted state. NULL: the program has no state.
     pub accept: Option<unsafe extern "C" fn(user: *mut c_void) -> c_int>,
-    /// Writes the observed fields of the accepted state: those that are only looked at and need not
-    /// be there in every iteration. NULL: a run that would observe any is refused.
+    /// Writes the observed fields of the accepted state, which are output fields not needed in
+    /// every iteration. NULL: runs that observe a field are refused.
     pub observe:
         Option<unsafe extern "C" fn(user: *mut c_void, outputs: *mut CosimOutputs<'_>) -> c_int>,
-    /// Writes the accepted state with cosim_blob_write(). NULL, together with restore: no state.
+    /// Writes the accepted state with cosim_blob_write(). NULL, together with restore: the program
+    /// has no state.
     pub save: Option<unsafe extern "C" fn(user: *mut c_void, blob: *mut CosimBlob<'_>) -> c_int>,
-    /// Returns to a saved state, all of which it reads with cosim_blob_read(); the run then continues
-    /// bit-identically.
+    /// Restores a saved state, which it must read completely with cosim_blob_read(); the run then
+    /// continues bit-identically.
     pub restore: Option<unsafe extern "C" fn(user: *mut c_void, blob: *mut CosimBlob<'_>) -> c_int>,
-    /// The program's part of summary.json, a JSON object of sections that are merged over the
-    /// participants: {"temperature": {...}}. The text is the program's and stays until destroy.
-    /// NULL: none.
+    /// Returns the program's part of summary.json, a JSON object of sections that are merged over
+    /// the participants: {"temperature": {...}}. The program owns the text, which must stay valid
+    /// until destroy. NULL: no summary.
     pub summary: Option<unsafe extern "C" fn(user: *mut c_void) -> *const c_char>,
-    /// Frees what `user` holds; called once, last.
+    /// Frees the resources of `user`; called once, last.
     pub destroy: Option<unsafe extern "C" fn(user: *mut c_void)>,
-    /// Gives the geometry of the layout's volumes and of its grids that move, as they are in the
-    /// accepted state, with cosim_geometry(). Called after build, accept and restore, if anybody
-    /// needs one of them; between these calls they stay. NULL: there are none.
+    /// Supplies the geometry of the layout's volumes and moving grids in the accepted state, with
+    /// cosim_geometry(). Called after build, accept and restore, if any of these grids is needed;
+    /// the geometry must not change in between. NULL: there are no such grids.
     pub moved_grids:
         Option<unsafe extern "C" fn(user: *mut c_void, moves: *mut CosimMoves<'_>) -> c_int>,
-    /// Frees what build has allocated: the run is over. Called after a build that succeeded, also
-    /// if the run failed. NULL: destroy or the next build does it.
+    /// Frees the allocations of build, because the run is over. Called after every successful
+    /// build, even if the run failed. NULL: destroy or the next build frees them.
     pub finish: Option<unsafe extern "C" fn(user: *mut c_void) -> c_int>,
 }
 
-/// The table with every callback unset, as `{0}` makes it in C.
+/// Returns the table with every callback unset, like `{0}` in C.
 #[cfg(test)]
 pub(crate) fn empty() -> CosimSolver {
-    // SAFETY: zero is NULL, and so `None`, for every member but the numbers.
+    // SAFETY: all-zero means NULL, hence `None`, for every member except the numbers.
     let zeroed: CosimSolver = unsafe { std::mem::zeroed() };
     CosimSolver { size: size_of::<CosimSolver>(), version: COSIM_VERSION, ..zeroed }
 }
 
-/// Reads the table that a program was compiled with.
+/// Reads the table of a program.
 ///
 /// # Safety
-/// `solver` is NULL or points to as many bytes as its first member says.
+/// `solver` must be NULL or point to as many bytes as its first member states.
 pub(crate) unsafe fn read(solver: *const CosimSolver) -> Result<CosimSolver, String> {
     if solver.is_null() {
         return Err("cosim_main: `solver` is NULL".to_owned());
     }
-    // SAFETY: not NULL; every table begins with these two.
+    // SAFETY: not NULL; every table begins with these two members.
     let (size, version) = unsafe { ((*solver).size, (*solver).version) };
     if version != COSIM_VERSION || !(FIRST_SIZE..=size_of::<CosimSolver>()).contains(&size) {
         return Err(format!(
@@ -173,8 +174,8 @@ pub(crate) unsafe fn read(solver: *const CosimSolver) -> Result<CosimSolver, Str
         ));
     }
     let mut table = MaybeUninit::<CosimSolver>::zeroed();
-    // SAFETY: `size` bytes are there, no more than the table has; what is not copied stays zero,
-    // which is NULL for a callback.
+    // SAFETY: `size` bytes exist, at most the size of the table; the rest stays zero, which is NULL
+    // for a callback.
     let table = unsafe {
         table.as_mut_ptr().cast::<u8>().copy_from_nonoverlapping(solver.cast(), size);
         table.assume_init()

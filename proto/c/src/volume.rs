@@ -1,4 +1,4 @@
-//! Volumes as C announces them, and how it gives their geometry.
+//! Volumes, as announced by C.
 
 use crate::fault::Fault;
 use crate::grid::name_of;
@@ -7,20 +7,19 @@ use std::ffi::{c_char, c_int};
 
 /// Kind of a volume: ni x nj x nk boxes between the nodes of three axes.
 pub const COSIM_RECTILINEAR: c_int = 3;
-/// Kind of a volume: ni x nj x nk hexahedra with vertices anywhere.
+/// Kind of a volume: ni x nj x nk hexahedra with vertices at any position.
 pub const COSIM_STRUCTURED_HEXAHEDRA: c_int = 4;
 /// Kind of a volume: hexahedra over shared vertices.
 pub const COSIM_UNSTRUCTURED_HEXAHEDRA: c_int = 5;
 
-/// A volume: hexahedra on which fields are only written out. The value of element (i, j, k) stands at
-/// (k nj + j) ni + i.
+/// A volume: hexahedra for output fields only. Element (i, j, k) has index (k nj + j) ni + i.
 ///
-/// Its geometry goes into the place of cosim_geometry(): vectors of three components [m], the
-/// first components of all of them, then the second, then the third. Rectilinear: the n-th nodes of
-/// the axes x, y and z, as many as the longest axis has, 0 beyond the last of a shorter one.
-/// Structured: the (ni + 1) (nj + 1) (nk + 1) vertices, i fastest, then j. Unstructured: the vertices,
-/// then for each element its corners a to h, numbers of vertices from 0, as (a, b, c), (d, e, f) and
-/// (g, h, 0). Corners are in VTK's order, with a positive volume.
+/// The geometry goes into the buffer of cosim_geometry(): vectors of three components [m],
+/// component-major (all first components, then all second, then all third). Rectilinear: the n-th
+/// nodes of the axes x, y and z, as many as the longest axis has; 0 beyond the end of a shorter
+/// axis. Structured: the (ni + 1) (nj + 1) (nk + 1) vertices, i fastest, then j. Unstructured: the
+/// vertices, followed for each element by its corners a to h, vertex numbers from 0, as (a, b, c),
+/// (d, e, f) and (g, h, 0). Corners are in VTK's order, with a positive volume.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CosimVolume {
@@ -28,7 +27,7 @@ pub struct CosimVolume {
     pub name: [c_char; 32],
     /// COSIM_RECTILINEAR, COSIM_STRUCTURED_HEXAHEDRA or COSIM_UNSTRUCTURED_HEXAHEDRA.
     pub kind: c_int,
-    /// Number of elements in i; of unstructured hexahedra unused, as nj and nk.
+    /// Number of elements in i; unused for unstructured hexahedra, like nj and nk.
     pub ni: usize,
     /// Number of elements in j.
     pub nj: usize,
@@ -41,7 +40,7 @@ pub struct CosimVolume {
 }
 
 impl CosimVolume {
-    /// The announced grid, checked.
+    /// Returns the announced grid, checked.
     pub(crate) fn announced(&self) -> Result<Grid, Fault> {
         let Self { ni, nj, nk, vertices, elements, .. } = *self;
         let hexahedra = match self.kind {

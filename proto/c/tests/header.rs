@@ -1,4 +1,4 @@
-//! The header that is checked in is the one that the sources give.
+//! Checks that the header under version control is up to date with the sources.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

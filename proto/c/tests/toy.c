@@ -1,6 +1,6 @@
 /*
- * A stateful toy for the system tests: it plays `right` in cases/exchange.toml, keeps a sum that
- * depends on everything it has ever received, and misbehaves when it is asked to.
+ * A stateful participant for the system tests, in the role `right` of cases/exchange.toml. It keeps
+ * a sum that depends on all data received so far, and misbehaves on request.
  */
 #define _POSIX_C_SOURCE 199309L
 #include <cosim.h>
@@ -76,7 +76,7 @@ static int build(void *user)
     return fail_if(user, "build");
 }
 
-/* Three seconds of work in a solve, of which one is done when the counting ends. */
+/* Works for three seconds in a solve. With `stuck`, progress reports stop after one second. */
 static void work_long(const struct toy *toy)
 {
     int stuck = strcmp(toy->fault, "stuck") == 0;
@@ -151,7 +151,7 @@ int main(int argc, char **argv)
         .describe = describe, .configure = configure, .build = build, .solve = solve,
         .accept = accept, .save = save, .restore = restore, .summary = summary,
     };
-    /* A word before the options says what is wrong with the table. */
+    /* A word before the options selects a fault of the table. */
     const char *word = argc > 1 && argv[1][0] != '-' ? argv[1] : "";
     if (strcmp(word, "no-solve") == 0)
         solver.solve = NULL;

@@ -1,5 +1,5 @@
 /*
- * A block whose fields are on a volume, for the system tests: it plays `volume` in cases/volume.toml;
+ * A block with fields on a volume, for the system tests, in the role `volume` of cases/volume.toml;
  * tests/src/volume.rs has its laws.
  */
 #include <cosim.h>
@@ -54,7 +54,7 @@ static void vertex(const struct block *block, size_t i, size_t j, size_t k, doub
     place[2] = 0.5 * node(k, block->n[2]);
 }
 
-/* Corner c of element (i, j, k) is that of the vertex (i + di, j + dj, k + dk), in VTK's order. */
+/* Corner c of element (i, j, k) is the vertex (i + di, j + dj, k + dk), in VTK's order. */
 static void shift(int c, size_t d[3])
 {
     d[0] = c % 4 == 1 || c % 4 == 2;
@@ -154,7 +154,8 @@ static int observe(void *user, cosim_outputs *outputs)
     double *temperature = cosim_output(outputs, "volume_temperature", &count);
     double *places = cosim_output(outputs, "volume_place", NULL);
     if (!temperature || !places)
-        return cosim_fail("both fields are asked for, or none");
+        return cosim_fail("both fields must be requested, or none");
+
     for (size_t k = 0; k < n[2]; k++)
         for (size_t j = 0; j < n[1]; j++)
             for (size_t i = 0; i < n[0]; i++, at++) {

@@ -1,12 +1,11 @@
-//! What is known of a model's errors before it runs: how they fall with its resolution, and what no
-//! resolution removes.
+//! Expected errors of a model, stated before a run: convergence with resolution, and modelling
+//! errors.
 //!
-//! With it a target of accuracy can choose a model and a resolution without running all of them, and
-//! a study knows what to refine. The errors are expectations, from the studies named in `source`;
-//! what a run states is estimated from its own grids.
+//! A study uses the expectations to choose a model and a resolution for a target accuracy without
+//! running every combination. The numbers come from the studies named in `source`. The error that a
+//! run reports is estimated from its own grids.
 //!
-//! An error is relative, of the quantity that a case is asked for (the largest temperature rise, if
-//! nothing else is named):
+//! Errors are relative errors of the requested quantity (default: the largest temperature rise):
 //!
 //! ```text
 //! error = Σ simplifications + refinement.error · (levels[0] / level)^order
@@ -14,36 +13,36 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What is known of a model's errors. A model that says nothing is taken as exact, and has nothing
-/// to refine.
+/// Expected errors of a model. The default describes an exact model without a resolution.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accuracy {
-    /// How its error falls with its resolution; `None` for a model without a resolution of its own.
+    /// Convergence with resolution; `None` for a model without a resolution.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub refinement: Option<Refinement>,
-    /// What it leaves out; no resolution brings it back.
+    /// Modelling errors, which no resolution reduces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub simplifications: Vec<Simplification>,
 }
 
 impl Accuracy {
-    /// There is nothing to say.
+    /// Returns true if nothing is stated.
     #[must_use]
     pub fn is_silent(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The expected relative error that no resolution removes, with these effects active.
+    /// Returns the expected relative modelling error for a set of active effects.
     #[must_use]
     pub fn of_model(&self, active: &dyn Fn(&str) -> bool) -> f64 {
         let counts = |one: &&Simplification| one.applies(active);
         self.simplifications.iter().filter(counts).map(|one| one.error).sum()
     }
 
-    /// What is wrong with it, as it came from outside.
+    /// Checks a statement received from another process.
     ///
     /// # Errors
-    /// Levels that do not rise, an order or an error that is no positive number.
+    /// Fails if the levels do not rise, if the order or the error of a refinement is not positive,
+    /// or if the error of a simplification is negative or not finite.
     pub fn check(&self) -> Result<(), String> {
         let bad = |error: f64| !(error.is_finite() && error >= 0.0);
         if let Some(one) = self.simplifications.iter().find(|one| bad(one.error)) {
@@ -53,23 +52,23 @@ impl Accuracy {
     }
 }
 
-/// How a model's error falls with its resolution.
+/// Convergence of a model with its resolution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Refinement {
-    /// The case key that sets the resolution; the larger its value the finer.
+    /// Case key that sets the resolution; a larger value is finer.
     pub key: String,
     /// Values worth running, coarsest first.
     pub levels: Vec<u32>,
     /// Order of convergence: the error falls as `level^-order`.
     pub order: f64,
-    /// Expected relative error at the first of the levels.
+    /// Expected relative error at the first level.
     pub error: f64,
-    /// Where these numbers come from.
+    /// Origin of the numbers.
     pub source: String,
 }
 
 impl Refinement {
-    /// The expected relative error at a level.
+    /// Returns the expected relative error at a level.
     #[must_use]
     pub fn at(&self, level: f64) -> f64 {
         let first = self.levels.first().copied().map_or(level, f64::from);
@@ -89,35 +88,35 @@ impl Refinement {
     }
 }
 
-/// One thing that a model leaves out.
+/// A modelling simplification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Simplification {
-    /// What is left out, or stands for something else.
+    /// Description of the neglected or replaced physics.
     pub what: String,
-    /// It matters only with one of these effects; empty: always.
+    /// Effects with which the simplification matters; empty if it always matters.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub with_effects: Vec<String>,
     /// Expected relative error.
     pub error: f64,
-    /// Where the number comes from.
+    /// Origin of the number.
     pub source: String,
 }
 
 impl Simplification {
-    /// One that matters always.
+    /// Returns a simplification that always matters.
     #[must_use]
     pub fn always(what: &str, error: f64, source: &str) -> Self {
         let [what, source] = [what, source].map(str::to_owned);
         Self { what, with_effects: Vec::new(), error, source }
     }
 
-    /// One that matters with this effect only.
+    /// Returns a simplification that matters only with the given effect.
     #[must_use]
     pub fn with(effect: &str, what: &str, error: f64, source: &str) -> Self {
         Self { with_effects: vec![effect.to_owned()], ..Self::always(what, error, source) }
     }
 
-    /// It matters with these effects.
+    /// Returns true if the simplification matters for a set of active effects.
     #[must_use]
     pub fn applies(&self, active: &dyn Fn(&str) -> bool) -> bool {
         self.with_effects.is_empty() || self.with_effects.iter().any(|effect| active(effect))

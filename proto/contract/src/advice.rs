@@ -1,7 +1,8 @@
-//! What a participant thinks of effects in a scene, before anything is run: `--advise`.
+//! Advice of a participant on the effects in a scene, before a run: `--advise`.
 //!
-//! Participants are asked in the order of the flow of data, and then once more: each adds to what is known of the scene the figures
-//! that it can estimate, under the keys of the summary, and says of its effects what these figures let it say.
+//! The coordinator asks the participants in the order of the data flow, and then once more. Each
+//! participant adds its estimates of figures, under the keys of the summary. From all estimates
+//! known so far it advises on its own effects.
 
 use crate::configuration::Mode;
 use crate::params::Params;
@@ -9,50 +10,53 @@ use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Relative change from which on an effect matters.
-pub const MATTERS: f64 = 0.01;
+/// Relative change above which an effect matters.
+pub const SIGNIFICANT_CHANGE: f64 = 0.01;
 
-/// Estimated figures by their keys in the summary, in SI units.
+/// Estimated figures in SI units, by key in the summary.
 pub type Known = BTreeMap<String, f64>;
 
-/// On standard input of `--advise`.
+/// Input of `--advise`, read from standard input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
-    /// All values of the case, in SI units, defaults filled in; those of the first row where they vary.
+    /// All values of the case in SI units, with defaults filled in; varying values are those of the
+    /// first row.
     pub case: Params,
-    /// Steady or transient.
+    /// Steady or transient case.
     pub mode: Mode,
-    /// What is known so far.
+    /// Figures estimated so far.
     pub known: Known,
 }
 
-/// What `--advise` prints.
+/// Output of `--advise`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Opinion {
-    /// What this participant adds to what is known.
+    /// Figures that this participant adds.
     #[serde(default)]
     pub known: Known,
-    /// What it says of its effects.
+    /// Advice on the effects of this participant.
     pub advice: Vec<Advice>,
 }
 
-/// What there is to say of an effect in a scene.
+/// Advice on one effect in a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Advice {
-    /// The effect.
+    /// Name of the effect.
     pub effect: String,
-    /// Dimensionless numbers that decide.
+    /// Dimensionless numbers on which the advice is based.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<Number>,
-    /// Which figure the effect moves most, and by about how much against a scene without it; absent where nothing can be said.
+    /// Figure that the effect changes most, and the estimated change against a scene without the
+    /// effect; `None` without an estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub change: Option<Change>,
-    /// With the effect the scene has no answer.
+    /// The scene has no solution with the effect.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub impossible: bool,
-    /// How it was estimated, or why not, in a line.
+    /// Basis of the estimate, or the reason why there is none, in one line.
     pub why: String,
-    /// What adds the effect to the case, as `--set` takes it; empty where the case has to give what cannot be guessed.
+    /// Arguments of `--set` that add the effect to the case; empty if the case must supply values
+    /// that cannot be guessed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub set: Vec<String>,
 }
@@ -60,9 +64,9 @@ pub struct Advice {
 /// A dimensionless number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Number {
-    /// What it is called.
+    /// Name of the number.
     pub name: String,
-    /// Its value.
+    /// Value of the number.
     pub value: f64,
 }
 
@@ -71,19 +75,19 @@ pub struct Number {
 pub struct Change {
     /// Key of the figure in the summary.
     pub figure: String,
-    /// Relative change of its size; infinite where the figure is not there without the effect.
+    /// Relative change of the magnitude; infinite if the figure exists only with the effect.
     #[serde(with = "unbounded")]
     pub relative: f64,
 }
 
 impl Advice {
-    /// Of an effect, for now without an estimate.
+    /// Returns advice on an effect, without an estimate yet.
     #[must_use]
     pub fn new(effect: &str, why: impl Into<String>) -> Self {
         Self { effect: effect.to_owned(), why: why.into(), ..Self::default() }
     }
 
-    /// With a number that decides.
+    /// Adds a dimensionless number, if finite.
     #[must_use]
     pub fn number(mut self, name: &str, value: f64) -> Self {
         if value.is_finite() {
@@ -92,14 +96,14 @@ impl Advice {
         self
     }
 
-    /// With it the scene has no answer.
+    /// Marks the scene as having no solution with the effect.
     #[must_use]
     pub fn impossible(mut self) -> Self {
         self.impossible = true;
         self
     }
 
-    /// It moves this figure by this part of its value without the effect.
+    /// Sets the most affected figure and its relative change.
     #[must_use]
     pub fn moves(mut self, figure: impl Into<String>, relative: f64) -> Self {
         if !relative.is_nan() {
@@ -108,26 +112,30 @@ impl Advice {
         self
     }
 
-    /// This adds it to the case.
+    /// Adds a `--set` argument that belongs to the effect.
     #[must_use]
     pub fn with(mut self, set: impl Into<String>) -> Self {
         self.set.push(set.into());
         self
     }
 
-    /// The effect moves a figure by enough to be worth its while.
+    /// Returns true if the effect changes a figure by [`SIGNIFICANT_CHANGE`] or more, or is
+    /// impossible.
     #[must_use]
     pub fn matters(&self) -> bool {
         self.impossible
-            || self.change.as_ref().is_some_and(|change| change.relative.abs() >= MATTERS)
+            || self
+                .change
+                .as_ref()
+                .is_some_and(|change| change.relative.abs() >= SIGNIFICANT_CHANGE)
     }
 }
 
 impl Opinion {
-    /// What is wrong with an opinion that came from outside.
+    /// Checks an opinion received from another process.
     ///
     /// # Errors
-    /// Texts of more than one line, figures that are not finite.
+    /// Fails for a text of more than one line and for an estimate that is not finite.
     pub fn check(&self) -> Result<(), String> {
         check_lines("advice", &self.advice)?;
         match self.known.iter().find(|(_, value)| !value.is_finite()) {
@@ -137,7 +145,7 @@ impl Opinion {
     }
 }
 
-/// JSON has no infinity: `null` stands for it.
+/// Writes infinity as `null`, because JSON has no infinity.
 mod unbounded {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

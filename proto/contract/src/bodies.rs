@@ -1,9 +1,9 @@
-//! The two bodies in contact: upper and lower in the contract, with the names that the case gives them
-//! wherever a person looks.
+//! The two bodies in contact: `upper` and `lower` in the contract, with the names from the case
+//! wherever a person reads them.
 //!
-//! A case has a table for each, `[bodies.NAME]`, which says its `position`. Names of fields and grids
-//! that belong to one body begin with its position (`upper_temperature`); results show the case's name
-//! in that place (`wheel_temperature`).
+//! A case has a table `[bodies.NAME]` for each body, with its `position`. Names of fields and grids
+//! of one body begin with the position (`upper_temperature`). Results show the name from the case
+//! instead (`wheel_temperature`).
 
 use crate::description::KeySpec;
 use crate::grid::check_name;
@@ -11,27 +11,27 @@ use crate::params::Params;
 use crate::refusal::Refusal;
 use serde::{Deserialize, Serialize};
 
-/// The table of the bodies in a case.
+/// Name of the table of bodies in a case.
 pub const TABLE: &str = "bodies";
-/// The positions, in the order in which pairs of values stand.
+/// The positions, in the order of pairs of values.
 pub const POSITIONS: [&str; 2] = ["upper", "lower"];
 /// Index of the upper body, body 1, in a pair.
 pub const UPPER: usize = 0;
 /// Index of the lower body, body 2, in a pair.
 pub const LOWER: usize = 1;
-/// Why an absolute temperature below 100 K is not expected.
+/// Reason why an absolute temperature below 100 K is implausible.
 pub const ABSOLUTE: &str = "it is an absolute temperature; \"20 °C\" is 293.15 K";
 
-/// The initial temperature of a body of which the case says none [K].
+/// Default initial temperature of a body [K].
 pub const INITIAL_TEMPERATURE: f64 = 293.15;
 
-/// The key that says where a body is, for everybody who reads keys of bodies.
+/// Returns the key of a body's position, shared by all participants that read keys of bodies.
 #[must_use]
 pub fn position_key() -> KeySpec {
     KeySpec::choice("bodies.*.position", &POSITIONS, "which of the two bodies it is").required()
 }
 
-/// The key of the temperature over which a body's temperatures are rises.
+/// Returns the key of a body's initial temperature, the reference of temperature rises.
 #[must_use]
 pub fn initial_temperature_key() -> KeySpec {
     let help = "initial temperature, over which temperatures are rises";
@@ -41,7 +41,7 @@ pub fn initial_temperature_key() -> KeySpec {
         .default_value(INITIAL_TEMPERATURE)
 }
 
-/// The key of the speed at which the surface of a body passes through the contact.
+/// Returns the key of the speed at which a body's surface passes through the contact.
 #[must_use]
 pub fn surface_speed_key() -> KeySpec {
     let help = "speed at which the body's surface passes through the contact; absent: motion.speed";
@@ -51,15 +51,16 @@ pub fn surface_speed_key() -> KeySpec {
         .varies()
 }
 
-/// The names that a case gives to the upper and the lower body.
+/// Names of the upper and the lower body in a case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Bodies(pub [String; 2]);
 
 impl Bodies {
-    /// The bodies of a case.
+    /// Reads the names of the bodies from a case.
     ///
     /// # Errors
-    /// There is not one upper and one lower body, and no other; or a name cannot stand in results.
+    /// Fails unless the case has exactly one upper and one lower body and no other, or if a name
+    /// cannot be used in results.
     pub fn read(case: &Params) -> Result<Self, Refusal> {
         let table = case.get(TABLE).and_then(serde_json::Value::as_object);
         let of = |position: &str| -> Vec<&String> {
@@ -93,7 +94,8 @@ impl Bodies {
         }
     }
 
-    /// Names become parts of names of fields, files and keys, and none says the other's position.
+    /// Checks that names can be parts of field, file and key names, and that no body is named after
+    /// the other position.
     fn check_names(&self) -> Result<(), Refusal> {
         for (body, name) in self.0.iter().enumerate() {
             let wrong = match check_name("body", name) {
@@ -108,27 +110,27 @@ impl Bodies {
         Ok(())
     }
 
-    /// The dotted key of a value of a body.
+    /// Returns the dotted key of a value of a body.
     #[must_use]
     pub fn key(&self, body: usize, name: &str) -> String {
         format!("{TABLE}.{}.{name}", self.0[body])
     }
 
-    /// What a person reads for the name of a field or a grid: the body's name for its position, where
-    /// the name begins with one.
+    /// Returns the name of a field or grid as shown to people: a leading position becomes the name
+    /// of the body.
     #[must_use]
     pub fn shown(&self, name: &str) -> String {
         replaced(name, &POSITIONS, &self.0.each_ref().map(String::as_str))
     }
 
-    /// The name of the contract for what a person reads, [`Bodies::shown`] the other way round.
+    /// Returns the contract's name for a name shown to people; the inverse of [`Bodies::shown`].
     #[must_use]
     pub fn named(&self, shown: &str) -> String {
         replaced(shown, &self.0.each_ref().map(String::as_str), &POSITIONS)
     }
 }
 
-/// `name` with one of the words that it may begin with, before a `_`, replaced by another.
+/// Replaces the leading word of `name`, before a `_`, if it is one of `from`.
 fn replaced(name: &str, from: &[&str; 2], to: &[&str; 2]) -> String {
     let rest = |word: &str| name.strip_prefix(word).filter(|rest| rest.starts_with('_'));
     let found = from.iter().zip(to).find_map(|(from, to)| Some((to, rest(from)?)));

@@ -1,4 +1,4 @@
-//! What a participant is given before a run, and what it answers. All of it travels as JSON.
+//! Messages exchanged before a run: the configuration of a participant and its answer, as JSON.
 
 pub use crate::refusal::Refusal;
 
@@ -13,38 +13,39 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Steady or transient.
+/// Time dependence of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
     /// A single window without duration.
     Steady,
-    /// Windows of coupling time from 0 on.
+    /// Consecutive windows of coupling time from 0.
     Transient,
 }
 
-/// Sent with `Configure`, and on standard input of `--estimate`.
+/// Configuration of a participant, sent with `Configure` and on standard input of `--estimate`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Configuration {
-    /// The role to play.
+    /// Role of the participant.
     pub role: String,
-    /// The model chosen, one of the description's.
+    /// Name of the chosen model, from the description.
     pub model: String,
-    /// Steady or transient.
+    /// Steady or transient case.
     pub mode: Mode,
-    /// The case values this participant reads, in SI units, defaults filled in, nested by table.
-    /// `effects` holds a table for every active effect that this participant claims, no other.
+    /// Case values that this participant reads, in SI units, with defaults filled in, nested by
+    /// table. `effects` holds one table for each active effect that this participant claims, and no
+    /// other.
     pub case: Params,
-    /// Values of the case that vary; in `case` they have those of the first row.
+    /// Varying case values; `case` holds the values of their first row.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub histories: Option<Histories>,
-    /// Fields it will receive, in the order of [`crate::message::Command::expected`].
+    /// Received fields, in the order of [`crate::message::Command::expected`].
     pub inputs: Vec<Input>,
-    /// Names of the fields it has to publish in every iteration.
+    /// Names of the fields to publish in every iteration.
     pub outputs: Vec<String>,
-    /// Names of the fields it has to publish when an accepted window is observed.
+    /// Names of the fields to publish when an accepted window is observed.
     pub observed: Vec<String>,
-    /// Threads that it may compute on at the same time. Its results do not depend on it.
+    /// Number of threads to compute on. Results must be independent of this number.
     #[serde(default = "one")]
     pub threads: usize,
 }
@@ -58,27 +59,27 @@ fn one() -> usize {
 pub struct Input {
     /// Kind of the field.
     pub field: FieldKind,
-    /// Role of the participant that computes it.
+    /// Role of the producer.
     pub producer: String,
-    /// The grid it arrives on; absent while that is not known yet.
+    /// Grid on which the field arrives; `None` while unknown.
     pub grid: Option<Grid>,
-    /// That grid may move between windows. A participant that cannot follow it wants the input on a
-    /// grid of its own ([`Layout::inputs`]), or refuses.
+    /// The grid may move between windows. A participant that cannot follow a moving grid requests
+    /// the input on a grid of its own ([`Layout::inputs`]), or refuses the case.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub moves: bool,
-    /// Where its largest value is expected, see [`Layout::peaks`] [m].
+    /// Expected place of the largest value [m], see [`Layout::peaks`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak: Option<[f64; 3]>,
 }
 
 impl Configuration {
-    /// An effect is active and claimed by this participant.
+    /// Returns true if an effect is active and claimed by this participant.
     #[must_use]
     pub fn has_effect(&self, name: &str) -> bool {
         self.case.has(&format!("effects.{name}"))
     }
 
-    /// The case in a window: with the values of its row or instant, where any vary.
+    /// Returns the case in a window, with varying values at the row or time of the window.
     #[must_use]
     pub fn case_at(&self, step: &Step) -> Cow<'_, Params> {
         match &self.histories {
@@ -87,7 +88,7 @@ impl Configuration {
         }
     }
 
-    /// The grid on which an input arrives.
+    /// Returns the grid on which an input arrives.
     #[must_use]
     pub fn input_grid(&self, field: &str) -> Option<&Grid> {
         self.inputs.iter().find(|i| i.field.name == field).and_then(|i| i.grid.as_ref())
@@ -97,54 +98,54 @@ impl Configuration {
 /// Answer to `Configure` and to `--estimate`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
-    /// The grids of the outputs, and those on which inputs are wanted.
+    /// Grids of the outputs, and requested grids of inputs.
     pub grids: Vec<Grid>,
-    /// Which grid each output and observed field lives on.
+    /// Grid of each output and observed field.
     pub fields: Vec<FieldOnGrid>,
-    /// Which grid each input is wanted on: the coordinator maps it there, if its producer's is
-    /// another. An input without a wish arrives on its producer's grid.
+    /// Requested grids of inputs; the coordinator maps an input there from the producer's grid.
+    /// Inputs without a request arrive on the grid of their producer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub inputs: Vec<FieldOnGrid>,
-    /// Names of those of the grids that may move when a window is accepted, see
-    /// `moved_grids` of a model. A volume need not be named.
+    /// Names of grids that may move when a window is accepted, see `moved_grids` of a model.
+    /// Volumes need not be listed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub moving: Vec<String>,
-    /// Where the largest value of a field is expected, by its name, as far as that is known before
-    /// the first solve [m]; for consumers that look at one place more closely than at others.
+    /// Expected place of the largest value of a field [m], by field name, where known before the
+    /// first solve. Consumers can refine their grids there.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub peaks: BTreeMap<String, [f64; 3]>,
     /// Expected processor seconds of one solve.
     pub solve_seconds: f64,
-    /// Expected processor seconds of a solve besides that for each second of its window, of a model that has
-    /// time steps of its own [s/s].
-    #[serde(default, skip_serializing_if = "is_nought")]
+    /// Expected additional processor seconds of a solve per second of its window [s/s], for models
+    /// with time steps of their own.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub seconds_per_second: f64,
-    /// Expected processor seconds of what is done once, whatever the number of solves.
-    #[serde(default, skip_serializing_if = "is_nought")]
+    /// Expected processor seconds of work done once per run, independent of the number of solves.
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub build_seconds: f64,
     /// Expected memory of the participant's own arrays [byte].
     pub memory_bytes: u64,
-    /// Remarks for `plan`, one line each: what the model makes of the case.
+    /// Remarks for `plan` on the model's view of the case, one line each.
     #[serde(default)]
     pub remarks: Vec<String>,
-    /// Warnings about the case, in the form of refusals. The case is run all the same.
+    /// Warnings about the case, in the form of refusals; the run continues.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<Refusal>,
-    /// What the model leaves out in this very case, besides what its description says.
+    /// Simplifications in this particular case, in addition to those of the description.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<Simplification>,
-    /// Quantities of the summary that have a closed form in this case, by dotted key: what a study
-    /// compares the answers of all models with.
+    /// Quantities of the summary with a closed form in this case, by dotted key. Studies compare
+    /// all models with these reference values.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub closed_forms: BTreeMap<String, f64>,
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
-fn is_nought(value: &f64) -> bool {
+fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// A field and the grid it lives on.
+/// A field and the grid of its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FieldOnGrid {
     /// Name of the field.
@@ -154,12 +155,12 @@ pub struct FieldOnGrid {
 }
 
 impl Layout {
-    /// What is wrong with a layout that came from outside.
+    /// Checks a layout received from another process.
     ///
     /// # Errors
-    /// A grid that [`Grid::check`] refuses, two of the same name, an input that is wanted twice or
-    /// on a volume or on no grid of the layout, a name among those that move that is no grid or stands twice, or a
-    /// text that is more than one line.
+    /// Fails if [`Grid::check`] refuses a grid, if two grids have the same name, or if a text has
+    /// more than one line. Fails if an input is requested twice, on a volume, on points, or on a
+    /// grid that the layout lacks. Fails if a moving grid is unknown or listed twice.
     pub fn check(&self) -> Result<(), String> {
         check_lines("layout", &(&self.remarks, &self.left_out, &self.closed_forms))?;
         for (index, grid) in self.grids.iter().enumerate() {
@@ -184,31 +185,31 @@ impl Layout {
         }
         for (index, name) in self.moving.iter().enumerate() {
             if self.moving[..index].contains(name) || self.grids.iter().all(|g| g.name != *name) {
-                return Err(format!("`{name}` moves, which is not a grid or is listed twice"));
+                return Err(format!("the moving grid `{name}` is unknown or listed twice"));
             }
         }
         Ok(())
     }
 
-    /// The geometry of a grid of this layout travels: it may move, or is a volume.
+    /// Returns true if the geometry of a grid travels: the grid may move, or is a volume.
     #[must_use]
     pub fn moves(&self, grid: &Grid) -> bool {
         grid.is_volume() || self.moving.contains(&grid.name)
     }
 
-    /// The grid of a field may move.
+    /// Returns true if the geometry of the grid of a field travels.
     #[must_use]
     pub fn moves_under(&self, field: &str) -> bool {
         self.grid_of(field).is_some_and(|grid| self.moves(grid))
     }
 
-    /// The grid of a field.
+    /// Returns the grid of a field.
     #[must_use]
     pub fn grid_of(&self, field: &str) -> Option<&Grid> {
         self.among(&self.fields, field)
     }
 
-    /// The grid on which an input is wanted; `None` if its producer's will do.
+    /// Returns the requested grid of an input; `None` if the producer's grid is used.
     #[must_use]
     pub fn input_grid(&self, field: &str) -> Option<&Grid> {
         self.among(&self.inputs, field)
@@ -220,7 +221,7 @@ impl Layout {
     }
 }
 
-/// What `--estimate` prints.
+/// Output of `--estimate`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Estimate {
@@ -270,7 +271,8 @@ mod tests {
         assert!(layout.moves(&layout.grids[1]) && !layout.moves(&layout.grids[0]));
     }
 
-    /// A participant that knows of no wishes says and reads what it always did.
+    /// A participant that requests no grids writes and reads the same text as before requests
+    /// existed.
     #[test]
     fn a_layout_without_wishes_is_written_as_before() {
         let text = serde_json::to_string(&wanting(&[])).unwrap();
@@ -278,7 +280,7 @@ mod tests {
         assert_eq!(serde_json::from_str::<Layout>(&text).unwrap(), wanting(&[]));
     }
 
-    /// Nor is one that no moving grid concerns informed of any.
+    /// An input on a fixed grid is written as before moving grids existed.
     #[test]
     fn an_input_whose_grid_stays_is_written_as_before() {
         let field = crate::field::PRESSURE.kind();
@@ -301,7 +303,7 @@ mod tests {
         assert_eq!(layout.check(), Ok(()));
         assert!(layout.moves(&layout.grids[0]) && !wanting(&[]).moves(&layout.grids[0]));
         for wrong in [["coarse"].as_slice(), &["fine", "fine"]] {
-            assert!(moving(wrong).check().unwrap_err().contains("moves, which is not a grid"));
+            assert!(moving(wrong).check().unwrap_err().contains("is unknown or listed twice"));
         }
     }
 }

@@ -1,7 +1,7 @@
-//! What a participant says of itself, before any run: `--describe` prints it as JSON.
+//! Description of a participant, available before any run: `--describe` prints it as JSON.
 //!
-//! The coordinator knows no physics. Which models and effects exist, which case keys they read,
-//! in which unit and range, and which fields they exchange, it learns from here.
+//! The coordinator knows no physics. From the descriptions it learns which models and effects
+//! exist, which case keys they read, in which unit and range, and which fields they exchange.
 
 use crate::accuracy::Accuracy;
 use crate::configuration::{Configuration, Mode};
@@ -16,60 +16,62 @@ use crate::text::check_lines;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Everything a participant says of itself.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Self-description of a participant.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Description {
-    /// Version of the contract it speaks ([`crate::PROTOCOL_VERSION`]).
+    /// Version of the contract that the participant speaks ([`crate::PROTOCOL_VERSION`]).
     pub protocol: u32,
     /// Name of the program.
     pub name: String,
     /// Version of the program.
     pub version: String,
-    /// The role it plays: `mech`, `thermal`, or another word that a case names as a table.
+    /// Role of the participant: `mech`, `thermal`, or another word that a case uses as a table
+    /// name.
     pub role: String,
-    /// It has an answer of its own even if no effect is active. A participant without is started
-    /// only when an active effect needs it.
+    /// The participant has a result even if no effect is active. Otherwise it is started only when
+    /// an active effect needs it.
     pub standalone: bool,
-    /// It answers `--estimate`.
+    /// The participant answers `--estimate`.
     pub estimates: bool,
-    /// It answers `--advise`.
+    /// The participant answers `--advise`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub advises: bool,
-    /// Its process can take part in one run after the other ([`crate::message::STAY`]), and a run
+    /// The process can take part in several runs in succession ([`crate::message::STAY`]); a run
     /// leaves nothing behind for the next.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub reusable: bool,
     /// Models, cheapest first.
     pub models: Vec<ModelSpec>,
-    /// Effects it can take part in.
+    /// Effects that the participant supports.
     pub effects: Vec<EffectSpec>,
-    /// Case keys it reads whatever the model; keys of a model or an effect stand there.
+    /// Case keys read by every model; keys of a single model or effect stand in that model or
+    /// effect.
     pub keys: Vec<KeySpec>,
-    /// Fields that are not in [`crate::field::TABLE`].
+    /// Fields that are missing from [`crate::field::TABLE`].
     #[serde(default)]
     pub fields: Vec<FieldKind>,
-    /// The figures of its part of the summary, in the order in which a person reads them.
+    /// Figures of the participant's part of the summary, in reading order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<FigureSpec>,
-    /// Diagrams of its figures.
+    /// Diagrams of the figures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub diagrams: Vec<Diagram>,
-    /// Keys of earlier versions, with what stands in their place now.
+    /// Keys of earlier versions and their replacements.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub renamed: Vec<Renamed>,
 }
 
-/// A key that has another spelling now.
+/// A renamed key.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Renamed {
-    /// Dotted path of an earlier version.
+    /// Dotted path in an earlier version.
     pub from: String,
-    /// What to write now, in words.
+    /// Replacement, in words.
     pub to: String,
 }
 
 impl Renamed {
-    /// One key.
+    /// Returns a renamed key.
     #[must_use]
     pub fn new(from: &str, to: &str) -> Self {
         Self { from: from.to_owned(), to: to.to_owned() }
@@ -77,7 +79,8 @@ impl Renamed {
 }
 
 impl Description {
-    /// The key of this dotted path, of the participant, a model or an effect.
+    /// Returns the key with a dotted path, among the keys of the participant, its models and its
+    /// effects.
     #[must_use]
     pub fn key(&self, path: &str) -> Option<&KeySpec> {
         let models = self.models.iter().flat_map(|model| &model.keys);
@@ -85,12 +88,13 @@ impl Description {
         self.keys.iter().chain(models).chain(effects).find(|key| key.is_of(path))
     }
 
-    /// What is wrong with a description that came from outside.
+    /// Checks a description received from another process.
     ///
     /// # Errors
-    /// Names that are no plain words, texts that are more than one line, fields without components or
-    /// with a unit that does not fit its label, figures that [`FigureSpec::check`] refuses or that stand
-    /// twice, diagrams that [`Diagram::check`] refuses, and expectations of accuracy that make no sense.
+    /// Fails for a name that is not a plain word, a text of more than one line, a field with fewer
+    /// than 1 or more than 64 components, and a unit that does not fit its label. Fails for a
+    /// figure that [`FigureSpec::check`] refuses or that occurs twice, a diagram that
+    /// [`Diagram::check`] refuses, and a statement that [`Accuracy::check`] refuses.
     pub fn check(&self) -> Result<(), String> {
         check_lines("description", self)?;
         check_name("role", &self.role)?;
@@ -112,7 +116,7 @@ impl Description {
         for (index, figure) in figures.iter().enumerate() {
             figure.check()?;
             if figures[..index].iter().any(|other| other.key == figure.key) {
-                return Err(format!("figure `{}` stands twice", figure.key));
+                return Err(format!("figure `{}` is defined twice", figure.key));
             }
         }
         let keys = figures.iter().map(|figure| figure.key.as_str());
@@ -120,18 +124,18 @@ impl Description {
         Ok(())
     }
 
-    /// The kind of a field that it speaks of: of the table, or one of its own.
+    /// Returns the kind of a field, from the table or from the participant's own fields.
     #[must_use]
     pub fn field_kind(&self, name: &str) -> Option<FieldKind> {
         let own = || self.fields.iter().find(|kind| kind.name == name).cloned();
         crate::field::find(name).map(FieldSpec::kind).or_else(own)
     }
 
-    /// What no participant that describes itself like this can take; a solver's own checks follow.
+    /// Checks a configuration against this description; the solver's own checks follow.
     ///
     /// # Errors
-    /// A model or mode it does not have, an effect that it or the model does not have, a field that
-    /// nothing of it provides.
+    /// Fails for an unknown model, a mode that the model does not support, an effect that the
+    /// participant or the model does not support, and an output that nothing provides.
     pub fn admit(&self, given: &Configuration) -> Result<(), Refusal> {
         let role = &self.role;
         let Some(model) = self.models.iter().find(|model| model.name == given.model) else {
@@ -188,28 +192,29 @@ impl Description {
 pub struct ModelSpec {
     /// Name in the case file, `[ROLE] model = "NAME"`.
     pub name: String,
-    /// One line: what it computes.
+    /// Summary of the model, in one line.
     pub summary: String,
-    /// Where the equations come from.
+    /// Source of the equations.
     pub source: String,
-    /// It can answer a steady case.
+    /// The model supports steady cases.
     pub steady: bool,
-    /// It can answer a transient case.
+    /// The model supports transient cases.
     pub transient: bool,
-    /// It can solve a window more than once, always from the accepted state. One that cannot is
+    /// The model can solve a window repeatedly, each time from the accepted state. Other models are
     /// planned only where every window is solved once.
     #[serde(default = "always", skip_serializing_if = "Clone::clone")]
     pub rewinds: bool,
-    /// Windows of the model may differ in length. One whose may not is planned only where all are equal.
+    /// Windows may differ in length. Otherwise the model is planned only where all windows are
+    /// equal.
     #[serde(default = "always", skip_serializing_if = "Clone::clone")]
     pub varies_step: bool,
-    /// Fields it always consumes, by name.
+    /// Names of the fields that the model always consumes.
     pub consumes: Vec<String>,
-    /// Fields it always can provide, by name.
+    /// Names of the fields that the model can always provide.
     pub provides: Vec<String>,
     /// Case keys that only this model reads.
     pub keys: Vec<KeySpec>,
-    /// What is known of its errors.
+    /// Expected errors of the model.
     #[serde(default, skip_serializing_if = "Accuracy::is_silent")]
     pub accuracy: Accuracy,
 }
@@ -225,22 +230,22 @@ pub struct EffectSpec {
     pub name: String,
     /// The law, as a formula or a sentence.
     pub law: String,
-    /// Where the law comes from.
+    /// Source of the law.
     pub source: String,
-    /// Models of this participant that support it, by name.
+    /// Names of the participant's models that support the effect.
     pub models: Vec<String>,
-    /// Fields it consumes, by name.
+    /// Names of the fields that the effect consumes.
     pub consumes: Vec<String>,
-    /// Fields it provides, by name.
+    /// Names of the fields that the effect provides.
     pub provides: Vec<String>,
-    /// Parameters: keys under `effects.NAME` (and elsewhere).
+    /// Parameters: keys under `effects.NAME` and elsewhere.
     pub keys: Vec<KeySpec>,
-    /// Figures that there are with the effect alone, in the order in which a person reads them.
+    /// Figures that exist only with the effect, in reading order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<FigureSpec>,
 }
 
-/// One key of the case file, its type, its range and what it is for.
+/// A key of the case file: its type, range and meaning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeySpec {
     /// Dotted path; `*` stands for any one name (`materials.*.density`).
@@ -248,54 +253,54 @@ pub struct KeySpec {
     /// Type of the value.
     #[serde(flatten)]
     pub kind: KeyKind,
-    /// A case that reaches the participant must have it.
+    /// The key is required in every case that reaches the participant.
     #[serde(default)]
     pub required: bool,
-    /// Value used when the case does not have it (SI).
+    /// Value used when the key is absent (SI).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub default: Option<serde_json::Value>,
-    /// Numbers must be greater than this.
+    /// Exclusive lower bound of numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub above: Option<f64>,
-    /// Numbers must be at least this.
+    /// Inclusive lower bound of numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
-    /// Numbers must be at most this.
+    /// Inclusive upper bound of numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_most: Option<f64>,
-    /// The magnitude must be less than the product of these other keys' values.
+    /// Keys whose product is the exclusive upper bound of the magnitude.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub magnitude_below: Vec<String>,
-    /// Of all keys with the same word here exactly one must be given; setting one replaces the
-    /// others. A table (`motion.creepage`) counts through its keys.
+    /// Group of alternatives: exactly one of the keys with the same group name must be given.
+    /// Setting one replaces the others. A table (`motion.creepage`) counts through its keys.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_of: Option<String>,
-    /// That group of alternatives may be left out as a whole: something else takes its place.
+    /// The group of alternatives may be absent as a whole, because something else takes its place.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub or_none: bool,
-    /// Of all keys with the same word here all or none must be given.
+    /// Group of keys that must be given together or not at all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub together: Option<String>,
-    /// A case may give a column of a table in the place of one number; whoever reads the key follows it
-    /// through [`Configuration::histories`].
+    /// A case may give a column of a table instead of one number. Readers of the key follow the
+    /// values through [`Configuration::histories`].
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub varies: bool,
-    /// A case may give a list of values in the place of one.
+    /// A case may give a list of values instead of one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub list: bool,
-    /// A difference of temperatures, for which °C has no meaning.
+    /// The value is a temperature difference, for which °C is meaningless.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub difference: bool,
-    /// Fields that the participant consumes besides, by the word of the key that asks for them.
+    /// Additional fields consumed, by the value of the key that requests them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub consumes: BTreeMap<String, Vec<String>>,
-    /// What is expected of it; a case is run whose value is otherwise, and told so.
+    /// Plausible range; values outside produce a warning.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible: Option<Plausible>,
-    /// The columns of the table that the key names, see [`crate::table`].
+    /// Columns of the table that the key names, see [`crate::table`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub columns: Vec<Column>,
-    /// One line for people.
+    /// Meaning of the key, in one line.
     pub help: String,
 }
 
@@ -314,15 +319,15 @@ pub enum KeyKind {
     Flag,
     /// One of these words.
     Choice {
-        /// The words.
+        /// The permitted words.
         of: Vec<String>,
     },
     /// Any text.
     Text,
-    /// A file; a relative path is meant from the case file's folder, and reaches the participant as
-    /// an absolute one.
+    /// A file. A relative path is resolved from the folder of the case file; the participant
+    /// receives an absolute path.
     File,
-    /// Name of a table under this path (`materials`).
+    /// The name of a table under this path (`materials`).
     NameIn {
         /// Path of the parent table.
         table: String,
@@ -330,7 +335,7 @@ pub enum KeyKind {
 }
 
 impl KeyKind {
-    /// The SI unit of a number, "1" for a plain one.
+    /// Returns the SI unit of a number, "1" for a dimensionless one.
     #[must_use]
     pub fn unit(&self) -> &str {
         match self {
@@ -340,7 +345,7 @@ impl KeyKind {
     }
 }
 
-/// A dotted path is of a pattern, in which `*` stands for any one name.
+/// Returns true if a dotted path matches a pattern, in which `*` stands for any one name.
 #[must_use]
 pub fn matches(pattern: &str, path: &str) -> bool {
     let (mut pattern, mut path) = (pattern.split('.'), path.split('.'));
@@ -354,7 +359,7 @@ pub fn matches(pattern: &str, path: &str) -> bool {
 }
 
 impl KeySpec {
-    /// A dotted path is of this key; `*` stands for any one name.
+    /// Returns true if a dotted path belongs to this key; `*` stands for any one name.
     #[must_use]
     pub fn is_of(&self, path: &str) -> bool {
         matches(&self.path, path)
@@ -383,154 +388,154 @@ impl KeySpec {
         }
     }
 
-    /// A number with a unit.
+    /// Returns a key of a number with a unit.
     #[must_use]
     pub fn quantity(path: &str, unit: &str, help: &str) -> Self {
         Self::new(path, KeyKind::Quantity { unit: unit.to_owned() }, help)
     }
 
-    /// A number without a unit.
+    /// Returns a key of a dimensionless number.
     #[must_use]
     pub fn number(path: &str, help: &str) -> Self {
         Self::quantity(path, "1", help)
     }
 
-    /// A whole number.
+    /// Returns a key of a whole number.
     #[must_use]
     pub fn integer(path: &str, help: &str) -> Self {
         Self::new(path, KeyKind::Integer, help)
     }
 
-    /// One of some words.
+    /// Returns a key of one of several words.
     #[must_use]
     pub fn choice(path: &str, of: &[&str], help: &str) -> Self {
         let of = of.iter().map(|s| (*s).to_owned()).collect();
         Self::new(path, KeyKind::Choice { of }, help)
     }
 
-    /// Any text.
+    /// Returns a key of any text.
     #[must_use]
     pub fn text(path: &str, help: &str) -> Self {
         Self::new(path, KeyKind::Text, help)
     }
 
-    /// True or false.
+    /// Returns a key of a Boolean.
     #[must_use]
     pub fn flag(path: &str, help: &str) -> Self {
         Self::new(path, KeyKind::Flag, help)
     }
 
-    /// A file that exists.
+    /// Returns a key of an existing file.
     #[must_use]
     pub fn file(path: &str, help: &str) -> Self {
         Self::new(path, KeyKind::File, help)
     }
 
-    /// A file that holds a table of these columns.
+    /// Returns a key of a file that holds a table with these columns.
     #[must_use]
     pub fn table(path: &str, columns: &[Column], help: &str) -> Self {
         let help = format!("table of {}: {help}", headings(columns));
         Self { columns: columns.to_vec(), ..Self::new(path, KeyKind::File, &help) }
     }
 
-    /// The name of a table under `table`.
+    /// Returns a key of the name of a table under `table`.
     #[must_use]
     pub fn name_in(path: &str, table: &str, help: &str) -> Self {
         Self::new(path, KeyKind::NameIn { table: table.to_owned() }, help)
     }
 
-    /// The case must have it.
+    /// Makes the key required.
     #[must_use]
     pub fn required(mut self) -> Self {
         self.required = true;
         self
     }
 
-    /// Used when the case does not have it.
+    /// Sets the value used when the key is absent.
     #[must_use]
     pub fn default_value(mut self, value: impl Into<serde_json::Value>) -> Self {
         self.default = Some(value.into());
         self
     }
 
-    /// Greater than.
+    /// Sets the exclusive lower bound.
     #[must_use]
     pub fn above(mut self, bound: f64) -> Self {
         self.above = Some(bound);
         self
     }
 
-    /// At least.
+    /// Sets the inclusive lower bound.
     #[must_use]
     pub fn at_least(mut self, bound: f64) -> Self {
         self.at_least = Some(bound);
         self
     }
 
-    /// At most.
+    /// Sets the inclusive upper bound.
     #[must_use]
     pub fn at_most(mut self, bound: f64) -> Self {
         self.at_most = Some(bound);
         self
     }
 
-    /// Smaller in magnitude than the product of other keys.
+    /// Bounds the magnitude by the product of other keys (exclusive).
     #[must_use]
     pub fn magnitude_below(mut self, keys: &[&str]) -> Self {
         self.magnitude_below = keys.iter().map(|s| (*s).to_owned()).collect();
         self
     }
 
-    /// One of a group of alternatives.
+    /// Adds the key to a group of alternatives, exactly one of which must be given.
     #[must_use]
     pub fn one_of(mut self, group: &str) -> Self {
         self.one_of = Some(group.to_owned());
         self
     }
 
-    /// One of a group of alternatives, or none of them.
+    /// Adds the key to a group of alternatives, at most one of which may be given.
     #[must_use]
     pub fn one_of_or_none(mut self, group: &str) -> Self {
         self.or_none = true;
         self.one_of(group)
     }
 
-    /// It may vary.
+    /// Permits a column of a table instead of one number.
     #[must_use]
     pub fn varies(mut self) -> Self {
         self.varies = true;
         self
     }
 
-    /// A case may give a list of values.
+    /// Permits a list of values.
     #[must_use]
     pub fn or_list(mut self) -> Self {
         self.list = true;
         self
     }
 
-    /// A difference of temperatures: a value in °C is refused.
+    /// Marks a temperature difference; values in °C are refused.
     #[must_use]
     pub fn of_differences(mut self) -> Self {
         self.difference = true;
         self
     }
 
-    /// A word of it asks for these fields.
+    /// Declares the fields that are consumed if the key has this value.
     #[must_use]
     pub fn consuming(mut self, word: &str, fields: &[&FieldSpec]) -> Self {
         self.consumes.insert(word.to_owned(), names(fields));
         self
     }
 
-    /// Expected in this range of magnitudes, and why.
+    /// Sets the plausible range of magnitudes and the reason for its bounds.
     #[must_use]
     pub fn expected(mut self, range: std::ops::RangeInclusive<f64>, why: &str) -> Self {
         self.plausible = Some(Plausible::within(range, why));
         self
     }
 
-    /// All or none of a group.
+    /// Adds the key to a group that must be given together or not at all.
     #[must_use]
     pub fn together(mut self, group: &str) -> Self {
         self.together = Some(group.to_owned());
@@ -538,7 +543,7 @@ impl KeySpec {
     }
 }
 
-/// Names of fields, for `consumes` and `provides`.
+/// Returns the names of fields, for `consumes` and `provides`.
 #[must_use]
 pub fn names(fields: &[&FieldSpec]) -> Vec<String> {
     fields.iter().map(|f| f.name.to_owned()).collect()

@@ -1,36 +1,38 @@
-//! Diagrams of two figures of a summary: lines that are known, such as limits, among which a run has its point.
+//! Diagrams of two figures of a summary: a run is a point among known lines, such as limits.
 
 use serde::{Deserialize, Serialize};
 
-/// Most lines of a diagram, and most points of a line.
+/// Maximum number of lines of a diagram, and of points of a line.
 const MOST: [usize; 2] = [16, 1000];
 
-/// A diagram.
+/// Diagram of two figures of a summary.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Diagram {
-    /// Label of the curve.
+    /// Title of the diagram.
     pub title: String,
-    /// Key of the figure to the right, one that the same participant describes; of a list every entry is a point.
+    /// Key of the figure on the horizontal axis, described by the same participant; every entry of
+    /// a list is a point.
     pub x: String,
-    /// Key of the figure upward.
+    /// Key of the figure on the vertical axis.
     pub y: String,
-    /// The lines; none for a curve that the points of several runs or windows make.
+    /// Known lines; empty if the points of several runs or windows form the curve.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<Line>,
-    /// Lines that stand in the summary; without any of them there the diagram is not drawn.
+    /// Lines that the participant writes into the summary. If none of them is there, the diagram is
+    /// not drawn.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<Curve>,
-    /// One unit is as long to the right as upward.
+    /// Both axes have the same scale.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub true_shape: bool,
-    /// What the lines are, and where they are from.
+    /// Meaning and source of the lines.
     pub note: String,
 }
 
-/// A line of a diagram that a participant writes into its summary.
+/// A line of a diagram that a participant writes into the summary.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
-    /// What it is.
+    /// Name of the line.
     pub name: String,
     /// Dotted path of a list of pairs in `summary.json`, in the units of the figures.
     pub key: String,
@@ -39,24 +41,25 @@ pub struct Curve {
 /// A line of a diagram.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Line {
-    /// What it is.
+    /// Name of the line.
     pub name: String,
-    /// Its points, in the units of the figures.
+    /// Points, in the units of the figures.
     pub points: Vec<[f64; 2]>,
 }
 
 impl Diagram {
-    /// A diagram of two figures without lines.
+    /// Returns a diagram of two figures without lines.
     #[must_use]
     pub fn new(title: &str, [x, y]: [&str; 2], note: &str) -> Self {
         let [title, x, y, note] = [title, x, y, note].map(str::to_owned);
         Self { title, x, y, lines: Vec::new(), curves: Vec::new(), true_shape: false, note }
     }
 
-    /// What is wrong with a diagram that came from outside, of a participant with figures of these keys.
+    /// Checks a diagram received from a participant that describes these figures.
     ///
     /// # Errors
-    /// An axis that is none of the figures, and lines without points, with too many, or that are not finite.
+    /// Fails if an axis is not one of the figures, if there are too many lines, or if a line has
+    /// fewer than 2 or too many points or a value that is not finite.
     pub fn check<'a>(&self, figures: impl Iterator<Item = &'a str> + Clone) -> Result<(), String> {
         let title = &self.title;
         for axis in [&self.x, &self.y] {

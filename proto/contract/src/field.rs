@@ -1,22 +1,22 @@
 //! The table of fields that may cross the interface.
 //!
-//! A field is named once, here, with its unit, the number of its components and the way it is
-//! mapped between grids. A participant may define further fields in its description; the table
-//! holds those that more than one crate speaks of.
+//! Each field is defined once, with its unit, number of components and mapping between grids. The
+//! table holds the fields that more than one crate uses; a participant may define further fields in
+//! its description.
 
 use serde::{Deserialize, Serialize};
 
-/// What a mapping between grids has to preserve.
+/// Quantity that a mapping between grids preserves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mapping {
-    /// The surface integral is preserved (densities such as a heat flux).
+    /// The mapping preserves the surface integral (densities such as a heat flux).
     Conservative,
-    /// A constant stays constant (point values such as a temperature).
+    /// The mapping preserves constants (point values such as a temperature).
     Consistent,
 }
 
-/// The body that a field belongs to; a case gives the bodies their names ([`crate::bodies`]).
+/// Body of a field; the case names the bodies ([`crate::bodies`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Body {
@@ -24,46 +24,46 @@ pub enum Body {
     Upper,
     /// Body 2.
     Lower,
-    /// The contact interface between the two.
+    /// Contact interface between the bodies.
     Interface,
 }
 
-/// A kind of field: everything about it that does not depend on a run.
+/// A kind of field: all its properties that do not depend on a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FieldKind {
-    /// Name on the wire, in results and in case files; at most 31 bytes of ASCII.
+    /// Name in messages, results and case files; at most 31 bytes of ASCII.
     pub name: String,
     /// SI unit; at most 15 bytes of ASCII.
     pub unit: String,
     /// Number of components; component-major layout, `data[component * points + point]`.
     pub components: u32,
-    /// What a mapping between grids preserves.
+    /// Quantity that a mapping between grids preserves.
     pub mapping: Mapping,
-    /// The body it belongs to.
+    /// Body of the field.
     pub body: Body,
-    /// One line for people.
+    /// Meaning of the field, in one line.
     pub meaning: String,
 }
 
-/// A row of the table. The constants below are how Rust code names a field.
+/// A row of the table. Rust code names a field by one of the constants below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldSpec {
-    /// Name on the wire.
+    /// Name in messages, results and case files.
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
     /// Number of components.
     pub components: u32,
-    /// What a mapping between grids preserves.
+    /// Quantity that a mapping between grids preserves.
     pub mapping: Mapping,
-    /// The body it belongs to.
+    /// Body of the field.
     pub body: Body,
-    /// One line for people.
+    /// Meaning of the field, in one line.
     pub meaning: &'static str,
 }
 
 impl FieldSpec {
-    /// The owned form that travels in descriptions.
+    /// Returns the owned form, as used in descriptions.
     #[must_use]
     pub fn kind(&self) -> FieldKind {
         FieldKind {
@@ -88,7 +88,7 @@ macro_rules! field_table {
                 mapping: Mapping::$mapping, body: Body::$body, meaning: $meaning,
             };
         )*
-        /// Every row of the table.
+        /// All rows of the table.
         pub const TABLE: &[FieldSpec] = &[$($constant),*];
     };
 }
@@ -156,39 +156,40 @@ field_table! {
         "unit vector along the smallest principal stress";
 }
 
-/// A line that maps of a surface show: where a field begins to differ from zero.
+/// An edge drawn in maps of a surface: the line where a field begins to differ from zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edge {
-    /// The field.
+    /// Field whose support has the edge.
     pub field: &'static FieldSpec,
-    /// Only where this one differs from zero.
+    /// Field that limits the edge to the region where this field differs from zero.
     pub within: Option<&'static FieldSpec>,
-    /// What the line is.
+    /// Meaning of the line.
     pub words: &'static str,
 }
 
-/// The edges of a contact, for pictures of it.
+/// Edges of a contact, for pictures.
 pub const EDGES: &[Edge] = &[
     Edge { field: &PRESSURE, within: None, words: "edge of contact" },
     Edge { field: &SLIP_VELOCITY, within: Some(&PRESSURE), words: "between stick and slip" },
 ];
 
-/// A map that is made of two fields on the same grid: the length of one over the other, where that differs from zero.
+/// A map of the magnitude of one field divided by another on the same grid, where the divisor is
+/// nonzero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quotient {
-    /// What is divided.
+    /// Dividend.
     pub of: &'static FieldSpec,
-    /// What it is divided by, a scalar.
+    /// Divisor, a scalar field.
     pub over: &'static FieldSpec,
-    /// Its name.
+    /// Name of the quotient.
     pub name: &'static str,
-    /// Its SI unit.
+    /// SI unit of the quotient.
     pub unit: &'static str,
-    /// One line for people.
+    /// Meaning of the quotient, in one line.
     pub meaning: &'static str,
 }
 
-/// The quotients that pictures of a contact show.
+/// Quotients that pictures of a contact show.
 pub const QUOTIENTS: &[Quotient] = &[Quotient {
     of: &TRACTION,
     over: &PRESSURE,
@@ -197,7 +198,7 @@ pub const QUOTIENTS: &[Quotient] = &[Quotient {
     meaning: "traction over pressure: the coefficient of friction where surfaces slip, less where they stick",
 }];
 
-/// The row with this name, if the table has one.
+/// Returns the row with this name, if the table has one.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static FieldSpec> {
     TABLE.iter().find(|spec| spec.name == name)

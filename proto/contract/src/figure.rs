@@ -1,9 +1,9 @@
-//! The figures of a summary, as the participant that gives them describes them: what they are, how a
-//! person reads them, and what a change of them is measured against.
+//! Figures of a summary, as described by their participant: meaning, presentation, and the
+//! reference of changes and errors.
 //!
-//! A key is the dotted path of a number in `summary.json`. In it `*` stands for the name of a body of the
-//! case, and a part `#` for the place in a list, whose entries a person reads line by line:
-//! `contact.max_pressure_pa`, `temperature.*.max_rise_k`, `contact.each_patch.#.y_m`.
+//! A key is the dotted path of a number in `summary.json`. In a key, `*` stands for the name of a
+//! body, and a part `#` for the index in a list. Entries of a list are printed line by line.
+//! Examples: `contact.max_pressure_pa`, `temperature.*.max_rise_k`, `contact.each_patch.#.y_m`.
 
 pub mod contact;
 
@@ -11,11 +11,11 @@ use crate::plausible::Plausible;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Stands for the name of a body.
+/// Placeholder for the name of a body.
 const BODY: char = '*';
-/// The part of a key that stands for the place in a list.
+/// Part of a key that stands for the index in a list.
 pub const ENTRY: &str = "#";
-/// Significant digits of a figure that asks for no other number of them.
+/// Default number of significant digits.
 const DIGITS: usize = 5;
 
 /// One figure of the summary.
@@ -23,45 +23,46 @@ const DIGITS: usize = 5;
 pub struct FigureSpec {
     /// Dotted path in `summary.json`.
     pub key: String,
-    /// Its SI unit, "1" for a plain number.
+    /// SI unit, "1" for a dimensionless number.
     pub unit: String,
-    /// What it is, in words. The name of the body goes before those of a figure of a body.
+    /// Meaning of the figure, in words. For a figure of a body, the name of the body is put in
+    /// front.
     pub words: String,
-    /// The line of the terminal that it stands on, in the order of the list; absent for one that stands on
-    /// none. For entries of a list the word for one of them.
+    /// Line of the terminal on which the figure is printed; lines keep the order of the list.
+    /// `None` if the figure is not printed. For entries of a list, the word for one entry.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<String>,
-    /// Its name on the line; empty for one that the line itself names.
+    /// Name of the figure on its line; empty if the name of the line suffices.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub short: String,
-    /// It stands large in a report, and what follows on its line small below it. In a list it says which
-    /// entries matter most.
+    /// The figure is printed large in a report, and the following figures of its line small below
+    /// it. In a list, the headline figure ranks the entries.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub headline: bool,
     /// Significant digits.
     #[serde(default = "digits")]
     pub digits: usize,
-    /// How it is written.
+    /// Number format.
     #[serde(default)]
     pub style: Style,
-    /// When it is left out of its line.
+    /// Condition under which the figure is omitted from its line.
     #[serde(default, skip_serializing_if = "Hidden::is_never")]
     pub hidden: Hidden,
-    /// What a change or an error is measured against.
+    /// Reference of a change or an error.
     #[serde(default)]
     pub measure: Measure,
-    /// Its place among the figures that studies compare, the least first; those of the upper body come after
-    /// all others. Absent for one that is compared only when it is named.
+    /// Rank among the figures that studies compare, lowest first; figures of the upper body follow
+    /// all others. `None` if the figure is compared only on request.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rank: Option<usize>,
-    /// Key of a figure whose error is an error of this one, too.
+    /// Key of a figure whose error also affects this one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub driven_by: Option<String>,
-    /// How the coordinator makes it of other figures, those of other participants among them. The
-    /// participant itself does not give it.
+    /// Rule by which the coordinator derives the figure from other figures, also from those of
+    /// other participants. The participant itself does not supply a derived figure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub derived: Option<Derived>,
-    /// What is expected of it; what is otherwise is told.
+    /// Plausible range; values outside produce a warning.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible: Option<Plausible>,
 }
@@ -70,35 +71,35 @@ fn digits() -> usize {
     DIGITS
 }
 
-/// How a figure is written.
+/// Number format of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Style {
-    /// With a unit that suits its size.
+    /// Number with a unit prefix that suits its magnitude.
     #[default]
     Number,
-    /// In per cent.
+    /// Percentage.
     Percent,
-    /// With its sign, whether positive or negative.
+    /// Number with an explicit sign.
     Signed,
-    /// A coordinate [m]: in millimetres, to three decimals.
+    /// Coordinate [m], printed in millimetres with three decimals.
     Place,
-    /// A number of things, each of which is what its short name says; shown where there are several.
+    /// Number of objects, which the short name denotes; printed if greater than one.
     Count,
 }
 
-/// When a figure is left out of its line.
+/// Condition under which a figure is omitted from its line.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hidden {
-    /// Never.
+    /// Never omitted.
     #[default]
     Never,
-    /// Where it is zero.
+    /// Omitted if zero.
     Zero,
-    /// Where it is below a millionth of the product of these figures: rounding.
+    /// Omitted if below a millionth of the product of these figures, hence rounding.
     Below(Vec<String>),
-    /// Where this count is above one: there are several of what it is about.
+    /// Omitted if this count is above one, because the figure describes a single object.
     Several(String),
 }
 
@@ -116,39 +117,40 @@ impl Hidden {
     }
 }
 
-/// What a change or an error of a figure is measured against.
+/// Reference of a change or an error of a figure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
-    /// Relative to its own value.
+    /// The value of the figure itself.
     #[default]
     Relative,
-    /// As it is: a place, or what is a ratio already.
+    /// None: the difference is used as it is, for places and ratios.
     Absolute,
-    /// Its value is an error itself; nothing is compared.
+    /// None: the value itself is an error and is not compared.
     Itself,
 }
 
-/// A figure that the coordinator makes of others.
+/// Rule by which the coordinator derives a figure from others.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Derived {
-    /// A figure, or the length of the vector of several, over another one.
+    /// A figure, or the magnitude of a vector of figures, divided by another figure.
     Ratio {
-        /// What is divided. Of several figures those after the first may be absent, and are zero then.
+        /// Keys of the dividend. Figures after the first count as zero if absent.
         of: Vec<String>,
-        /// What it is divided by.
+        /// Key of the divisor.
         over: String,
     },
-    /// For an entry of a list: the value of the entry of another list within whose interval it lies alone.
+    /// For an entry of a list: the value of the entry of another list, if this entry is the only
+    /// one in its interval.
     Within {
         /// Key of the value, in the other list.
         of: String,
-        /// Last parts of the keys of the ends of the interval, in the other list.
+        /// Last parts of the keys of the interval's ends, in the other list.
         interval: [String; 2],
-        /// Last part of the key of the place, in the list.
+        /// Last part of the key of the place, in this list.
         place: String,
-        /// Key of the number of entries: where fewer are listed, nothing is known.
+        /// Key of the number of entries; if fewer entries are listed, the figure is unknown.
         count: String,
     },
 }
@@ -163,7 +165,7 @@ impl Derived {
 }
 
 impl FigureSpec {
-    /// A figure that stands on no line.
+    /// Returns a figure that is printed on no line.
     #[must_use]
     pub fn new(key: &str, unit: &str, words: &str) -> Self {
         Self {
@@ -184,91 +186,92 @@ impl FigureSpec {
         }
     }
 
-    /// Expected up to this magnitude, and why.
+    /// Sets the largest plausible magnitude and its reason.
     #[must_use]
     pub fn expected_below(mut self, most: f64, why: &str) -> Self {
         self.plausible = Some(Plausible { least: None, most: Some(most), why: why.to_owned() });
         self
     }
 
-    /// Less is told, as beyond what is expected for a reason.
+    /// Sets the smallest plausible magnitude and its reason.
     #[must_use]
     pub fn expected_above(mut self, least: f64, why: &str) -> Self {
         self.plausible = Some(Plausible { least: Some(least), most: None, why: why.to_owned() });
         self
     }
 
-    /// On this line, under this name.
+    /// Prints the figure on this line, under this name.
     #[must_use]
     pub fn on(mut self, line: &str, short: &str) -> Self {
         (self.line, self.short) = (Some(line.to_owned()), short.to_owned());
         self
     }
 
-    /// One that matters most.
+    /// Makes the figure a headline.
     #[must_use]
     pub fn headline(mut self) -> Self {
         self.headline = true;
         self
     }
 
-    /// To so many significant digits.
+    /// Sets the number of significant digits.
     #[must_use]
     pub fn digits(mut self, digits: usize) -> Self {
         self.digits = digits;
         self
     }
 
-    /// Written in this way.
+    /// Sets the number format.
     #[must_use]
     pub fn style(mut self, style: Style) -> Self {
         self.style = style;
         self
     }
 
-    /// Left out where it is zero.
+    /// Omits the figure if zero.
     #[must_use]
     pub fn unless_zero(mut self) -> Self {
         self.hidden = Hidden::Zero;
         self
     }
 
-    /// Left out where it is rounding against the product of these figures.
+    /// Omits the figure if negligible against the product of these figures.
     #[must_use]
     pub fn unless_below(mut self, keys: &[&str]) -> Self {
         self.hidden = Hidden::Below(keys.iter().map(|key| (*key).to_owned()).collect());
         self
     }
 
-    /// Left out where this count is above one.
+    /// Omits the figure if this count is above one.
     #[must_use]
     pub fn unless_several(mut self, key: &str) -> Self {
         self.hidden = Hidden::Several(key.to_owned());
         self
     }
 
-    /// Its errors are absolute.
+    /// Makes errors of the figure absolute.
     #[must_use]
     pub fn absolute(mut self) -> Self {
         self.measure = Measure::Absolute;
         self
     }
 
-    /// Compared by studies, in this place.
+    /// Sets the rank among the figures that studies compare.
     #[must_use]
     pub fn rank(mut self, rank: usize) -> Self {
         self.rank = Some(rank);
         self
     }
 
-    /// No better known than this figure.
+    /// Declares that the error of another figure also affects this one.
     #[must_use]
     pub fn driven_by(mut self, key: &str) -> Self {
         self.driven_by = Some(key.to_owned());
         self
     }
 
-    /// A figure, or the length of a vector, over another figure.
+    /// Derives the figure as the ratio of a figure, or the magnitude of a vector of figures, to
+    /// another figure.
     #[must_use]
     pub fn ratio(mut self, of: &[&str], over: &str) -> Self {
         let of = of.iter().map(|key| (*key).to_owned()).collect();
@@ -276,7 +279,7 @@ impl FigureSpec {
         self
     }
 
-    /// The value of that entry of another list within whose interval an entry lies alone.
+    /// Derives the figure from an entry of another list, see [`Derived::Within`].
     #[must_use]
     pub fn within(mut self, of: &str, interval: [&str; 2], place: &str, count: &str) -> Self {
         let [of, place, count] = [of, place, count].map(str::to_owned);
@@ -285,25 +288,25 @@ impl FigureSpec {
         self
     }
 
-    /// There is one for each body.
+    /// Returns true if there is one such figure for each body.
     #[must_use]
     pub fn is_of_a_body(&self) -> bool {
         self.key.contains(BODY)
     }
 
-    /// There is one for each entry of a list.
+    /// Returns true if there is one such figure for each entry of a list.
     #[must_use]
     pub fn is_of_a_list(&self) -> bool {
         is_of_a_list(&self.key)
     }
 
-    /// A participant gives it, once.
+    /// Returns true if a participant supplies the figure, once per run.
     #[must_use]
     pub fn is_given(&self) -> bool {
         self.derived.is_none() && !self.is_of_a_list()
     }
 
-    /// The figure of the body of this name; itself, if it is of no body.
+    /// Returns the figure for the body of this name; a clone if the figure belongs to no body.
     #[must_use]
     pub fn of_body(&self, name: &str) -> Self {
         let mut own = self.clone();
@@ -316,7 +319,7 @@ impl FigureSpec {
         own
     }
 
-    /// Everything in which a body's name may stand.
+    /// All texts in which the name of a body may stand.
     fn texts(&mut self) -> Vec<&mut String> {
         let hidden: Vec<&mut String> = match &mut self.hidden {
             Hidden::Never | Hidden::Zero => Vec::new(),
@@ -328,11 +331,12 @@ impl FigureSpec {
         own.chain(&mut self.line).chain(&mut self.driven_by).chain(hidden).chain(derived).collect()
     }
 
-    /// What is wrong with a figure that came from outside.
+    /// Checks a figure received from another process.
     ///
     /// # Errors
-    /// A key that is no dotted path of plain words, a unit that cannot be one, a number without digits, a
-    /// place that is no length, or one that is made of others as it cannot be.
+    /// Fails for a key that is not a dotted path of plain words, an invalid unit, a number of
+    /// digits outside 1 to 17, a place that is not a length, a line without a name, and an
+    /// inconsistent rule of derivation.
     pub fn check(&self) -> Result<(), String> {
         let key = &self.key;
         let wrong = |what: String| Err(format!("figure `{key}` {what}"));
@@ -370,7 +374,7 @@ fn is_of_a_list(key: &str) -> bool {
     key.split('.').any(|part| part == ENTRY)
 }
 
-/// At least a section and a name in it.
+/// Returns true for at least a section and a name in it.
 fn is_path(key: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-' || c == BODY;
     let mut parts = key.split('.');
@@ -378,7 +382,7 @@ fn is_path(key: &str) -> bool {
     parts.clone().count() > 1 && parts.all(is_part)
 }
 
-/// The value under a dotted key of a summary.
+/// Returns the value under a dotted key of a summary.
 #[must_use]
 pub fn value(summary: &Value, key: &str) -> Option<f64> {
     key.split('.').try_fold(summary, |inner, part| inner.get(part))?.as_f64()

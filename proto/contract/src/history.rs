@@ -1,5 +1,5 @@
-//! Case values that vary: columns of a table over time, one steady contact after the other, or values that
-//! are given from outside as the run goes.
+//! Varying case values: columns of a table over time, a sequence of steady contacts, or values
+//! given from outside during the run.
 
 use crate::live::Live;
 use crate::params::Params;
@@ -8,26 +8,27 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// The values of every row of a table, by dotted keys of the case.
+/// Values of every row of a table, by dotted key of the case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Histories {
-    /// Every window is a row, a steady contact of its own; otherwise rows are instants, with straight
-    /// lines between.
+    /// Each row is a steady contact, solved in a window of its own. Otherwise rows are times, with
+    /// linear interpolation between them.
     pub rows: bool,
-    /// Times of the rows [s], one at least, not falling; rising where rows are instants.
+    /// Times of the rows [s]: at least one, non-decreasing; strictly increasing if rows are times.
     pub times: Vec<f64>,
-    /// One value for each row, in SI units, of every key that varies.
+    /// One value per row for every varying key, in SI units.
     pub values: BTreeMap<String, Vec<f64>>,
-    /// All the keys are given from outside, solve by solve. The rows are then those of
-    /// [`Histories::live`]: what a model has to be laid out for, of which none need be given.
+    /// All the keys are given from outside, solve by solve. The rows then come from
+    /// [`Histories::live`]; they span the range that a model must be laid out for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub live: Option<Live>,
 }
 
 impl Histories {
-    /// Those of keys that are given from outside, by key their first value and the limits of all that
-    /// follow: the first values, and then every corner of the box of limits. `steady` contacts have a
-    /// row each, windows of time the value over the window.
+    /// Returns the histories of keys given from outside, from the first value and the limits of
+    /// each key. The first row holds the first values; each further row is a corner of the box of
+    /// limits. With `steady`, each row is a steady contact; otherwise a value holds over its
+    /// window.
     #[must_use]
     pub fn live(steady: bool, keys: &BTreeMap<String, (f64, [f64; 2])>) -> Self {
         let corners = 1_usize << keys.len().min(Live::MOST);
@@ -45,10 +46,11 @@ impl Histories {
         }
     }
 
-    /// What is wrong with histories that came from outside.
+    /// Checks histories received from another process.
     ///
     /// # Errors
-    /// No rows, columns of other lengths than the times, values that are not finite, times that fall.
+    /// Fails without rows, for a column whose length differs from that of the times, for a value
+    /// that is not finite, and for times that fall.
     pub fn check(&self) -> Result<(), String> {
         if self.times.is_empty() {
             return Err("a history has no rows".to_owned());
@@ -75,8 +77,8 @@ impl Histories {
         Ok(())
     }
 
-    /// The case in a window: that of its row, or of its middle, whose values are means over the window
-    /// to the second order of its length.
+    /// Returns the case in a window: at its row, or at its midpoint. Midpoint values equal window
+    /// means to second order in the window length.
     #[must_use]
     pub fn at(&self, case: &Params, step: &Step) -> Params {
         let mut case = case.clone();
@@ -84,8 +86,8 @@ impl Histories {
         case
     }
 
-    /// Puts the values of a window into a case, in the place of those of another one; of live keys those
-    /// that were given last.
+    /// Overwrites the varying values of a case with those of a window; live keys take the latest
+    /// value.
     pub fn put(&self, case: &mut Params, step: &Step) {
         if let Some(live) = &self.live {
             for (key, column) in &self.values {
@@ -99,7 +101,8 @@ impl Histories {
         }
     }
 
-    /// The value of a key in a window, as [`Histories::put`] has it; `None` for a key that does not vary.
+    /// Returns the value of a key in a window, as in [`Histories::put`]; `None` if the key does not
+    /// vary.
     #[must_use]
     pub fn value(&self, key: &str, step: &Step) -> Option<f64> {
         let column = self.values.get(key)?;
@@ -110,17 +113,18 @@ impl Histories {
         }))
     }
 
-    /// Puts the values of a row into a case, in the place of those of another one.
+    /// Overwrites the varying values of a case with those of a row.
     pub fn put_row(&self, case: &mut Params, row: usize) {
         self.put_values(case, |column| at_row(column, row));
     }
 
-    /// Puts the values at a time [s] into a case; those of the first and the last row hold beyond them.
+    /// Overwrites the varying values of a case with those at a time [s]; constant beyond the first
+    /// and last row.
     fn put_time(&self, case: &mut Params, time: f64) {
         self.put_values(case, self.between(time));
     }
 
-    /// The value of a column at a time [s].
+    /// Returns the interpolation of a column at a time [s].
     fn between(&self, time: f64) -> impl Fn(&[f64]) -> f64 + use<> {
         let right = self.times.partition_point(|at| *at <= time);
         let last = self.times.len() - 1;
@@ -137,22 +141,20 @@ impl Histories {
     }
 }
 
-/// The row of a window.
 fn row_of(step: &Step) -> usize {
     usize::try_from(step.window).unwrap_or(usize::MAX)
 }
 
-/// The middle of a window [s].
+/// Midpoint of a window [s].
 fn middle(step: &Step) -> f64 {
     0.5 * (step.start + step.end)
 }
 
-/// The value of a column in a row; beyond the last one that of the last.
+/// Value of a column in a row; the last value beyond the last row.
 fn at_row(column: &[f64], row: usize) -> f64 {
     column[row.min(column.len() - 1)]
 }
 
-/// Puts a number at a dotted key.
 fn put(at: &mut Value, key: &str, number: f64) {
     let mut at = at;
     for part in key.split('.') {

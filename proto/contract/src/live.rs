@@ -1,8 +1,8 @@
-//! Values of the case that are given from outside as a run goes, and the limits that they keep to.
+//! Case values given from outside during a run, and their limits.
 //!
-//! A live value travels as a field of one component on a grid of one point, named like its dotted key. The
-//! library of a participant gives what has come before each solve, so that a model reads it where it reads
-//! the row of a table.
+//! A live value travels as a one-component field on a one-point grid, named by its dotted key. The
+//! participant library stores the received values before each solve, so that a model reads them
+//! like a row of a table.
 
 use crate::field::{Body, FieldKind, Mapping};
 use crate::grid::{Grid, Structured};
@@ -10,34 +10,34 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Keys that are given from outside.
+/// Keys given from outside.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Live {
-    /// Least and largest value of each key, in SI units.
+    /// Smallest and largest value of each key, in SI units.
     pub limits: BTreeMap<String, [f64; 2]>,
-    /// The values that were given last; copies have them in common.
+    /// Latest values, shared by all clones.
     #[serde(skip)]
     given: Arc<Mutex<BTreeMap<String, f64>>>,
 }
 
 impl PartialEq for Live {
-    /// What is given as the run goes is no part of it.
+    /// Compares the limits; values given during a run are ignored.
     fn eq(&self, other: &Self) -> bool {
         self.limits == other.limits
     }
 }
 
 impl Live {
-    /// More keys than this have too many corners to be laid out for.
+    /// Maximum number of keys; a model is laid out for all 2ⁿ corners of the box of limits.
     pub const MOST: usize = 8;
 
-    /// Keys within these limits, of which nothing has been given yet.
+    /// Returns keys with these limits, without values yet.
     #[must_use]
     pub fn within(limits: BTreeMap<String, [f64; 2]>) -> Self {
         Self { limits, given: Arc::default() }
     }
 
-    /// A value has come; every copy has it.
+    /// Stores a value for all clones.
     pub fn give(&self, key: &str, value: f64) {
         let mut given = self.given.lock().unwrap_or_else(PoisonError::into_inner);
         match given.get_mut(key) {
@@ -48,22 +48,22 @@ impl Live {
         }
     }
 
-    /// The value that was given last; `None` before the first.
+    /// Returns the latest value; `None` before the first.
     #[must_use]
     pub fn value(&self, key: &str) -> Option<f64> {
         self.given.lock().unwrap_or_else(PoisonError::into_inner).get(key).copied()
     }
 
-    /// What is wrong with keys from outside, of histories of these ones.
+    /// Checks limits received from another process against the keys of their histories.
     ///
     /// # Errors
-    /// Other keys, too many, limits that are not finite and in order.
+    /// Fails if the keys differ, if there are too many, or if limits are not finite and ordered.
     pub(crate) fn check<'a>(
         &self,
         keys: impl Iterator<Item = &'a String> + Clone,
     ) -> Result<(), String> {
         if let Some(key) = keys.clone().find(|key| !self.limits.contains_key(*key)) {
-            return Err(format!("`{key}` is among live values, and has no limits"));
+            return Err(format!("the live value `{key}` has no limits"));
         }
         if let Some(key) = self.limits.keys().find(|key| keys.clone().all(|known| known != *key)) {
             return Err(format!("the live value `{key}` has no first value"));
@@ -79,7 +79,7 @@ impl Live {
         Ok(())
     }
 
-    /// The field as which the value of a key travels; `unit` is its SI unit.
+    /// Returns the field that carries the value of a key; `unit` is its SI unit.
     #[must_use]
     pub fn field(key: &str, unit: &str, meaning: &str) -> FieldKind {
         FieldKind {
@@ -92,7 +92,7 @@ impl Live {
         }
     }
 
-    /// The grid on which the coordinator sends it: one point.
+    /// Returns the one-point grid on which the coordinator sends a live value.
     #[must_use]
     pub fn grid() -> Grid {
         Grid::structured("live", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 1, 1))

@@ -1,19 +1,21 @@
-//! Fixed layouts of everything that crosses shared memory.
+//! Fixed layouts of all data in shared memory.
 //!
-//! All types are `#[repr(C)]`, self-contained (no pointers), with explicit padding, which their
-//! derives of `zerocopy` demand, so that C lays them out alike; the tests pin every size and offset.
-//! Text sits in zero-padded ASCII labels. Variable-length content (configuration, errors, summaries)
-//! travels as JSON bytes behind a [`Command`] or [`Reply`]; field values travel as `[f64]` behind a
-//! [`FieldHeader`]; a [`ProgressReport`] stands alone.
+//! All types are `#[repr(C)]`, free of pointers, and explicitly padded, as their `zerocopy` derives
+//! require. C lays them out identically; tests pin every size and offset. Text sits in zero-padded
+//! ASCII labels. Variable-length content (configuration, errors, summaries) follows a [`Command`]
+//! or [`Reply`] as JSON bytes. Field values follow a [`FieldHeader`] as `[f64]`; a
+//! [`ProgressReport`] stands alone.
 
+use crate::field::FieldKind;
+use crate::grid::Grid;
 use crate::step::{Step, StepReport};
 use crate::text::one_line;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-/// The most participants of a run.
+/// Maximum number of participants in a run.
 pub const MOST_PARTICIPANTS: usize = 12;
 
-/// The most inputs one participant can have.
+/// Maximum number of inputs of a participant.
 pub const MAX_INPUTS: usize = 16;
 
 /// Zero-padded ASCII text of at most `N - 1` bytes.
@@ -22,7 +24,8 @@ pub const MAX_INPUTS: usize = 16;
 pub struct Label<const N: usize>(pub [u8; N]);
 
 impl<const N: usize> Label<N> {
-    /// Cuts at `N - 1` bytes; names are checked for length where they enter (field table, plan).
+    /// Truncates the text to `N - 1` bytes; lengths of names are checked where names enter (field
+    /// table, plan).
     #[must_use]
     pub fn new(text: &str) -> Self {
         let mut bytes = [0; N];
@@ -31,7 +34,7 @@ impl<const N: usize> Label<N> {
         Self(bytes)
     }
 
-    /// The text up to the first zero; bytes that are not UTF-8 read as empty.
+    /// Returns the text up to the first zero byte; empty if it is not UTF-8.
     #[must_use]
     pub fn as_str(&self) -> &str {
         let end = self.0.iter().position(|&b| b == 0).unwrap_or(N);
@@ -51,42 +54,44 @@ impl<const N: usize> std::fmt::Debug for Label<N> {
     }
 }
 
-/// What a command asks for.
+/// Kind of a command.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandKind {
-    /// Say what you are; the reply's body is a [`crate::description::Description`].
+    /// Requests the description; the reply's body is a [`crate::description::Description`].
     Describe = 1,
-    /// Body: [`crate::configuration::Configuration`]; the reply's body is a
-    /// [`crate::configuration::Layout`].
+    /// Configures the participant. Body: [`crate::configuration::Configuration`]; the reply's body
+    /// is a [`crate::configuration::Layout`].
     Configure = 2,
-    /// Body: [`Topics`]; open the field ports, reply. Nothing is published before every participant
-    /// has replied, so that every sample finds all its subscribers.
+    /// Opens the field ports. Body: [`Topics`]. Participants publish only after every participant
+    /// has replied, so that every sample reaches all its subscribers.
     Connect = 3,
-    /// Build the model, publish the geometry of the volumes in [`Topics::geometry`] and the first
-    /// outputs, reply.
+    /// Builds the model, publishes the geometry of the volumes in [`Topics::geometry`] and the
+    /// first outputs.
     Initialise = 4,
-    /// Solve one iteration of one window, publish the outputs, reply.
+    /// Solves one iteration of one window and publishes the outputs.
     Solve = 5,
-    /// The last solve becomes the accepted state. With [`OBSERVE`] the observed fields are
-    /// published, on the grids of that solve; after that the geometry of every grid of
-    /// [`Topics::geometry`] that has moved. With [`FIGURES`] the reply's body are the figures of
-    /// [`Topics::figures`], as little-endian doubles; one that there is not is NaN. There is a reply
-    /// with a flag and from a participant with such grids, otherwise none.
+    /// Makes the last solve the accepted state. With [`OBSERVE`], the participant publishes the
+    /// observed fields on the grids of that solve. Then it publishes the geometry of every grid of
+    /// [`Topics::geometry`] that has moved. With [`FIGURES`], the reply's body holds the figures of
+    /// [`Topics::figures`] as little-endian doubles; NaN marks a figure that does not exist. A
+    /// participant replies only if a flag is set or it has such grids.
     Accept = 6,
-    /// Body: [`StateFile`]; write the accepted state to the file `path`, reply.
+    /// Writes the accepted state to the file `path`. Body: [`StateFile`].
     Save = 7,
-    /// Body: [`StateFile`]; read the state from the file `path`; publish the `geometry` of the
-    /// command's step, the `outputs` with its labels, and then the geometry of every grid that has
-    /// moved when it was accepted; reply. The state is that at the end of this step.
+    /// Reads the state from the file `path`. Body: [`StateFile`]. The participant publishes the
+    /// `geometry` of the command's step and the `outputs` with its labels. Then it publishes the
+    /// geometry of every grid that moved when the step was accepted. The restored state is the one
+    /// at the end of this step.
     Restore = 8,
-    /// Reply with the summary ([`Finished`]) and leave; with [`STAY`] close all ports but those of
-    /// commands instead, and wait for the `Configure` of another run, which is as that of the first.
+    /// Ends the run; the reply's body is the summary ([`Finished`]). Without a flag the participant
+    /// exits. With [`STAY`] it closes all ports except those of commands, and waits for the
+    /// `Configure` of another run, which starts like the first.
     Finish = 9,
 }
 
 impl CommandKind {
-    /// Every kind, in the order of their numbers.
+    /// All kinds, in the order of their numbers.
     pub const ALL: [Self; 9] = [
         Self::Describe,
         Self::Configure,
@@ -99,24 +104,24 @@ impl CommandKind {
         Self::Finish,
     ];
 
-    /// The kind with this number.
+    /// Returns the kind with this number.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| *kind as u32 == number)
     }
 }
 
-/// Flag of [`Command`] with kind `Accept`: publish the observed fields.
+/// Flag of a [`Command`] of kind `Accept`: publish the observed fields.
 pub const OBSERVE: u32 = 1;
 
-/// Flag of [`Command`] with kind `Accept`: reply with the figures of the accepted state.
+/// Flag of a [`Command`] of kind `Accept`: reply with the figures of the accepted state.
 pub const FIGURES: u32 = 2;
 
-/// Flag of [`Command`] with kind `Finish`: stay for another run. Only sent to participants that are
-/// [`crate::description::Description::reusable`].
+/// Flag of a [`Command`] of kind `Finish`: stay for another run. Only sent to participants that
+/// are [`crate::description::Description::reusable`].
 pub const STAY: u32 = 1;
 
-/// From the coordinator to one participant.
+/// Command from the coordinator to one participant.
 #[repr(C)]
 #[derive(
     Clone,
@@ -134,33 +139,33 @@ pub const STAY: u32 = 1;
 pub struct Command {
     /// [`crate::PROTOCOL_VERSION`] of the sender.
     pub protocol: u32,
-    /// A [`CommandKind`].
+    /// Number of a [`CommandKind`].
     pub kind: u32,
-    /// Counts the commands to this participant from 1.
+    /// Number of the command to this participant, from 1.
     pub sequence: u64,
     /// Number of the window, from 0.
     pub window: u64,
     /// Iteration within the window, from 1.
     pub iteration: u32,
-    /// [`OBSERVE`], [`FIGURES`], [`STAY`].
+    /// Any of [`OBSERVE`], [`FIGURES`] and [`STAY`].
     pub flags: u32,
     /// Start of the window [s].
     pub start: f64,
     /// End of the window [s].
     pub end: f64,
-    /// For each input, in the order of the configuration, the sequence number of the sample this
-    /// solve has to use.
+    /// Sequence number of the sample that this solve must use, for each input in the order of the
+    /// configuration.
     pub expected: [u64; MAX_INPUTS],
 }
 
 impl Command {
-    /// A command without a window.
+    /// Returns a command without a window.
     #[must_use]
     pub fn new(kind: CommandKind) -> Self {
         Self { protocol: crate::PROTOCOL_VERSION, kind: kind as u32, ..Self::default() }
     }
 
-    /// A command about a step.
+    /// Returns a command about a step.
     #[must_use]
     pub fn about(kind: CommandKind, step: &Step) -> Self {
         Self {
@@ -172,34 +177,34 @@ impl Command {
         }
     }
 
-    /// The step that the command is about.
+    /// Returns the step that the command is about.
     #[must_use]
     pub fn step(&self) -> Step {
         Step { window: self.window, iteration: self.iteration, start: self.start, end: self.end }
     }
 }
 
-/// How a command ended.
+/// Outcome of a command.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// Done.
+    /// The command succeeded.
     Done = 0,
-    /// Failed; the body is a [`Failure`].
+    /// The command failed; the body is a [`Failure`].
     Failed = 1,
-    /// The case is refused; the body is a [`crate::configuration::Refusal`].
+    /// The participant refuses the case; the body is a [`crate::configuration::Refusal`].
     Refused = 2,
 }
 
 impl Status {
-    /// The status with this number.
+    /// Returns the status with this number.
     #[must_use]
     pub fn from_number(number: u32) -> Option<Self> {
         [Self::Done, Self::Failed, Self::Refused].into_iter().find(|s| *s as u32 == number)
     }
 }
 
-/// From one participant to the coordinator.
+/// Reply of a participant to the coordinator.
 #[repr(C)]
 #[derive(
     Clone,
@@ -217,26 +222,26 @@ impl Status {
 pub struct Reply {
     /// [`crate::PROTOCOL_VERSION`] of the sender.
     pub protocol: u32,
-    /// A [`Status`].
+    /// Number of a [`Status`].
     pub status: u32,
-    /// Sequence number of the command that is answered.
+    /// Sequence number of the command that this replies to.
     pub sequence: u64,
-    /// Work of the solve in the model's own measure.
+    /// Work of the solve, in the model's own unit.
     pub work: u64,
-    /// Substeps of the solve.
+    /// Number of substeps of the solve.
     pub substeps: u32,
-    /// Inner iterations of the solve.
+    /// Number of inner iterations of the solve.
     pub inner_iterations: u32,
-    /// Mean power received through conservative inputs [W]; NaN when the model receives none.
+    /// Mean power received through conservative inputs [W]; NaN if the model receives none.
     pub heat_received: f64,
     /// Seconds spent in the model.
     pub model_seconds: f64,
-    /// Longest window that the model would take from this one's start [s]; 0 for no wish.
+    /// Longest window that the model accepts from the start of this one [s]; 0 without a limit.
     pub wanted_window: f64,
 }
 
 impl Reply {
-    /// An answer to the command with this sequence number.
+    /// Returns a reply to the command with this sequence number.
     #[must_use]
     pub fn new(status: Status, sequence: u64) -> Self {
         Self {
@@ -248,7 +253,7 @@ impl Reply {
         }
     }
 
-    /// What is wrong with the quantities of a solve, if anything.
+    /// Describes the first invalid quantity of a solve, if any.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         let times = [("model_seconds", self.model_seconds), ("wanted_window", self.wanted_window)];
@@ -258,10 +263,10 @@ impl Reply {
             }
         }
         let infinite = self.heat_received.is_infinite();
-        infinite.then(|| "heat_received is infinite (NaN says that there is none)".to_owned())
+        infinite.then(|| "heat_received is infinite (NaN means none)".to_owned())
     }
 
-    /// With the report of a solve.
+    /// Adds the report of a solve.
     #[must_use]
     pub fn with_report(mut self, report: &StepReport) -> Self {
         self.work = report.work;
@@ -273,21 +278,21 @@ impl Reply {
     }
 }
 
-/// How far a participant is with the command that it works on, for its heartbeat.
+/// Progress of a participant in its current command, sent with the heartbeat.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, FromBytes, Immutable, IntoBytes, KnownLayout)]
 pub struct ProgressReport {
     /// Sequence number of the command.
     pub sequence: u64,
-    /// What is done, in the participant's own measure.
+    /// Completed work, in the participant's own unit.
     pub done: u64,
-    /// What there is to do, in the same measure; 0 if nobody knows.
+    /// Total work, in the same unit; 0 if unknown.
     pub of: u64,
-    /// What is being done, in a word ("factorising").
+    /// Current activity, in one word ("factorising").
     pub what: Label<32>,
 }
 
-/// "37 of 60 factorising"; whatever the participant wrote, it is one line.
+/// Writes one line, such as "37 of 60 factorising", whatever text the participant sent.
 impl std::fmt::Display for ProgressReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.done)?;
@@ -301,7 +306,7 @@ impl std::fmt::Display for ProgressReport {
     }
 }
 
-/// Stands before the values of every field: a field never travels unlabelled.
+/// Header in front of the values of every field.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, FromBytes, Immutable, IntoBytes, KnownLayout)]
 pub struct FieldHeader {
@@ -321,9 +326,9 @@ pub struct FieldHeader {
     pub reserved: u32,
     /// Start of the interval that the values hold for [s].
     pub start: f64,
-    /// End of it [s].
+    /// End of the interval that the values hold for [s].
     pub end: f64,
-    /// Counts the samples of this topic from 1.
+    /// Number of the sample of this topic, from 1.
     pub sequence: u64,
     /// Name of the field.
     pub name: Label<32>,
@@ -335,37 +340,111 @@ pub struct FieldHeader {
     pub grid: Label<32>,
 }
 
+impl FieldHeader {
+    /// Returns the header of a field that the participant of the role `producer` sends on a grid,
+    /// before the first sample.
+    #[must_use]
+    pub fn new(kind: &FieldKind, producer: &str, grid: &Grid) -> Self {
+        Self {
+            protocol: crate::PROTOCOL_VERSION,
+            components: kind.components,
+            points: grid.points() as u64,
+            grid_revision: grid.revision,
+            name: Label::new(&kind.name),
+            unit: Label::new(&kind.unit),
+            producer: Label::new(producer),
+            grid: Label::new(&grid.name),
+            ..Self::default()
+        }
+    }
+
+    /// Returns the step that the sample belongs to.
+    #[must_use]
+    pub fn step(&self) -> Step {
+        Step { window: self.window, iteration: self.iteration, start: self.start, end: self.end }
+    }
+
+    /// Labels the next sample as one of this step.
+    pub fn set_step(&mut self, step: &Step) {
+        (self.window, self.iteration) = (step.window, step.iteration);
+        (self.start, self.end) = (step.start, step.end);
+    }
+
+    /// Describes the first difference between this header of a sample with so many values and the
+    /// expected one; `None` if there is none. The text continues a sentence that names the field.
+    #[must_use]
+    pub fn difference(&self, expected: &Self, values: usize) -> Option<String> {
+        if self.protocol != expected.protocol {
+            return Some(format!("has protocol version {}", self.protocol));
+        }
+        if self.grid_revision != expected.grid_revision {
+            let (found, known) = (self.grid_revision, expected.grid_revision);
+            return Some(format!(
+                "is on revision {found} of grid `{}`, whose geometry is known in revision {known}",
+                expected.grid.as_str()
+            ));
+        }
+        let shape = |header: &Self| (header.components, header.points);
+        let wanted = expected.points.saturating_mul(u64::from(expected.components));
+        if values as u64 != wanted || shape(self) != shape(expected) {
+            let (components, points) = shape(self);
+            return Some(format!(
+                "has {values} values ({components} components, {points} points), expected {wanted}"
+            ));
+        }
+        if self.texts() != expected.texts() {
+            let [name, unit, producer, grid] = self.texts();
+            return Some(format!("is labelled {name:?} in {unit:?} from {producer:?} on {grid:?}"));
+        }
+        if self.sequence != expected.sequence {
+            let (found, next) = (self.sequence, expected.sequence);
+            return Some(format!("has sequence number {found}, not {next}"));
+        }
+        let Step { window, iteration, start, end } = self.step();
+        (self.step() != expected.step()).then(|| {
+            format!("is labelled window {window}, iteration {iteration}, from {start} s to {end} s")
+        })
+    }
+
+    /// Returns the texts of the labels, up to their terminating zeros.
+    fn texts(&self) -> [&str; 4] {
+        [self.name.as_str(), self.unit.as_str(), self.producer.as_str(), self.grid.as_str()]
+    }
+}
+
 /// Body of `Connect`: the topics to open.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Topics {
-    /// One for each input, in the order of the configuration.
+    /// One topic for each input, in the order of the configuration.
     pub inputs: Vec<Topic>,
-    /// One for each output and observed field.
+    /// One topic for each output and observed field.
     pub outputs: Vec<Topic>,
-    /// Longest time to wait for the other side's ports [s].
+    /// Longest time to wait for the ports of the peers [s].
     pub deadline: f64,
-    /// How inputs vary within a window.
+    /// Variation of inputs within a window.
     #[serde(default)]
     pub interpolation: Interpolation,
-    /// The grids of this participant whose geometry it has to publish whenever they move, and those
-    /// of its volumes that a field of the run is on.
+    /// Grids whose geometry this participant must publish: surfaces whenever they move, and volumes
+    /// that carry a field of the run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub geometry: Vec<GeometryTopic>,
-    /// Keys of this participant's summary whose values it replies with to `Accept` with [`FIGURES`].
+    /// Keys of the summary whose values this participant sends in reply to `Accept` with
+    /// [`FIGURES`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<String>,
 }
 
-/// How the inputs with consistent mapping vary within a window. What is mapped conservatively is a
-/// mean over the window, and does not vary.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Interpolation {
-    /// They have the values of the window's end throughout.
-    #[default]
-    Constant,
-    /// They go in a straight line from the accepted values at its start to those at its end.
-    Linear,
+crate::words! {
+    /// Variation of consistently mapped inputs within a window. Conservatively mapped inputs are
+    /// means over the window and do not vary.
+    #[derive(Default)]
+    pub enum Interpolation {
+        /// Inputs have the values of the window's end throughout.
+        #[default]
+        Constant = "constant",
+        /// Inputs vary linearly from the accepted values at the start to those at the end.
+        Linear = "linear",
+    }
 }
 
 /// A service that carries one field.
@@ -376,17 +455,18 @@ pub struct Topic {
     /// Name of the service.
     pub service: String,
     /// The grid of the values.
-    pub grid: crate::grid::Grid,
+    pub grid: Grid,
     /// Number of subscribers that every sample has to reach.
     pub subscribers: usize,
-    /// The service that carries the geometry of the grid, if it may move. Samples of the field name
-    /// its revision; one that rises has been on this service before.
+    /// Service that carries the geometry of the grid, if the grid may move. Samples of the field
+    /// name its revision; the geometry of a new revision is published before the first such sample.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub geometry: Option<String>,
 }
 
-/// A service that carries the geometry of one grid: a [`crate::field::GEOMETRY`] behind a
-/// [`FieldHeader`] with the name of the grid and its new revision, whenever it has moved.
+/// A service that carries the geometry of one grid. When the grid has moved, it sends a
+/// [`crate::field::GEOMETRY`] behind a [`FieldHeader`] with the name of the grid and its new
+/// revision.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct GeometryTopic {
     /// Name of the grid.
@@ -400,26 +480,26 @@ pub struct GeometryTopic {
 /// Body of a failed reply.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failure {
-    /// What went wrong.
+    /// Description of the failure.
     pub error: String,
 }
 
 /// Body of `Save` and `Restore`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct StateFile {
-    /// Where the state is written or read.
+    /// File of the state, to write or to read.
     pub path: std::path::PathBuf,
-    /// What to publish after `Restore`, every output that is published in each iteration; empty
-    /// for `Save`.
+    /// Outputs to publish after `Restore`: all that are published in each iteration. Empty for
+    /// `Save`.
     #[serde(default)]
     pub outputs: Vec<OutputFile>,
-    /// For `Restore`, the surfaces of [`Topics::geometry`] as they were in the command's step, on which
-    /// the outputs are.
+    /// Surfaces of [`Topics::geometry`] in the command's step, which carry the outputs; for
+    /// `Restore`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub geometry: Vec<crate::grid::Grid>,
+    pub geometry: Vec<Grid>,
 }
 
-/// The values of an output in a file.
+/// Values of an output, in a file.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct OutputFile {
     /// Name of the field.
@@ -433,11 +513,11 @@ pub struct OutputFile {
 pub struct Finished {
     /// Sections for `summary.json`.
     pub summary: serde_json::Value,
-    /// Seconds spent in the model over the run, building it included.
+    /// Seconds spent in the model over the run, including its construction.
     pub model_seconds: f64,
-    /// Largest resident memory of the process [byte]; 0 where it cannot be known.
+    /// Peak resident memory of the process [byte]; 0 if unknown.
     pub peak_rss_bytes: u64,
-    /// Processor seconds of the process, in itself and in the kernel; 0 where they cannot be known.
+    /// User and system processor time of the process [s]; 0 if unknown.
     #[serde(default)]
     pub cpu_seconds: f64,
 }
@@ -527,7 +607,7 @@ mod tests {
         assert_eq!(offsets, [0, 4, 8, 16, 24, 32, 36, 40, 48, 56, 64, 96, 112, 144]);
     }
 
-    /// A participant that knows of no moving grids is informed of none.
+    /// Messages without moving grids are unchanged from before moving grids existed.
     #[test]
     fn without_moving_grids_the_bodies_are_as_before() {
         use crate::grid::{Grid, Structured};

@@ -1,7 +1,7 @@
 //! Typed access to the case values inside a [`crate::configuration::Configuration`].
 //!
-//! The coordinator has checked types, units and ranges against the description's keys and filled
-//! in the defaults; a participant started by another coordinator still gets an error, not a panic.
+//! The coordinator has already checked types, units and ranges, and filled in the defaults. A
+//! participant started by another coordinator still gets an error here, not a panic.
 
 use crate::refusal::Refusal;
 use serde::{Deserialize, Serialize};
@@ -13,24 +13,24 @@ use serde_json::Value;
 pub struct Params(pub Value);
 
 impl Params {
-    /// The value or table at a dotted key.
+    /// Returns the value or table at a dotted key.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&Value> {
         key.split('.').try_fold(&self.0, |value, part| value.get(part))
     }
 
-    /// The key is present.
+    /// Returns true if the key is present.
     #[must_use]
     pub fn has(&self, key: &str) -> bool {
         self.get(key).is_some()
     }
 
-    /// A number that must be there [SI].
+    /// Returns a required number [SI].
     pub fn number(&self, key: &str) -> Result<f64, Refusal> {
         self.maybe_number(key)?.ok_or_else(|| missing(key))
     }
 
-    /// A number that may be absent [SI].
+    /// Returns an optional number [SI].
     pub fn maybe_number(&self, key: &str) -> Result<Option<f64>, Refusal> {
         match self.get(key) {
             None => Ok(None),
@@ -41,13 +41,13 @@ impl Params {
         }
     }
 
-    /// A whole number that must be there.
+    /// Returns a required whole number.
     pub fn integer(&self, key: &str) -> Result<i64, Refusal> {
         let value = self.get(key).ok_or_else(|| missing(key))?;
         value.as_i64().ok_or_else(|| wrong(key, value, "a whole number"))
     }
 
-    /// A text or word that must be there.
+    /// Returns a required text or word.
     pub fn text(&self, key: &str) -> Result<&str, Refusal> {
         let value = self.get(key).ok_or_else(|| missing(key))?;
         value.as_str().ok_or_else(|| wrong(key, value, "a text"))

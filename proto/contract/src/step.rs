@@ -1,11 +1,11 @@
-//! One solve: the iteration of the window it is for, and what the model reports of it.
+//! A solve: its window and iteration, and the model's report.
 
 /// One iteration of one window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Number of the window, from 0.
     pub window: u64,
-    /// Iteration within the window, from 1; 0 stands for the first outputs before any solve.
+    /// Iteration within the window, from 1; 0 marks the first outputs before any solve.
     pub iteration: u32,
     /// Start of the window [s].
     pub start: f64,
@@ -24,26 +24,26 @@ impl Step {
     }
 }
 
-/// What a solve says besides its outputs.
+/// Report of a solve, besides its outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
-    /// Steps taken inside the window.
+    /// Number of steps inside the window.
     pub substeps: u32,
-    /// Iterations of the inner solver.
+    /// Number of iterations of the inner solver.
     pub inner_iterations: u32,
-    /// Number of elementary operations in the model's own measure, for snapshots of work.
+    /// Number of elementary operations in the model's own unit, for snapshots of work.
     pub work: u64,
-    /// Heat received through conservative inputs, as the mean power over the window [W]; `None`
-    /// for a model that receives none.
+    /// Mean power received through conservative inputs over the window [W]; `None` for a model that
+    /// receives none.
     pub heat_received: Option<f64>,
-    /// Longest window that the model would take from this one's start [s]: up to an event, or for
-    /// its accuracy. Adaptive windows obey it where it is shorter than the window solved.
+    /// Longest window that the model accepts from the start of this one [s], limited by an event or
+    /// by accuracy. Adaptive windows respect a value shorter than the window solved.
     pub wanted_window: Option<f64>,
 }
 
 impl StepReport {
-    /// What is wrong with it, if anything: a quantity that is not a number would pass for one that
-    /// is not given.
+    /// Describes the first invalid quantity, if any. NaN must be caught here, because the reply
+    /// uses NaN for absent quantities.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         if let Some(heat) = self.heat_received.filter(|heat| !heat.is_finite()) {

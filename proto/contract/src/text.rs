@@ -1,17 +1,19 @@
-//! Text from outside in plain data, and as JSON. Text by itself: [`tables::text`].
+//! Checks and JSON output of data with texts from other processes. For a single text see
+//! [`tables::text`].
 
 use serde::Serialize;
 use serde_json::Value;
 
 pub use tables::text::{check_line, is_hidden, one_line, visible};
 
-/// A value as JSON for a terminal or a file: `serde_json` escapes the ASCII controls alone.
+/// Returns a value as JSON for a terminal or a file, with all hidden characters escaped;
+/// `serde_json` escapes only ASCII controls.
 #[must_use]
 pub fn json(value: &impl Serialize) -> String {
     let text = serde_json::to_string_pretty(value).expect("plain data");
     let mut out = String::with_capacity(text.len() + 1);
     for c in text.chars() {
-        // All of them are in the 16-bit plane, and stand in strings alone.
+        // All hidden characters are in the 16-bit plane and occur only in strings.
         match is_hidden(c) && c != '\n' {
             true => out += &format!("\\u{:04x}", u32::from(c)),
             false => out.push(c),
@@ -20,10 +22,10 @@ pub fn json(value: &impl Serialize) -> String {
     out + "\n"
 }
 
-/// Every text of plain data, each one line by contract.
+/// Checks that every text in plain data is a single line.
 ///
 /// # Errors
-/// As [`check_line`], with the key of the text.
+/// Fails like [`check_line`], with the key of the text.
 pub fn check_lines(what: &str, data: &impl Serialize) -> Result<(), String> {
     let tree = serde_json::to_value(data).map_err(|error| format!("{what}: {error}"))?;
     check_tree(what, &tree)

@@ -1,34 +1,36 @@
-//! The geometry of a grid as the values of a field: how a grid that moves, and every volume, travels
-//! through shared memory.
+//! Geometry of a grid as the values of a field, for sending moving grids and volumes through shared
+//! memory.
 //!
-//! The field is `geometry`: three components in metres, component-major, so that
-//! component c of vector n stands at `c * count + n`. The vectors are
+//! The field is `geometry`: three components in metres, component-major, so that component c of
+//! vector n stands at `c * count + n`. The vectors are
 //!
 //! | grid | count | vectors |
 //! |---|---|---|
-//! | structured | 4 | centre of element (0, 0), step in i, step in j, and (ni, nj, 1), which are no lengths |
-//! | quadrilaterals | vertices | the vertices, in their order |
+//! | structured | 4 | centre of element (0, 0), step in i, step in j, counts (ni, nj, 1) [-] |
+//! | quadrilaterals | vertices | vertices in order |
+//! | vertices | points | points in order |
 //! | volume | see `volume.rs` | |
-//! | points | points | the points; they do not move |
+//! | points | points | points; these never move |
 //!
-//! A structured grid may move, turn, stretch and grow; it stays structured. Of quadrilaterals and
-//! volumes only the vertices move: which of them an element has is fixed for the run. A volume is
-//! announced in revision 0, and comes to its geometry as if it moved there.
+//! A structured grid may move, turn, stretch and grow, but stays structured. Quadrilaterals,
+//! vertices and volumes move only their points; the connectivity is fixed for the run. A volume is
+//! announced in revision 0 and receives its geometry as if it had moved.
 
 use super::{Grid, Quadrilaterals, Shape, Structured};
 
-/// Components of a vector in space.
+/// Number of components of a vector in space.
 const COMPONENTS: usize = 3;
-/// Vectors of a structured grid.
+/// Number of vectors of a structured grid.
 const VECTORS: usize = 4;
 
 impl Grid {
-    /// Number of vectors of the geometry; it has three values for each.
+    /// Returns the number of vectors of the geometry; each has three values.
     #[must_use]
     pub fn geometry_points(&self) -> usize {
         match &self.shape {
             Shape::Structured(_) => VECTORS,
             Shape::Quadrilaterals(q) => q.points.len(),
+            Shape::Vertices(v) => v.points.len(),
             Shape::Volume(v) => v.hexahedra().vectors(),
             Shape::Points(p) => p.count(),
         }
@@ -37,8 +39,8 @@ impl Grid {
     /// Writes the geometry [m], component-major.
     ///
     /// # Panics
-    /// If `values` does not have three values for each of [`Grid::geometry_points`], or for a volume
-    /// that is announced.
+    /// Panics if `values` does not hold three values for each of [`Grid::geometry_points`], or for
+    /// an announced volume.
     pub fn encode_geometry(&self, values: &mut [f64]) {
         let count = self.geometry_points();
         assert_eq!(values.len(), COMPONENTS * count, "three values for each vector");
@@ -52,6 +54,7 @@ impl Grid {
                 put(&[s.origin, s.step_i, s.step_j, [s.ni as f64, s.nj as f64, 1.0]]);
             }
             Shape::Quadrilaterals(q) => put(&q.points),
+            Shape::Vertices(v) => put(&v.points),
             Shape::Volume(v) => values.copy_from_slice(v.geometry()),
             Shape::Points(p) => {
                 put(&(0..count).map(|index| p.point(index)).collect::<Vec<_>>());
@@ -59,11 +62,11 @@ impl Grid {
         }
     }
 
-    /// This grid with the geometry that [`Grid::encode_geometry`] has written, and its revision.
+    /// Returns this grid with the geometry from [`Grid::encode_geometry`] and its revision.
     ///
     /// # Errors
-    /// A revision that is not above this one's, another number of values, counts that are not
-    /// whole, elements of other vertices, or a grid that [`Grid::check`] refuses.
+    /// Fails for a revision that is not above the present one, a wrong number of values, counts
+    /// that are not whole, a changed connectivity, or a grid that [`Grid::check`] refuses.
     pub fn with_geometry(&self, values: &[f64], revision: u64) -> Result<Self, String> {
         let (name, count) = (&self.name, self.geometry_points());
         if revision <= self.revision {
@@ -85,6 +88,7 @@ impl Grid {
                 points: (0..count).map(vector).collect(),
                 elements: q.elements.clone(),
             }),
+            Shape::Vertices(v) => Shape::Vertices(v.with_points((0..count).map(vector).collect())),
             Shape::Volume(v) => Shape::Volume(v.with_geometry(values)),
             Shape::Points(_) => {
                 return Err(format!("grid `{name}` is of points, which do not move"));
@@ -98,11 +102,11 @@ impl Grid {
         }
     }
 
-    /// What is wrong with taking `moved` for this grid after it has moved.
+    /// Checks that `moved` is this grid after a motion.
     ///
     /// # Errors
-    /// It is another grid, its revision is lower, or the same although the geometry differs, or the
-    /// elements are no longer made of the same vertices.
+    /// Fails for another grid, a lower revision, the same revision with a different geometry, or a
+    /// changed connectivity.
     pub fn check_moved(&self, moved: &Self) -> Result<(), String> {
         let (name, revision, last) = (&self.name, moved.revision, self.revision);
         if moved.name == *name && revision == last && self.shape == moved.shape {
@@ -120,13 +124,14 @@ impl Grid {
         moved.check()
     }
 
-    /// The elements of the other one are made of the same vertices.
+    /// Returns true if both grids have the same connectivity.
     fn has_elements_of(&self, other: &Self) -> bool {
         match (&self.shape, &other.shape) {
             (Shape::Structured(_), Shape::Structured(_)) => true,
             (Shape::Quadrilaterals(a), Shape::Quadrilaterals(b)) => {
                 a.elements == b.elements && a.points.len() == b.points.len()
             }
+            (Shape::Vertices(a), Shape::Vertices(b)) => a.has_elements_of(b),
             (Shape::Volume(a), Shape::Volume(b)) => a.has_elements_of(b),
             _ => false,
         }
@@ -165,7 +170,7 @@ mod tests {
         Grid::quadrilaterals("patch", Quadrilaterals::from(&shape))
     }
 
-    /// Pinned: other languages write and read it.
+    /// Pins the layout, because other languages write and read it.
     #[test]
     fn golden_layout_of_a_geometry() {
         let expected = [-1.0, 0.5, 0.0, 3.0, 2.0, 0.0, 0.25, 2.0, 0.0, 0.0, 0.0, 1.0];

@@ -1,10 +1,11 @@
-//! One hexahedron: the trilinear map of a cube to eight corners.
+//! Hexahedron: the trilinear map of a cube to eight corners.
 //!
-//! The corners are in VTK's order: 0 to 3 round one face, 4 to 7 opposite them. A right-handed one
-//! sees corners 1, 3 and 4 from corner 0 as x, y and z, and has a positive volume.
+//! The corners are in VTK's order: 0 to 3 round one face, 4 to 7 opposite them. Seen from corner 0
+//! of a right-handed hexahedron, corners 1, 3 and 4 lie along x, y and z, and the volume is
+//! positive.
 //!
-//! The volume is exact for every position of the corners: J. Grandy, *Efficient computation of volume
-//! of hexahedral cells*, LLNL report UCRL-ID-128886 (1997).
+//! The volume is exact for every position of the corners: J. Grandy, *Efficient computation of
+//! volume of hexahedral cells*, LLNL report UCRL-ID-128886 (1997).
 
 use super::vector::{cross, difference};
 

@@ -1,10 +1,11 @@
-//! Grids: where the values of a field live.
+//! Grids, on which fields have their values.
 //!
-//! A structured grid is a plane patch of equal elements, an unstructured one a surface of
-//! quadrilaterals. Values belong to element centres; the value of element (i, j) of a structured
-//! grid stands at index `j * ni + i` (i runs fastest). For the contact plane `step_i` points along
-//! x, the rolling direction, and `step_j` along y, to the left. Fields on volumes of hexahedra and at points
-//! are only written out. [`state`] writes values to a file and reads them back.
+//! A structured grid is a plane patch of equal elements; an unstructured grid is a surface of
+//! quadrilaterals. Values belong to element centres. The value of element (i, j) of a structured
+//! grid stands at index `j * ni + i` (i runs fastest). In the contact plane, `step_i` points along
+//! x, the rolling direction, and `step_j` along y, to the left. On a grid of vertices values belong
+//! to the points. Fields on volumes of hexahedra and at points in blocks are output only. [`state`]
+//! writes values to a file and reads them back.
 
 mod geometry;
 mod hexahedron;
@@ -14,23 +15,26 @@ pub mod state;
 mod structured;
 mod sum;
 mod vector;
+mod vertices;
 mod volume;
 
 pub use points::{Block, Places, Points};
 pub use quadrilaterals::Quadrilaterals;
 pub use structured::Structured;
 pub use sum::{blocked_sum, pairwise_sum};
+pub use vertices::{Measure, Vertices};
 pub use volume::{Hexahedra, Volume};
 
 use serde::{Deserialize, Serialize};
 
-/// More points than this are refused: their field would not fit into any machine.
+/// Maximum number of points: a field on more would not fit into any machine.
 const MOST_POINTS: usize = 1 << 36;
 
-/// A name that travels in labels and becomes part of file names: a plain word.
+/// Checks a name that is used in labels and file names: a plain word.
 ///
 /// # Errors
-/// It is empty, longer than 31 bytes, or has other characters than letters, digits, `_` and `-`.
+/// Fails if the name is empty, longer than 31 bytes, or has characters other than letters, digits,
+/// `_` and `-`.
 pub fn check_name(what: &str, name: &str) -> Result<(), String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     if (1..=31).contains(&name.len()) && name.chars().all(plain) {
@@ -40,23 +44,23 @@ pub fn check_name(what: &str, name: &str) -> Result<(), String> {
     Err(format!("the {what} name {shown:?} is not 1 to 31 letters, digits, `_` or `-`"))
 }
 
-/// The name of a field: one as of [`check_name`], or several with dots between, as of a key whose value
-/// it is.
+/// Checks the name of a field: a name as in [`check_name`], or several separated by dots, like the
+/// key of a case value.
 ///
 /// # Errors
-/// It is no such name, or too long.
+/// Fails if a part is not such a name, or if the whole is longer than 31 bytes.
 pub fn check_dotted(what: &str, name: &str) -> Result<(), String> {
     let parts = name.split('.').try_for_each(|part| check_name(what, part));
     if parts.is_ok() && name.len() <= 31 { Ok(()) } else { check_name(what, name) }
 }
 
-/// A named grid with a revision that rises whenever its geometry changes.
+/// A named grid with a revision that increases whenever its geometry changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
     /// Name, unique within the participant that owns the grid; at most 31 bytes of ASCII.
     pub name: String,
-    /// Rises by one whenever the geometry changes; the first is 1. 0 is a volume that is announced,
-    /// whose geometry is to follow.
+    /// Revision, from 1; increases by one whenever the geometry changes. Revision 0 is an announced
+    /// volume without geometry.
     pub revision: u64,
     /// Geometry.
     #[serde(flatten)]
@@ -71,9 +75,11 @@ pub enum Shape {
     Structured(Structured),
     /// Surface of quadrilateral elements.
     Quadrilaterals(Quadrilaterals),
-    /// Hexahedral elements, for fields that are only written out.
+    /// Points that carry values, with optional edges and triangles.
+    Vertices(Vertices),
+    /// Hexahedral elements, for output fields only.
     Volume(Volume),
-    /// Points in named blocks, for fields that are only written out.
+    /// Points in named blocks, for output fields only.
     Points(Points),
 }
 
@@ -84,19 +90,25 @@ impl From<Structured> for Shape {
 }
 
 impl Grid {
-    /// A structured grid of revision 1.
+    /// Returns a structured grid of revision 1.
     #[must_use]
     pub fn structured(name: &str, shape: Structured) -> Self {
         Self { name: name.to_owned(), revision: 1, shape: Shape::Structured(shape) }
     }
 
-    /// An unstructured grid of revision 1.
+    /// Returns an unstructured grid of revision 1.
     #[must_use]
     pub fn quadrilaterals(name: &str, shape: Quadrilaterals) -> Self {
         Self { name: name.to_owned(), revision: 1, shape: Shape::Quadrilaterals(shape) }
     }
 
-    /// A volume: announced, in revision 0, or with its geometry, in revision 1.
+    /// Returns a grid of vertices of revision 1.
+    #[must_use]
+    pub fn vertices(name: &str, shape: Vertices) -> Self {
+        Self { name: name.to_owned(), revision: 1, shape: Shape::Vertices(shape) }
+    }
+
+    /// Returns a volume: announced in revision 0, or with its geometry in revision 1.
     #[must_use]
     pub fn volume(name: &str, shape: impl Into<Volume>) -> Self {
         let shape = shape.into();
@@ -104,7 +116,8 @@ impl Grid {
         Self { name: name.to_owned(), revision, shape: Shape::Volume(shape) }
     }
 
-    /// What a layout says of the grid: of a volume the elements alone, as its geometry follows.
+    /// Returns the grid as declared in a layout: for a volume only the elements, because its
+    /// geometry follows later.
     #[must_use]
     pub fn announced(&self) -> Self {
         match &self.shape {
@@ -113,92 +126,119 @@ impl Grid {
         }
     }
 
-    /// It is a volume, whose geometry travels on a topic of its own.
+    /// Returns true for a volume, whose geometry travels on a topic of its own.
     #[must_use]
     pub fn is_volume(&self) -> bool {
         matches!(self.shape, Shape::Volume(_))
     }
 
-    /// Fields on it are only written out.
+    /// Returns true if fields on the grid are output only.
     #[must_use]
     pub fn only_written(&self) -> bool {
         matches!(self.shape, Shape::Volume(_) | Shape::Points(_))
     }
 
-    /// A volume whose geometry is to follow.
+    /// Returns true for a volume whose geometry is to follow.
     #[must_use]
     pub fn is_announced(&self) -> bool {
         matches!(&self.shape, Shape::Volume(volume) if volume.is_announced())
     }
 
-    /// Number of points, that is, of elements and of values of a one-component field.
+    /// Returns the number of values of a one-component field, that is, of elements or points.
     #[must_use]
     pub fn points(&self) -> usize {
         match &self.shape {
             Shape::Structured(s) => s.points(),
             Shape::Quadrilaterals(q) => q.elements.len(),
+            Shape::Vertices(v) => v.points.len(),
             Shape::Volume(v) => v.hexahedra().elements(),
             Shape::Points(p) => p.count(),
         }
     }
 
-    /// Centre of the element whose value stands at `index` [m].
+    /// Returns the place of the value at `index` [m]: the centre of its element, or its point.
     ///
     /// # Panics
-    /// For a volume that is announced.
+    /// Panics for an announced volume.
     #[must_use]
     pub fn centre(&self, index: usize) -> [f64; 3] {
         match &self.shape {
             Shape::Structured(s) => s.centre(index % s.ni, index / s.ni),
             Shape::Quadrilaterals(q) => q.centre(index),
+            Shape::Vertices(v) => v.points[index],
             Shape::Volume(v) => v.centre(index),
             Shape::Points(p) => p.point(index),
         }
     }
 
-    /// Area of the element whose value stands at `index` [m²]; in a volume its volume [m³]; 0 for a point.
+    /// Returns the area of the element whose value stands at `index` [m²]: for a volume element its
+    /// volume [m³], for a vertex [`Vertices::area`], for a point in a block 0. On vertices
+    /// [`Grid::areas`] is the faster way to all areas.
     ///
     /// # Panics
-    /// For a volume that is announced.
+    /// Panics for an announced volume.
     #[must_use]
     pub fn area(&self, index: usize) -> f64 {
         match &self.shape {
             Shape::Structured(s) => s.element_area(),
             Shape::Quadrilaterals(q) => q.area(index),
+            Shape::Vertices(v) => v.area(index),
             Shape::Volume(v) => v.volume(index),
             Shape::Points(_) => 0.0,
         }
     }
 
-    /// The grid with its vertices moved by `displacement` [m] (all x, then all y, then all z) and
-    /// the next revision. A structured grid becomes an unstructured one of the same elements, with
-    /// vertex (i, j) at `j * (ni + 1) + i`.
+    /// Returns the areas of all elements or points, see [`Grid::area`].
+    ///
+    /// # Panics
+    /// Panics for an announced volume.
+    #[must_use]
+    pub fn areas(&self) -> Vec<f64> {
+        match &self.shape {
+            Shape::Vertices(v) => v.areas(),
+            _ => (0..self.points()).map(|index| self.area(index)).collect(),
+        }
+    }
+
+    /// Returns true if a field on the grid has an integral: false for points in blocks, and for
+    /// vertices of unknown measure.
+    #[must_use]
+    pub fn has_areas(&self) -> bool {
+        match &self.shape {
+            Shape::Structured(_) | Shape::Quadrilaterals(_) | Shape::Volume(_) => true,
+            Shape::Vertices(v) => v.measure != Measure::Unknown,
+            Shape::Points(_) => false,
+        }
+    }
+
+    /// Returns the grid in the next revision with its vertices moved by `displacement` [m] (all x,
+    /// then all y, then all z). A structured grid becomes an unstructured grid of the same
+    /// elements, with vertex (i, j) at `j * (ni + 1) + i`.
     ///
     /// # Errors
-    /// Another length than three values a vertex, elements that are wrong when moved, or a volume,
-    /// which moves by [`Grid::with_geometry`] alone.
+    /// Fails if the length is not three values per vertex, if moved elements are invalid, and for
+    /// points in blocks and volumes; a volume moves only by [`Grid::with_geometry`].
     pub fn displaced(&self, displacement: &[f64]) -> Result<Self, String> {
         let moved = match &self.shape {
-            Shape::Structured(s) => Quadrilaterals::from(s).displaced(displacement),
-            Shape::Quadrilaterals(q) => q.displaced(displacement),
+            Shape::Structured(s) => {
+                Quadrilaterals::from(s).displaced(displacement).map(Shape::Quadrilaterals)
+            }
+            Shape::Quadrilaterals(q) => q.displaced(displacement).map(Shape::Quadrilaterals),
+            Shape::Vertices(v) => v.displaced(displacement).map(Shape::Vertices),
             Shape::Volume(_) => Err("it is a volume".to_owned()),
             Shape::Points(_) => Err("points do not move".to_owned()),
         };
         let shape = moved.map_err(|why| format!("grid `{}`, moved: {why}", self.name))?;
-        Ok(Self {
-            name: self.name.clone(),
-            revision: self.revision + 1,
-            shape: Shape::Quadrilaterals(shape),
-        })
+        Ok(Self { name: self.name.clone(), revision: self.revision + 1, shape })
     }
 
-    /// What is wrong with a grid that came from outside.
+    /// Checks a grid received from another process.
     ///
     /// # Errors
-    /// A name that is no plain word of at most 31 bytes, no points or more than fit, steps that are
-    /// not finite or have no length, vertices or points that are not finite or missing, elements that are not
-    /// convex or have no positive volume, blocks without a name of their own, axes that do not rise, a volume that has both or neither of a geometry and the
-    /// revision 0.
+    /// Fails for an invalid name, too few or too many points, and coordinates or steps that are not
+    /// finite. Fails for elements that lack vertices, are not convex, or have no positive length,
+    /// area or volume. Fails for duplicate block names, axes that do not increase, and a volume
+    /// that has geometry in revision 0 or lacks geometry in a later one.
     pub fn check(&self) -> Result<(), String> {
         check_name("grid", &self.name)?;
         let name = &self.name;
@@ -206,6 +246,9 @@ impl Grid {
             Shape::Structured(s) => s,
             Shape::Quadrilaterals(q) => {
                 return q.check().map_err(|why| format!("grid `{name}`: {why}"));
+            }
+            Shape::Vertices(v) => {
+                return v.check().map_err(|why| format!("grid `{name}`: {why}"));
             }
             Shape::Volume(v) if v.is_announced() != (self.revision == 0) => {
                 let revision = self.revision;
@@ -231,25 +274,27 @@ impl Grid {
         Ok(())
     }
 
-    /// The structured geometry, if it is one.
+    /// Returns the structured geometry, if the grid is structured.
     #[must_use]
     pub fn as_structured(&self) -> Option<&Structured> {
         match &self.shape {
             Shape::Structured(s) => Some(s),
-            Shape::Quadrilaterals(_) | Shape::Volume(_) | Shape::Points(_) => None,
+            _ => None,
         }
     }
 
-    /// Surface integral of a one-component field given at the points [unit·m²]; the integral over a
-    /// volume [unit·m³]; 0 over points.
+    /// Returns the surface integral of a one-component field given at the points [unit·m²]; for a
+    /// volume the volume integral [unit·m³], for points in blocks 0. On vertices the [`Measure`]
+    /// decides.
     ///
     /// # Panics
-    /// For a volume that is announced.
+    /// Panics for an announced volume.
     #[must_use]
     pub fn integrate(&self, values: &[f64]) -> f64 {
         match &self.shape {
             Shape::Structured(s) => s.element_area() * blocked_sum(values),
             Shape::Quadrilaterals(q) => pairwise_sum(0..values.len(), &|n| q.area(n) * values[n]),
+            Shape::Vertices(v) => v.integrate(values),
             Shape::Volume(v) => pairwise_sum(0..values.len(), &|n| v.volume(n) * values[n]),
             Shape::Points(_) => 0.0,
         }

@@ -1,42 +1,42 @@
-//! Points in named blocks: where fields are written out, block by block, and nothing else is done with them.
+//! Points in named blocks, for output fields only.
 //!
-//! A block is a lattice, the product of three axes, or a list. The points of a lattice run along x fastest, then
-//! along y, then along z; those of the blocks follow each other. The value of a field belongs to its point, which has no
-//! area.
+//! A block is a lattice, the product of three axes, or a list. Points of a lattice run along x
+//! fastest, then along y, then along z; the blocks follow each other. The value of a field belongs
+//! to its point, which has no area.
 
 use serde::{Deserialize, Serialize};
 
-/// More points than this are refused: no machine has room for their fields.
+/// Maximum number of points: a field on more would not fit into any machine.
 const MOST: usize = 1 << 32;
 
 /// Blocks of points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Points {
-    /// The blocks, one after the other.
+    /// The blocks, in order.
     pub blocks: Vec<Block>,
 }
 
-/// Some of the points, with a name, which their files have.
+/// A named group of points; output files carry the name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block {
     /// Name, unique within the grid; at most 31 letters, digits, `_` and `-`.
     pub name: String,
-    /// Where its points are.
+    /// Coordinates of the points.
     pub places: Places,
 }
 
-/// Where points are.
+/// Coordinates of points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Places {
-    /// The product of the axes x, y and z \[m\], each strictly rising.
+    /// Product of the axes x, y and z \[m\], each strictly increasing.
     Lattice([Vec<f64>; 3]),
-    /// Point by point \[m\].
+    /// Individual points \[m\].
     List(Vec<[f64; 3]>),
 }
 
 impl Places {
-    /// Number of points.
+    /// Returns the number of points.
     #[must_use]
     pub fn count(&self) -> usize {
         match self {
@@ -45,7 +45,7 @@ impl Places {
         }
     }
 
-    /// The point whose value stands at `index` \[m\].
+    /// Returns the point whose value stands at `index` \[m\].
     #[must_use]
     pub fn point(&self, index: usize) -> [f64; 3] {
         match self {
@@ -80,16 +80,16 @@ impl Places {
 }
 
 impl Points {
-    /// Number of points of all blocks.
+    /// Returns the number of points of all blocks.
     #[must_use]
     pub fn count(&self) -> usize {
         self.blocks.iter().map(|block| block.places.count()).fold(0, usize::saturating_add)
     }
 
-    /// The point whose value stands at `index` \[m\].
+    /// Returns the point whose value stands at `index` \[m\].
     ///
     /// # Panics
-    /// If there is no such point.
+    /// Panics if the index is out of range.
     #[must_use]
     pub fn point(&self, index: usize) -> [f64; 3] {
         let mut left = index;
@@ -103,7 +103,7 @@ impl Points {
         panic!("there is no point {index}")
     }
 
-    /// Every block with the index of its first point.
+    /// Returns every block with the index of its first point.
     pub fn parts(&self) -> impl Iterator<Item = (usize, &Block)> {
         self.blocks.iter().scan(0, |next, block| {
             let first = *next;
@@ -112,12 +112,12 @@ impl Points {
         })
     }
 
-    /// What is wrong with points that came from outside; names of blocks are looked at elsewhere.
+    /// Checks points received from another process, except the names of blocks.
     pub(super) fn check(&self) -> Result<(), String> {
         for (index, block) in self.blocks.iter().enumerate() {
             let name = &block.name;
             if self.blocks[..index].iter().any(|other| other.name == *name) {
-                return Err(format!("block `{name}` stands twice"));
+                return Err(format!("block `{name}` is defined twice"));
             }
             block.places.check().map_err(|why| format!("block `{name}`: {why}"))?;
         }
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(firsts, [0, 6]);
     }
 
-    /// As JSON they are what they were; nothing moves them, and they have no area.
+    /// Points keep their JSON form, do not move, and have no area.
     #[test]
     fn a_grid_of_points_travels_as_it_is() {
         let grid = Grid { name: "g".to_owned(), revision: 1, shape: Shape::Points(points()) };

@@ -1,12 +1,12 @@
 //! Unstructured surfaces of quadrilaterals.
 //!
-//! An element is the bilinear patch through its four corners; its centre is the mean of the corners
-//! (ξ = η = 0) and its area ½|d₁ × d₂| with the diagonals d₁ and d₂: exact where the corners lie in
-//! one plane, the size of the vector area where they do not. So a structured grid and the same one
-//! written as quadrilaterals have the same centres and areas, but for rounding.
+//! An element is the bilinear patch through its four corners. Its centre is the mean of the corners
+//! (ξ = η = 0). Its area is ½|d₁ × d₂| with the diagonals d₁ and d₂: exact for coplanar corners,
+//! otherwise the magnitude of the vector area. A structured grid and the same grid written as
+//! quadrilaterals therefore have the same centres and areas within rounding.
 
 use super::structured::Structured;
-use super::vector::{cross, difference, length};
+use super::vector::{cross, difference, displaced, length};
 use serde::{Deserialize, Serialize};
 
 /// Quadrilateral elements over shared vertices.
@@ -14,55 +14,46 @@ use serde::{Deserialize, Serialize};
 pub struct Quadrilaterals {
     /// Vertices [m].
     pub points: Vec<[f64; 3]>,
-    /// The four vertices of each element, in order round it.
+    /// The four vertices of each element, in order around the element.
     pub elements: Vec<[u32; 4]>,
 }
 
 impl Quadrilaterals {
-    /// Corners of an element [m], in order round it.
+    /// Returns the corners of an element [m], in order around the element.
     #[must_use]
     pub fn corners(&self, element: usize) -> [[f64; 3]; 4] {
         self.elements[element].map(|vertex| self.points[vertex as usize])
     }
 
-    /// Centre of an element, the mean of its corners [m].
+    /// Returns the centre of an element, the mean of its corners [m].
     #[must_use]
     pub fn centre(&self, element: usize) -> [f64; 3] {
         let [a, b, c, d] = self.corners(element);
         std::array::from_fn(|k| 0.25 * ((a[k] + c[k]) + (b[k] + d[k])))
     }
 
-    /// Area of an element [m²].
+    /// Returns the area of an element [m²].
     #[must_use]
     pub fn area(&self, element: usize) -> f64 {
         length(vector_area(&self.corners(element)))
     }
 
-    /// The surface with every vertex moved by `displacement` [m]: all x, then all y, then all z.
+    /// Returns the surface with every vertex moved by `displacement` [m]: all x, then all y, then
+    /// all z.
     ///
     /// # Errors
-    /// Another length than three values a vertex, or elements that are wrong when moved.
+    /// Fails if the length is not three values per vertex, or if a moved element is not convex.
     pub fn displaced(&self, displacement: &[f64]) -> Result<Self, String> {
-        let count = self.points.len();
-        if displacement.len() != 3 * count {
-            let given = displacement.len();
-            return Err(format!(
-                "{given} displacements for the {count} vertices, not {}",
-                3 * count
-            ));
-        }
-        let moved = |(n, point): (usize, &[f64; 3])| -> [f64; 3] {
-            std::array::from_fn(|k| point[k] + displacement[k * count + n])
-        };
-        let points = self.points.iter().enumerate().map(moved).collect();
+        let points = displaced(&self.points, displacement)?;
         let moved = Self { points, elements: self.elements.clone() };
         moved.check().map(|()| moved)
     }
 
-    /// What is wrong with a surface that came from outside.
+    /// Checks a surface received from another process.
     ///
     /// # Errors
-    /// No elements, a vertex that is not finite or does not exist, an element that is not convex.
+    /// Fails without elements, for a vertex that is not finite or does not exist, and for an
+    /// element that is not convex.
     pub(super) fn check(&self) -> Result<(), String> {
         if self.elements.is_empty() {
             return Err("it has no elements".to_owned());
@@ -84,7 +75,7 @@ impl Quadrilaterals {
 }
 
 impl From<&Structured> for Quadrilaterals {
-    /// The same elements in the same order; vertex (i, j) stands at `j * (ni + 1) + i`.
+    /// Keeps the elements and their order; vertex (i, j) stands at `j * (ni + 1) + i`.
     fn from(grid: &Structured) -> Self {
         let (ni, nj) = (grid.ni, grid.nj);
         let vertex = |i: usize, j: usize| -> [f64; 3] {
@@ -102,7 +93,7 @@ impl From<&Structured> for Quadrilaterals {
     }
 }
 
-/// Whether all four corners turn the same way, seen along the element's own normal.
+/// Returns true if all four corners turn the same way, seen along the element's normal.
 fn convex(corners: &[[f64; 3]; 4]) -> bool {
     let normal = vector_area(corners);
     (0..4).all(|n| {

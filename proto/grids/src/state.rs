@@ -1,11 +1,11 @@
-//! Pieces of a state, little-endian, on their way to and from a file.
+//! Writes and reads parts of a state as little-endian bytes.
 
 use std::io::{self, Read, Write};
 
-/// Writes numbers one after the other.
+/// Writes numbers in sequence.
 ///
 /// # Errors
-/// Those of `into`.
+/// Fails if writing to `into` fails.
 pub fn write_numbers<'a>(
     into: &mut dyn Write,
     numbers: impl IntoIterator<Item = &'a f64>,
@@ -13,10 +13,10 @@ pub fn write_numbers<'a>(
     numbers.into_iter().try_for_each(|number| into.write_all(&number.to_le_bytes()))
 }
 
-/// Reads numbers that [`write_numbers`] wrote, as many as there are places.
+/// Reads numbers written by [`write_numbers`], as many as `numbers` has places.
 ///
 /// # Errors
-/// Those of `from`, which may end too early.
+/// Fails if reading from `from` fails or `from` ends too early.
 pub fn read_numbers<'a>(
     from: &mut dyn Read,
     numbers: impl IntoIterator<Item = &'a mut f64>,
@@ -27,10 +27,10 @@ pub fn read_numbers<'a>(
     })
 }
 
-/// The next bytes.
+/// Reads the next `N` bytes.
 ///
 /// # Errors
-/// Those of `from`, which may end too early.
+/// Fails if reading from `from` fails or `from` ends too early.
 pub fn read_bytes<const N: usize>(from: &mut dyn Read) -> io::Result<[u8; N]> {
     let mut bytes = [0; N];
     from.read_exact(&mut bytes)?;

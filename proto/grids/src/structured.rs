@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 pub struct Structured {
     /// Centre of element (0, 0) [m].
     pub origin: [f64; 3],
-    /// From one element to the next in i [m].
+    /// Vector from one element to the next in i [m].
     pub step_i: [f64; 3],
-    /// From one element to the next in j [m].
+    /// Vector from one element to the next in j [m].
     pub step_j: [f64; 3],
     /// Number of elements in i.
     pub ni: usize,
@@ -19,7 +19,7 @@ pub struct Structured {
 }
 
 impl Structured {
-    /// A grid in the contact plane z = 0 with its first element centred on (x0, y0) [m].
+    /// Returns a grid in the contact plane z = 0 with its first element centred on (x0, y0) [m].
     #[must_use]
     pub fn contact_plane(x0: f64, y0: f64, dx: f64, dy: f64, nx: usize, ny: usize) -> Self {
         Self {
@@ -31,44 +31,44 @@ impl Structured {
         }
     }
 
-    /// Number of elements; [`usize::MAX`] where that cannot be counted.
+    /// Returns the number of elements; [`usize::MAX`] on overflow.
     #[must_use]
     pub fn points(&self) -> usize {
         self.ni.saturating_mul(self.nj)
     }
 
-    /// Centre of element (i, j) [m].
+    /// Returns the centre of element (i, j) [m].
     #[must_use]
     pub fn centre(&self, i: usize, j: usize) -> [f64; 3] {
         let (i, j) = (i as f64, j as f64);
         std::array::from_fn(|k| self.origin[k] + i * self.step_i[k] + j * self.step_j[k])
     }
 
-    /// x of column i [m].
+    /// Returns x of column i [m].
     #[must_use]
     pub fn x(&self, i: usize) -> f64 {
         self.centre(i, 0)[0]
     }
 
-    /// y of row j [m].
+    /// Returns y of row j [m].
     #[must_use]
     pub fn y(&self, j: usize) -> f64 {
         self.centre(0, j)[1]
     }
 
-    /// Element length along x of a contact-plane grid [m].
+    /// Returns the element length along x of a contact-plane grid [m].
     #[must_use]
     pub fn dx(&self) -> f64 {
         self.step_i[0]
     }
 
-    /// Element length along y of a contact-plane grid [m].
+    /// Returns the element length along y of a contact-plane grid [m].
     #[must_use]
     pub fn dy(&self) -> f64 {
         self.step_j[1]
     }
 
-    /// Area of one element [m²].
+    /// Returns the area of one element [m²].
     #[must_use]
     pub fn element_area(&self) -> f64 {
         length(cross(self.step_i, self.step_j))

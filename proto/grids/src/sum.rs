@@ -1,7 +1,7 @@
 //! Sums whose rounding errors grow like the logarithm of the length.
 
-/// Sum of a term over a range, halved until it is short: its error grows like the logarithm of the
-/// length.
+/// Sums a term over a range by recursive halving. The rounding error grows like the logarithm of
+/// the length.
 pub fn pairwise_sum(range: std::ops::Range<usize>, term: &impl Fn(usize) -> f64) -> f64 {
     if range.len() <= 32 {
         return range.map(term).sum();
@@ -10,8 +10,8 @@ pub fn pairwise_sum(range: std::ops::Range<usize>, term: &impl Fn(usize) -> f64)
     pairwise_sum(range.start..middle, term) + pairwise_sum(middle..range.end, term)
 }
 
-/// Sum in independent lanes and blocks: fast, and with an error that grows like the logarithm of
-/// the length, so that two sums of the same field agree to a few units in the last place.
+/// Sums values in independent lanes and blocks: fast, and with a rounding error that grows like the
+/// logarithm of the length. Two sums of the same field agree to a few units in the last place.
 #[must_use]
 pub fn blocked_sum(values: &[f64]) -> f64 {
     const BLOCK: usize = 1024;

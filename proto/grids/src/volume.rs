@@ -1,49 +1,53 @@
-//! Volumes of hexahedra: where fields are written out, and nothing else is done with them.
+//! Volumes of hexahedra, for output fields only.
 //!
-//! A volume is announced by the kind and the numbers of its elements; that is all that is written as
-//! JSON. Its geometry follows as the values of a field, and is kept as it travels: vectors of three
-//! components \[m\], component-major, so that component c of vector n stands at `c * count + n`.
+//! A volume is announced by the kind and counts of its elements; its JSON form holds nothing else.
+//! The geometry follows as the values of a field, and is stored in the same layout. Vectors of
+//! three components \[m\] are component-major, so that component c of vector n stands at
+//! `c * count + n`.
 //!
 //! | hexahedra | count | vectors |
 //! |---|---|---|
-//! | rectilinear | nodes of the longest axis | the n-th nodes of the three axes; 0 beyond the last of an axis |
+//! | rectilinear | nodes of the longest axis | n-th nodes of the axes; 0 beyond the end |
 //! | structured | (ni + 1)(nj + 1)(nk + 1) | the vertices, i fastest, then j |
-//! | unstructured | vertices + 3 elements | the vertices; then for each element its corners, numbers of vertices that are no lengths: (0, 1, 2), (3, 4, 5) and (6, 7, and a 0) |
+//! | unstructured | vertices + 3 elements | vertices, then corners of each element |
 //!
-//! Corners are in VTK's order, elements right-handed (`hexahedron.rs`). The value of element
-//! (i, j, k) stands at `(k * nj + j) * ni + i`.
+//! The eight corners of an unstructured element are vertex numbers, not lengths. They fill three
+//! vectors: corners (0, 1, 2), (3, 4, 5) and (6, 7, and a 0).
+//!
+//! Corners are in VTK's order, and elements are right-handed (`hexahedron.rs`). The value of
+//! element (i, j, k) stands at `(k * nj + j) * ni + i`.
 
 use super::hexahedron;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Components of a vector in space.
+/// Number of components of a vector in space.
 const COMPONENTS: usize = 3;
-/// Vectors that hold the corners of an element.
+/// Number of vectors that hold the corners of an element.
 const VECTORS_OF_CORNERS: usize = 3;
-/// More vertices or elements than this are refused: no machine has room for them.
+/// Maximum number of vertices and of elements: more would not fit into any machine.
 const MOST: usize = 1 << 32;
 
-/// How many elements of which kind.
+/// Kind and counts of the elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(tag = "hexahedra", rename_all = "kebab-case")]
 pub enum Hexahedra {
     /// Boxes between the nodes of three axes.
     Rectilinear {
-        /// Elements along x.
+        /// Number of elements along x.
         ni: usize,
-        /// Elements along y.
+        /// Number of elements along y.
         nj: usize,
-        /// Elements along z.
+        /// Number of elements along z.
         nk: usize,
     },
-    /// Elements in rows, columns and layers, with vertices anywhere.
+    /// Elements in rows, columns and layers, with vertices at any position.
     Structured {
-        /// Elements in i.
+        /// Number of elements in i.
         ni: usize,
-        /// Elements in j.
+        /// Number of elements in j.
         nj: usize,
-        /// Elements in k.
+        /// Number of elements in k.
         nk: usize,
     },
     /// Elements over shared vertices.
@@ -56,7 +60,7 @@ pub enum Hexahedra {
 }
 
 impl Hexahedra {
-    /// Number of elements.
+    /// Returns the number of elements.
     #[must_use]
     pub fn elements(&self) -> usize {
         match *self {
@@ -67,7 +71,7 @@ impl Hexahedra {
         }
     }
 
-    /// Number of vertices.
+    /// Returns the number of vertices.
     #[must_use]
     pub fn vertices(&self) -> usize {
         match *self {
@@ -79,7 +83,7 @@ impl Hexahedra {
         }
     }
 
-    /// Number of vectors of the geometry, of three values each.
+    /// Returns the number of vectors of the geometry, each with three values.
     #[must_use]
     pub fn vectors(&self) -> usize {
         match *self {
@@ -100,17 +104,17 @@ impl Hexahedra {
     }
 }
 
-/// Hexahedra, with their geometry once it is known.
+/// Hexahedra, with or without their geometry.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(from = "Hexahedra", into = "Hexahedra")]
 pub struct Volume {
     hexahedra: Hexahedra,
-    /// As it travels.
+    /// Geometry in the layout of the field, once known.
     geometry: Option<Arc<[f64]>>,
 }
 
 impl From<Hexahedra> for Volume {
-    /// A volume whose geometry is to follow.
+    /// Returns a volume whose geometry is to follow.
     fn from(hexahedra: Hexahedra) -> Self {
         Self { hexahedra, geometry: None }
     }
@@ -123,7 +127,7 @@ impl From<Volume> for Hexahedra {
 }
 
 impl PartialEq for Volume {
-    /// Clones share their geometry: it is not looked through.
+    /// Clones share their geometry, so identical pointers skip the comparison of values.
     fn eq(&self, other: &Self) -> bool {
         let same = match (&self.geometry, &other.geometry) {
             (Some(own), Some(other)) => Arc::ptr_eq(own, other) || own == other,
@@ -134,7 +138,7 @@ impl PartialEq for Volume {
 }
 
 impl Volume {
-    /// Boxes between the nodes of the axes x, y and z \[m\], each strictly rising.
+    /// Returns boxes between the nodes of the axes x, y and z \[m\], each strictly increasing.
     #[must_use]
     pub fn rectilinear(axes: [&[f64]; 3]) -> Self {
         let [ni, nj, nk] = axes.map(|axis| axis.len().saturating_sub(1));
@@ -146,15 +150,15 @@ impl Volume {
         Self { hexahedra, geometry: Some(geometry.into()) }
     }
 
-    /// So many elements in i, j and k, over vertices \[m\] of which vertex (i, j, k) stands at
-    /// `(k * (nj + 1) + j) * (ni + 1) + i`.
+    /// Returns a volume with these numbers of elements in i, j and k; vertex (i, j, k) \[m\] stands
+    /// at `(k * (nj + 1) + j) * (ni + 1) + i`.
     #[must_use]
     pub fn structured([ni, nj, nk]: [usize; 3], vertices: &[[f64; 3]]) -> Self {
         let hexahedra = Hexahedra::Structured { ni, nj, nk };
         Self { hexahedra, geometry: Some(by_component(vertices.len(), vertices.iter().copied())) }
     }
 
-    /// Elements of eight corners each, numbers of vertices \[m\] from 0.
+    /// Returns elements with eight corners each, given as vertex numbers from 0; vertices in \[m\].
     #[must_use]
     pub fn unstructured(vertices: &[[f64; 3]], elements: &[[u32; 8]]) -> Self {
         let hexahedra =
@@ -167,36 +171,36 @@ impl Volume {
         Self { hexahedra, geometry: Some(by_component(hexahedra.vectors(), vectors)) }
     }
 
-    /// How many elements of which kind.
+    /// Returns the kind and counts of the elements.
     #[must_use]
     pub fn hexahedra(&self) -> Hexahedra {
         self.hexahedra
     }
 
-    /// Its geometry is to follow.
+    /// Returns true if the geometry is to follow.
     #[must_use]
     pub fn is_announced(&self) -> bool {
         self.geometry.is_none()
     }
 
-    /// The geometry as it travels \[m\].
+    /// Returns the geometry in the layout of the field \[m\].
     ///
     /// # Panics
-    /// If it is to follow.
+    /// Panics if the geometry is to follow.
     #[must_use]
     pub fn geometry(&self) -> &[f64] {
         self.geometry.as_deref().expect("the geometry of a volume precedes whatever is on it")
     }
 
-    /// This volume with a geometry that has travelled \[m\]; not checked.
+    /// Returns this volume with a received geometry \[m\], without checks.
     pub(super) fn with_geometry(&self, values: &[f64]) -> Self {
         Self { hexahedra: self.hexahedra, geometry: Some(values.into()) }
     }
 
-    /// The nodes of the axes x, y and z \[m\] of a rectilinear volume.
+    /// Returns the nodes of the axes x, y and z \[m\] of a rectilinear volume.
     ///
     /// # Panics
-    /// If its geometry is to follow.
+    /// Panics if the geometry is to follow.
     #[must_use]
     pub fn axes(&self) -> Option<[&[f64]; 3]> {
         let Hexahedra::Rectilinear { ni, nj, nk } = self.hexahedra else { return None };
@@ -205,10 +209,10 @@ impl Volume {
         Some([(0, ni), (1, nj), (2, nk)].map(axis))
     }
 
-    /// A vertex \[m\].
+    /// Returns a vertex \[m\].
     ///
     /// # Panics
-    /// If the geometry is to follow.
+    /// Panics if the geometry is to follow.
     #[must_use]
     pub fn vertex(&self, vertex: usize) -> [f64; 3] {
         let (values, count) = (self.geometry(), self.hexahedra.vectors());
@@ -222,10 +226,10 @@ impl Volume {
         }
     }
 
-    /// The numbers of an element's vertices.
+    /// Returns the vertex numbers of an element.
     ///
     /// # Panics
-    /// If they are part of a geometry that is to follow.
+    /// Panics for an unstructured volume whose geometry is to follow.
     #[must_use]
     pub fn corners(&self, element: usize) -> [usize; 8] {
         match self.hexahedra {
@@ -243,33 +247,34 @@ impl Volume {
         }
     }
 
-    /// A number of the vectors that hold the corners of an unstructured element; the ninth is 0.
+    /// Returns a value of the vectors that hold the corners of an unstructured element; the ninth
+    /// is 0.
     fn number_of_vertex(&self, element: usize, corner: usize) -> f64 {
         let (vectors, vertices) = (self.hexahedra.vectors(), self.hexahedra.vertices());
         let vector = vertices + VECTORS_OF_CORNERS * element + corner / COMPONENTS;
         self.geometry()[(corner % COMPONENTS) * vectors + vector]
     }
 
-    /// Centre of an element, the mean of its corners \[m\].
+    /// Returns the centre of an element, the mean of its corners \[m\].
     ///
     /// # Panics
-    /// If the geometry is to follow.
+    /// Panics if the geometry is to follow.
     #[must_use]
     pub fn centre(&self, element: usize) -> [f64; 3] {
         let corners = self.corners(element).map(|vertex| self.vertex(vertex));
         std::array::from_fn(|c| corners.iter().map(|corner| corner[c]).sum::<f64>() / 8.0)
     }
 
-    /// Volume of an element \[m³\].
+    /// Returns the volume of an element \[m³\].
     ///
     /// # Panics
-    /// If the geometry is to follow.
+    /// Panics if the geometry is to follow.
     #[must_use]
     pub fn volume(&self, element: usize) -> f64 {
         hexahedron::volume(&self.corners(element).map(|vertex| self.vertex(vertex)))
     }
 
-    /// The other one is made of the same vertices.
+    /// Returns true if both volumes have the same connectivity.
     pub(super) fn has_elements_of(&self, other: &Self) -> bool {
         let unstructured = matches!(self.hexahedra, Hexahedra::Unstructured { .. });
         let known = !self.is_announced() && !other.is_announced();
@@ -280,12 +285,12 @@ impl Volume {
                 && (0..self.hexahedra.elements()).any(|n| of(self, n) != of(other, n)))
     }
 
-    /// What is wrong with a volume that came from outside.
+    /// Checks a volume received from another process.
     ///
     /// # Errors
-    /// No elements or more than fit; of a geometry that is known another length, a value that is not
-    /// finite, an axis that does not rise, corners that are no vertices, an element without a positive
-    /// volume.
+    /// Fails without elements or with too many. A known geometry fails for a wrong length, a value
+    /// that is not finite, an axis that does not increase, a corner that is not a vertex, and an
+    /// element without a positive volume.
     pub(super) fn check(&self) -> Result<(), String> {
         self.hexahedra.check()?;
         let Some(values) = &self.geometry else { return Ok(()) };
@@ -340,7 +345,7 @@ impl Volume {
     }
 }
 
-/// Vectors as they travel.
+/// Arranges vectors component-major, as in the field.
 fn by_component(count: usize, vectors: impl Iterator<Item = [f64; 3]>) -> Arc<[f64]> {
     let mut values = vec![0.0; COMPONENTS * count];
     for (n, vector) in vectors.enumerate() {
@@ -355,7 +360,7 @@ fn by_component(count: usize, vectors: impl Iterator<Item = [f64; 3]>) -> Arc<[f
 mod tests {
     use super::*;
 
-    /// 2 x 1 x 1 boxes of the sides 1 and 3, 2, 0.5.
+    /// 2 × 1 × 1 boxes with the sides 1 and 3, 2, 0.5.
     fn boxes() -> Volume {
         Volume::rectilinear([&[0.0, 1.0, 4.0], &[-1.0, 1.0], &[0.0, 0.5]])
     }
@@ -384,7 +389,7 @@ mod tests {
         }
     }
 
-    /// Pinned: other languages write and read it.
+    /// Pins the layout, because other languages write and read it.
     #[test]
     fn golden_layout_of_the_geometry() {
         assert_eq!(boxes().geometry(), [0.0, 1.0, 4.0, -1.0, 1.0, 0.0, 0.0, 0.5, 0.0]);

@@ -9,33 +9,33 @@ Jaeger, Conduction of Heat in Solids, 2.9),
 
     T(x, z, t) = 1/(β√π) ∫₀^∞ q(x + s(τ), t − τ) exp(−c²/τ) dτ/√τ,   c = z/(2√κ),   s(τ) = ∫₀^τ V.
 
-τ is the age: a time τ ago the material now at x was at x + s, upstream (x runs in the direction of
-rolling, material comes in at large x). In steady motion s = Vτ, and on the surface this is the Abel
-integral 1/(β√(πV)) ∫ₓ^∞ q(x′) dx′/√(x′ − x).
+τ is the age: a time τ ago, the material now at x was at x + s, upstream (x points in the rolling
+direction and material enters at large x). In steady motion s = Vτ, and on the surface this is the
+Abel integral 1/(β√(πV)) ∫ₓ^∞ q(x′) dx′/√(x′ − x).
 
 # Discretisation
 
-The flux arrives as means over elements and windows and is taken as constant over each. The kernel
-is integrated exactly over every piece of the past: with
+The input flux is averaged over elements and windows and is assumed constant over each. The kernel
+is integrated exactly over every interval of age: with
 
     J(τ, c) = ∫₀^τ exp(−c²/τ′) dτ′/√τ′ = 2√τ exp(−c²/τ) − 2c√π erfc(c/√τ),
 
-a centre that meets the element k elements upstream between the ages τ₁ and τ₂ takes the weight
-w_k = J(τ₂, c) − J(τ₁, c) from it, and T_i = 1/(β√π) Σ_k w_k q_{i+k}. In steady motion the ages are
-(k ∓ ½)h/V, at least 0, and √(h/V) comes out of the weights. The weights are the same for every
-point: a window is one convolution of all rows, by FFT in steady motion, term by term over the few
-elements that a window crosses in transient motion.
+the element k elements upstream, in which an element centre was between the ages τ₁ and τ₂, has the
+weight w_k = J(τ₂, c) − J(τ₁, c), and T_i = 1/(β√π) Σ_k w_k q_{i+k}. In steady motion the ages are
+(k ∓ ½)h/V, at least 0, and √(h/V) is a common factor of the weights. The weights are the same for
+every point, so that each window is one convolution of all rows. It is computed by FFT in steady
+motion and directly in transient motion, where a window crosses only a few elements.
 
 # Errors
 
-Exact, to rounding, for a flux that is constant over elements. The slope q′ of a smooth flux inside
-the elements is neglected. Next to the point, where the kernel is singular, that costs
-an error of order 1.5 in the element length h: 2ζ(−½, ½) = 0.12178 times q′h^1.5/(β√(πV)), with
-Hurwitz's ζ, where q′ is the slope upstream (summation by parts against ∫√s ds). The participant
-`thermal-solver` rebuilds a parabola in every element and is of order 2.5.
+The method is exact, to rounding, for a flux that is constant over elements. The slope q′ of a
+smooth flux inside the elements is neglected. Near the point, where the kernel is singular, this
+causes an error of order 1.5 in the element length h: 2ζ(−½, ½) = 0.12178 times q′h^1.5/(β√(πV)),
+with Hurwitz's ζ, where q′ is the slope upstream (summation by parts against ∫√s ds). The
+participant `thermal-solver` reconstructs a parabola in every element and is of order 2.5.
 
-Windows of the past are merged while together they last no longer than h/V, nor than a quarter of
-their age, so that memory stays bounded however short they are; heat and path are kept.
+Past windows are merged while their total duration is at most h/V and at most a quarter of their
+age. This bounds the memory for windows of any length. Heat and path are preserved.
 
 Pairs are ordered upper, lower. Units are SI.
 """
@@ -49,13 +49,13 @@ import numpy as np
 
 from cosim import Array
 
-#: Merged windows last no longer than this part of their age.
+#: Merged windows last at most this fraction of their age.
 PART_OF_AGE = 0.25
 
 
 @dataclass(frozen=True)
 class Material:
-    """Thermal properties of a body, constant over the temperature."""
+    """Thermal properties of a body, independent of temperature."""
 
     density: float
     """[kg/m³]"""
@@ -84,7 +84,7 @@ _erfc = np.vectorize(math.erfc, otypes=[np.float64])
 
 
 def kernel(age: Array, depth: float = 0.0) -> Array:
-    """J(τ, c) [√s] at the ages τ ≥ 0 [s] and the depth c [√s]."""
+    """Return J(τ, c) [√s] at ages τ ≥ 0 [s] and depth c [√s]."""
     root = np.sqrt(age)
     if depth == 0.0:
         return np.asarray(2.0 * root)
@@ -95,24 +95,25 @@ def kernel(age: Array, depth: float = 0.0) -> Array:
 
 
 class SteadyConvolution:
-    """The steady surface convolution of rows of `columns` elements, passed in unit time each.
+    """Steady surface convolution of rows of `columns` elements, each passed in unit time.
 
-    Over Fourier space; times (share)·amplitude·√(h/V) the result is the rise of a body [K].
+    Computed in Fourier space. The rise of a body [K] is (share)·amplitude·√(h/V) times the result.
     """
 
     def __init__(self, columns: int) -> None:
         self._length = fast_length(2 * columns)
         edges = np.maximum(np.arange(columns + 1) - 0.5, 0.0)
-        # A correlation: the weights run upstream.
+        # A correlation, because the weights run upstream.
         self._weights = np.fft.rfft(np.diff(kernel(edges)), self._length).conj()
 
     def __call__(self, flux: Array) -> Array:
-        """Σ_k w_k q_{i+k} of the rows of `flux`, shape (rows, columns) both."""
+        """Return Σ_k w_k q_{i+k} for the rows of `flux`; both arrays have shape (rows, columns)."""
         columns = flux.shape[1]
         spectrum = np.fft.rfft(flux, self._length, axis=1)
         spectrum *= self._weights
         rise = np.fft.irfft(spectrum, self._length, axis=1)[:, :columns]
-        # Transforms smear rounding errors over the row; by causality nothing is ahead of the heat.
+        # Transforms spread rounding errors over the row; the rise ahead of all heat is
+        # zero by causality.
         heated = flux != 0.0
         last = np.where(heated.any(axis=1), columns - heated[:, ::-1].argmax(axis=1), 0)
         rise[np.arange(columns) >= last[:, None]] = 0.0
@@ -120,7 +121,7 @@ class SteadyConvolution:
 
 
 def fast_length(least: int) -> int:
-    """The smallest 2^a 3^b 5^c that is not less than `least`."""
+    """Return the smallest 2^a 3^b 5^c that is at least `least`."""
     best = 1 << (least - 1).bit_length()
     five = 1
     while five < best:
@@ -135,7 +136,7 @@ def fast_length(least: int) -> int:
 
 @dataclass(frozen=True)
 class Window:
-    """A stretch of time with the mean flux of the interface and how it enters the bodies."""
+    """A time interval with the mean flux of the interface and its distribution over the bodies."""
 
     duration: float
     """[s]; infinite in steady motion."""
@@ -147,7 +148,8 @@ class Window:
     """Element means [W/m²], shape (rows, columns)."""
 
     def merged(self, older: Window) -> Window:
-        """This window and an older one as one: time, path, and each body's heat are kept."""
+        """Merge this window with an older one; duration, path, and heat of each body are
+        preserved."""
         duration = self.duration + older.duration
         parts = self.duration / duration, older.duration / duration
         heats = [
@@ -166,11 +168,12 @@ class Window:
 def crossings(
     duration: float, begin: float, passed: float, rate: float, columns: int, place: float = 0.5
 ) -> tuple[int, Array]:
-    """The pieces of a window's past: first element upstream, and the ages at which pieces end.
+    """Divide the past of a window into pieces: the first element upstream, and the ages at their
+    ends.
 
-    The window begins (seen backwards) at the age `begin` [s], when the material was `passed`
-    elements upstream, and moves `rate` elements a second. `place` ∈ [0, 1] is the point's place in
-    its element, counted along x.
+    The window begins (looking back) at the age `begin` [s], when the material was `passed` elements
+    upstream, and moves `rate` elements per second. `place` ∈ [0, 1] is the position of the point in
+    its element, along x.
     """
     end = min(passed + rate * duration, columns + 1.0)
     first, last = math.floor(passed + place), math.ceil(end + place)
@@ -183,7 +186,7 @@ def crossings(
 def past_weights(
     windows: list[Window], body: int, h: float, columns: int, depth: float = 0.0, place: float = 0.5
 ) -> list[tuple[int, Array]]:
-    """First element upstream and weights [√s] of each window, newest first."""
+    """Return first element upstream and weights [√s] of each window, newest first."""
     begin, passed, parts = 0.0, 0.0, []
     for window in windows:
         if passed >= columns:
@@ -205,7 +208,8 @@ def accumulate(rise: Array, flux: Array, first: int, weights: Array) -> None:
 
 
 def merge(windows: list[Window], h: float, columns: int) -> list[Window]:
-    """Windows newest first, with old short ones merged and those off the grid forgotten."""
+    """Return the windows, newest first, with old short ones merged and those beyond the grid
+    dropped."""
     slowest = min(windows[0].speeds)
     kept, age = [windows[0]], windows[0].duration
     for window in windows[1:]:

@@ -1,10 +1,10 @@
-"""A thermal participant in Python whose heat flows in finite elements of scikit-fem.
+"""A thermal participant in Python that uses finite elements from scikit-fem.
 
     pip install 'proto/python[elements]'
     coordinator run CASE --set thermal.model=bricks \
         --set 'thermal.command=["python3", "proto/python/examples/finite_elements.py"]'
 
-Steady, both bodies, each at its own speed and in its own mesh; the numerics are in
+Steady heat conduction in both bodies, each with its own speed and mesh; the numerics are in
 `moving_body.py`. Pairs are ordered upper, lower. Units are SI.
 """
 
@@ -37,7 +37,7 @@ from cosim import (
     main,
 )
 
-#: Least V L/(2κ), L half the length of the flux's grid: below it heat leaves the mesh.
+#: Smallest V L/(2κ), with L half the length of the flux's grid; below it heat leaves the mesh.
 LEAST_PECLET = 10.0
 
 
@@ -134,7 +134,7 @@ class FiniteElements(Solver):
         )
 
     def build(self) -> None:
-        """Allocate, in the cold state; meshes are made when the speeds are known."""
+        """Allocate the initial state at zero rise; meshes are created once the speeds are known."""
         if self.grid is None:
             raise Refusal(
                 "effects.friction_heat",
@@ -146,7 +146,7 @@ class FiniteElements(Solver):
         self.bodies: dict[tuple[Material, float], MovingBody] = {}
 
     def solve(self, step: Step, inputs: Inputs, outputs: Outputs) -> StepReport:
-        """Both rises for the flux and the speeds that arrive."""
+        """Compute both temperature rises for the received flux and speeds."""
         assert self.grid is not None, "build has demanded it"
         flux = inputs.finite("friction_power").reshape(self.grid.nj, self.grid.ni)
         speeds = map(float, inputs.finite("surface_speed").ravel())
@@ -162,7 +162,7 @@ class FiniteElements(Solver):
         return StepReport(heat_received=heat, work=flux.size)
 
     def _make(self, wanted: list[tuple[Material, float]]) -> None:
-        """Keep the bodies that are wanted; make those that are not there, which takes longest."""
+        """Keep the required bodies and create the missing ones, which takes longest."""
         assert self.grid is not None, "build has demanded it"
         kept = {body: made for body, made in self.bodies.items() if body in wanted}
         for done, (name, (material, speed)) in enumerate(zip(self.names, wanted)):
@@ -175,16 +175,16 @@ class FiniteElements(Solver):
         self.bodies = kept
 
     def accept(self) -> None:
-        """The last solve becomes the accepted state."""
+        """Make the last solve the accepted state."""
         self.rise = self.trial
 
     def observe(self, outputs: Outputs) -> None:
-        """Fields of the accepted state."""
+        """Write the fields of the accepted state."""
         for name, rise in zip(SURFACES, self.rise):
             outputs[name] = rise.ravel()
 
     def summary(self) -> dict[str, object]:
-        """Hottest place of each body."""
+        """Return the hottest place of each body."""
         return {"temperature": {name: self._hottest(body) for body, name in enumerate(self.names)}}
 
     def _hottest(self, body: int) -> dict[str, float]:
@@ -202,7 +202,7 @@ class FiniteElements(Solver):
         np.save(file, np.array(self.rise))
 
     def restore(self, file: BinaryIO) -> None:
-        """Return to saved rises, on this grid."""
+        """Restore saved rises on this grid."""
         try:
             rise = np.load(file, allow_pickle=False)
         except Exception as error:

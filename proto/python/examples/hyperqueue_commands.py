@@ -1,10 +1,10 @@
-"""Runs the commands of standard input, one a line, on a HyperQueue cluster within this process.
+"""Runs the commands on standard input, one per line, on a HyperQueue cluster within this process.
 
     coordinator sweep CASE --vary KEY=VALUES --out FOLDER --engine list | python hyperqueue_commands.py
 
-The package `hyperqueue` has server and workers, but not the command `hq`. With a cluster that runs
-already, `Client(server_dir)` in the place of `LocalCluster` submits to it; with `hq` itself,
-`coordinator sweep --engine hyperqueue` does all of it.
+The package `hyperqueue` contains server and workers, but not the command `hq`. To submit to a
+running cluster, use `Client(server_dir)` instead of `LocalCluster`. If `hq` is available,
+`coordinator sweep --engine hyperqueue` does everything by itself.
 """
 
 import shlex
@@ -16,7 +16,7 @@ from hyperqueue.cluster import WorkerConfig
 
 
 def main() -> int:
-    """Run them; 1 if one has failed."""
+    """Run the commands; return 1 if any has failed."""
     commands = [shlex.split(line) for line in sys.stdin if line.strip()]
     if not commands:
         return 0

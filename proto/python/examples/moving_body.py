@@ -2,32 +2,34 @@
 
 # Equation
 
-In the frame of the contact material moves at the speed V towards −x and conducts heat in every
-direction; with the diffusivity κ = λ/(ρc), the depth z and the heat flux q [W/m²] into the surface
+In the frame of the contact, material moves at the speed V towards −x and conducts heat in all
+directions. With the diffusivity κ = λ/(ρc), the depth z and the heat flux q [W/m²] into the surface
 
     −V ∂T/∂x = κ ΔT,   −λ ∂T/∂z = q on z = 0.
 
-T is 0 where material enters and at the bottom; nothing is conducted through sides and end.
+T is 0 at the inlet and at the bottom. The sides and the outlet are adiabatic.
 
 # Mesh
 
-Trilinear bricks. Under the flux a column stands for each of its elements; around it columns grow,
-as far as heat gets. It spreads to 3.5 √(4κt), where erfc is 7·10⁻⁷, in the time t in which material
-crosses the flux, and by 10 κ/V against the motion. Layers end at the depths 3.5 √(4κt) (k/n)².
+The elements are trilinear bricks. There is one column of bricks under each element of the flux.
+Around the flux, columns grow in size as far as heat spreads: 3.5 √(4κt), where erfc is 7·10⁻⁷, in
+the time t in which material crosses the flux, and 10 κ/V against the motion. Layers end at the
+depths 3.5 √(4κt) (k/n)².
 
 # Petrov–Galerkin
 
-An element is passed far faster than heat spreads along it: V h/(2κ) is 500 at a wheel with 0.4 mm.
-Test functions are therefore v − s ∂v/∂x, with s = (h/2)(coth Pe − 1/Pe), Pe = V h/(2κ) (SUPG;
-Brooks & Hughes, Comput. Methods Appl. Mech. Eng. 32 (1982) 199-259). The added part weighs the
-whole residual. Of it, conduction along x vanishes inside trilinear bricks, and conduction across x
-is integrated by parts: s varies along x alone, so that ∂v/∂x is continuous across y and z. A test
-function is a product of hats, in which ∂²v/∂x∂z = (∂v/∂x)(∂v/∂z)/v.
+Material crosses an element far faster than heat spreads along it: V h/(2κ) is 500 for a wheel with
+elements of 0.4 mm. Test functions are therefore v − s ∂v/∂x, with s = (h/2)(coth Pe − 1/Pe),
+Pe = V h/(2κ) (SUPG; Brooks & Hughes, Comput. Methods Appl. Mech. Eng. 32 (1982) 199-259). The added
+part weights the whole residual. In the residual, conduction along x vanishes inside trilinear
+bricks, and conduction across x is integrated by parts: s depends only on x, so that ∂v/∂x is
+continuous across y and z. A test function is a product of hat functions, for which
+∂²v/∂x∂z = (∂v/∂x)(∂v/∂z)/v.
 
 # Solution
 
-Unknowns are ordered downstream, in depth fastest: an incomplete factorisation in this order is
-nearly exact, and GMRES needs about four iterations to 10⁻¹⁰. Units are SI.
+Unknowns are ordered downstream, with depth varying fastest. An incomplete factorisation in this
+order is nearly exact, and GMRES needs about four iterations to 10⁻¹⁰. Units are SI.
 """
 
 from __future__ import annotations
@@ -49,19 +51,20 @@ from skfem import (
 
 from cosim import Array, Structured
 
-#: Of the right-hand side.
+#: Tolerance of GMRES relative to the right-hand side.
 TOLERANCE = 1e-10
 
 
 class NotSolvedError(Exception):
-    """The iteration did not come to its tolerance."""
+    """The iteration did not reach its tolerance."""
 
 
 class MovingBody:
     """One body under the elements of a heat flux, factorised once for any number of fluxes."""
 
     def __init__(self, material: Material, speed: float, plane: Structured, layers: int) -> None:
-        """Speed [m/s] above 0; `plane` has the elements of the flux, `layers` are in depth."""
+        """Set up the body for a speed [m/s] above 0; `plane` has the elements of the flux,
+        `layers` is the number of layers in depth."""
         self._shape = (plane.nj, plane.ni)
         self._material = material
         mesh = bricks(material, speed, plane, layers)
@@ -81,7 +84,8 @@ class MovingBody:
         self._shifts = self._surface.with_element(ElementHex0()).interpolate(shift)
 
     def rise(self, flux: Array) -> Array:
-        """Temperature rise of the elements' middles [K] for means [W/m²], shape (nj, ni) both."""
+        """Return the temperature rise at element centres [K] for mean fluxes [W/m²], both of shape
+        (nj, ni)."""
         heat = np.broadcast_to(flux.reshape(-1, 1), self._surface.dx.shape)
         capacity = self._material.density * self._material.specific_heat
         load = entering.assemble(self._surface, flow=heat / capacity, shift=self._shifts)
@@ -96,7 +100,7 @@ class MovingBody:
 
 @BilinearForm
 def transport(rise: Any, v: Any, w: Any) -> Any:
-    """The equation over ρc, weighed by v − s ∂v/∂x."""
+    """The equation divided by ρc, weighted by v − s ∂v/∂x."""
     value = -w.speed * rise.grad[0] * (v - w.shift * v.grad[0])
     value = value + w.diffusivity * rise.grad[0] * v.grad[0]
     for across in (1, 2):
@@ -107,12 +111,12 @@ def transport(rise: Any, v: Any, w: Any) -> Any:
 
 @LinearForm
 def entering(v: Any, w: Any) -> Any:
-    """The flux over ρc, weighed alike."""
+    """The flux divided by ρc, with the same weight."""
     return w.flow * (v - w.shift * v.grad[0])
 
 
 def bricks(material: Material, speed: float, plane: Structured, layers: int) -> MeshHex:
-    """The mesh, x and y as in the contact plane, z the depth."""
+    """Return the mesh, with x and y as in the contact plane and z the depth."""
     time = plane.ni * plane.dx / speed
     spread = 3.5 * float(np.sqrt(4.0 * material.diffusivity * time))
     along = 10.0 * material.diffusivity / speed
@@ -125,7 +129,8 @@ def bricks(material: Material, speed: float, plane: Structured, layers: int) -> 
 
 
 def axis(middle: float, step: float, count: int, beyond: float) -> Array:
-    """Nodes of `count` equal elements from `middle`, its middle, on; growing ones on both sides."""
+    """Return nodes of `count` equal elements, the first one centred on `middle`, and of
+    growing elements on both sides."""
     own = middle + step * (np.arange(count + 1) - 0.5)
     lengths = [step]
     while sum(lengths) < beyond:
@@ -135,7 +140,7 @@ def axis(middle: float, step: float, count: int, beyond: float) -> Array:
 
 
 def upwind_shift(material: Material, speed: float, mesh: MeshHex) -> Array:
-    """s of every brick [m]."""
+    """Return s of every brick [m]."""
     places = mesh.p[0][mesh.t]
     length = places.max(axis=0) - places.min(axis=0)
     peclet = speed * length / (2.0 * material.diffusivity)
@@ -143,14 +148,14 @@ def upwind_shift(material: Material, speed: float, mesh: MeshHex) -> Array:
 
 
 def downstream(mesh: MeshHex) -> Array:
-    """Nodes that are not kept cold, from where material enters on; in depth fastest."""
+    """Return the free nodes, ordered downstream from the inlet, with depth varying fastest."""
     x, y, z = mesh.p
     order = np.lexsort((z, y, -x))
     return np.asarray(order[(x[order] < x.max()) & (z[order] < z.max())])
 
 
 def heated(mesh: MeshHex, plane: Structured) -> Array:
-    """Facets of the surface under the flux, in the order of its elements."""
+    """Return the facets of the surface under the flux, in the order of its elements."""
     top = np.nonzero((mesh.p[2][mesh.facets] == 0.0).all(axis=0))[0]
     x, y = mesh.p[:2, mesh.facets[:, top]].mean(axis=1)
     i = np.rint((x - plane.origin[0]) / plane.dx).astype(int)

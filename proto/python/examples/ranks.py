@@ -1,11 +1,11 @@
-"""Short columns over several processes (MPI): rank 0 takes part in the run, the others follow it.
+"""Short columns over several processes (MPI): rank 0 takes part in the run, the other ranks follow.
 
     coordinator run cases/wheel-rail.toml --set thermal.model=short --set \
         'thermal.command=["mpiexec", "-n", "4", "python3", "-m", "mpi4py", "proto/python/examples/ranks.py"]'
 
-One process plays a role. Rank 0 answers the command line and the coordinator; before it begins
-something that all take part in, it tells the others by broadcast what that is, and so that it leaves.
-`-m mpi4py` ends all ranks when one of them fails.
+A role belongs to one process. Rank 0 handles the command line and the coordinator. Before any joint
+work, and before it exits, rank 0 broadcasts what to do. `-m mpi4py` ends all ranks when one of them
+fails.
 """
 
 import numpy as np
@@ -18,15 +18,15 @@ ALL = MPI.COMM_WORLD
 
 
 class SpreadColumns(ShortColumns):
-    """Strips do not depend on each other: every rank computes its share of them."""
+    """Distributes the strips, which are independent of each other, over the ranks."""
 
     def build(self):
-        """The operator is made once, and is the same for all."""
+        """Build the operator once, and send it to all ranks."""
         super().build()
         ALL.bcast(("build", self.abel))
 
     def solve(self, step, inputs, outputs):
-        """Spread the flux, and collect the temperature."""
+        """Distribute the flux, and collect the temperature."""
         flux = inputs.finite("friction_power")
         shares = np.array_split(flux.reshape(self.grid.shape.nj, -1), ALL.Get_size())
         ALL.bcast(("solve", None))
@@ -38,12 +38,12 @@ class SpreadColumns(ShortColumns):
 
 
 def share(abel, shares=None):
-    """What every rank does in a solve; rank 0 has the shares, and gets what all have computed."""
+    """Compute one rank's share of a solve; rank 0 passes the shares and gets all results."""
     return ALL.gather(ALL.scatter(shares) @ abel)
 
 
 def follow():
-    """Do what rank 0 says until it leaves."""
+    """Follow the commands of rank 0 until it exits."""
     abel = None
     while True:
         command, value = ALL.bcast(None)

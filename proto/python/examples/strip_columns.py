@@ -3,8 +3,8 @@ r"""A thermal participant in Python: strips of one-dimensional columns in two bo
     coordinator run CASE \
         --set 'thermal.command=["python3", "proto/python/examples/strip_columns.py"]'
 
-It takes the place of `thermal-solver` with model `columns`: same fields, same case keys, steady and
-transient. The equations are in `conduction.py`; pairs are ordered upper, lower. Units are SI.
+Replaces `thermal-solver` with model `columns`: same fields and case keys, steady and transient. The
+equations are in `conduction.py`. Pairs are ordered upper, lower. Units are SI.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from cosim import (
 BODIES = ("upper", "lower")
 SURFACES = ("upper_temperature", "lower_temperature")
 SECTIONS = ("upper_section_temperature", "lower_section_temperature")
-#: Levels of a section in depth, the surface included.
+#: Number of levels of a section in depth, including the surface.
 LEVELS = 33
 
 
@@ -221,12 +221,13 @@ class StripColumns(Solver):
         return Structured(origin, grid.step_i, (0.0, 0.0, up), grid.ni, LEVELS)
 
     def _level_spacing(self, grid: Structured, body: int) -> float:
-        """The last level is at 4√(2κL/V), L half the grid: the rise has gone there."""
+        """Return the distance of levels; the last is at 4√(2κL/V), L half the grid, where the rise
+        vanishes."""
         time = 0.5 * grid.ni * grid.dx / self.speeds[body]
         return 4.0 * math.sqrt(2.0 * self.materials[body].diffusivity * time) / (LEVELS - 1)
 
     def build(self) -> None:
-        """Allocate, in the cold state."""
+        """Allocate the initial state at zero rise."""
         if self.grid is None:
             raise Refusal(
                 "effects.friction_heat",
@@ -242,7 +243,7 @@ class StripColumns(Solver):
         self.past_key: tuple[float, tuple[float, float]] | None = None
 
     def solve(self, step: Step, inputs: Inputs, outputs: Outputs) -> StepReport:
-        """One window from the accepted state."""
+        """Solve one window from the accepted state."""
         assert self.grid is not None, "build has demanded it"
         self.trial = None
         flux = inputs.finite("friction_power").reshape(self.shape)
@@ -275,11 +276,11 @@ class StripColumns(Solver):
         return Window(duration, (upper, lower), (share, 1.0 - share), flux)
 
     def _steady(self, window: Window) -> list[Array]:
-        """One convolution for both bodies."""
+        """Compute the rises of both bodies from one convolution."""
         assert self.grid is not None, "build has demanded it"
         unit = self.convolution(window.flux)
         if (window.flux >= 0.0).all():
-            # Rounding only: the exact value is not negative.
+            # Negative values are rounding errors: the exact result is not negative.
             np.maximum(unit, 0.0, out=unit)
         return [
             unit * (share * material.amplitude * math.sqrt(self.grid.dx / speed))
@@ -287,7 +288,8 @@ class StripColumns(Solver):
         ]
 
     def _transient(self, window: Window) -> list[Array]:
-        """What earlier windows leave, kept while only the flux changes, and this one's part."""
+        """Add this window's part to that of earlier windows, which is kept while only the flux
+        changes."""
         key = (window.duration, window.speeds)
         weights = [self._weights([window, *self.accepted], body) for body in range(2)]
         if self.past_key != key:
@@ -302,7 +304,7 @@ class StripColumns(Solver):
         return rises
 
     def _weights(self, windows: list[Window], body: int) -> list[tuple[int, Array]]:
-        """Weights times the body's amplitude [m² K/W]."""
+        """Return the weights times the body's amplitude [m² K/W]."""
         assert self.grid is not None, "build has demanded it"
         amplitude = self.materials[body].amplitude
         parts = past_weights(windows, body, self.grid.dx, self.grid.ni)
@@ -313,7 +315,7 @@ class StripColumns(Solver):
         return [newest, *older] if newest is not None else older
 
     def accept(self) -> None:
-        """The last solve becomes the accepted state; windows that are long over are merged."""
+        """Make the last solve the accepted state, and merge old windows."""
         if self.trial is None:
             return
         assert self.grid is not None, "build has demanded it"
@@ -322,7 +324,7 @@ class StripColumns(Solver):
         self.rise, self.trial, self.past_key = self.trial_rise, None, None
 
     def observe(self, outputs: Outputs) -> None:
-        """Fields of the accepted state."""
+        """Write the fields of the accepted state."""
         for name, rise in zip(SURFACES, self.rise):
             outputs[name] = rise.ravel()
         self._write_sections(outputs, self.accepted)
@@ -346,7 +348,7 @@ class StripColumns(Solver):
         return rise.ravel()
 
     def summary(self) -> dict[str, object]:
-        """Hottest place and penetration of each body."""
+        """Return hottest place and penetration depth of each body."""
         return {"temperature": {name: self._hottest(body) for body, name in enumerate(self.names)}}
 
     def _hottest(self, body: int) -> dict[str, float]:
@@ -365,7 +367,8 @@ class StripColumns(Solver):
         return found if depth is None else {**found, "penetration_depth_m": depth}
 
     def _penetration(self, body: int, row: int, column: int, place: float) -> float | None:
-        """Depth [m] under the hottest place where the rise is 1/e of the surface's: bisection."""
+        """Return the depth [m] below the hottest place where the rise is 1/e of the surface's, by
+        bisection."""
         assert self.grid is not None, "build has demanded it"
         grid, material = self.grid, self.materials[body]
 
@@ -404,7 +407,7 @@ class StripColumns(Solver):
         )
 
     def restore(self, file: BinaryIO) -> None:
-        """Return to a saved state, of this program and this grid."""
+        """Restore a saved state of this program on this grid."""
         try:
             with np.load(file, allow_pickle=False) as saved:
                 name, rise = str(saved["name"]), saved["rise"]
@@ -413,7 +416,7 @@ class StripColumns(Solver):
             raise StateError("it is not complete") from error
         if name != self.name or rise.shape != (2, *self.shape):
             raise StateError(
-                f"it is of {name} on {rise.shape[1:]}, not {self.name} on {self.shape}"
+                f"it belongs to {name} on {rise.shape[1:]}, not {self.name} on {self.shape}"
             )
         self.accepted = [
             Window(float(duration), tuple(speeds.tolist()), tuple(shares.tolist()), flux)
@@ -423,7 +426,8 @@ class StripColumns(Solver):
 
 
 def expected_speed(case: Case, body: str) -> float:
-    """The body's own surface speed, or the rolling speed; it sets the depth of the section."""
+    """Return the body's own surface speed, or the rolling speed; it sets the depth of the
+    section."""
     own = f"bodies.{body}.surface_speed"
     speed = case.number(own if own in case else "motion.speed")
     if speed <= 0.0:
@@ -432,11 +436,11 @@ def expected_speed(case: Case, body: str) -> float:
 
 
 def own_grid(arriving: Structured, resolution: int | None) -> Structured:
-    """The grid that the case asks for, on the patch of the arriving one, with square elements."""
+    """Return the requested grid with square elements, on the patch of the arriving grid."""
     if resolution is None:
         return arriving
     extents = arriving.ni * arriving.dx, arriving.nj * arriving.dy
-    # Rounding must not make one more of what is whole.
+    # Rounding must not add an element to a whole number.
     ni, nj = (math.ceil(resolution * e / max(extents) * (1.0 - 1e-12)) for e in extents)
     if (ni, nj) == (arriving.ni, arriving.nj):
         return arriving
@@ -447,12 +451,13 @@ def own_grid(arriving: Structured, resolution: int | None) -> Structured:
 
 
 def middle_row(grid: Structured) -> int:
-    """The row closest to y = 0, where the sections are."""
+    """Return the row closest to y = 0, where the sections are."""
     return int(np.abs(grid.y).argmin())
 
 
 def vertex(rise: Array, column: int) -> tuple[float, float]:
-    """Place, in elements from `column`, and value of the parabola's top through three centres."""
+    """Return position, in elements from `column`, and value of the vertex of the parabola through
+    three centres."""
     if not 0 < column < len(rise) - 1:
         return 0.0, float(rise[column])
     before, here, after = map(float, rise[column - 1 : column + 2])

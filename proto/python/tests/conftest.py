@@ -1,4 +1,4 @@
-"""The examples are tested too."""
+"""Makes the examples importable, because they are tested too."""
 
 import sys
 from pathlib import Path

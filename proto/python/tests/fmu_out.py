@@ -1,6 +1,6 @@
-"""FMUs of cases, in FMPy: run by the system tests, which name the executables.
+"""FMUs of cases, in FMPy: run by the system tests, which set the paths of the executables.
 
-Every figure is compared with that of a plain run over the same windows, bit by bit.
+Every figure is compared bit by bit with that of a plain run over the same windows.
 """
 
 import csv
@@ -61,12 +61,13 @@ def rows(folder):
 
 
 def plain(folder, *settings, times=None):
-    """The history of a plain run whose values are the rows of a table, or hold at its times."""
+    """Return the history of a plain run whose values are the rows of a table, or hold at its
+    times."""
     corners = [(x, y) for x in (60e3, 140e3) for y in (0.1, 0.7)]
     steady = times is None
     table = list(zip(LOADS, TRACTIONS))
     lines = [(k if steady else times[k], *row) for k, row in enumerate(table)]
-    # So that both are laid out for the same; what comes after the windows changes none of them.
+    # Gives both runs the same layout; rows after the last window change nothing.
     lines += [(lines[-1][0] + k + 1, *corner) for k, corner in enumerate(corners)]
     file = folder / "rows.csv"
     file.write_text("t,N,mu\n" + "".join(f"{t!r},{n!r},{mu!r}\n" for t, n, mu in lines))
@@ -79,9 +80,9 @@ def plain(folder, *settings, times=None):
 
 
 def same(found, expected, keys):
-    """Every figure of a step is that of the row, to the bit; what there is not is NaN.
+    """Every figure of a step equals that of the row, to the bit; absent figures are NaN.
 
-    The table of a complete run has no column for what there is in no row.
+    The table of a complete run has no column for a figure that is absent in every row.
     """
     assert len(keys) > 20
     for key in keys:
@@ -119,7 +120,7 @@ def step(fmu, references, k, length=STEP):
 
 
 def children():
-    """Processes that this one has started and that are there."""
+    """Return the living child processes of this process."""
     return {
         int(pid)
         for task in Path("/proc/self/task").iterdir()
@@ -175,13 +176,13 @@ def test_states_and_two_instances_in_one_process(steady, tmp_path):
     same(step(one, references, 0), expected[0], ["contact.creep_force_x_n"] * 21)
     kept = one.getFMUState()
     straight = [step(one, references, k) for k in (1, 2, 3)]
-    # The other one goes its own way meanwhile.
+    # The other instance runs independently in the meantime.
     apart = [step(other, references, k) for k in (0, 1, 2, 3)]
     one.setFMUState(kept)
     again = [step(one, references, k) for k in (1, 2, 3)]
     one.setFMUState(at_first)
     anew = [step(one, references, k) for k in (0, 1, 2, 3)]
-    # A state of the run before the return to the beginning is still there.
+    # A state from before the return to the beginning is still available.
     one.setFMUState(kept)
     late = [step(one, references, k) for k in (1, 2, 3)]
     for results in (straight, again, apart[1:], anew[1:], late):
@@ -212,16 +213,16 @@ def test_what_is_wrong_reaches_the_log_of_the_host(steady, tmp_path):
     with pytest.raises(FMICallException):
         fmu.doStep(STEP, STEP)
     assert "window 1" in log[-1][1], log
-    # The state before it is still there.
+    # The earlier state is still available.
     fmu.setFMUState(kept)
     step(fmu, references, 1)
     with pytest.raises(FMICallException):
         fmu.setFloat64([references["contact.creep_force_x_n"]], [1.0])
-    assert "is no input" in log[-1][1]
+    assert "is not an input" in log[-1][1]
     with pytest.raises(FMICallException):
         fmu.getInt32([references[LOAD]])
     assert "fmi3GetInt32 is not supported" in log[-1][1]
-    # A coordinator that is killed is an error of the host, and no signal.
+    # Killing the coordinator is an error for the host, not a signal.
     (child,) = [pid for pid in children() if "coordinator" in Path(f"/proc/{pid}/cmdline").read_text()]
     os.kill(child, signal.SIGKILL)
     with pytest.raises(FMICallException):
@@ -231,7 +232,7 @@ def test_what_is_wrong_reaches_the_log_of_the_host(steady, tmp_path):
 
 
 def test_a_step_to_no_time_is_refused(steady, tmp_path):
-    """NaN and infinity are no end of a window; the instance goes on from where it was."""
+    """NaN and infinity are not valid ends of a window; the instance continues from its state."""
     expected = plain(tmp_path, "mech.resolution=10")
     fmu, references = instance(steady, tmp_path / "unpacked")
     log = []
@@ -311,7 +312,8 @@ def test_a_host_that_is_killed_leaves_nothing(steady, tmp_path):
 
 
 def test_files_of_the_case_and_lost_bits(tmp_path):
-    """The case's files travel inside; executables get back the bit that a tool has lost."""
+    """The case's files are inside the FMU; executables get back the permission bit lost by a
+    tool."""
     live = {"wheelset.y": "{ at = 0.003, from = 0.0, to = 0.004 }"}
     case = ROOT / "cases" / "wheel-on-track.toml"
     path = make(tmp_path / "track.fmu", "mech.resolution=10", case=case, live=live)

@@ -1,6 +1,6 @@
-"""FMUs of surrogates, in FMPy: run by the system tests, which name the executables.
+"""FMUs of surrogates, in FMPy: run by the system tests, which set the paths of the executables.
 
-Every figure is compared with that of `coordinator ask` at the same point, bit by bit.
+Every figure is compared bit by bit with that of `coordinator ask` at the same point.
 """
 
 import csv
@@ -44,7 +44,7 @@ def sweep(tmp_path_factory):
     vary = [word for key, values in ranges.items() for word in ("--vary", f"{key}={values}")]
     coarse = ["--set", "mech.resolution=6", "--latin", "1"]
     coordinator("--quiet", "sweep", case, *coarse, *vary, "--out", folder)
-    # Traction over friction is a coordinate: what limits the point is no box.
+    # Traction over friction is a coordinate, so the region of the points is not a box.
     coordinator("--quiet", "fit", folder, "--per", f"{TRACTION}/{FRICTION}")
     return folder
 
@@ -58,7 +58,7 @@ def fmu(sweep):
 
 
 def asked(sweep, points):
-    """Figures at points, by key."""
+    """Return figures at points, by key."""
     table = ",".join(KEYS) + "\n" + "".join(f"{a!r},{b!r},{c!r}\n" for a, b, c in points)
     answer = coordinator("ask", sweep, "--table", "-", given=table).stdout
     return list(csv.DictReader(io.StringIO(answer)))
@@ -99,7 +99,7 @@ def test_it_says_what_it_has(fmu, sweep):
     load = variables[LOAD]
     assert (load.causality, load.unit) == ("input", "N")
     assert [float(value) for value in (load.min, load.max)] == [40e3, 150e3]
-    # What it begins with has an answer: the middle of the quotient decides, not that of the box.
+    # The start values have a result: the midpoint of the quotient is used, not that of the box.
     start = [tuple(float(variables[key].start) for key in KEYS)]
     assert len(asked(sweep, start)) == 1
 
@@ -142,7 +142,7 @@ def test_outside_of_its_box_figures_are_not_numbers_and_the_host_is_warned(
         ((0.2, 0.5, float("nan")), f"{LOAD} = NaN"),
     ):
         assert np.isnan(at(made, references, point, RISE, "contact.friction_power_w")).all()
-        # Once for a point, however often it is looked at.
+        # One warning per point, however often it is evaluated.
         assert np.isnan(made.getFloat64([references[RISE]])).all()
         status, message = log.pop()
         assert status == 1 and words in message and "all outputs are NaN" in message
@@ -151,7 +151,7 @@ def test_outside_of_its_box_figures_are_not_numbers_and_the_host_is_warned(
     assert rise == float(asked(sweep, POINTS[:1])[0][RISE]) and not log
     with pytest.raises(FMICallException):
         made.setFloat64([references[RISE]], [1.0])
-    assert "is no input" in log.pop()[1]
+    assert "is not an input" in log.pop()[1]
     made.freeInstance()
 
 
@@ -171,7 +171,7 @@ def test_a_state_is_a_few_bytes(fmu, tmp_path):
         made.freeFMUState(state)
     with pytest.raises(FMICallException):
         made.deserializeFMUState(written[:-1])
-    assert "31 bytes are no state of this FMU, which has 32" in log[-1][1]
+    assert "31 bytes are not a state of this FMU; expected 32" in log[-1][1]
     made.freeInstance()
 
 
@@ -186,7 +186,7 @@ def test_a_step_of_an_integrator_changes_nothing(fmu, sweep, tmp_path):
     made.enterEventMode()
     assert not any(made.updateDiscreteStates()[:5])
     made.freeInstance()
-    # What is for model exchange alone is refused in co-simulation.
+    # Functions for model exchange only are refused in co-simulation.
     slave, _, log = instance(fmu, tmp_path / "slave", "CoSimulation")
     with pytest.raises(FMICallException):
         slave.fmi3SetTime(slave.component, 1.0)
@@ -203,4 +203,4 @@ def test_what_is_no_surrogate_is_refused(sweep, tmp_path):
     wrong = tmp_path / "wrong.json"
     wrong.write_text('{"schema": 1}')
     done = coordinator("fmu", wrong, code=2)
-    assert "not of the layout of a surrogate" in done.stderr and "coordinator fit" in done.stderr
+    assert "does not have the layout of a surrogate" in done.stderr and "coordinator fit" in done.stderr

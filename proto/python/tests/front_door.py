@@ -1,6 +1,7 @@
-"""Cases run from Python, by the executables that COSIM_COORDINATOR names; called by the system
+"""Cases run from Python, with the executables named by COSIM_COORDINATOR; called by the system
 tests, which have built them."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -18,7 +19,7 @@ from cosim.series import Fault, read
 
 matplotlib.use("Agg")
 
-# What other packages announce of their future is theirs.
+# Deprecation warnings of other packages do not fail the tests.
 pytestmark = [
     pytest.mark.filterwarnings(f"default::{kind}")
     for kind in ("DeprecationWarning", "PendingDeprecationWarning", "FutureWarning")
@@ -80,7 +81,7 @@ def test_fields_are_arrays_with_places(results):
     pressure = results["pressure"]
     assert pressure.unit == "Pa" and pressure.values.shape == (len(pressure.y), len(pressure.x))
     area = np.diff(pressure.x[:2])[0] * np.diff(pressure.y[:2])[0]
-    # The field on the grid carries the load, to the digits of a sum.
+    # The field on the grid carries the load, within the rounding of a sum.
     assert pressure.values.sum() * area == pytest.approx(results.contact.normal_force_n, rel=1e-12)
     traction = results["traction"]
     assert traction.values.shape == (*pressure.values.shape, 3)
@@ -112,12 +113,19 @@ def test_pictures_have_axes_and_units(results):
     assert results.plot_stick_and_slip().get_legend() is not None
     depth = results.plot_depth("rail_section_temperature")
     assert depth.yaxis_inverted() and depth.get_xlabel() == "rail section temperature [K]"
-    with pytest.raises(ValueError, match="no section"):
+    with pytest.raises(ValueError, match="not a section"):
         results.plot_depth("pressure")
 
 
 def test_a_recording_is_replayed_to_the_bit(results):
     assert "bit-identical" in results.replay("thermal")
+
+
+def test_a_recording_keeps_the_folder_of_its_run():
+    run = {"mech": {"resolution": 6}, "record": True}
+    recording = cosim.run(ROOT / "cases" / "falling-friction.toml", **run).recording
+    gc.collect()
+    assert len(recording["friction_power"]) > 3
 
 
 def test_a_recording_is_read_as_objects():
@@ -137,14 +145,14 @@ def test_a_recording_is_read_as_objects():
     last = power.at(window=0)
     assert (last.producer, last.grid, last.name) == ("mech", "contact", "friction_power")
     assert last.values.shape == (len(last.y), len(last.x)) and last.axes == ("y", "x")
-    # What was sent in the last iteration is what was written out, to the bit.
+    # The samples of the last iteration are the written fields, to the bit.
     written = results["friction_power"]
     assert np.array_equal(last.values, written.values)
     assert np.allclose(last.x, written.x, rtol=0.0, atol=1e-15)
     assert power.at(0, iteration=1).iteration == 1 and power[0].window == 0
     assert not np.array_equal(power.at(0, iteration=1).values, last.values)
     assert last.to_xarray().attrs["units"] == "W/m2"
-    # Iterates of the coordinator have the name of the field; they are had by their topic.
+    # Iterates of the coordinator share the field's name, and are read by topic.
     iterates = recording["field/coordinator/lower_temperature"]
     assert (
         len(iterates) == len(residuals) and recording["lower_temperature"][0].producer == "thermal"
@@ -166,7 +174,7 @@ def test_a_recording_of_a_contact_with_vectors_and_one_that_was_cut(results, tmp
     # Upper, lower: one element with two components.
     upper, lower = whole["surface_speed"][-1].values.ravel()
     assert upper > lower == 38.889
-    # Without the end of its index: all chunks are read.
+    # Without the end of the index, all chunks are still read.
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(whole.path.read_bytes()[:-64])
     rest = cosim.Recording(cut)
@@ -285,7 +293,7 @@ def test_values_are_written_as_toml():
         '"a \\"b\\"\\n"',
         "1e-300",
     ]
-    with pytest.raises(TypeError, match="no value of a case"):
+    with pytest.raises(TypeError, match="not a valid case value"):
         toml(object())
 
 
@@ -305,7 +313,7 @@ def test_damaged_series_are_faults(results):
             whole[: random.integers(1, len(whole))] if random.random() < 0.3 else whole
         )
         for _ in range(random.integers(1, 8)):
-            # Mostly in the description, which is what is parsed.
+            # Mostly in the description, which is the parsed part.
             data[random.integers(0, min(len(data), 3000))] = random.integers(0, 256)
         damaged.write_bytes(data)
         try:
@@ -326,7 +334,7 @@ def test_an_interrupted_run_leaves_no_process(tmp_path):
         start_new_session=True,
         stderr=subprocess.PIPE,
         text=True,
-        # A shell lets what runs in the background ignore Ctrl-C, and a child inherits that.
+        # A shell makes background processes ignore Ctrl-C, and children inherit that.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     deadline = time.monotonic() + 60.0
@@ -336,7 +344,7 @@ def test_an_interrupted_run_leaves_no_process(tmp_path):
     process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=60.0)
     assert "KeyboardInterrupt" in told
-    # Participants are in groups of their own: none has this folder's run any more.
+    # Participants are in their own process groups; none may have this folder's run any more.
     left = subprocess.run(
         ["pgrep", "-f", str(tmp_path / "o")], check=False, capture_output=True, text=True
     ).stdout
@@ -353,6 +361,6 @@ def test_the_notebook_runs():
     outputs = [one for cell in notebook.cells for one in cell.get("outputs", ())]
     said = "".join(one.get("text", "") for one in outputs)
     assert "temperature rise: 228.1 K" in said
-    # A bar under the run in time, as far as its end.
+    # A bar under the transient run, shown until its end.
     assert "windows" in said and "100%" in said, said
     assert sum("image/png" in one.get("data", {}) for one in outputs) == 2

@@ -1,4 +1,4 @@
-"""The numerics of `strip_columns` against closed forms."""
+"""Checks the numerics of `strip_columns` against closed forms."""
 
 import math
 
@@ -58,14 +58,15 @@ def test_order_on_an_ellipse():
     meshes = (40, 80, 160, 320)
     errors = [abs(steady(*ellipse_means(n)).max() / 2.18830667 - 1.0) for n in meshes]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    # Order 1.5 is expected where the slope of the flux does not vanish; the maximum is found at
+    # Order 1.5 is expected where the slope of the flux does not vanish; finding the maximum at
+    # centres only is of order 2.
     # centres only, which alone is of order 2.
     assert errors[1] < 2e-3
     assert (orders > 1.3).all(), orders
 
 
 def test_the_leading_error_of_a_ramp_is_that_of_zeta():
-    """2ζ(−½, ½) q′h^1.5, the constant that the module's doc states."""
+    """2ζ(−½, ½) q′h^1.5, the constant stated in the module's documentation."""
     n = 4096
     for h in (1.0, 0.25):
         flux = (np.arange(n) + 0.5)[::-1] * h
@@ -73,7 +74,7 @@ def test_the_leading_error_of_a_ramp_is_that_of_zeta():
         # ∫₀^L (L − s) ds/√s = 4/3 L^1.5, and the ramp falls upstream: q′ = −1.
         error = 4.0 / 3.0 * lengths**1.5 - steady(flux, h)
         constant = 2.0 * (math.sqrt(0.5) - 1.0) * -0.2078862249773546
-        # The far end's own correction falls like L^−½.
+        # The correction of the far end falls like L^−½.
         assert error[0] == pytest.approx(-constant * h**1.5, rel=2e-2)
 
 
@@ -88,14 +89,14 @@ def test_transient_windows_add_up_to_the_steady_field():
         windows = [Window(duration, (speed, speed), (1.0, 1.0), flux)] * count
         passed = int(count * duration * speed / h)
         rise = transient(windows, h, n)
-        # Where all that heats a point lies within the windows; rounding of sums of many roots.
+        # Points whose heat arrived within the windows only; rounding of sums of many roots.
         known = slice(max(n - passed, 0), n) if passed < n else slice(0, n)
         assert np.allclose(rise[known], unit[known], rtol=1e-11)
         assert (rise <= unit * (1.0 + 1e-11)).all()
 
 
 def test_a_suddenly_heated_half_space():
-    """2q√(t/π)/β and its depth: q√t ierfc, before anything has moved out of the flux."""
+    """2q√(t/π)/β, and in depth q√t ierfc, before any material has left the flux."""
     n, h, time = 40, 1.0, 0.3
     windows = [Window(time / 3.0, (1.0, 1.0), (1.0, 1.0), np.ones((1, n)))] * 3
     assert transient(windows, h, n)[:39] == pytest.approx(2.0 * math.sqrt(time), rel=1e-14)
@@ -107,7 +108,8 @@ def test_a_suddenly_heated_half_space():
 
 
 def test_the_kernel_is_the_integral():
-    """Against Gauss quadrature in √τ, on panels that are fine where e^(−c²/τ) sets in."""
+    """Compares with Gauss quadrature in √τ, on panels that are fine where e^(−c²/τ) becomes
+    large."""
     nodes, weights = np.polynomial.legendre.leggauss(20)
     for depth in (0.0, 0.01, 0.5, 2.0):
         for age in (0.1, 1.0, 50.0):
@@ -115,7 +117,7 @@ def test_the_kernel_is_the_integral():
             middles, halves = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
             u = middles[:, None] + halves[:, None] * nodes
             slow = (2.0 * np.exp(-((depth / u) ** 2)) @ weights) @ halves
-            # Rounding: relative to the surface's value, since deep values are small differences.
+            # Rounding, relative to the surface value, since deep values are small differences.
             assert abs(kernel(np.array(age), depth) - slow) < 1e-13 * 2.0 * math.sqrt(age)
 
 
@@ -130,7 +132,7 @@ def test_merging_keeps_time_path_and_heat_and_bounds_the_number():
         windows = merge([newest, *windows], h, n)
         everything.insert(0, newest)
         assert windows[0] is newest
-        # 500 windows are a fifth of what has to be remembered.
+        # 500 windows are a fifth of the windows to remember.
         if step == 500:
             for read in (
                 lambda w: 1.0,
@@ -142,7 +144,8 @@ def test_merging_keeps_time_path_and_heat_and_bounds_the_number():
                 )
                 # Rounding of sums of five hundred terms.
                 assert kept == pytest.approx(plain, rel=1e-13)
-    # Two for each element of the grid's passage, kept twice over, and eight a factor of two.
+    # Two windows per element of the grid's passage, which is kept twice over, and eight per factor
+    # of two.
     assert len(windows) <= 2 * 2 * n + 8 * math.log2(h / speed / 2e-7)
 
 

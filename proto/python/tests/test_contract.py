@@ -1,4 +1,4 @@
-"""What crosses the process boundary: layouts, JSON, refusals."""
+"""Data that crosses the process boundary: layouts, JSON, refusals."""
 
 import dataclasses
 import json
@@ -18,6 +18,7 @@ from cosim import (
     Refusal,
     Simplification,
     Structured,
+    Vertices,
 )
 from cosim.participant import to_json
 from cosim.recording import LABEL
@@ -25,7 +26,7 @@ from cosim.solver import first_non_finite
 
 
 def test_the_label_of_a_recording_is_that_of_the_contract():
-    """The golden numbers of `proto/contract/src/message.rs`."""
+    """Checks the golden numbers of `proto/contract/src/message.rs`."""
     offsets = [LABEL.fields[name][1] for name in LABEL.names]
     assert offsets == [0, 4, 8, 16, 24, 32, 36, 40, 48, 56, 64, 96, 112, 144]
     assert LABEL.itemsize == 176
@@ -123,6 +124,21 @@ def test_grids_travel_with_every_bit_and_agree_with_each_other():
     assert np.allclose(surface.areas(), plane.areas(), rtol=1e-14)
 
 
+def test_vertices_travel_and_have_the_areas_of_their_measure():
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
+    grid = Grid("mesh", Vertices(points, triangles=triangles, measure="per-area"))
+    again = Grid.from_json(json.loads(json.dumps(grid.to_json())))
+    assert again.points == 4 and again.is_where(grid)
+    assert again.shape.to_json() == grid.shape.to_json()
+    assert np.allclose(again.areas(), np.array([2, 1, 2, 1]) / 6, rtol=1e-15)
+    assert np.isclose(grid.integrate(points[:, 0]), 0.5, rtol=1e-15)  # x over the unit square
+    line = Vertices(points[:3], np.array([[0, 1], [1, 2]], dtype=np.uint32), measure="per-area")
+    assert line.areas().tolist() == [0.5, 1.0, 0.5]
+    assert Vertices(points, measure="per-point").areas().tolist() == [1.0] * 4
+    assert Vertices(points).areas().tolist() == [0.0] * 4
+
+
 def test_first_non_finite_value_and_sums_that_overflow():
     values = np.full(5000, 1e308)
     assert first_non_finite(values) is None
@@ -163,7 +179,7 @@ def test_a_layout_says_what_it_is_asked_for_and_nothing_else():
 
 
 def test_text_that_is_not_utf8_travels_with_escapes():
-    """Python reads a file name of another encoding with surrogates, which JSON refuses."""
+    """Python reads a file name in another encoding with surrogates, which JSON refuses."""
     name = b"gr\xf6sse.csv".decode("utf-8", "surrogateescape")
     assert json.loads(to_json({"error": f"no file {name}"})) == {"error": r"no file gr\udcf6sse.csv"}
     refusal = Refusal("bodies.rail.profile", f"{name} is not there", "name another file")

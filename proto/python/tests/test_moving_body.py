@@ -1,4 +1,4 @@
-"""The finite elements of `moving_body` against closed forms, on three meshes."""
+"""Checks the finite elements of `moving_body` against closed forms, on three meshes."""
 
 import math
 
@@ -9,9 +9,9 @@ from moving_body import MovingBody
 from cosim import Structured
 
 STEEL = Material(7850.0, 419.5, 50.0)
-#: Half the length of the patch [m], and the flux in its middle [W/m²].
+#: Half the length of the patch [m], and the flux at its centre [W/m²].
 A, HEAT = 8e-3, 2e8
-#: Elements along the patch, layers in depth.
+#: Elements along the patch, and layers in depth.
 MESHES = ((8, 6), (16, 12), (32, 24))
 
 
@@ -22,7 +22,8 @@ def flux(x, y):
 
 
 def patch(n):
-    """n × n elements on the patch, their middles, and their means (to the fourth order)."""
+    """Return n × n elements on the patch, their centres, and their mean fluxes (to fourth
+    order)."""
     h = 2.0 * A / n
     plane = Structured.contact_plane(-A + h / 2, -A + h / 2, h, h, n, n)
     x, y = np.meshgrid(plane.x, plane.y)
@@ -37,7 +38,7 @@ def source(speed, x, y):
     nodes, weights = np.polynomial.legendre.leggauss(240)
     angle, along = np.pi * (nodes + 1.0), math.sqrt(2.0) * A * (nodes + 1.0)
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    # x' = x + r cos θ is upstream where cos θ > 0, and what is there arrives.
+    # x' = x + r cos θ is upstream where cos θ > 0; heat from there arrives.
     kernel = flux(x + along * c, y + along * s) * np.exp(-decay * along * (1.0 - c))
     integral = np.pi * math.sqrt(2.0) * A * (weights @ kernel @ weights)
     return integral / (2.0 * np.pi * STEEL.conductivity)
@@ -61,7 +62,8 @@ def test_second_order_where_heat_flows_in_every_direction():
 
 
 def test_second_order_at_the_speed_of_a_wheel():
-    """Against lines of heat straight down: what is conducted across them is 1e-4 of that."""
+    """Compares with one-dimensional conduction into the depth; conduction across is 1e-4 of
+    that."""
     speed = 38.889
     errors = []
     for n, layers in MESHES:

@@ -1,4 +1,4 @@
-"""Surrogates: closed forms, shapes, refusals, and files that are none."""
+"""Surrogates: closed forms, shapes, refusals, and invalid files."""
 
 import copy
 import json

@@ -1,4 +1,5 @@
-"""Views of memory that is lent for a call: none is kept unnoticed, and none of an input is written."""
+"""Views of memory lent for a call: kept views are detected, and views of inputs cannot be
+written."""
 
 import ctypes
 

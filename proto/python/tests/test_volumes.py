@@ -26,7 +26,7 @@ def test_three_kinds_of_the_same_elements(volume):
 
 
 def test_the_golden_layout_of_the_geometry():
-    """The golden values of proto/grids/src/volume.rs."""
+    """Checks the golden values of proto/grids/src/volume.rs."""
     box, structured, unstructured = (volume.known().ravel().tolist() for volume in volumes())
     assert box == [0.0, 1.0, 4.0, -1.0, 1.0, 0.0, 0.0, 0.5, 0.0]
     assert structured[:6] == [0.0, 1.0, 4.0, 0.0, 1.0, 4.0]

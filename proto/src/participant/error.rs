@@ -1,8 +1,19 @@
-//! What can be wrong with the samples of a participant.
+//! Errors of a participant: while joining a run, and in samples of its fields.
 
 use crate::transport::TransportError;
 
-/// What is wrong with a sample that arrived, or did not.
+/// Reason why a participant could not complete a run.
+#[derive(Debug, thiserror::Error)]
+pub enum JoinError {
+    /// The folder of the run does not exist or is not ours, or the role is taken.
+    #[error(transparent)]
+    Folder(#[from] std::io::Error),
+    /// The shared memory of the run cannot be used.
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+}
+
+/// Fault of a received or missing sample.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum PortError {
     #[error(transparent)]
@@ -18,7 +29,7 @@ pub(super) enum PortError {
          revision {known}"
     )]
     Revision { field: String, grid: String, revision: u64, known: u64 },
-    #[error("the live value `{key}` comes as {values:?}, not as one finite number")]
+    #[error("the live value `{key}` has the values {values:?}; expected one finite number")]
     Live { key: String, values: Vec<f64> },
     #[error("{0}")]
     Geometry(String),
@@ -32,8 +43,8 @@ pub(super) enum PortError {
     #[error("more than one sample of output `{0}` at a time")]
     Loan(String),
     #[error(
-        "output `{field}` was not written at index {index}, and would have sent old data: write \
-         every value of what `Outputs::get` gives, in every call"
+        "output `{field}` was not written at index {index} and would contain old data: write \
+         all values of the slice from `Outputs::get` in every call"
     )]
     Unwritten { field: String, index: usize },
     #[error("output `{field}` cannot be restored from {path}: {reason}")]

@@ -1,5 +1,5 @@
-//! Grids that move, and volumes, which come to their geometry as if they moved there: what a
-//! participant publishes of its own, and what it receives of others'.
+//! Geometry of moving grids and of volumes: publishes a participant's own grids and follows those
+//! of its inputs. Volumes receive their geometry as if they had moved.
 
 use super::error::PortError;
 use crate::field;
@@ -9,7 +9,7 @@ use crate::model::Step;
 use crate::transport::{Endpoint, FieldReader, FieldWriter, TransportError};
 use std::time::Instant;
 
-/// One grid of this participant, as it was published last.
+/// A grid of this participant, as last published.
 struct GeometryPort {
     grid: Grid,
     writer: FieldWriter,
@@ -53,7 +53,7 @@ impl GeometryPort {
         }
     }
 
-    /// Publishes the grid if it has moved; whether it has.
+    /// Publishes the grid if it has moved; returns whether it has.
     fn publish(&mut self, moved: &Grid, step: &Step) -> Result<bool, PortError> {
         self.grid.check_moved(moved).map_err(PortError::Geometry)?;
         if moved.is_announced() {
@@ -71,19 +71,18 @@ impl GeometryPort {
         let header = &mut self.header;
         header.sequence += 1;
         (header.points, header.grid_revision) = (points as u64, moved.revision);
-        (header.window, header.iteration) = (step.window, step.iteration);
-        (header.start, header.end) = (step.start, step.end);
+        header.set_step(step);
         self.writer.publish(loan, header)?;
         self.grid.clone_from(moved);
         Ok(true)
     }
 }
 
-/// The grids of this participant that somebody has to follow.
+/// Grids of this participant that peers follow.
 pub(super) struct GeometryPorts(Vec<GeometryPort>);
 
 impl GeometryPorts {
-    /// The ports for these topics; `grids` are those of the layout.
+    /// Opens the ports for these topics; `grids` are those of the layout.
     pub(super) fn open(
         endpoint: &Endpoint,
         topics: &[GeometryTopic],
@@ -102,8 +101,8 @@ impl GeometryPorts {
         self.0.iter().try_for_each(|port| port.writer.wait_for_subscribers(deadline))
     }
 
-    /// Publishes those of the grids that have moved, and gives each of these to `moved`. A volume
-    /// whose geometry is out need not be given again.
+    /// Publishes the grids that have moved, and passes each of them to `moved`. A volume whose
+    /// geometry is already published need not be passed again.
     pub(super) fn publish(
         &mut self,
         grids: &[Grid],
@@ -121,26 +120,27 @@ impl GeometryPorts {
     }
 }
 
-/// Where the geometry of an input's grid comes from.
+/// Origin of the geometry of an input's grid.
 enum Source {
-    /// It stays as it is.
+    /// The grid never changes.
     Fixed,
-    /// From the model of this very participant.
+    /// The model of this participant moves the grid.
     Own,
-    /// From the participant whose grid it is; with the sequence number of the newest sample.
+    /// The owner of the grid publishes its geometry; with the sequence number of the newest sample.
     Subscribed { reader: FieldReader, sequence: u64 },
 }
 
 /// A grid on which inputs arrive.
 pub(super) struct InputGrid {
     pub(super) grid: Grid,
-    /// Where the geometry comes from; empty for one that stays.
+    /// Service of the geometry; empty for a fixed grid.
     service: String,
     source: Source,
 }
 
 impl InputGrid {
-    /// The grids of these inputs, and the index of each input's; those that move are shared.
+    /// Opens the grids of these inputs, and returns them with the index of each input's grid.
+    /// Moving grids are shared.
     pub(super) fn open(
         endpoint: &Endpoint,
         topics: &[Topic],
@@ -165,14 +165,14 @@ impl InputGrid {
         Ok((grids, indices))
     }
 
-    /// The model of this participant has moved a grid.
+    /// Takes over a grid that this participant's model has moved.
     pub(super) fn moved(&mut self, grid: &Grid) {
         if matches!(self.source, Source::Own) && self.grid.name == grid.name {
             self.grid.clone_from(grid);
         }
     }
 
-    /// Brings the grid to the revision that a sample of `field` is on.
+    /// Advances the grid to the revision of a sample of `field`.
     pub(super) fn follow(&mut self, field: &str, revision: u64) -> Result<(), PortError> {
         let Self { grid, source, .. } = self;
         if let Source::Subscribed { reader, sequence } = source {

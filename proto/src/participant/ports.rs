@@ -1,4 +1,4 @@
-//! The field ports of a participant: inputs read in place, outputs written into loans.
+//! Field ports of a participant: inputs are read in place, outputs are written into loans.
 
 use super::error::PortError;
 use super::geometry::InputGrid;
@@ -12,10 +12,10 @@ use crate::transport::{
 };
 use std::time::Instant;
 
-/// One input and the sample that is in use.
+/// An input and its current sample.
 struct InputPort {
     field: FieldKind,
-    /// Index of its grid.
+    /// Index of the grid.
     grid: usize,
     reader: FieldReader,
     sample: Option<FieldSample>,
@@ -26,21 +26,21 @@ struct InputPort {
 #[derive(Debug, Default)]
 struct Start {
     values: Vec<f64>,
-    /// Those in use are themselves of an earlier window: the input does not vary.
+    /// The current sample itself belongs to an earlier window, so the input is constant.
     in_use: bool,
 }
 
-/// A sample is of an earlier window than this one, or of before the first.
+/// Returns true if a sample belongs to an earlier window, or precedes the first solve.
 fn is_earlier(sample: &FieldSample, window: u64) -> bool {
     sample.header().window < window || sample.header().iteration == 0
 }
 
 impl InputPort {
-    /// Moves on to the sample with this sequence number; every one before must have come too.
-    /// Newer ones stay in the queue: a producer that solves at the same time may be ahead.
+    /// Advances to the sample with this sequence number; all earlier samples must have arrived.
+    /// Newer samples stay in the queue, because a producer that solves in parallel may be ahead.
     ///
-    /// The last sample of an earlier window is the accepted one: its values are those at the start
-    /// of `window`, however often that is begun again.
+    /// The last sample of an earlier window is the accepted one. Its values hold at the start of
+    /// `window`, however often the window is repeated.
     fn advance(&mut self, expected: u64, window: u64) -> Result<(), PortError> {
         loop {
             let before = self.sample.as_ref().map_or(0, |s| s.header().sequence);
@@ -65,8 +65,8 @@ impl InputPort {
         }
     }
 
-    /// Copies the values in use, which are about to be replaced, if they hold at the start of this
-    /// window and if that is asked for.
+    /// Copies the current values before they are replaced, if they hold at the start of this window
+    /// and are needed.
     fn keep_start(&mut self, window: u64) {
         if let (Some(start), Some(sample)) = (&mut self.start, &self.sample)
             && is_earlier(sample, window)
@@ -91,8 +91,8 @@ impl InputPort {
         Ok(())
     }
 
-    /// The sample in use is on the grid as it is now, with a value for every point, and as many as
-    /// at the start of the window.
+    /// Checks that the current sample is on the current grid revision, has a value for every point,
+    /// and has as many values as at the start of the window.
     fn check_shape(&self, grid: &Grid) -> Result<(), PortError> {
         let Some(sample) = &self.sample else { return Ok(()) };
         let (field, found) = (self.field.name.clone(), sample.values().len());
@@ -138,7 +138,7 @@ impl InputPorts {
         Ok(Self { ports: ports.collect::<Result<_, TransportError>>()?, grids })
     }
 
-    /// Moves on to the samples that a command asks for, and to the grids that these are on.
+    /// Advances to the samples named by a command, and to the revisions of their grids.
     pub(super) fn advance(&mut self, command: &Command) -> Result<(), PortError> {
         let Self { ports, grids } = self;
         for (port, sequence) in ports.iter_mut().zip(command.expected) {
@@ -151,12 +151,12 @@ impl InputPorts {
         ports.iter().try_for_each(|port| port.check_shape(&grids[port.grid].grid))
     }
 
-    /// The model of this participant has moved a grid.
+    /// Takes over a grid that this participant's model has moved.
     pub(super) fn moved(&mut self, grid: &Grid) {
         self.grids.iter_mut().for_each(|input| input.moved(grid));
     }
 
-    /// Gives the live values that have come to the models that read them.
+    /// Passes received live values to the models that read them.
     pub(super) fn give(&self, live: &Live) -> Result<(), PortError> {
         for port in self.ports.iter().filter(|port| live.limits.contains_key(&port.field.name)) {
             let (key, Some(sample)) = (&port.field.name, &port.sample) else { continue };
@@ -170,7 +170,7 @@ impl InputPorts {
         Ok(())
     }
 
-    /// The values in use.
+    /// Returns the current values.
     pub(super) fn values(&self) -> InputValues<'_> {
         let values = self.ports.iter().filter_map(|port| {
             let values = port.sample.as_ref()?.values();
@@ -185,7 +185,7 @@ impl InputPorts {
     }
 }
 
-/// Values that are in use, in shared memory; unlike their ports, any thread may read them.
+/// Current values in shared memory; unlike the ports, these may be read by any thread.
 pub(super) struct InputValues<'a>(Vec<InputValue<'a>>);
 
 struct InputValue<'a> {
@@ -211,15 +211,15 @@ impl Inputs for InputValues<'_> {
     }
 }
 
-/// Stands in a loan where nothing has been written yet: a NaN that no operation of the processor
-/// gives by itself, and that stays in whatever is computed from it.
+/// Mark of an unwritten value in a loan: a NaN that the processor never produces by itself, and
+/// that propagates through computations.
 const UNWRITTEN: f64 = f64::from_bits(0x7ff8_756e_7772_6974);
 
-/// The most places of a loan that are marked. An output that is not written is always noticed; of
-/// one that is written in part, any gap of a 63rd of its values, and smaller ones by chance.
+/// Maximum number of marks in a loan. A completely unwritten output is always detected. In a partly
+/// written one, any gap of 1/63 of its values is detected, and a smaller gap by chance.
 const MARKS: usize = 64;
 
-/// The places of a loan that are marked: evenly spread, the first and the last among them.
+/// Indices of the marks in a loan: evenly spread, including the first and the last value.
 fn marked(values: usize) -> impl Iterator<Item = usize> {
     let marks = values.min(MARKS);
     (0..marks).map(move |mark| mark * (values - 1) / (marks - 1).max(1))
@@ -229,12 +229,12 @@ fn mark(values: &mut [f64]) {
     marked(values.len()).for_each(|at| values[at] = UNWRITTEN);
 }
 
-/// The first marked place that still is as it was marked.
+/// Index of the first mark that is still in place.
 fn first_unwritten(values: &[f64]) -> Option<usize> {
     marked(values.len()).find(|at| values[*at].to_bits() == UNWRITTEN.to_bits())
 }
 
-/// One output, its writer, and the loan that is being written.
+/// An output with its writer and current loan.
 struct OutputPort {
     name: String,
     values: usize,
@@ -243,7 +243,7 @@ struct OutputPort {
     loan: Option<FieldLoan>,
 }
 
-/// A set of outputs that are published together.
+/// Outputs that are published together.
 #[derive(Default)]
 pub(super) struct OutputPorts(Vec<OutputPort>);
 
@@ -260,17 +260,7 @@ impl OutputPorts {
                 found: topic.field.clone(),
             })?;
             let values = topic.grid.points() * kind.components as usize;
-            let header = FieldHeader {
-                protocol: crate::PROTOCOL_VERSION,
-                components: kind.components,
-                points: topic.grid.points() as u64,
-                grid_revision: topic.grid.revision,
-                name: Label::new(&kind.name),
-                unit: Label::new(&kind.unit),
-                producer: Label::new(producer),
-                grid: Label::new(&topic.grid.name),
-                ..FieldHeader::default()
-            };
+            let header = FieldHeader::new(&kind, producer, &topic.grid);
             let (service, subscribers) = (&topic.service, topic.subscribers);
             let writer = match topic.geometry {
                 Some(_) => endpoint.field_writer(service, values, subscribers)?,
@@ -281,7 +271,8 @@ impl OutputPorts {
         Ok(Self(ports.collect::<Result<_, PortError>>()?))
     }
 
-    /// The startup barrier: nothing is published before everybody listens.
+    /// Waits for all subscribers. As a startup barrier, nothing is published before all have
+    /// subscribed.
     pub(super) fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
         self.0.iter().try_for_each(|port| port.writer.wait_for_subscribers(deadline))
     }
@@ -298,7 +289,7 @@ impl OutputPorts {
         Ok(())
     }
 
-    /// Samples on this grid are on the moved one from here on.
+    /// Sends the following samples on the moved grid.
     pub(super) fn moved(&mut self, grid: &Grid) {
         let name = Label::new(&grid.name);
         for port in self.0.iter_mut().filter(|port| port.header.grid == name) {
@@ -308,7 +299,7 @@ impl OutputPorts {
         }
     }
 
-    /// Fills the loans with the values in files, one for each output.
+    /// Fills the loans with values from files, one for each output.
     pub(super) fn read(&mut self, files: &[OutputFile]) -> Result<(), PortError> {
         for port in &mut self.0 {
             let Some(loan) = port.loan.as_mut() else { continue };
@@ -334,12 +325,12 @@ impl OutputPorts {
         Ok(())
     }
 
-    /// Gives loans back unpublished.
+    /// Returns the loans unpublished.
     pub(super) fn discard(&mut self) {
         self.0.iter_mut().for_each(|port| port.loan = None);
     }
 
-    /// Publishes all loans, or, if one is not written, none.
+    /// Publishes all loans; none if any loan is unwritten.
     pub(super) fn publish(&mut self, step: &Step) -> Result<(), PortError> {
         if let Some((field, index)) = self.unwritten() {
             self.discard();
@@ -348,10 +339,7 @@ impl OutputPorts {
         for port in &mut self.0 {
             if let Some(loan) = port.loan.take() {
                 port.header.sequence += 1;
-                port.header.window = step.window;
-                port.header.iteration = step.iteration;
-                port.header.start = step.start;
-                port.header.end = step.end;
+                port.header.set_step(step);
                 port.writer.publish(loan, &port.header)?;
             }
         }
@@ -360,7 +348,7 @@ impl OutputPorts {
 }
 
 impl OutputPorts {
-    /// The first output that is not written, and where.
+    /// Returns the first unwritten output and the index of its first mark.
     fn unwritten(&mut self) -> Option<(String, usize)> {
         self.0.iter_mut().find_map(|port| {
             let index = first_unwritten(port.loan.as_mut()?.values())?;

@@ -1,6 +1,7 @@
-//! The participant's heart: a thread that beats while the model computes, and that ends the
-//! process when the coordinator is dead.
+//! Heartbeat of the participant: a thread that beats while the model computes, and that ends the
+//! participant when the coordinator dies.
 
+use super::host::Host;
 use crate::command_ports::ProgressReports;
 use crate::progress::Progress;
 use crate::run_dir::{CoordinatorWatch, RunDir};
@@ -12,23 +13,23 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// From one beat, and one look at the coordinator, to the next.
+/// Interval between heartbeats, each with a check of the coordinator.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-/// What the participant is doing, for its heartbeat.
+/// Activity of the participant, as reported by the heartbeat.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Activity(Arc<AtomicU64>);
 
-/// The number that stands for work on a command.
+/// Value of [`Activity`] during a command.
 const BUSY: u64 = u64::MAX;
 
 impl Activity {
-    /// A command is being worked on.
+    /// Marks a command as in progress.
     pub(super) fn busy(&self) {
         self.0.store(BUSY, Ordering::Release);
     }
 
-    /// The command with this number has been dealt with, and its reply, if any, sent.
+    /// Marks the command with this number as completed, with its reply, if any, sent.
     pub(super) fn idle_after(&self, command: u64) {
         self.0.store(command, Ordering::Release);
     }
@@ -41,8 +42,8 @@ impl Activity {
     }
 }
 
-/// What a beat says, and where.
-pub(super) struct Voice {
+/// Content and destination of heartbeats.
+pub(super) struct HeartbeatSender {
     /// Index of the participant among the roles of the run.
     pub(super) index: usize,
     pub(super) ringer: Ringer,
@@ -51,9 +52,9 @@ pub(super) struct Voice {
     pub(super) reports: ProgressReports,
 }
 
-impl Voice {
+impl HeartbeatSender {
     fn beat(&mut self) -> Result<(), TransportError> {
-        // Before the coordinator is woken up. A beat counts without a report.
+        // Sent before the coordinator wakes up. A heartbeat counts even if the report fails.
         if let Err(error) = self.reports.send(self.progress.newest()) {
             tracing::debug!(%error, "progress does not reach the coordinator");
         }
@@ -61,27 +62,28 @@ impl Voice {
     }
 }
 
-/// Beats until dropped.
-pub(super) struct Pulse {
+/// Running heartbeat; stops when dropped.
+pub(super) struct Heartbeat {
     stop: Option<SyncSender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Pulse {
+impl Heartbeat {
     pub(super) fn start(
-        mut voice: Voice,
+        mut voice: HeartbeatSender,
         coordinator: CoordinatorWatch,
         run: Arc<Mutex<Option<RunDir>>>,
+        host: Host,
     ) -> io::Result<Self> {
         let (stop, stopped) = sync_channel(0);
         let thread = std::thread::Builder::new().name("pulse".to_owned()).spawn(move || {
-            beat(&mut voice, &coordinator, &run, &stopped);
+            beat(&mut voice, &coordinator, (&run, &host), &stopped);
         })?;
         Ok(Self { stop: Some(stop), thread: Some(thread) })
     }
 }
 
-impl Drop for Pulse {
+impl Drop for Heartbeat {
     fn drop(&mut self) {
         drop(self.stop.take());
         if let Some(thread) = self.thread.take() {
@@ -91,19 +93,23 @@ impl Drop for Pulse {
 }
 
 fn beat(
-    voice: &mut Voice,
+    voice: &mut HeartbeatSender,
     coordinator: &CoordinatorWatch,
-    run: &Mutex<Option<RunDir>>,
+    (run, host): (&Mutex<Option<RunDir>>, &Host),
     stopped: &Receiver<()>,
 ) {
     while stopped.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
         if !coordinator.is_alive() {
+            if let Host::Thread(stop) = host {
+                stop.ask();
+                return;
+            }
             let _ = writeln!(io::stderr(), "error: the coordinator has ended; this run is over");
-            // The model may be deep in a solve: the process ends here, and the run's folder and
-            // shared memory are left in order by dropping the membership.
+            // The model may be deep in a solve, so the process ends here. Dropping the membership
+            // cleans up the run's folder and shared memory.
             drop(run.lock().map(|mut run| run.take()));
-            // No handler for the end of the process runs: other threads of a program in another
-            // language are still at work.
+            // Exit handlers must not run, because other threads of a host program may still be
+            // working.
             // SAFETY: ends the process at once.
             unsafe { libc::_exit(1) };
         }

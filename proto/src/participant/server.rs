@@ -1,9 +1,10 @@
-//! The state machine that serves a model: one command, one answer.
+//! State machine that serves a model: one reply per command.
 
 use super::error::PortError;
 use super::geometry::GeometryPorts;
+use super::host::Host;
 use super::ports::{InputPorts, OutputPorts};
-use super::pulse::{Activity, Voice};
+use super::pulse::{Activity, HeartbeatSender};
 use crate::command_ports::CommandPorts;
 use crate::configuration::{Configuration, Refusal};
 use crate::description::Description;
@@ -16,9 +17,7 @@ use crate::message::{
 };
 use crate::model::{Model, Setup, Solver, StateError, Step, StepError};
 use crate::progress::Progress;
-use crate::run_dir::{
-    RunInfo, forget_peak_resident_memory, peak_resident_memory, processor_seconds,
-};
+use crate::run_dir::{RunInfo, forget_peak_resident_memory};
 use crate::transport::{Doorbell, Endpoint, Receiver, Ringer, Sender, TransportError};
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
@@ -26,7 +25,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Why a command could not be done. All but a refusal travel as [`Failure`].
+/// Reason for the failure of a command. All except a refusal are sent as [`Failure`].
 #[derive(Debug, thiserror::Error)]
 enum CommandError {
     #[error(transparent)]
@@ -51,7 +50,7 @@ enum CommandError {
     Unacceptable { window: u64, error: StepError },
 }
 
-/// How far the participant has come.
+/// Stage of the participant in a run.
 enum Stage {
     Joined,
     Configured {
@@ -64,8 +63,8 @@ enum Stage {
         patience: Duration,
     },
     Running(Running),
-    /// The model could not be built. The ports stay until the end: others publish to them, and would fail before this participant has
-    /// said why.
+    /// The model could not be built. The ports stay open until the end, because peers that publish
+    /// to them would fail before this participant has reported its error.
     Unbuilt {
         _ports: Ports,
     },
@@ -78,23 +77,23 @@ struct Running {
     ports: Ports,
     step: Step,
     model_time: Duration,
-    /// What went wrong in a command that is not answered; the next one is answered with it.
+    /// Error of a command without a reply; reported in the reply to the next command.
     late: Option<CommandError>,
 }
 
-/// Everything that is received, published and replied with.
+/// Ports of inputs, outputs and geometry, with the data of the run that they need.
 struct Ports {
     inputs: InputPorts,
     outputs: OutputPorts,
     observed: OutputPorts,
     geometry: GeometryPorts,
-    /// Values of the case that come as inputs; the model has a copy.
+    /// Live values received as inputs; shared with the model.
     live: Option<Live>,
-    /// Keys of the figures that are asked for with [`FIGURES`].
+    /// Keys of the figures requested with [`FIGURES`].
     figures: Vec<String>,
 }
 
-/// What goes back to the coordinator.
+/// Reply to the coordinator.
 struct Answer {
     reply: Reply,
     body: Vec<u8>,
@@ -102,33 +101,36 @@ struct Answer {
 
 pub(super) struct Server<'a> {
     solver: &'a dyn Solver,
+    host: Host,
     description: Description,
     role: String,
     stage: Stage,
     activity: Activity,
     progress: Progress,
-    /// Processor seconds of the process before this run.
+    /// Processor seconds of the participant before this run.
     spent_before: f64,
     commands: Receiver<Command>,
     replies: Sender<Reply>,
     coordinator: Ringer,
     doorbell: Doorbell,
-    // Last: ports close before the node that they belong to.
+    // Last: ports must close before their node.
     endpoint: Arc<Endpoint>,
 }
 
 impl<'a> Server<'a> {
-    /// Joins a run, as the participant of this index; and what its heart says.
+    /// Joins a run as the participant with this index; returns the server and the content of its
+    /// heartbeats.
     pub(super) fn open(
         run: &RunInfo,
         role: &str,
         index: usize,
         solver: &'a dyn Solver,
-    ) -> Result<(Self, Voice), TransportError> {
+        host: Host,
+    ) -> Result<(Self, HeartbeatSender), TransportError> {
         let CommandPorts { commands, replies, reports, coordinator, doorbell, endpoint } =
             CommandPorts::open(run, role)?;
         let (activity, progress) = (Activity::default(), Progress::default());
-        let voice = Voice {
+        let voice = HeartbeatSender {
             index,
             ringer: coordinator.clone(),
             activity: activity.clone(),
@@ -137,6 +139,7 @@ impl<'a> Server<'a> {
         };
         let server = Self {
             solver,
+            host,
             description: solver.description(),
             role: role.to_owned(),
             stage: Stage::Joined,
@@ -152,12 +155,18 @@ impl<'a> Server<'a> {
         Ok((server, voice))
     }
 
-    /// Answers commands until the last run is finished. The heartbeat thread ends the process when the
-    /// coordinator dies, so that this wait needs no deadline of its own.
+    /// Answers commands until the last run is finished, or the host is stopped. This wait needs no
+    /// deadline: when the coordinator dies, the heartbeat thread ends the process or stops the
+    /// host.
     pub(super) fn serve(&mut self) -> Result<(), TransportError> {
         while !matches!(self.stage, Stage::Left) {
-            let message =
-                self.doorbell.wait::<_, TransportError>(|| self.commands.receive(), |_, _| ())?;
+            let next = || match self.host.is_stopped() {
+                true => Ok(Some(None)),
+                false => Ok(self.commands.receive()?.map(Some)),
+            };
+            let Some(message) = self.doorbell.wait::<_, TransportError>(next, |_, _| ())? else {
+                return Ok(());
+            };
             let command = *message.header();
             self.activity.busy();
             self.progress.begin(command.sequence);
@@ -280,34 +289,34 @@ impl<'a> Server<'a> {
         }
     }
 
-    /// Ends the run. The ports of a participant that leaves are left to the last member of the run,
-    /// which removes all that the run has made.
+    /// Ends the run. The last member of the run removes the ports of a process that leaves.
     fn finish(&mut self, stays: bool, done: Reply) -> Result<Option<Answer>, CommandError> {
         let next = if stays { Stage::Joined } else { Stage::Left };
         let finished = match std::mem::replace(&mut self.stage, next) {
             Stage::Running(running) => {
-                let spent = processor_seconds();
+                let spent = self.host.processor_seconds();
                 let finished = Finished {
                     summary: running.model.summary(),
                     model_seconds: running.model_time.as_secs_f64(),
-                    peak_rss_bytes: peak_resident_memory(),
+                    peak_rss_bytes: self.host.peak_resident_memory(),
                     cpu_seconds: spent - std::mem::replace(&mut self.spent_before, spent),
                 };
-                if !stays {
+                if !stays && matches!(self.host, Host::Process) {
                     std::mem::forget(running.ports);
                 }
                 finished
             }
             _ => Finished::default(),
         };
-        if stays {
+        if stays && matches!(self.host, Host::Process) {
             forget_peak_resident_memory();
         }
         json_answer(done, &finished)
     }
 }
 
-/// Builds the model and publishes what it begins with; the step of that, and how long building took.
+/// Builds the model and publishes its initial outputs; returns their step and the time spent
+/// building.
 fn begin(
     setup: Setup,
     ports: &mut Ports,
@@ -333,8 +342,8 @@ impl Ports {
         self.geometry.wait_for_subscribers(deadline)
     }
 
-    /// Publishes the geometry of those of these grids that have moved; samples are on the moved
-    /// grids from here on.
+    /// Publishes the geometry of the grids that have moved; the following samples are on the moved
+    /// grids.
     fn move_to(&mut self, grids: &[Grid], step: &Step) -> Result<(), PortError> {
         let Self { inputs, outputs, observed, geometry, .. } = self;
         geometry.publish(grids, step, |moved| {
@@ -372,7 +381,7 @@ impl Running {
         }
     }
 
-    /// Accepts the last solve; a reply only if something is published or asked for.
+    /// Accepts the last solve; replies only if something is published or requested.
     fn accept(&mut self, flags: u32, done: Reply) -> Result<Option<Answer>, CommandError> {
         let Self { model, ports, step, late, .. } = self;
         let start = Instant::now();
@@ -441,17 +450,17 @@ fn write_state(model: &dyn Model, path: &Path) -> io::Result<()> {
     file.flush()
 }
 
-/// Streams a state from a file, to its end.
+/// Streams a state from a file and checks that the file ends with the state.
 fn read_state(model: &mut dyn Model, file: File) -> Result<(), StateError> {
     let mut file = BufReader::new(file);
     model.restore(&mut file)?;
     match file.read(&mut [0])? {
         0 => Ok(()),
-        _ => Err(StateError("it goes on where the model's ends".to_owned())),
+        _ => Err(StateError("it is longer than the model's state".to_owned())),
     }
 }
 
-/// The values under these keys of a summary, as they travel.
+/// Returns the values under these keys of a summary, as little-endian doubles.
 fn of_summary(summary: &serde_json::Value, keys: &[String]) -> Vec<u8> {
     let value = |key: &String| figure::value(summary, key).unwrap_or(f64::NAN);
     keys.iter().flat_map(|key| value(key).to_le_bytes()).collect()

@@ -1,6 +1,6 @@
-//! What a recording may hold. A file comes from anywhere: its names obey the same rule as on the
-//! wire, its grids are checked like those of a participant, and nothing in it is longer than what
-//! a recording can hold.
+//! Checks of the content of a recording, which may come from anywhere. Names obey the same rule as
+//! in messages, grids are checked like those of a participant, and lengths are limited to those of
+//! a recording.
 
 use super::{CONTROL, FILES, Head, LONGEST_RECORD, STATE};
 use crate::field::GEOMETRY;
@@ -8,12 +8,12 @@ use crate::grid::{Grid, check_dotted, check_name};
 use crate::message::{FieldHeader, MAX_INPUTS, MOST_PARTICIPANTS, Topics};
 use crate::text::{check_line, check_lines, one_line};
 
-/// Most components of a field.
+/// Maximum number of components of a field.
 const MOST_COMPONENTS: u32 = 64;
-/// Most topics that one participant sends.
+/// Maximum number of topics of a participant.
 const MOST_OUTPUTS: usize = 256;
 
-/// What is wrong with a head.
+/// Checks a head.
 pub(super) fn head(head: &Head) -> Result<(), String> {
     check_lines("head", head)?;
     let count = head.participants.len();
@@ -39,7 +39,7 @@ pub(super) fn head(head: &Head) -> Result<(), String> {
     }
 }
 
-/// What is wrong with the name of a channel.
+/// Checks the name of a channel.
 pub(super) fn channel(name: &str) -> Result<(), String> {
     let parts: Vec<&str> = name.split('/').collect();
     let known = match parts.as_slice() {
@@ -55,7 +55,7 @@ pub(super) fn channel(name: &str) -> Result<(), String> {
     parts.iter().try_for_each(|part| check_dotted("channel's", part))
 }
 
-/// What is wrong with the label of a sample that came on a channel that is admitted.
+/// Checks the label of a sample from a valid channel.
 pub(super) fn label(channel: &str, header: &FieldHeader) -> Result<(), String> {
     let [name, producer, grid] =
         [header.name.as_str(), header.producer.as_str(), header.grid.as_str()];
@@ -81,7 +81,7 @@ pub(super) fn label(channel: &str, header: &FieldHeader) -> Result<(), String> {
     }
 }
 
-/// What is wrong with the topics of a participant.
+/// Checks the topics of a participant.
 pub(super) fn topics(topics: &Topics) -> Result<(), String> {
     let Topics { inputs, outputs, geometry, .. } = topics;
     if inputs.len() > MAX_INPUTS || outputs.len().max(geometry.len()) > MOST_OUTPUTS {
@@ -106,7 +106,7 @@ pub(super) fn topics(topics: &Topics) -> Result<(), String> {
     })
 }
 
-/// What is wrong with a grid: more than for a run, as its samples fit into a recording.
+/// Checks a grid more strictly than for a run, because its samples must fit into a recording.
 fn grid(grid: &Grid) -> Result<(), String> {
     grid.check()?;
     match grid.points() {
@@ -118,7 +118,7 @@ fn grid(grid: &Grid) -> Result<(), String> {
     }
 }
 
-/// What is wrong with the name of an attachment.
+/// Checks the name of an attachment.
 pub(super) fn attachment(name: &str) -> Result<(), String> {
     check_line("an attachment", name)
 }

@@ -1,49 +1,50 @@
-//! What is recorded besides fields: the conversation, and what the coordinator made of it.
+//! Recorded events: messages between coordinator and participants, and decisions of the
+//! coordinator.
 
 use super::{RecordingError, admit};
 use crate::message::{Command, CommandKind, Reply, Topics};
 use serde::{Deserialize, Serialize};
 
-/// One event of a run. Participants are named by their index in [`super::Head::participants`].
+/// One event of a run. Participants are given by their index in [`super::Head::participants`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Event {
     /// The coordinator has sent a command.
     Command {
-        /// The participant that it is sent to.
+        /// Receiver of the command.
         participant: u16,
-        /// The fixed part.
+        /// Fixed part of the message.
         command: Command,
-        /// What stands behind it. `Save` has none and `Restore` its grids alone: their files are
-        /// recorded as states, and as the samples that follow.
+        /// Variable part of the message: empty for `Save`, only the grids for `Restore`. Their
+        /// files are recorded as states and as the samples that follow.
         body: Vec<u8>,
     },
-    /// A participant has answered.
+    /// A participant has replied.
     Reply {
-        /// The participant.
+        /// Sender of the reply.
         participant: u16,
-        /// The fixed part.
+        /// Fixed part of the message.
         reply: Reply,
-        /// What stands behind it.
+        /// Variable part of the message.
         body: Vec<u8>,
     },
-    /// An iteration is complete and judged.
+    /// An iteration is complete and its convergence has been checked.
     Iteration(Iteration),
-    /// A window is solved again, with another end.
+    /// A window is solved again, with a different end.
     Repeated {
         /// Number of the window.
         window: u64,
-        /// Why.
+        /// Reason for the repetition.
         cause: String,
     },
-    /// The run is over.
+    /// The run has ended.
     Ended {
-        /// What ended it, if that was no success.
+        /// Error that ended the run; `None` after success.
         error: Option<String>,
     },
 }
 
 impl Event {
-    /// Bytes of what stands behind a command or reply.
+    /// Returns the length of the variable part of a command or reply [byte].
     pub(super) fn text_length(&self) -> usize {
         match self {
             Self::Command { body, .. } | Self::Reply { body, .. } => body.len(),
@@ -51,10 +52,10 @@ impl Event {
         }
     }
 
-    /// The topics that a participant was given, and its index; `None` in any other event.
+    /// Returns the topics given to a participant, with its index; `None` for other events.
     ///
     /// # Errors
-    /// They are none, or name what no recording holds.
+    /// Fails if the body is malformed, or if a name or grid is not permitted in a recording.
     pub fn topics(&self) -> Result<Option<(u16, Topics)>, RecordingError> {
         match self {
             Self::Command { participant, command, body }
@@ -67,10 +68,10 @@ impl Event {
     }
 }
 
-/// The topics in the body of a recorded command.
+/// Reads the topics in the body of a recorded command.
 ///
 /// # Errors
-/// They are none, or name what no recording holds.
+/// Fails if the body is malformed, or if a name or grid is not permitted in a recording.
 pub fn read_topics(body: &[u8]) -> Result<Topics, RecordingError> {
     let wrong =
         |fault: String| RecordingError::Content(format!("the topics of a participant: {fault}"));
@@ -79,7 +80,7 @@ pub fn read_topics(body: &[u8]) -> Result<Topics, RecordingError> {
     Ok(topics)
 }
 
-/// What the coordinator says of an iteration.
+/// Convergence data of an iteration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Iteration {
     /// Number of the window, from 0.
@@ -88,15 +89,15 @@ pub struct Iteration {
     pub iteration: u32,
     /// Start of the window [s].
     pub start: f64,
-    /// End of it [s].
+    /// End of the window [s].
     pub end: f64,
     /// Largest relative residual of the coupling data; `None` in an explicit scheme.
     pub residual: Option<f64>,
-    /// That of each field of the coupling data, by name.
+    /// Residual of each field of the coupling data, by name.
     pub residuals: Vec<(String, f64)>,
-    /// Relaxation of the next iterate, if there was one.
+    /// Relaxation factor ω of the next iterate, for relaxation steps.
     pub relaxation: Option<f64>,
-    /// Columns from which the next iterate was made.
+    /// Number of secant columns used for the next iterate.
     pub columns: Option<u64>,
     /// Heat sent through conservative fields [W].
     pub heat_sent: Option<f64>,

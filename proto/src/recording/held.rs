@@ -1,35 +1,35 @@
-//! How much a recording makes its reader hold.
+//! Memory limit of the reader of a recording.
 //!
-//! A reader of a recording keeps its attachments, the newest message of each channel and what the
-//! conversation says of grids. A compressed chunk of some kilobytes can claim any length for those,
-//! so that their sum is limited: to a base, and beyond it to a multiple of what has been read of the
-//! file. Uncompressed recordings never reach the limit, whatever their size.
+//! A reader keeps the attachments, the newest message of each channel, and the grids from the
+//! messages. A compressed chunk of a few kilobytes can claim any length for these. Therefore their
+//! total is limited to a base plus a multiple of the bytes read from the file. Uncompressed
+//! recordings never reach the limit, whatever their size.
 
 use mcap::records::op;
 use std::collections::HashMap;
 
-/// What may be held whatever the length of the file [byte].
+/// Memory permitted for a file of any length [byte].
 const BASE: u64 = 256 << 20;
-/// Bytes that may be held for each byte of the file.
+/// Additional memory permitted for each byte read from the file [byte].
 const PER_BYTE: u64 = 16;
-/// What a text of the conversation takes once it is understood, for each of its bytes.
+/// Memory of a parsed text for each of its bytes [byte].
 const UNDERSTOOD: u64 = 4;
-/// What an entry takes besides its content [byte].
+/// Memory of an entry besides its content [byte].
 const ENTRY: u64 = 256;
 
-/// What the reader of a recording holds.
+/// Memory that the reader of a recording holds.
 #[derive(Debug, Default)]
-pub(super) struct Held {
+pub(super) struct MemoryBudget {
     bytes: u64,
-    /// The longest message of each channel so far.
+    /// Length of the longest message of each channel so far.
     longest: HashMap<u16, u64>,
 }
 
-impl Held {
-    /// A record that is about to be taken from the file, of which so much has been read.
+impl MemoryBudget {
+    /// Accounts for a record before it is read; `read` is the number of bytes read from the file.
     ///
     /// # Errors
-    /// With it more would be held than is reasonable.
+    /// Fails if the total memory would exceed the limit.
     pub(super) fn record(&mut self, opcode: u8, record: &[u8], read: u64) -> Result<(), String> {
         let length = record.len() as u64;
         let (kept, passing) = match (opcode, record.first_chunk()) {
@@ -46,10 +46,10 @@ impl Held {
         self.within(passing, read)
     }
 
-    /// A text of the conversation.
+    /// Accounts for a text in a command or reply.
     ///
     /// # Errors
-    /// As [`Held::record`].
+    /// Fails like [`MemoryBudget::record`].
     pub(super) fn text(&mut self, length: usize, read: u64) -> Result<(), String> {
         self.bytes += UNDERSTOOD * length as u64;
         self.within(0, read)

@@ -1,5 +1,5 @@
-//! A field's header as it stands in a file: the bytes of [`FieldHeader`] on a little-endian machine,
-//! whatever machine writes it.
+//! Header of a field in a file: the bytes of [`FieldHeader`] on a little-endian machine, on every
+//! platform.
 
 use crate::message::{FieldHeader, Label};
 
@@ -26,8 +26,8 @@ pub fn write_label(into: &mut Vec<u8>, header: &FieldHeader) {
     }
 }
 
-/// Takes a header from the front of the bytes; the rest are the values. `None` if there are fewer
-/// than [`LABEL_BYTES`].
+/// Splits a header from the front of the bytes; the rest are the values. Returns `None` if there
+/// are fewer than [`LABEL_BYTES`].
 #[must_use]
 pub fn read_label(bytes: &[u8]) -> Option<(FieldHeader, &[u8])> {
     let (label, values) = bytes.split_at_checked(LABEL_BYTES)?;
@@ -90,8 +90,8 @@ mod tests {
         assert_eq!(read_label(&bytes[..LABEL_BYTES - 1]), None);
     }
 
-    /// The offsets that [`super::super::FIELD_SCHEMA`] tells foreign tools, which are those of the
-    /// layout in memory.
+    /// Checks the offsets stated in [`super::super::FIELD_SCHEMA`], which are those of the layout
+    /// in memory.
     #[test]
     fn golden_bytes() {
         let mut bytes = Vec::new();

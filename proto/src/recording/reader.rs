@@ -1,6 +1,6 @@
 //! Reading a recording from front to back.
 
-use super::held::Held;
+use super::held::MemoryBudget;
 use super::{
     CONTROL, Event, FORMAT, Head, LONGEST_RECORD, RecordingError, STATE, admit, read_label,
 };
@@ -11,69 +11,70 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use std::collections::HashMap;
 use std::io::Read;
 
-/// The most that is asked of the file at a time [byte]: what a length in the file claims is
-/// allocated only as far as the bytes are there.
+/// Maximum number of bytes requested from the file at a time. A length claimed in the file is
+/// allocated only as far as its bytes exist.
 const READ: usize = 1 << 20;
 
-/// A recording being read. Memory is bounded, see [`Held`].
+/// A recording being read; memory is bounded, see [`MemoryBudget`].
 pub struct Recording<R: Read> {
     source: Source<R>,
     head: Head,
     attachments: Vec<(String, Vec<u8>)>,
     channels: HashMap<u16, String>,
     values: Vec<f64>,
-    /// The record that ended the head, to be given out first.
+    /// First record after the head, returned before all others.
     held: Option<(u8, Vec<u8>)>,
 }
 
-/// One message.
+/// A message of a recording.
 #[derive(Debug)]
 pub struct Entry<'a> {
-    /// Since the start of the recording [ns].
+    /// Time since the start of the recording [ns].
     pub nanoseconds: u64,
-    /// What was recorded.
+    /// Content of the message.
     pub item: Item<'a>,
 }
 
-/// What a message is.
+/// Content of a message.
 #[derive(Debug)]
 pub enum Item<'a> {
-    /// A part of the conversation.
+    /// A command, a reply, or a decision of the coordinator.
     Event(Event),
     /// A sample of a field.
     Sample {
-        /// The service that it travelled on.
+        /// Service of the sample.
         service: &'a str,
-        /// Its label.
+        /// Header of the sample.
         header: FieldHeader,
         /// `components * points` values, component-major.
         values: &'a [f64],
     },
-    /// A participant's state.
+    /// Saved state of a participant.
     State {
-        /// Whose.
+        /// Role of the participant.
         role: &'a str,
-        /// As that participant wrote it.
+        /// State as written by the participant.
         bytes: &'a [u8],
     },
 }
 
-/// How a recording ends.
+/// Completeness of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// It has not been read to its end.
+    /// The recording has not been read to its end.
     Unknown,
-    /// With index and footer.
+    /// The recording has an index and a footer.
     Complete,
-    /// The file stops after this many bytes, in the middle.
+    /// The file is truncated after this many bytes.
     Cut(u64),
 }
 
 impl<R: Read> Recording<R> {
-    /// Reads the head and everything that is attached.
+    /// Reads the head and all attachments.
     ///
     /// # Errors
-    /// It is no recording, or of another format, or damaged, or cut before its first message.
+    /// Fails if the file is not a recording, has another format, is damaged, or is truncated before
+    /// its first message.
     pub fn open(file: R) -> Result<Self, RecordingError> {
         let mut source = Source::new(file);
         let mut attachments = Vec::new();
@@ -110,34 +111,34 @@ impl<R: Read> Recording<R> {
         Ok(Self { source, head, attachments, channels, values, held })
     }
 
-    /// What the recording is of.
+    /// Returns the head of the recording.
     #[must_use]
     pub fn head(&self) -> &Head {
         &self.head
     }
 
-    /// A text or file by its name.
+    /// Returns an attached text or file by name.
     #[must_use]
     pub fn attachment(&self, name: &str) -> Option<&[u8]> {
         self.attachments.iter().find(|(found, _)| found == name).map(|(_, data)| data.as_slice())
     }
 
-    /// How it ends; known when [`Recording::read`] has given `None`.
+    /// Returns the completeness; known after [`Recording::read`] has returned `None`.
     #[must_use]
     pub fn end(&self) -> End {
         self.source.end
     }
 
-    /// Bytes of the file read so far.
+    /// Returns the number of bytes read from the file so far.
     #[must_use]
     pub fn bytes_read(&self) -> u64 {
         self.source.bytes_read
     }
 
-    /// The next message; `None` at the end, or at the place where the file is cut.
+    /// Reads the next message; returns `None` at the end or where the file is truncated.
     ///
     /// # Errors
-    /// The file cannot be read or is damaged.
+    /// Fails if the file cannot be read or is damaged.
     pub fn read(&mut self) -> Result<Option<Entry<'_>>, RecordingError> {
         let Self { source, head, channels, values, held, .. } = self;
         if let Some((opcode, bytes)) = held.take()
@@ -165,7 +166,7 @@ impl<R: Read> Recording<R> {
             let what = format!("a message on channel {}, which is unknown", header.channel_id);
             return Err(RecordingError::Content(what));
         };
-        // The record lies in the source's own buffer: what is borrowed from it stays borrowed.
+        // The record lies in the source's own buffer, so borrowed data stays borrowed.
         let std::borrow::Cow::Borrowed(data) = data else {
             return Err(RecordingError::Content("an incomplete message".to_owned()));
         };
@@ -186,7 +187,7 @@ fn damaged<T>(what: String) -> Result<T, RecordingError> {
     Err(RecordingError::Content(what))
 }
 
-/// A channel keeps the name that it has first.
+/// Registers a channel; a channel must keep its first name.
 fn open_channel(
     channels: &mut HashMap<u16, String>,
     id: u16,
@@ -202,7 +203,8 @@ fn open_channel(
     }
 }
 
-/// An attachment has two times, two texts behind their lengths, a length, its content and a sum.
+/// Returns true if an attachment has all its parts: two times, two texts with lengths, a length,
+/// the content and a checksum.
 fn attachment_is_whole(bytes: &[u8]) -> bool {
     let text = |rest: &'_ [u8]| -> Option<usize> {
         let (length, rest) = rest.split_first_chunk()?;
@@ -215,7 +217,7 @@ fn attachment_is_whole(bytes: &[u8]) -> bool {
     texts.is_some_and(|left| left >= size_of::<u64>() + size_of::<u32>())
 }
 
-/// The part of the head that every format has.
+/// Part of the head that is common to all formats.
 #[derive(serde::Deserialize)]
 struct Format {
     format: u32,
@@ -256,13 +258,13 @@ fn sample<'a>(
     Ok(Item::Sample { service, header, values })
 }
 
-/// The container's records, one after the other, the chunks opened.
+/// Records of the container in sequence, with chunks decompressed.
 struct Source<R: Read> {
     file: R,
     reader: LinearReader,
     record: Vec<u8>,
     bytes_read: u64,
-    held: Held,
+    held: MemoryBudget,
     end: End,
 }
 
@@ -278,12 +280,13 @@ impl<R: Read> Source<R> {
             reader,
             record: Vec::new(),
             bytes_read: 0,
-            held: Held::default(),
+            held: MemoryBudget::default(),
             end: End::Unknown,
         }
     }
 
-    /// The next record's opcode and bytes; `None` at the end or at the cut.
+    /// Returns the next record's opcode and bytes; `None` at the end or where the file is
+    /// truncated.
     fn next(&mut self) -> Result<Option<(u8, &[u8])>, RecordingError> {
         if self.end != End::Unknown {
             return Ok(None);
@@ -316,7 +319,7 @@ impl<R: Read> Source<R> {
     }
 }
 
-/// What the file has, up to the length of the buffer; 0 at its end.
+/// Reads available bytes, up to the length of the buffer; returns 0 at the end of the file.
 fn read(file: &mut impl Read, into: &mut [u8]) -> Result<usize, RecordingError> {
     loop {
         match file.read(into) {

@@ -61,7 +61,8 @@ fn value(window: u64, index: u64) -> f64 {
     1.0 / (1.0 + window as f64) - index as f64
 }
 
-/// Four windows: a command, a sample, a reply, a state, an iteration; a chunk for each window.
+/// Four windows with a command, a sample, a reply, a state and an iteration each; one chunk per
+/// window.
 fn recorded(compression: Compression) -> Vec<u8> {
     let files = [("case.toml".to_owned(), b"[case]".to_vec())];
     let out = Cursor::new(Vec::new());
@@ -83,7 +84,7 @@ fn recorded(compression: Compression) -> Vec<u8> {
     writer.finish().unwrap().into_inner()
 }
 
-/// Reads to the end, and checks every value; how many messages, and how it ends.
+/// Reads to the end and checks every value; returns the number of messages and the completeness.
 fn read(bytes: &[u8]) -> Result<(usize, End), RecordingError> {
     let mut recording = Recording::open(bytes)?;
     let case = recording.attachment("case.toml").map(<[u8]>::to_vec);
@@ -114,7 +115,7 @@ fn read(bytes: &[u8]) -> Result<(usize, End), RecordingError> {
         }
         count += 1;
     }
-    // A cut may lie between the head and what else is attached.
+    // The file may be cut between the head and the other attachments.
     assert!(case.is_some_and(|case| case == b"[case]") || count == 0);
     Ok((count, recording.end()))
 }
@@ -126,8 +127,8 @@ fn everything_comes_back_to_the_bit() {
     }
 }
 
-/// A file that was cut reads up to the cut: of an uncompressed one every message that is there, of
-/// a compressed one at least those of the chunks that are.
+/// A truncated file is readable up to the cut: all complete messages if uncompressed, all messages
+/// of complete chunks if compressed.
 #[test]
 fn a_file_cut_at_any_byte_reads_up_to_the_cut() {
     for compression in [Compression::None, Compression::Zstd] {
@@ -150,7 +151,7 @@ fn a_file_cut_at_any_byte_reads_up_to_the_cut() {
     }
 }
 
-/// Values that are not those that were written are never taken for them.
+/// Damaged values are never accepted as the written ones.
 #[test]
 fn a_flipped_bit_in_a_chunk_is_noticed() {
     let whole = recorded(Compression::None);
@@ -185,7 +186,7 @@ fn what_is_no_recording_is_reported() {
     assert!(matches!(Recording::open(&newer[..]), Err(RecordingError::Format { found: 2 })));
 }
 
-/// Reads what can be read; must come to an end without panic.
+/// Reads as far as possible; must terminate without a panic.
 fn survive(bytes: &[u8]) {
     let Ok(mut recording) = Recording::open(bytes) else { return };
     while let Ok(Some(_)) = recording.read() {}
@@ -196,7 +197,7 @@ fn cases() -> ProptestConfig {
     ProptestConfig::with_cases(cases.unwrap_or(400))
 }
 
-/// Pieces of a good file changed, left out or doubled.
+/// Changes, omits or duplicates pieces of a valid file.
 fn edited(whole: &[u8], edits: &[(f64, usize, Vec<u8>)]) -> Vec<u8> {
     let mut bytes = whole.to_vec();
     for (share, length, piece) in edits {
@@ -245,7 +246,7 @@ proptest! {
     }
 }
 
-/// A record of the container.
+/// Record of the container.
 fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
     [&[opcode][..], &(body.len() as u64).to_le_bytes(), body].concat()
 }
@@ -254,7 +255,7 @@ fn text(text: &str) -> Vec<u8> {
     [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat()
 }
 
-/// What stands before the content of an attachment of this name and length.
+/// Bytes in front of the content of an attachment with this name and length.
 fn attachment(name: &str, length: usize) -> Vec<u8> {
     [&[0; 16][..], &text(name), &text(""), &(length as u64).to_le_bytes()].concat()
 }
@@ -267,7 +268,7 @@ fn beginning() -> Vec<u8> {
     [mcap::MAGIC, &record(op::HEADER, &header), &record(op::ATTACHMENT, &attached)].concat()
 }
 
-/// A chunk in zstd's simplest form: blocks of bytes as they are, and blocks of zeros in four bytes.
+/// Chunk in zstd's simplest form: raw blocks, and blocks of zeros encoded in four bytes.
 fn chunk_of_zeros(records: &[(u8, Vec<u8>, usize)]) -> Vec<u8> {
     let block = |kind: usize, size: usize| (size << 3 | kind << 1).to_le_bytes()[..3].to_vec();
     let (mut frame, mut length) = (vec![0x28, 0xb5, 0x2f, 0xfd, 0, 0x38], 0);
@@ -290,8 +291,8 @@ fn chunk_of_zeros(records: &[(u8, Vec<u8>, usize)]) -> Vec<u8> {
     record(op::CHUNK, &[numbers, compression, compressed].concat())
 }
 
-/// A recording of a few kilobytes cannot make its reader hold gigabytes, neither in one piece nor in
-/// many.
+/// A recording of a few kilobytes cannot make its reader hold gigabytes, neither in one piece nor
+/// in many.
 #[test]
 fn what_a_small_file_claims_is_limited_in_sum() {
     let read_error = |chunk: Vec<u8>| {
@@ -314,7 +315,7 @@ fn what_a_small_file_claims_is_limited_in_sum() {
     };
     let error = read_error(chunk_of_zeros(&(0..40).map(attached).collect::<Vec<_>>()));
     assert!(error.contains("256 MiB at most"), "{error}");
-    // States: of all messages those that need no label.
+    // States are the only messages without a label.
     let states = (1_u16..=40).flat_map(|id| {
         let topic = format!("state/role-{id}");
         let channel = [&id.to_le_bytes()[..], &[0; 2], &text(&topic), &[0; 8]].concat();
@@ -324,7 +325,8 @@ fn what_a_small_file_claims_is_limited_in_sum() {
     assert!(error.contains("256 MiB at most"), "{error}");
 }
 
-/// Many topics of many values are no claim but content: they read.
+/// An uncompressed file holds every byte that it claims, so many topics with many values are
+/// readable.
 #[test]
 fn an_uncompressed_file_of_any_length_reads() {
     let out = Cursor::new(Vec::new());
@@ -354,7 +356,7 @@ fn an_attachment_shorter_than_its_length_is_reported() {
     }
 }
 
-/// Reads a recording with this head, whose only message is a sample on a topic.
+/// Reads a recording with this head and a single message, a sample on a topic.
 fn with_sample(head: &Head, topic: &str, header: &FieldHeader) -> Result<(), RecordingError> {
     let out = Cursor::new(Vec::new());
     let mut writer = RecordingWriter::create(out, Compression::None, head, &[])?;

@@ -1,4 +1,4 @@
-//! Writing a recording.
+//! Writer of recordings.
 
 use super::{
     CONTROL, Event, FIELD_SCHEMA, FILES, Head, LONGEST_RECORD, PROFILE, RecordingError, STATE,
@@ -12,23 +12,23 @@ use std::collections::{BTreeMap, HashMap};
 use std::io::{Seek, Write};
 use std::time::{Duration, Instant};
 
-/// A chunk that has grown to this length is written [byte].
+/// Length at which a chunk is written [byte].
 const CHUNK: u64 = 4 << 20;
-/// Messages stay in memory for no longer than this while more are written.
+/// Longest time that messages stay in memory while more are written.
 const UNWRITTEN: Duration = Duration::from_millis(100);
 
-/// How chunks are compressed.
+/// Compression of chunks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compression {
-    /// Not at all: as fast as the disk.
+    /// Uncompressed, as fast as the disk.
     #[default]
     None,
-    /// Zstandard, at its fastest common level.
+    /// Zstandard, at its fastest standard level.
     Zstd,
 }
 
-/// A recording being written. [`RecordingWriter::finish`] adds index and footer; without, the file
-/// reads up to its last chunk.
+/// A recording being written. [`RecordingWriter::finish`] adds index and footer; otherwise the file
+/// is readable up to its last chunk.
 pub struct RecordingWriter<W: Write + Seek> {
     file: mcap::Writer<W>,
     control: u16,
@@ -42,11 +42,11 @@ pub struct RecordingWriter<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> RecordingWriter<W> {
-    /// Begins a recording: its head, then texts and files by name (`case.toml`, `plan.txt`,
-    /// `files/KEY`).
+    /// Begins a recording with its head, followed by texts and files by name (`case.toml`,
+    /// `plan.txt`, `files/KEY`).
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// Fails if the file cannot be written.
     pub fn create(
         out: W,
         compression: Compression,
@@ -80,7 +80,7 @@ impl<W: Write + Seek> RecordingWriter<W> {
         })
     }
 
-    /// Bytes of messages so far, before compression.
+    /// Returns the length of all messages so far, before compression [byte].
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.bytes
@@ -89,17 +89,17 @@ impl<W: Write + Seek> RecordingWriter<W> {
     /// Writes an event.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// Fails if the file cannot be written.
     pub fn event(&mut self, event: &Event) -> Result<(), RecordingError> {
         self.message.clear();
         binary::append(&mut self.message, event).map_err(RecordingError::Content)?;
         self.write(self.control, 0)
     }
 
-    /// Writes a sample that travelled on this service.
+    /// Writes a sample of this service.
     ///
     /// # Errors
-    /// The file cannot be written, or the sample is longer than [`LONGEST_RECORD`].
+    /// Fails if the file cannot be written, or if the sample is longer than [`LONGEST_RECORD`].
     pub fn sample(
         &mut self,
         service: &str,
@@ -117,21 +117,21 @@ impl<W: Write + Seek> RecordingWriter<W> {
     /// Writes a participant's state.
     ///
     /// # Errors
-    /// The file cannot be written, or the state is longer than [`LONGEST_RECORD`].
+    /// Fails if the file cannot be written, or if the state is longer than [`LONGEST_RECORD`].
     pub fn state(&mut self, role: &str, state: &[u8]) -> Result<(), RecordingError> {
         let name = format!("{STATE}{role}");
         let (channel, count) = self.channel(&name, 0, "bytes", BTreeMap::new)?;
         self.message.clear();
         self.message.extend_from_slice(state);
         self.write(channel, count)?;
-        // A run that goes on from here, after it was killed, goes on where this recording ends.
+        // After a crash, a run restored from this state continues where this recording ends.
         self.flush()
     }
 
-    /// Adds index and footer; the file.
+    /// Adds index and footer, and returns the file.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// Fails if the file cannot be written.
     pub fn finish(mut self) -> Result<W, RecordingError> {
         self.file.finish()?;
         let mut out = self.file.into_inner();
@@ -139,7 +139,7 @@ impl<W: Write + Seek> RecordingWriter<W> {
         Ok(out)
     }
 
-    /// The number of a channel, and how many messages it has had with this one.
+    /// Returns the number of a channel and the number of its messages including the next one.
     fn channel(
         &mut self,
         name: &str,
@@ -173,10 +173,10 @@ impl<W: Write + Seek> RecordingWriter<W> {
         Ok(())
     }
 
-    /// Writes what is still in memory.
+    /// Writes all messages in memory to the file.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// Fails if the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
         self.flushed = Instant::now();
         Ok(self.file.flush()?)
@@ -191,13 +191,13 @@ fn options(compression: Compression) -> mcap::WriteOptions {
     mcap::WriteOptions::new()
         .compression(compression)
         .compression_level(1)
-        // In the calling thread: the processors belong to the solvers.
+        // Compress in the calling thread: the processors belong to the solvers.
         .compression_threads(0)
         .profile(PROFILE)
         .chunk_size(Some(CHUNK))
-        // A chunk reaches the file as a whole, not in pieces with lengths filled in later.
+        // A chunk is written at once, not in pieces with lengths filled in later.
         .disable_seeking(true)
-        // Chunks and attachments have sums of their own.
+        // Chunks and attachments have checksums of their own.
         .calculate_data_section_crc(false)
 }
 
@@ -212,7 +212,7 @@ fn attach<W: Write + Seek>(
     Ok(file.attach(&mcap::Attachment { log_time: 0, create_time: 0, name, media_type, data })?)
 }
 
-/// Appends doubles as little-endian bytes: a piece that stays in the first-level cache at a time, so
+/// Appends doubles as little-endian bytes. Works in pieces that fit into the first-level cache, so
 /// that memory is read once and written once.
 fn append_values(into: &mut Vec<u8>, values: &[f64]) {
     const PIECE: usize = 512;

@@ -1,6 +1,6 @@
-//! The files by which a run is known, and which of them somebody holds.
+//! Names of the files in a run's folder, and the state of its locks.
 
-use rustix::fs::{FlockOperation, flock};
+use crate::lock_file::LockFile;
 use std::fs::File;
 use std::io;
 use std::path::Path;
@@ -9,10 +9,10 @@ pub(super) const COORDINATOR_LOCK: &str = "coordinator.lock";
 pub(super) const MEMBERS_LOCK: &str = "members.lock";
 pub(super) const RUN_FILE: &str = "run.json";
 
-/// Nobody holds a lock.
+/// Returns true if no process holds a lock.
 pub(super) fn is_free(lock: &Path) -> bool {
     match File::open(lock) {
-        Ok(file) => flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok(),
+        Ok(file) => LockFile::from(file).try_lock().is_ok(),
         Err(error) => error.kind() == io::ErrorKind::NotFound,
     }
 }

@@ -1,13 +1,13 @@
-//! The folder that holds the runs of a user, and what dead runs have left in it.
+//! Folder of all runs of a user, and removal of dead runs from it.
 //!
-//! It is called `cosim-UID` and lies in `/dev/shm`, or in the folder that `COSIM_RUNTIME_DIR` names. In
-//! memory, because iceoryx2 flushes every small file that describes a service to the disk, which takes
-//! as long as the disk is busy. It exists only while there are runs; the folder that holds it is the
-//! user's and stays.
+//! The folder is named `cosim-UID` and lies in `/dev/shm`, or in the folder given by
+//! `COSIM_RUNTIME_DIR`. It lies in memory because iceoryx2 flushes every small file that describes
+//! a service, which is slow on a busy disk. The folder exists only while there are runs; its parent
+//! belongs to the user and stays.
 //!
-//! What is removed is what a run has made, and nothing else: before anything, the folder must be ours
-//! alone and no symbolic link; a run is a folder in it with an identifier for its name and a `run.json`
-//! of that identifier; a shared-memory file of a run is a file of ours with the run's prefix.
+//! Only files created by a run are removed. The runtime folder must belong to us alone and must not
+//! be a symbolic link. A run is a subfolder named by an identifier, with a `run.json` of the same
+//! identifier. A shared-memory file of a run belongs to us and has the run's prefix.
 
 use super::locks::{COORDINATOR_LOCK, MEMBERS_LOCK, RUN_FILE, is_free};
 use std::ffi::OsStr;
@@ -18,21 +18,22 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 pub(super) const SHARED_MEMORY: &str = "/dev/shm";
-/// Longest path of the runtime folder: the sockets of services must fit into 108 bytes.
+/// Maximum path length of the runtime folder [byte]: socket paths of services must fit into 108
+/// bytes.
 const LONGEST_PATH: usize = 44;
-/// Folders of runs begin with this until their locks are held.
+/// Prefix of run folders whose locks are not yet held.
 const NURSERY: &str = ".new-";
-/// A run that has not got its locks by then never will.
+/// Age after which a run without its locks is considered dead.
 const NURSERY_AGE: Duration = Duration::from_secs(60);
-/// What lies in the folder of a run before it has its name.
+/// Files in a run's folder before it gets its final name.
 const FIRST_FILES: [&str; 3] = [RUN_FILE, COORDINATOR_LOCK, MEMBERS_LOCK];
 
-/// The folder that holds the runs of this user.
+/// Folder of all runs of this user.
 #[derive(Debug)]
 pub(super) struct RuntimeFolder(PathBuf);
 
 impl RuntimeFolder {
-    /// The folder as the environment has it, made if need be; it is ours alone.
+    /// Opens the folder set by the environment, and creates it if missing; it must be ours alone.
     pub(super) fn open() -> io::Result<Self> {
         if let Some(root) = std::env::var_os("COSIM_RUNTIME_DIR") {
             return Self::within(Path::new(&root));
@@ -42,9 +43,9 @@ impl RuntimeFolder {
         Ok(folder)
     }
 
-    /// The folder in another one than `/dev/shm`, in which nobody else may replace it.
+    /// Opens the folder under a root other than `/dev/shm`, where no other user may replace it.
     fn within(root: &Path) -> io::Result<Self> {
-        // As components, because a slash at the end would follow a symbolic link.
+        // Normalised by components, because a trailing slash would follow a symbolic link.
         let root: PathBuf = root.components().collect();
         let folder = Self::of(&root)?;
         fs::DirBuilder::new()
@@ -73,7 +74,7 @@ impl RuntimeFolder {
         &self.0
     }
 
-    /// Makes the folder unless it is there; an error if it is not ours alone.
+    /// Creates the folder if missing; fails if it is not ours alone.
     fn make(&self) -> io::Result<()> {
         let path = &self.0;
         match fs::DirBuilder::new().mode(0o700).create(path) {
@@ -92,7 +93,7 @@ impl RuntimeFolder {
         Ok(())
     }
 
-    /// A new folder `.new-ID` for a run, with an identifier that no other run has.
+    /// Creates a new folder `.new-ID` for a run, with a unique identifier.
     pub(super) fn nursery(&self) -> io::Result<(String, PathBuf)> {
         let mut seed = SystemTime::now()
             .duration_since(SystemTime::UNIX_EPOCH)
@@ -105,7 +106,7 @@ impl RuntimeFolder {
                 Ok(()) if !self.0.join(&id).exists() => return Ok((id, nursery)),
                 Ok(()) => fs::remove_dir(&nursery)?,
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                // The last run that ends removes the runtime folder, perhaps just now.
+                // The last run to end removes the runtime folder, possibly at this moment.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => self.make()?,
                 Err(error) => return Err(at(&nursery, error)),
             }
@@ -113,7 +114,7 @@ impl RuntimeFolder {
         }
     }
 
-    /// Removes the runs of which no process lives.
+    /// Removes the runs without living processes.
     pub(super) fn remove_dead_runs(&self) {
         let Ok(entries) = fs::read_dir(&self.0) else { return };
         for entry in entries.flatten() {
@@ -131,7 +132,8 @@ impl RuntimeFolder {
     }
 }
 
-/// A folder in which others may make folders is one of ours or the system's, and has the sticky bit.
+/// Checks that the root belongs to us or to the system, and has the sticky bit if others may write
+/// to it.
 fn check_root(root: &Path) -> io::Result<()> {
     let found = folder(root)?;
     if ![0, user()].contains(&found.uid()) {
@@ -143,7 +145,7 @@ fn check_root(root: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// What is known of a folder; an error for a symbolic link, and for anything else.
+/// Returns the metadata of a folder; fails for a symbolic link and for other files.
 fn folder(path: &Path) -> io::Result<Metadata> {
     let found = fs::symlink_metadata(path).map_err(|error| at(path, error))?;
     match found.is_dir() {
@@ -163,12 +165,12 @@ fn at(path: &Path, error: io::Error) -> io::Error {
     io::Error::new(error.kind(), format!("the runtime folder {}: {error}", path.display()))
 }
 
-/// The user whose rights we have.
+/// Effective user of this process.
 pub(super) fn user() -> u32 {
     rustix::process::geteuid().as_raw()
 }
 
-/// A folder of ours, and no symbolic link.
+/// Returns true for a folder that is ours and not a symbolic link.
 fn is_ours(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found| found.is_dir() && found.uid() == user())
 }
@@ -177,18 +179,18 @@ fn is_identifier(name: &str) -> bool {
     name.len() == 8 && name.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// The prefix of the shared-memory files of a run.
+/// Returns the prefix of the shared-memory files of a run.
 pub(super) fn prefix_of(id: &str) -> String {
     format!("cosim_{id}_")
 }
 
-/// A folder bears the identifier of a run, and this is the prefix that goes with it.
+/// Returns true if the folder's name is an identifier and the prefix belongs to it.
 pub(super) fn belong_together(folder: &Path, prefix: &str) -> bool {
     let id = folder.file_name().and_then(OsStr::to_str);
     id.is_some_and(|id| is_identifier(id) && prefix == prefix_of(id))
 }
 
-/// A folder is that of a run, of whatever version, that nobody holds a lock of.
+/// Returns true if the folder is that of a run, of any version, without held locks.
 pub(super) fn is_dead(folder: &Path) -> bool {
     let marker = fs::read(folder.join(RUN_FILE)).ok();
     let marker = marker.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
@@ -197,7 +199,8 @@ pub(super) fn is_dead(folder: &Path) -> bool {
         && [COORDINATOR_LOCK, MEMBERS_LOCK].iter().all(|lock| is_free(&folder.join(lock)))
 }
 
-/// Removes a folder that a run was begun in long ago, and nothing that somebody has put there.
+/// Removes the folder of a run whose creation was interrupted long ago, unless it holds other
+/// files.
 fn remove_nursery(nursery: &Path) {
     let made = fs::metadata(nursery).and_then(|found| found.modified());
     let old = made.is_ok_and(|made| made.elapsed().is_ok_and(|age| age > NURSERY_AGE));
@@ -208,7 +211,7 @@ fn remove_nursery(nursery: &Path) {
     }
 }
 
-/// Removes a folder in which a run was begun, and the folder of all runs if there is no other.
+/// Removes the folder of an incomplete run, and the runtime folder if it is then empty.
 pub(super) fn remove_first_files(nursery: &Path) {
     for file in FIRST_FILES {
         let _ = fs::remove_file(nursery.join(file));
@@ -217,7 +220,7 @@ pub(super) fn remove_first_files(nursery: &Path) {
     let _ = nursery.parent().map(fs::remove_dir);
 }
 
-/// Removes everything that a run has left on the machine.
+/// Removes all remains of a run from the machine.
 pub(super) fn remove_run(folder: &Path, prefix: &str) {
     for file in shared_memory_of(prefix) {
         let _ = fs::remove_file(file);
@@ -231,7 +234,8 @@ pub(super) fn remove_run(folder: &Path, prefix: &str) {
     let _ = folder.parent().map(fs::remove_dir);
 }
 
-/// What marks a folder as a run's goes last: a removal that is cut short is taken up by the next run.
+/// Removes a run's folder. The marker file goes last, so that a later run can complete an
+/// interrupted removal.
 fn remove_folder(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
@@ -245,7 +249,7 @@ fn remove_folder(folder: &Path) -> io::Result<()> {
     fs::remove_dir(folder)
 }
 
-/// The shared-memory files of ours with a run's prefix.
+/// Our shared-memory files with a run's prefix.
 fn shared_memory_of(prefix: &str) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
     let of_run = move |entry: &fs::DirEntry| {
@@ -255,9 +259,9 @@ fn shared_memory_of(prefix: &str) -> impl Iterator<Item = PathBuf> {
     entries.filter(of_run).map(|entry| entry.path())
 }
 
-/// Closes what iceoryx2 leaves open to every user: the file that counts the nodes of a run, which each
-/// process that joins opens, and by which anybody could keep it waiting. A copy that only we may open
-/// takes its place, so that somebody who was quick enough to open it holds what nobody uses.
+/// Closes the one file that iceoryx2 leaves open to every user: the file that counts the nodes of a
+/// run. Each joining process opens this file, and another user could block it there. A copy that
+/// only we may open replaces the file; anyone who opened the original holds an unused file.
 pub(crate) fn close_to_others(prefix: &str) -> io::Result<()> {
     for file in shared_memory_of(prefix) {
         let open = fs::symlink_metadata(&file)?.mode() & 0o077 != 0;
@@ -288,7 +292,7 @@ mod tests {
         RuntimeFolder::within(root).map(|_| ()).unwrap_err().to_string()
     }
 
-    /// A folder as dead runs leave it, with a file in shared memory.
+    /// Creates a folder as left by a dead run, with a file in shared memory.
     fn dead_run(runtime: &Path, id: &str) -> (PathBuf, PathBuf) {
         let (folder, prefix) = (runtime.join(id), prefix_of(id));
         fs::create_dir(&folder).unwrap();
@@ -301,7 +305,7 @@ mod tests {
         (folder, file)
     }
 
-    /// An identifier that no other process uses for its tests.
+    /// Identifier that no other process uses for its tests.
     fn id(number: u32) -> String {
         format!("{:08x}", std::process::id().wrapping_mul(64) + number)
     }
@@ -330,11 +334,11 @@ mod tests {
             }
             set_age(folder, 2 * NURSERY_AGE);
         }
-        // The name of a run, and the marker of another.
+        // Named like a run, with the marker file of another run.
         let (other, other_file) = dead_run(runtime.path(), &id(2));
         let text = fs::read_to_string(other.join(RUN_FILE)).unwrap();
         fs::write(other.join(RUN_FILE), text.replace(&id(2), &id(3))).unwrap();
-        // A link to a dead run elsewhere.
+        // Link to a dead run elsewhere.
         let elsewhere = place();
         let (linked, linked_file) = dead_run(elsewhere.path(), &id(4));
         symlink(&linked, here(&id(4))).unwrap();
@@ -404,7 +408,7 @@ mod tests {
         give(root.path());
         assert!(message(root.path()).contains("belongs to another user; choose one of your own"));
         assert!(folder.exists() && file.exists());
-        // Nor is shared memory of another user's removed, whatever it is called.
+        // Shared memory of another user is never removed, whatever its name.
         give(&file);
         remove_run(&folder, &prefix_of(&id(30)));
         assert!(!folder.exists() && file.exists());

@@ -1,37 +1,37 @@
-//! Files that a user or a case names: read as regular files of a limited size.
+//! Files named by a user or a case, read as regular files of limited size.
 //!
-//! A named pipe would wait for ever and a device has no end; both are refused, as is a directory. Messages
-//! never quote contents: the file may be none of the user's.
+//! Pipes, devices and directories are refused, because a named pipe could block forever and a
+//! device has no end. Messages never quote contents, because the file may not belong to the user.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Why a file cannot be used. Each message continues a sentence that begins with the path.
+/// Reason why a file cannot be used. Each message continues a sentence that begins with the path.
 #[derive(Debug, thiserror::Error)]
 pub enum InputFileError {
-    /// The operating system refuses.
+    /// The operating system reports an error.
     #[error("cannot be read: {0}")]
     System(#[from] io::Error),
-    /// It is something else than a regular file.
+    /// The path is not a regular file.
     #[error("is {0}, where a regular file is expected")]
     NotRegular(&'static str),
-    /// It is larger than its kind may be.
-    #[error("has more than {most} bytes, the most that are read")]
+    /// The file is larger than its kind may be.
+    #[error("is larger than the limit of {most} bytes")]
     TooLarge {
-        /// The limit.
+        /// Maximum size [byte].
         most: u64,
     },
-    /// It is text of two bytes a character.
+    /// The file is UTF-16 text.
     #[error("is UTF-16 text; save it as UTF-8")]
     Utf16,
-    /// It is not UTF-8.
+    /// The file is not UTF-8 text.
     #[error("is not UTF-8 text in line {line}; save it as UTF-8")]
     NotUtf8 {
         /// Number of the line, from 1.
         line: usize,
     },
-    /// It holds the character NUL.
+    /// The file contains a zero byte.
     #[error("is not a text file: line {line} holds a zero byte")]
     Binary {
         /// Number of the line, from 1.
@@ -42,35 +42,35 @@ pub enum InputFileError {
 /// Opens a regular file.
 ///
 /// # Errors
-/// It cannot be opened, or is a pipe, a device, a socket or a directory.
+/// Fails if the file cannot be opened, or is a pipe, a device, a socket or a directory.
 pub fn open(path: &Path) -> Result<File, InputFileError> {
-    // Before it is opened: opening a named pipe waits for its writer.
+    // Checked before opening, because opening a named pipe waits for its writer.
     refuse_irregular(&path.metadata()?)?;
     let file = File::open(path)?;
     refuse_irregular(&file.metadata()?)?;
     Ok(file)
 }
 
-/// Reads a regular file of `most` bytes at most.
+/// Reads a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`open`], or the file is larger.
+/// Fails like [`open`], or if the file is larger.
 pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, InputFileError> {
     let file = open(path)?;
     let length = file.metadata()?.len();
     if length > most {
         return Err(InputFileError::TooLarge { most });
     }
-    // Files of /proc have no length, and others may grow while they are read.
+    // Files in /proc report no length, and others may grow while they are read.
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most { Err(InputFileError::TooLarge { most }) } else { Ok(bytes) }
 }
 
-/// Reads a regular file of text, without its byte order mark.
+/// Reads a regular text file, without its byte order mark.
 ///
 /// # Errors
-/// As [`read`], or it is not UTF-8 text.
+/// Fails like [`read`], or if the file is not UTF-8 text.
 pub fn read_text(path: &Path, most: u64) -> Result<String, InputFileError> {
     into_text(read(path, most)?)
 }
@@ -78,7 +78,7 @@ pub fn read_text(path: &Path, most: u64) -> Result<String, InputFileError> {
 /// Returns bytes as text, without a byte order mark.
 ///
 /// # Errors
-/// They are not UTF-8 text.
+/// Fails if the bytes are not UTF-8 text.
 pub fn into_text(bytes: Vec<u8>) -> Result<String, InputFileError> {
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(InputFileError::Utf16);

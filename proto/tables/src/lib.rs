@@ -1,13 +1,13 @@
-//! Tables of numbers from files that a user names, and what reading them takes.
+//! Tables of numbers from files named by a user, and the tools to read them.
 //!
 //! | module | what |
 //! |---|---|
-//! | [`table`] | columns of numbers or words in a text file, found by name, converted from their units |
-//! | [`input_file`] | a file read within limits, as text |
+//! | [`table`] | columns of numbers or words in a text file, found by name, in SI units |
+//! | [`input_file`] | files read as text, within limits |
 //! | [`unit`], [`quantity`] | units of measurement; a number with its unit |
-//! | [`plausible`] | the range in which a value is expected |
-//! | [`suggest`] | the nearest of the words that would have been right |
-//! | [`text`] | text from outside: what may reach a terminal or a message |
+//! | [`plausible`] | plausible range of a value |
+//! | [`suggest`] | nearest valid word for a misspelt one |
+//! | [`text`] | checks of text from outside, before it reaches a terminal or a message |
 
 pub mod input_file;
 pub mod plausible;

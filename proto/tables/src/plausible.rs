@@ -1,23 +1,23 @@
-//! What is expected of a value, and remarked on if it is otherwise.
+//! Plausible ranges of values; a value outside produces a warning.
 
 use serde::{Deserialize, Serialize};
 
-/// Bounds of the magnitude of a value in scenes that there are; beyond them a number is likely to be mistyped, or a model to
-/// have left what it is made for.
+/// Bounds of the magnitude of a value in realistic scenes. A value outside is probably mistyped, or
+/// a model is used outside its range.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plausible {
-    /// Least magnitude, of a value that is not zero (SI).
+    /// Smallest magnitude of a nonzero value (SI).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least: Option<f64>,
     /// Largest magnitude (SI).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most: Option<f64>,
-    /// Why, or where this is from.
+    /// Reason for the bounds, or their source.
     pub why: String,
 }
 
 impl Plausible {
-    /// Returns the bounds of a range of magnitudes; 0 and infinity are none.
+    /// Returns the bounds of a range of magnitudes; 0 and infinity mean no bound.
     #[must_use]
     pub fn within(range: std::ops::RangeInclusive<f64>, why: &str) -> Self {
         let (least, most) = (*range.start(), *range.end());
@@ -28,7 +28,7 @@ impl Plausible {
         }
     }
 
-    /// The bound that a value is beyond, if it is.
+    /// Returns the bound that a value violates, if any.
     #[must_use]
     pub fn bound_passed(&self, value: f64) -> Option<f64> {
         let size = value.abs();

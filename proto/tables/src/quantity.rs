@@ -1,6 +1,6 @@
 //! Quantities as people write them: a number and a unit, "134 kN", "0.6 mm", "140 km/h".
 //!
-//! The number is a decimal; powers of ten of the unit move its exponent before it becomes an
+//! The number is a decimal. Powers of ten of the unit shift its exponent before the conversion to
 //! `f64`, so "0.6 mm" is exactly the `f64` of 0.0006.
 
 use crate::unit::{Unit, UnitError, parse_unit};
@@ -9,49 +9,49 @@ use std::fmt::Write as _;
 /// Zero of the Celsius scale \[K\].
 const CELSIUS_ZERO: f64 = 273.15;
 
-/// Why a text is not the quantity that was asked for.
+/// Reason why a text is not the requested quantity.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum QuantityError {
-    /// It does not begin with a decimal number.
+    /// The text does not begin with a decimal number.
     #[error("`{0}` does not begin with a number")]
     NotANumber(String),
-    /// It has a comma where a decimal number has its point.
+    /// The number has a decimal comma instead of a point.
     #[error("`{0}` has a decimal comma; numbers have a point")]
     DecimalComma(String),
-    /// The number stands alone, and the quantity has a unit.
+    /// The unit is missing.
     #[error("`{text}` has no unit; its unit would be {expected}")]
     NoUnit {
         /// The text.
         text: String,
-        /// The unit that was asked for.
+        /// Requested unit.
         expected: String,
     },
-    /// A symbol is not known.
+    /// A symbol is unknown.
     #[error("unknown unit `{symbol}`{}", hint(.suggestion.as_deref()))]
     UnknownUnit {
         /// The symbol.
         symbol: String,
-        /// A known symbol that is near.
+        /// Known symbol with a similar spelling.
         suggestion: Option<String>,
     },
     /// The unit is not a product of powers of symbols.
     #[error("`{0}` is not a unit")]
     Syntax(String),
-    /// The unit is of another dimension.
+    /// The unit has a different dimension.
     #[error("unit `{found}` cannot be converted to {expected}")]
     Dimension {
         /// The unit in the text.
         found: String,
-        /// The unit that was asked for.
+        /// Requested unit.
         expected: String,
     },
-    /// Degrees Celsius stand in a product, power or quotient.
+    /// Degrees Celsius occur in a product, power or quotient.
     #[error("°C has its own zero and cannot be part of `{0}`; K can")]
     Celsius(String),
-    /// Degrees Celsius of a difference of temperatures.
-    #[error("`{0}` is a temperature, and a difference of temperatures is asked for; K can be both")]
+    /// A temperature difference is given in degrees Celsius.
+    #[error("`{0}` is a temperature, but a temperature difference is expected")]
     Difference(String),
-    /// The value is too large for a number.
+    /// The value exceeds the range of `f64`.
     #[error("`{0}` is too large")]
     NotFinite(String),
 }
@@ -60,10 +60,10 @@ fn hint(suggestion: Option<&str>) -> String {
     suggestion.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default()
 }
 
-/// Reads a quantity and gives its value in `unit`, an expression like "m", "J/(kg K)" or "1".
+/// Parses a quantity and returns its value in `unit`, an expression like "m", "J/(kg K)" or "1".
 ///
 /// # Errors
-/// The text is no number with a unit, or its unit cannot be converted to `unit`.
+/// Fails if the text is not a number with a unit, or if its unit cannot be converted to `unit`.
 pub fn parse_quantity(text: &str, unit: &str) -> Result<f64, QuantityError> {
     let expected = parse_unit(unit).map_err(|error| unit_error(error, unit))?;
     let text = text.trim();
@@ -89,11 +89,11 @@ pub fn parse_quantity(text: &str, unit: &str) -> Result<f64, QuantityError> {
     if value.is_finite() { Ok(value) } else { Err(QuantityError::NotFinite(text.to_owned())) }
 }
 
-/// Reads a quantity that is a difference, such as a rise of temperature, and returns its value in `unit`.
-/// A unit with a zero of its own, such as °C, has no meaning for a difference and is refused.
+/// Parses a difference, such as a temperature rise, and returns its value in `unit`. A unit with an
+/// offset, such as °C, is meaningless for a difference and is refused.
 ///
 /// # Errors
-/// As [`parse_quantity`], or the unit has a zero of its own.
+/// Fails like [`parse_quantity`], or if the unit has an offset.
 pub fn parse_difference(text: &str, unit: &str) -> Result<f64, QuantityError> {
     let value = parse_quantity(text, unit)?;
     let (_, given) = split_number(text.trim());
@@ -103,7 +103,7 @@ pub fn parse_difference(text: &str, unit: &str) -> Result<f64, QuantityError> {
     }
 }
 
-/// Conversion of plain decimal numbers from one unit to another.
+/// Conversion of decimal numbers, written without a unit, from one unit to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conversion {
     quotient: Unit,
@@ -113,7 +113,7 @@ impl Conversion {
     /// Returns the conversion from `unit` to `to`.
     ///
     /// # Errors
-    /// One of both is no unit, or they have different dimensions.
+    /// Fails if either unit is invalid, or if the dimensions differ.
     pub fn new(unit: &str, to: &str) -> Result<Self, QuantityError> {
         let given = parse_unit(unit).map_err(|error| unit_error(error, unit))?;
         let expected = parse_unit(to).map_err(|error| unit_error(error, to))?;
@@ -124,14 +124,15 @@ impl Conversion {
         Ok(Self { quotient: Unit { celsius: given.celsius, ..given.over(&expected) } })
     }
 
-    /// The unit has a zero of its own, as °C does.
+    /// Returns true if the unit has an offset, like °C.
     #[must_use]
     pub fn has_offset(&self) -> bool {
         self.quotient.celsius
     }
 
-    /// Converts a decimal number, rounded as [`parse_quantity`] does; `None` if it is none, or not finite.
-    /// `scratch` is reused from call to call.
+    /// Converts a decimal number with the same rounding as [`parse_quantity`]. Returns `None` if
+    /// the text is not a number or the result is not finite. `scratch` is a buffer reused between
+    /// calls.
     #[must_use]
     pub fn apply(&self, number: &str, scratch: &mut String) -> Option<f64> {
         let Unit { ten, num, den, celsius, .. } = self.quotient;
@@ -143,7 +144,7 @@ impl Conversion {
             }
             _ => {
                 scratch.clear();
-                // Writing to a string does not fail.
+                // Writing to a string cannot fail.
                 let _ = write!(scratch, "{number}e{ten}");
                 scratch.parse().ok()?
             }
@@ -154,7 +155,7 @@ impl Conversion {
     }
 }
 
-/// Both texts are units, and the same one.
+/// Returns true if both texts are the same unit.
 #[must_use]
 pub fn is_same_unit(one: &str, other: &str) -> bool {
     matches!((parse_unit(one), parse_unit(other)), (Ok(one), Ok(other)) if one == other)
@@ -168,7 +169,7 @@ fn unit_error(error: UnitError, unit: &str) -> QuantityError {
     }
 }
 
-/// Splits off the longest prefix that is a decimal number; an `e` without digits is not its part.
+/// Splits off the longest decimal number at the start; an `e` without digits belongs to the rest.
 fn split_number(text: &str) -> (&str, &str) {
     let sign = usize::from(text.starts_with(['+', '-']));
     let digits = |from: usize| {
@@ -188,11 +189,11 @@ fn split_number(text: &str) -> (&str, &str) {
     text.split_at(end)
 }
 
-/// The value of a decimal number times a scale, rounded once if the scale is a power of ten.
+/// Returns a decimal number times a scale, rounded once if the scale is a power of ten.
 fn scale(number: &str, unit: &Unit) -> f64 {
     let number = number.replace('_', "");
     let (mantissa, exponent) = number.split_once(['e', 'E']).unwrap_or((&number, "0"));
-    // Exponents beyond these are infinite or zero for any mantissa that fits into memory.
+    // Beyond these exponents the value is infinite or zero for any mantissa that fits into memory.
     let bound = 1_i64 << 40;
     let negative = exponent.starts_with('-');
     let exponent = exponent.parse::<i64>().unwrap_or(if negative { -bound } else { bound });
@@ -290,7 +291,8 @@ mod tests {
         }
     }
 
-    /// A difference in °C would be 273.15 K too large, and is refused; a unit without a zero of its own is as good as ever.
+    /// A difference in °C would be 273.15 K too large and is refused; units without an offset are
+    /// accepted.
     #[test]
     fn a_difference_has_no_zero() {
         assert_eq!(parse_difference("200 K", "K"), Ok(200.0));

@@ -1,9 +1,9 @@
-//! "Did you mean": the nearest of the words that would have been right.
+//! Suggestions of the nearest valid word ("did you mean").
 
-/// Words longer than this are nobody's slip of the finger \[bytes\].
+/// Maximum length of a word that may be a typing error \[bytes\].
 const LONGEST: usize = 64;
 
-/// The candidate nearest to `word`, if one is near: about one slip in three letters.
+/// Returns the candidate nearest to `word`, with at most about one error per three letters.
 #[must_use]
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if word.len() > LONGEST {
@@ -15,25 +15,25 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .into_iter()
         .map(|candidate| (strsim::damerau_levenshtein(&plain, &normal(candidate)), candidate))
         .filter(|(distance, _)| *distance <= limit)
-        // Of equally near ones the one that begins alike.
+        // Among equally near candidates, prefer one with the same first letter.
         .min_by_key(|(distance, candidate)| {
             (*distance, candidate.chars().next() != word.chars().next())
         })
         .map(|(_, candidate)| candidate)
 }
 
-/// Spelling without the differences that people do not see.
+/// Normalises case and separators, which people overlook.
 fn normal(word: &str) -> String {
     word.to_lowercase().replace(['-', ' '], "_")
 }
 
-/// "a, b or c".
+/// Joins words as "a, b or c".
 #[must_use]
 pub fn any_of<S: AsRef<str>>(words: &[S]) -> String {
     join(words, "or")
 }
 
-/// "a, b and c".
+/// Joins words as "a, b and c".
 #[must_use]
 pub fn all_of<S: AsRef<str>>(words: &[S]) -> String {
     join(words, "and")

@@ -1,15 +1,18 @@
-//! The one reader of tables: columns of numbers or words in a text file that a user names.
+//! Table reader: columns of numbers or words in a text file named by a user. All tables are read
+//! here.
 //!
-//! **Format.** A line is a row; empty lines and what follows `#` are left out. Cells are set apart by commas,
-//! semicolons, tabs or blanks, whichever the first line has. Beside semicolons, tabs and blanks a number may
-//! have a decimal comma. A cell in double quotes may hold anything but the end of a line.
+//! **Format.** A line is a row; empty lines and text after `#` are ignored. Cells are separated by
+//! commas, semicolons, tabs or blanks, as detected in the first line. Except with commas as
+//! separators, a number may have a decimal comma. A cell in double quotes may contain anything
+//! except a line break.
 //!
-//! The first line may name the columns, with units in brackets: `v [km/h]` or `v (km/h)`. A line of units may
-//! follow it. Columns are then found by name, in any order, and others are not parsed. Without names a table
-//! has the columns of its [`Column`]s in their order.
+//! The first line may name the columns, with units in brackets: `v [km/h]` or `v (km/h)`. A line of
+//! units may follow. Columns are then found by name, in any order, and other columns are not
+//! parsed. A table without names has the columns of its [`Column`]s in their order.
 //!
-//! A number whose unit is named nowhere is in SI units, as in a case. Messages name the line and the column.
-//! They quote contents only of tables whose header is recognised: the file may be none of the user's.
+//! A number without a stated unit is in SI units, as in a case. Messages name the line and the
+//! column. They quote contents only of tables with a recognised header, because the file may not
+//! belong to the user.
 
 use crate::input_file::{self, InputFileError};
 use crate::plausible::Plausible;
@@ -21,32 +24,32 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Longest content of a cell that a message quotes [characters].
+/// Maximum length of cell content quoted in a message [characters].
 const QUOTED: usize = 20;
-/// Longest name of a column that a message lists [characters].
+/// Maximum length of a column name listed in a message [characters].
 const LONGEST_NAME: usize = 40;
 
-/// A column that a reader of a table expects.
+/// A column that a reader expects.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Column {
-    /// Name of the column, and others by which it is known.
+    /// Name of the column, followed by its aliases.
     pub names: Vec<String>,
-    /// The SI unit in which its values are returned.
+    /// SI unit of the returned values.
     pub unit: String,
-    /// The unit of its numbers in a table without a header, if that is not the SI unit. A header must then
-    /// name the unit.
+    /// Unit of the numbers in a table without a header, if different from the SI unit. A header
+    /// must then state the unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bare_unit: Option<String>,
-    /// A difference of temperatures, for which °C has no meaning.
+    /// The values are temperature differences, for which °C is meaningless.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub difference: bool,
-    /// Expected range of the values.
+    /// Plausible range of the values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible: Option<Plausible>,
 }
 
 impl Column {
-    /// A column of these names in an SI unit.
+    /// Returns a column with these names and SI unit.
     #[must_use]
     pub fn new(names: &[&str], unit: &str) -> Self {
         Self {
@@ -58,28 +61,28 @@ impl Column {
         }
     }
 
-    /// Numbers without a header are in this unit.
+    /// Sets the unit of numbers in a table without a header.
     #[must_use]
     pub fn bare(mut self, unit: &str) -> Self {
         self.bare_unit = Some(unit.to_owned());
         self
     }
 
-    /// The values are differences of temperatures.
+    /// Marks the values as temperature differences.
     #[must_use]
     pub fn of_differences(mut self) -> Self {
         self.difference = true;
         self
     }
 
-    /// Expected in this range of magnitudes, and why.
+    /// Sets the plausible range of magnitudes and its reason.
     #[must_use]
     pub fn expected(mut self, range: std::ops::RangeInclusive<f64>, why: &str) -> Self {
         self.plausible = Some(Plausible::within(range, why));
         self
     }
 
-    /// `name [unit]`.
+    /// Returns `name [unit]`.
     #[must_use]
     pub fn heading(&self) -> String {
         let unit = self.bare_unit.as_ref().unwrap_or(&self.unit);
@@ -92,7 +95,7 @@ impl Column {
     }
 }
 
-/// The headings of columns in words: "`x [m]`, `y [m]` and `z [m]`".
+/// Joins the headings of columns: "`x [m]`, `y [m]` and `z [m]`".
 #[must_use]
 pub fn headings(columns: &[Column]) -> String {
     let headings: Vec<String> =
@@ -100,99 +103,99 @@ pub fn headings(columns: &[Column]) -> String {
     all_of(&headings)
 }
 
-/// Why a table cannot be used. Each message continues a sentence that begins with the path.
+/// Reason why a table cannot be used. Each message continues a sentence that begins with the path.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] InputFileError),
-    /// There is no row.
+    /// The table has no rows.
     #[error("has no rows")]
     Empty,
-    /// A row has another number of cells than the first line.
+    /// The number of cells differs from that of the first line.
     #[error("has {found} cells in line {line}, where the first line has {expected}")]
     Cells {
         /// Number of the line, from 1.
         line: usize,
-        /// Cells of the row.
+        /// Number of cells of the row.
         found: usize,
-        /// Cells of the first line.
+        /// Number of cells of the first line.
         expected: usize,
     },
-    /// A table without a header has another number of columns than its kind.
+    /// A table without a header has the wrong number of columns.
     #[error("has {found} columns and no header; without one its columns are {expected}")]
     Columns {
-        /// Columns of the table.
+        /// Number of columns of the table.
         found: usize,
-        /// The headings of those expected.
+        /// Headings of the expected columns.
         expected: String,
     },
-    /// The names of the columns are needed, and the first line has numbers.
+    /// Column names are required, but the first line has numbers.
     #[error("has numbers in line {line}, where the names of the columns are expected")]
     NoHeader {
         /// Number of the line, from 1.
         line: usize,
     },
-    /// Numbers are needed from the first line on.
+    /// Numbers are required from the first line on.
     #[error("has no number in line {line}; rows of numbers without names are expected")]
     Header {
         /// Number of the line, from 1.
         line: usize,
     },
-    /// No column has the name.
+    /// No column has this name.
     #[error("has no column `{name}`{}{}", near_hint(.near.as_deref()), listed(.known))]
     NoColumn {
-        /// The name.
+        /// Requested name.
         name: String,
-        /// A name in the header that is near.
+        /// Similar name in the header.
         near: Option<String>,
-        /// The names in the header, if they are certain to be names.
+        /// Names in the header, if certain to be names.
         known: Vec<String>,
     },
-    /// Two columns have the name.
+    /// Two columns have this name.
     #[error("has two columns `{name}` in line {line}")]
     Twice {
-        /// The name.
+        /// Duplicate name.
         name: String,
         /// Number of the line, from 1.
         line: usize,
     },
-    /// A unit cannot be used for a column.
+    /// The unit of a column cannot be used.
     #[error("has a unit in column `{column}` of line {line} that cannot be used: {error}")]
     Unit {
         /// Name of the column.
         column: String,
         /// Number of the line, from 1.
         line: usize,
-        /// Fault of the table.
+        /// Reason why the unit cannot be used.
         error: QuantityError,
     },
-    /// Degrees Celsius of a difference of temperatures.
+    /// Temperature differences are given in degrees Celsius.
     #[error("has °C in column `{0}`, whose values are rises of temperature; write K")]
     Rise(String),
-    /// Two places name different units.
+    /// Two places state different units.
     #[error("has the unit {one} in the header of column `{column}`, and {place} says {other}")]
     UnitsDiffer {
         /// Name of the column.
         column: String,
         /// Unit in the header.
         one: String,
-        /// The other place.
+        /// Place of the other unit.
         place: String,
-        /// Unit of the column.
+        /// Unit stated in the other place.
         other: String,
     },
-    /// The header names no unit where one is needed.
+    /// The header states no unit where one is required.
     #[error("names no unit of column `{column}` in line {line}; write `{example}`")]
     NoUnit {
         /// Name of the column.
         column: String,
         /// Number of the line, from 1.
         line: usize,
-        /// A heading with a unit.
+        /// Example of a heading with a unit.
         example: String,
     },
-    /// A cell is no finite number.
+    /// A cell is not a finite number.
     #[error("has no number in column {column} of line {line}{}", quoted_content(.content.as_deref()))]
     Cell {
         /// Name or number of the column.
@@ -202,12 +205,12 @@ pub enum TableError {
         /// Content of the cell, if its column was found by name.
         content: Option<String>,
     },
-    /// Values that must rise do not.
+    /// Values that must increase do not.
     #[error("does not rise in column `{column}` from line {before} to line {line}")]
     Order {
         /// Name of the column.
         column: String,
-        /// Number of the line before, from 1.
+        /// Number of the preceding line, from 1.
         before: usize,
         /// Number of the line, from 1.
         line: usize,
@@ -232,33 +235,33 @@ fn quoted_content(content: Option<&str>) -> String {
 pub struct Reading {
     /// Characters that begin a comment.
     comments: &'static [char],
-    /// Cells are words: the first line is a header, a line of units does not follow it, and blanks are part
-    /// of a cell.
+    /// Cells are words. The first line is then a header, no line of units follows, and blanks
+    /// belong to a cell.
     words: bool,
 }
 
 impl Reading {
     /// Tables of numbers.
     pub const NUMBERS: Self = Self { comments: &['#'], words: false };
-    /// Profiles as instruments and other programs write them.
+    /// Profiles as written by instruments and other programs.
     pub const PROFILE: Self = Self { comments: &['#', '%', '!'], words: false };
-    /// Values of keys, as a case writes them.
+    /// Values of keys, as written in a case.
     pub const WORDS: Self = Self { comments: &['#'], words: true };
 }
 
 /// Name and unit of a column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Heading {
-    /// The name.
+    /// Name of the column.
     pub name: String,
-    /// The unit beside the name.
+    /// Unit beside the name.
     pub unit: Option<String>,
-    /// The unit in a line of units.
+    /// Unit in the line of units.
     unit_below: Option<String>,
 }
 
 impl Heading {
-    /// Reads `v [km/h]`, `v (km/h)` or `v`. Round brackets that hold no unit are part of the name.
+    /// Parses `v [km/h]`, `v (km/h)` or `v`. Round brackets without a unit belong to the name.
     fn parse(text: &str) -> Self {
         let split = |open, close| text.strip_suffix(close)?.rsplit_once(open);
         let round = split('(', ')').filter(|(_, unit)| bracketed_unit(unit).is_some());
@@ -271,7 +274,7 @@ impl Heading {
 }
 
 impl Heading {
-    /// The name is that of a key of a case, such as `motion.speed`.
+    /// Returns true if the name is a dotted key of a case, such as `motion.speed`.
     #[must_use]
     pub fn is_dotted_key(&self) -> bool {
         let plain = |part: &str| {
@@ -287,7 +290,7 @@ fn bracketed_unit(text: &str) -> Option<String> {
     parse_unit(&unit).is_ok().then_some(unit)
 }
 
-/// A unit without blanks around it; a dash stands for a plain number.
+/// Returns a unit without surrounding blanks; a dash denotes a dimensionless number.
 fn unit_text(text: &str) -> String {
     match text.trim() {
         "-" | "–" | "" => "1".to_owned(),
@@ -303,10 +306,10 @@ enum Separator {
 }
 
 impl Separator {
-    /// The separator of a first line.
+    /// Detects the separator from the first line.
     fn of(line: &str, reading: Reading) -> Self {
         let has = |character: char| cells(line, Self::Character(character)).nth(1).is_some();
-        // Tabs behind commas align columns.
+        // A tab after a comma only aligns columns.
         let aligned = || cells(line, Self::Character('\t')).any(|cell| cell.ends_with(','));
         match () {
             () if has(';') => Self::Character(';'),
@@ -321,7 +324,7 @@ impl Separator {
     }
 }
 
-/// The cells of a line without blanks around them, quotes kept.
+/// Returns the trimmed cells of a line, with quotes.
 fn cells(line: &str, separator: Separator) -> Cells<'_> {
     Cells { rest: Some(line), separator }
 }
@@ -367,7 +370,8 @@ impl<'a> Iterator for Cells<'a> {
     }
 }
 
-/// Place behind the closing quote of a text that begins with one; its end if there is none.
+/// Returns the index behind the closing quote of a text that begins with a quote; the end of the
+/// text if none closes it.
 fn closing_quote(text: &str) -> usize {
     let mut at = 1;
     while let Some(found) = text[at..].find('"') {
@@ -380,7 +384,7 @@ fn closing_quote(text: &str) -> usize {
     text.len()
 }
 
-/// The content of a cell, without its quotes.
+/// Returns the content of a cell without its quotes.
 fn unquoted(cell: &str) -> Cow<'_, str> {
     match cell.strip_prefix('"').and_then(|cell| cell.strip_suffix('"')) {
         Some(inner) if inner.contains("\"\"") => Cow::Owned(inner.replace("\"\"", "\"")),
@@ -389,7 +393,7 @@ fn unquoted(cell: &str) -> Cow<'_, str> {
     }
 }
 
-/// A line without its comment; quotes protect what they hold.
+/// Returns a line without its comment; a comment character in quotes is ignored.
 fn without_comment<'a>(line: &'a str, comments: &[char]) -> &'a str {
     let Some(first) = line.find(comments) else { return line };
     if !line[..first].contains('"') {
@@ -403,7 +407,7 @@ fn without_comment<'a>(line: &'a str, comments: &[char]) -> &'a str {
     &line[..end.unwrap_or(line.len())]
 }
 
-/// A number with a decimal comma, or an exponent as Fortran writes it, in the usual form; `None` of anything
+/// Converts a decimal comma or a Fortran exponent to the usual form; returns `None` for anything
 /// else.
 fn respelt(cell: &str, comma: bool) -> Option<String> {
     let digits = |c: char| c.is_ascii_digit() || "+-.,eEdD".contains(c);
@@ -422,7 +426,7 @@ fn is_number(cell: &str, comma: bool) -> bool {
     parses(cell) || respelt(cell, comma).is_some_and(|text| parses(&text))
 }
 
-/// A row of a table: its place in the text, and the number of its line.
+/// A row of a table: its range in the text, and its line number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Row {
     start: usize,
@@ -430,16 +434,17 @@ struct Row {
     line: usize,
 }
 
-/// The first line of a table that has names in it.
+/// First line of a table, if it has names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Header {
     line: usize,
     headings: Vec<Heading>,
-    /// Number of the line of units.
+    /// Line number of the units.
     line_of_units: Option<usize>,
 }
 
-/// A table: where its rows are, and the names of its columns. Values are parsed column by column.
+/// A table: the positions of its rows and the names of its columns. Values are parsed column by
+/// column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Table {
     text: String,
@@ -450,18 +455,18 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a file of `most` bytes at most.
+    /// Reads a file of at most `most` bytes.
     ///
     /// # Errors
-    /// The file cannot be read, has no rows, or rows of different lengths.
+    /// Fails if the file cannot be read, has no rows, or has rows of different lengths.
     pub fn read(path: &Path, most: u64, reading: Reading) -> Result<Self, TableError> {
         Self::parse(input_file::read_text(path, most)?, reading)
     }
 
-    /// Reads a text.
+    /// Parses a text.
     ///
     /// # Errors
-    /// It has no rows, or rows of different lengths.
+    /// Fails if the text has no rows, or rows of different lengths.
     pub fn parse(text: String, reading: Reading) -> Result<Self, TableError> {
         let mut rows = Vec::new();
         let mut offset = 0;
@@ -509,7 +514,7 @@ impl Table {
         Ok(table)
     }
 
-    /// Every row has as many cells as the first line; an empty one at the end does not count.
+    /// Checks that every row has as many cells as the first line, apart from an empty last cell.
     fn check_cells(&self) -> Result<(), TableError> {
         let last_is_nameless = self
             .header
@@ -538,25 +543,25 @@ impl Table {
         Ok(())
     }
 
-    /// Number of rows, one at least.
+    /// Returns the number of rows, at least one.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows.len()
     }
 
-    /// Number of the line of a row, from 1.
+    /// Returns the line number of a row, from 1.
     #[must_use]
     pub fn line(&self, row: usize) -> usize {
         self.rows[row].line
     }
 
-    /// The headings, if the table has a header.
+    /// Returns the headings, if the table has a header.
     #[must_use]
     pub fn headings(&self) -> Option<&[Heading]> {
         self.header.as_ref().map(|header| header.headings.as_slice())
     }
 
-    /// The contents of the cells of a row, numbers with a decimal point.
+    /// Returns the contents of the cells of a row; numbers get a decimal point.
     pub fn words(&self, row: usize) -> impl Iterator<Item = Cow<'_, str>> {
         let comma = self.separator.allows_decimal_comma();
         let word = move |cell| match unquoted(cell) {
@@ -566,12 +571,12 @@ impl Table {
         cells(self.content(row), self.separator).take(self.columns).map(word)
     }
 
-    /// The column of a name, in the SI unit `si`. Its unit is that of the header, or `unit`, which the case
-    /// may name.
+    /// Returns the column with this name in the SI unit `si`. The unit of its numbers is that of
+    /// the header, or `unit` from the case.
     ///
     /// # Errors
-    /// There is no such column, there are two, it has cells that are no numbers, or a unit that cannot be
-    /// converted or that differs from that of the case.
+    /// Fails if there is no such column or two of them, if a cell is not a number, if the unit
+    /// cannot be converted, or if header and case state different units.
     pub fn column(&self, name: &str, unit: Option<&str>, si: &str) -> Result<Vec<f64>, TableError> {
         let header = self.header()?;
         let index = find(header, name, |own| own == name)?.ok_or_else(|| {
@@ -594,24 +599,24 @@ impl Table {
         self.converted(index, unit, si)
     }
 
-    /// Columns by their names, or by their order in a table without a header; in SI units.
+    /// Returns columns in SI units, found by name, or by order in a table without a header.
     ///
     /// # Errors
-    /// As [`Table::column`], or a table without a header has another number of columns.
+    /// Fails like [`Table::column`], or if a table without a header has another number of columns.
     pub fn columns(&self, wanted: &[Column]) -> Result<Vec<Vec<f64>>, TableError> {
         let places = self.places(wanted)?;
         wanted.iter().zip(places).map(|(column, index)| self.numbers(column, index)).collect()
     }
 
-    /// The numbers of one of the columns.
+    /// Returns the numbers of one of the columns.
     ///
     /// # Errors
-    /// As [`Table::columns`].
+    /// Fails like [`Table::columns`].
     pub fn numbers_of(&self, wanted: &[Column], which: usize) -> Result<Vec<f64>, TableError> {
         self.numbers(&wanted[which], self.places(wanted)?[which])
     }
 
-    /// The numbers of the column at a place.
+    /// Returns the numbers of the column with this index.
     fn numbers(&self, column: &Column, index: usize) -> Result<Vec<f64>, TableError> {
         let Some(header) = &self.header else {
             let unit = column.bare_unit.as_ref().unwrap_or(&column.unit);
@@ -633,10 +638,11 @@ impl Table {
         self.converted(index, &unit, &column.unit)
     }
 
-    /// Order of the columns.
+    /// Returns the indices of the columns.
     ///
     /// # Errors
-    /// One is missing or stands twice; without a header, the number of columns is another one.
+    /// Fails if a column is missing or duplicate, or if a table without a header has another number
+    /// of columns.
     fn places(&self, wanted: &[Column]) -> Result<Vec<usize>, TableError> {
         let Some(header) = &self.header else {
             return match self.columns == wanted.len() {
@@ -655,10 +661,10 @@ impl Table {
         wanted.iter().map(place).collect()
     }
 
-    /// The numbers of all rows, of a table without a header, row by row.
+    /// Returns the number of columns and all numbers of a table without a header, row by row.
     ///
     /// # Errors
-    /// There is a header, or a cell that is no number.
+    /// Fails if there is a header, or a cell that is not a number.
     pub fn matrix(&self) -> Result<(usize, Vec<f64>), TableError> {
         if let Some(header) = &self.header {
             return Err(TableError::Header { line: header.line });
@@ -675,10 +681,10 @@ impl Table {
         Ok((self.columns, values))
     }
 
-    /// The words of one of the columns.
+    /// Returns the words of one of the columns.
     ///
     /// # Errors
-    /// As [`Table::columns`].
+    /// Fails like [`Table::columns`].
     pub fn words_of(
         &self,
         wanted: &[Column],
@@ -689,10 +695,11 @@ impl Table {
         Ok((0..self.rows.len()).map(|row| unquoted(word(row))).collect())
     }
 
-    /// Values of a column rise from row to row, or do not fall if they `may_stay`.
+    /// Checks that the values of a column increase from row to row, or do not decrease if they
+    /// `may_stay`.
     ///
     /// # Errors
-    /// Names the first two lines where they do not.
+    /// Fails with the first two lines that violate the order.
     pub fn check_rising(
         &self,
         name: &str,
@@ -719,7 +726,7 @@ impl Table {
         &self.text[start..end]
     }
 
-    /// Names of the header, if they look like names and numbers stand below them.
+    /// Returns the names of the header, if they look like names and the row below has numbers.
     fn listed_names(&self) -> Vec<String> {
         let plain = |c: char| c.is_alphanumeric() || " _.-/%°()[]^*·".contains(c);
         let is_name = |heading: &Heading| {
@@ -781,7 +788,8 @@ impl Table {
     }
 }
 
-/// The cells of a header. Beside blanks, what stands in brackets is one cell with the name before it.
+/// Returns the cells of a header. With blanks as separators, a name and its following brackets are
+/// one cell.
 fn header_cells(content: &str, separator: Separator) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let mut open = false;
@@ -802,7 +810,8 @@ fn header_cells(content: &str, separator: Separator) -> Vec<String> {
     found
 }
 
-/// No cell is a number but for `1`, the unit of plain ones, beside which all others must be units.
+/// Returns true for a line of units. It has no numbers, except `1` for dimensionless columns if all
+/// other cells are valid units.
 fn is_line_of_units(cells: &[&str], comma: bool) -> bool {
     let words: Vec<Cow<'_, str>> = cells.iter().map(|cell| unquoted(cell)).collect();
     let numbers = words.iter().filter(|word| is_number(word, comma)).count();
@@ -813,14 +822,14 @@ fn is_line_of_units(cells: &[&str], comma: bool) -> bool {
     named > numbers && (numbers == 0 || words.iter().all(is_unit))
 }
 
-/// The unit in a cell of a line of units.
+/// Returns the unit in a cell of a line of units.
 fn unit_of_cell(cell: &str) -> Option<String> {
     let inner = |open, close| cell.strip_prefix(open)?.strip_suffix(close);
     let bare = inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(cell);
     (!cell.is_empty()).then(|| unit_text(bare))
 }
 
-/// The column of a header that fits.
+/// Returns the index of the matching column.
 fn find(
     header: &Header,
     name: &str,
@@ -833,7 +842,7 @@ fn find(
     }
 }
 
-/// The unit that a header states of a column, beside the name or below it.
+/// Returns the unit that a header states for a column, beside the name or below.
 fn stated_unit(header: &Header, index: usize) -> Result<Option<String>, TableError> {
     let heading = &header.headings[index];
     match (&heading.unit, &heading.unit_below) {
@@ -847,7 +856,7 @@ fn stated_unit(header: &Header, index: usize) -> Result<Option<String>, TableErr
     }
 }
 
-/// A number at the beginning of a word with a point in the place of its decimal comma.
+/// Replaces the decimal comma of a number at the start of a word by a point.
 fn with_point(word: &str) -> Cow<'_, str> {
     let number = word.trim_start_matches(['+', '-']);
     let digits = number.len() - number.trim_start_matches(|c: char| c.is_ascii_digit()).len();
@@ -895,7 +904,7 @@ mod tests {
         assert!(differ.contains("km/h") && differ.contains("the case says m/s"), "{differ}");
     }
 
-    /// As programs of vehicle dynamics write them: the same numbers in every dress.
+    /// Variants as written by vehicle dynamics programs: each must give the same numbers.
     #[test]
     fn one_table_in_many_dresses() {
         for text in [
@@ -980,7 +989,7 @@ mod tests {
         ));
     }
 
-    /// Nothing of a file that is no table reaches a message.
+    /// No content of a file that is not a table reaches a message.
     #[test]
     fn contents_of_other_files_are_not_quoted() {
         let shadow = "root:*:20228:0:99999:7:::\ndaemon:*:20228:0:99999:7:::\n";
@@ -995,7 +1004,7 @@ mod tests {
     }
 
     proptest! {
-        /// Any text is read or refused.
+        /// Any text is parsed or refused.
         #[test]
         fn any_text(text in "[-0-9eEdDinfaxyzmk.,;:#%!\"() \\[\\]\t\r\n]{0,200}", words: bool, profile: bool) {
             let reading = match (words, profile) {

@@ -1,26 +1,26 @@
 //! Text from outside: titles, names and messages of cases, participants and recordings.
 //!
-//! Characters that control a terminal, or move text about in a line, never reach a person: they are
-//! written as escapes (`\u{1b}`, `\n`). Where a text is one line by contract, one with such
-//! characters is refused on entry ([`check_line`]).
+//! Characters that control a terminal, or rearrange text in a line, are always shown as escapes
+//! (`\u{1b}`, `\n`). A text that must be a single line is refused on entry if it has such
+//! characters ([`check_line`]).
 
 use std::borrow::Cow;
 
-/// Characters that a person does not see, but that change what is seen: controls, separators of
-/// lines, and marks that turn the direction of a text.
+/// Returns true for invisible characters that change the appearance of text: controls, line
+/// separators, and marks of text direction.
 #[must_use]
 pub fn is_hidden(c: char) -> bool {
     let turns = |c| matches!(c, '\u{200e}' | '\u{200f}' | '\u{2066}'..='\u{2069}');
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}') || turns(c)
 }
 
-/// The text as one line, hidden characters as escapes.
+/// Returns the text as one line, with hidden characters as escapes.
 #[must_use]
 pub fn one_line(text: &str) -> Cow<'_, str> {
     escaped(text, is_hidden)
 }
 
-/// The text with its lines and tabs, other hidden characters as escapes.
+/// Returns the text with its line breaks and tabs; other hidden characters become escapes.
 #[must_use]
 pub fn visible(text: &str) -> Cow<'_, str> {
     escaped(text, |c| is_hidden(c) && c != '\n' && c != '\t')
@@ -40,10 +40,10 @@ fn escaped(text: &str, hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// A text that is one line by contract.
+/// Checks a text that must be a single line.
 ///
 /// # Errors
-/// It holds hidden characters.
+/// Fails if the text has hidden characters.
 pub fn check_line(what: &str, text: &str) -> Result<(), String> {
     match text.chars().find(|c| is_hidden(*c)) {
         None => Ok(()),

@@ -1,18 +1,18 @@
 //! Units of measurement: symbols, prefixes, products and powers.
 //!
 //! A unit is a vector of exponents over m, kg, s, K, A, mol, cd and byte, and a scale to SI. The
-//! scale is kept as `10^ten · num / den` with the powers of ten apart, so that a decimal number
-//! can be scaled by moving its exponent, without rounding.
+//! scale is stored as `10^ten · num / den` with the powers of ten apart. A decimal number is thus
+//! scaled by shifting its exponent, without rounding.
 
 /// Exponents of m, kg, s, K, A, mol, cd, byte.
 pub(crate) type Dimension = [i32; 8];
 
-/// Deepest nesting of parentheses in a unit.
+/// Maximum nesting of parentheses in a unit.
 const DEEPEST: u32 = 8;
-/// Largest power of a symbol.
+/// Maximum power of a symbol.
 const LARGEST_POWER: i32 = 9;
 
-/// A unit: its dimension, and its size in SI.
+/// A unit: its dimension, and its scale to SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Unit {
     pub(crate) dimension: Dimension,
@@ -22,18 +22,18 @@ pub(crate) struct Unit {
     pub(crate) num: f64,
     /// Denominator of the scale.
     pub(crate) den: f64,
-    /// Degrees Celsius: the zero is at 273.15 K.
+    /// Degrees Celsius, with zero at 273.15 K.
     pub(crate) celsius: bool,
 }
 
-/// Why a unit cannot be read.
+/// Reason why a unit cannot be parsed.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum UnitError {
-    /// The symbol, and a known one that is near.
+    /// The unknown symbol, and a similar known one.
     Unknown(String, Option<String>),
-    /// Not a product of powers of symbols.
+    /// The text is not a product of powers of symbols.
     Syntax,
-    /// Degrees Celsius in a product, power or quotient.
+    /// Degrees Celsius occur in a product, power or quotient.
     Celsius,
 }
 
@@ -64,7 +64,7 @@ impl Unit {
         }
     }
 
-    /// The quotient of two units.
+    /// Returns the quotient of two units.
     pub(crate) fn over(&self, other: &Self) -> Self {
         self.times(&other.inverse())
     }
@@ -100,7 +100,7 @@ const KELVIN: Dimension = [0, 0, 0, 1, 0, 0, 0, 0];
 const BYTE: Dimension = [0, 0, 0, 0, 0, 0, 0, 1];
 const PRESSURE: Dimension = [-1, 1, -2, 0, 0, 0, 0, 0];
 
-/// What people write for units, in lower case, and how it is written here.
+/// Common spellings of units in lower case, and their symbols here.
 const HABITS: &[(&str, &str)] = &[
     ("kmh", "km/h"),
     ("kph", "km/h"),
@@ -122,7 +122,7 @@ const HABITS: &[(&str, &str)] = &[
     ("microns", "um"),
 ];
 
-/// Every symbol; those marked take the prefixes.
+/// All symbols, with a flag for those that take prefixes.
 const SYMBOLS: &[Symbol] = &[
     symbol("m", METRE, 0, true),
     symbol("g", MASS, -3, true),
@@ -160,7 +160,7 @@ const SYMBOLS: &[Symbol] = &[
     scaled("GiB", BYTE, 0, 1_073_741_824.0, 1.0),
 ];
 
-/// Prefixes and their decimal exponents; the two signs for micro are different characters.
+/// Prefixes and their decimal exponents; micro has two different characters.
 pub(crate) const PREFIXES: &[(&str, i32)] = &[
     ("f", -15),
     ("p", -12),
@@ -211,7 +211,8 @@ fn unknown(name: &str) -> UnitError {
     UnitError::Unknown(name.to_owned(), near.map(str::to_owned))
 }
 
-/// Exponents of m, kg, s, K, A, mol and cd of an SI unit; `None` if it has others, or another size.
+/// Returns the exponents of m, kg, s, K, A, mol and cd of an SI unit; `None` for other dimensions
+/// or another scale.
 #[must_use]
 pub fn si_exponents(unit: &str) -> Option<[i32; 7]> {
     let Unit { dimension, ten, num, den, celsius } = parse_unit(unit).ok()?;
@@ -219,7 +220,7 @@ pub fn si_exponents(unit: &str) -> Option<[i32; 7]> {
     coherent.then(|| std::array::from_fn(|k| dimension[k]))
 }
 
-/// Reads a unit: symbols with powers (`m^2`, `m2`, `m²`, `s^-1`), products (space, `*`, `·`),
+/// Parses a unit: symbols with powers (`m^2`, `m2`, `m²`, `s^-1`), products (space, `*`, `·`),
 /// quotients (`/`, from left to right) and parentheses.
 pub(crate) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     let mut parser = Parser { rest: text.trim(), depth: 0 };
@@ -227,7 +228,7 @@ pub(crate) fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     if !parser.rest.is_empty() {
         return Err(UnitError::Syntax);
     }
-    // A lone degree Celsius is a temperature; in anything else its zero has no meaning.
+    // The zero of °C has a meaning only if the degree Celsius stands alone.
     let lone = matches!(text.trim(), "°C" | "degC");
     if unit.celsius && !lone { Err(UnitError::Celsius) } else { Ok(unit) }
 }
@@ -323,7 +324,7 @@ impl Parser<'_> {
     }
 }
 
-/// The value of a plain or a superscript digit.
+/// Returns the value of a plain or superscript digit.
 fn digit(c: char) -> Option<i32> {
     let superscript = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|s| s == c);
     let value = c.to_digit(10).map_or_else(|| superscript, |d| Some(d as usize))?;

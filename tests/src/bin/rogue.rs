@@ -1,4 +1,4 @@
-//! A participant written by hand on the services themselves, which breaks the contract.
+//! Participant that breaks the protocol; written on the transport services directly.
 
 use std::process::ExitCode;
 

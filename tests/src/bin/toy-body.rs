@@ -1,4 +1,4 @@
-//! What is heated in the lumped pair.
+//! Heated body of the lumped pair.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! A participant of a later version of the contract.
+//! Participant with a later version of the protocol.
 
 use std::process::ExitCode;
 use tests::toy::Toy;

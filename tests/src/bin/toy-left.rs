@@ -1,4 +1,4 @@
-//! The trivial participant `left`.
+//! Toy participant `left`.
 
 use std::process::ExitCode;
 

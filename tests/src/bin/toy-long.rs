@@ -1,4 +1,4 @@
-//! The participant that works long.
+//! Participant with long solves that report progress.
 
 use std::process::ExitCode;
 

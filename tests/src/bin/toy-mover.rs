@@ -1,4 +1,4 @@
-//! The one of the moving pair whose grid moves.
+//! Participant of the moving pair whose grid moves.
 
 use std::process::ExitCode;
 

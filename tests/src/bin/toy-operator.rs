@@ -1,4 +1,4 @@
-//! The part of the linear pair that multiplies.
+//! Participant of the linear pair that applies the matrix.
 
 use std::process::ExitCode;
 

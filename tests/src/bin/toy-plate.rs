@@ -1,4 +1,4 @@
-//! The one of the moving pair whose grid stays.
+//! Participant of the moving pair whose grid is fixed.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! The part of the linear pair that sends on what it receives.
+//! Participant of the linear pair that sends back the values it receives.
 
 use std::process::ExitCode;
 

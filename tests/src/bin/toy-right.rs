@@ -1,4 +1,4 @@
-//! The trivial participant `right`.
+//! Toy participant `right`.
 
 use std::process::ExitCode;
 

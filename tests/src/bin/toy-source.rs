@@ -1,4 +1,4 @@
-//! What heats in the lumped pair.
+//! Heat source of the lumped pair.
 
 use std::process::ExitCode;
 

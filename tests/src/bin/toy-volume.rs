@@ -1,4 +1,4 @@
-//! A block whose fields are on a volume.
+//! Participant with fields on a volume.
 
 use std::process::ExitCode;
 

@@ -1,25 +1,25 @@
-//! Reading what a run has written: figures of a summary, tables, fields.
+//! Readers of results: figures of a summary, tables, fields.
 
 use serde_json::Value;
 use std::path::Path;
 
-/// A figure of a summary, by its JSON pointer.
+/// Returns a figure of a summary, by its JSON pointer.
 pub fn number(value: &Value, pointer: &str) -> f64 {
     let number = value.pointer(pointer).and_then(Value::as_f64);
     number.unwrap_or_else(|| panic!("{pointer} is missing in {value}"))
 }
 
-/// A table with a head of names.
+/// Table with a header row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Names of the columns.
     pub head: Vec<String>,
-    /// Cells as they are written, row by row.
+    /// Cells as text, row by row.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// Reads a file of comma-separated values.
+    /// Reads a CSV file.
     pub fn read(path: &Path) -> Self {
         let text = std::fs::read_to_string(path);
         let text = text.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -29,7 +29,7 @@ impl Table {
         Self { head, rows: lines.collect() }
     }
 
-    /// Where the column of this name is.
+    /// Returns the index of a column.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.head.iter().position(|head| head == name)
     }
@@ -38,29 +38,29 @@ impl Table {
         self.find(name).unwrap_or_else(|| panic!("no column `{name}` in {:?}", self.head))
     }
 
-    /// A column as it is written.
+    /// Returns a column as text.
     pub fn texts(&self, name: &str) -> Vec<&str> {
         let at = self.at(name);
         self.rows.iter().map(|row| row[at].as_str()).collect()
     }
 
-    /// A column of numbers.
+    /// Returns a column of numbers.
     pub fn numbers(&self, name: &str) -> Vec<f64> {
         self.columns([name]).concat()
     }
 
-    /// Columns of numbers, row by row.
+    /// Returns columns of numbers, row by row.
     pub fn columns<const N: usize>(&self, names: [&str; N]) -> Vec<[f64; N]> {
         let at = names.map(|name| self.at(name));
         self.rows.iter().map(|row| at.map(|column| parsed(&row[column]))).collect()
     }
 
-    /// All numbers of a row.
+    /// Returns all numbers of a row.
     pub fn row(&self, index: usize) -> Vec<f64> {
         self.rows[index].iter().map(|cell| parsed(cell)).collect()
     }
 
-    /// The table with those columns only whose names are wanted.
+    /// Keeps only columns whose name passes `wanted`.
     pub fn of(self, wanted: impl Fn(&str) -> bool) -> Self {
         let keep: Vec<bool> = self.head.iter().map(|name| wanted(name)).collect();
         let pick = |cells: Vec<String>| {
@@ -75,8 +75,8 @@ fn parsed(cell: &str) -> f64 {
     cell.parse().unwrap_or_else(|_| panic!("`{cell}` is no number"))
 }
 
-/// The values of a field of one component in the appended data of an image (`.vti`): raw doubles
-/// behind their number of bytes, at the offset that the element of that name tells.
+/// Reads a field with one component from the appended data of an image (`.vti`). The data are raw
+/// doubles after their size in bytes, at the offset given by the element with this name.
 pub fn field(path: &Path, name: &str) -> Vec<f64> {
     const MARK: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
     let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -90,7 +90,7 @@ pub fn field(path: &Path, name: &str) -> Vec<f64> {
     data[8..8 + length].as_chunks().0.iter().map(|value| f64::from_le_bytes(*value)).collect()
 }
 
-/// Every file in `fields` of a result directory with its bytes, by name; none if there is no such
+/// Returns all files in `fields` of a result folder, sorted by name; empty if there is no such
 /// folder.
 pub fn field_files(out: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = std::fs::read_dir(out.join("fields")).into_iter().flatten().flatten();

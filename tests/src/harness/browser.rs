@@ -1,7 +1,7 @@
-//! Headless Chromium: pictures of a page, its layout, and what it asked the network for.
+//! Headless Chromium: screenshots and layout of a page, and its network requests.
 //!
-//! The browser takes longer to start than to show a page: one start shows it in all widths of a scheme
-//! of colours.
+//! Starting the browser takes longer than showing a page: one start shows the page in all widths of
+//! a colour scheme.
 
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
@@ -12,7 +12,7 @@ use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use tempfile::TempDir;
 
-/// Colours that a user prefers.
+/// Preferred colour scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// Dark on light.
@@ -21,30 +21,30 @@ pub enum Scheme {
     Dark,
 }
 
-/// How a page is looked at.
+/// Viewport and colour scheme.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     /// Width of the viewport [px].
     pub width: u32,
-    /// What the user prefers.
+    /// Preferred colour scheme.
     pub scheme: Scheme,
 }
 
-/// As on a desk, in light.
+/// Desktop, light scheme.
 pub const DESK: View = View { width: 1280, scheme: Scheme::Light };
-/// As on a phone, in the dark.
+/// Phone, dark scheme.
 pub const PHONE: View = View { width: 375, scheme: Scheme::Dark };
 
-/// What a browser has made of a page.
+/// Page as rendered by the browser.
 #[derive(Debug)]
 pub struct Look {
-    /// Width that the page takes, more than the viewport's where it has to be scrolled [px].
+    /// Width of the page [px]; larger than the viewport if the page scrolls sideways.
     pub scroll_width: u32,
     /// Left, top, width and height of every plot [px].
     pub plots: Vec<[u32; 4]>,
-    /// What the page says of the middle of every plot that has values.
+    /// Reading the page shows for the middle of every plot with values.
     pub read: Vec<String>,
-    /// Addresses that the page has asked for.
+    /// Addresses fetched by the page.
     pub fetched: Vec<String>,
     columns: u32,
     /// Red, green and blue of every pixel.
@@ -52,7 +52,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// What the probe tells of a page, and its picture.
+    /// Combines the layout from the probe with the screenshot.
     fn new(layout: &Value, columns: u32, pixels: Vec<[u8; 3]>) -> Self {
         let plots = layout["plots"].as_array().unwrap().iter();
         let texts = |name: &str| {
@@ -73,12 +73,13 @@ impl Look {
         self.pixels[(y * self.columns + x) as usize]
     }
 
-    /// The colour of the page's corner.
+    /// Colour in the corner of the page.
     pub fn paper(&self) -> [u8; 3] {
         self.pixel(2, 2)
     }
 
-    /// More than one pixel in a hundred of a plot is clearly not its background; of a blank one, none.
+    /// True if more than 1 % of the pixels of a plot clearly differ from its background. A blank
+    /// plot has none.
     pub fn is_drawn(&self, plot: usize) -> bool {
         let [left, top, width, height] = self.plots[plot];
         let places = (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y)));
@@ -92,7 +93,7 @@ impl Look {
     }
 }
 
-/// The browser's program.
+/// Path of the browser.
 fn chromium() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
@@ -107,7 +108,7 @@ fn chromium() -> &'static Path {
     })
 }
 
-/// Runs the browser on a page until it is done.
+/// Runs the browser on a page until it exits.
 fn browse(place: &TempDir, more: &[String], address: &str) -> Output {
     let profile = place.path().join("profile");
     let ended = Command::new(chromium())
@@ -132,13 +133,13 @@ fn browse(place: &TempDir, more: &[String], address: &str) -> Output {
     ended
 }
 
-/// Tells the page around it how a copy of the page is laid out.
+/// Script in the page that reports the layout to the enclosing page.
 const PROBE: &str = r#"<script>addEventListener("load", () => setTimeout(() => {
   const plots = [...document.querySelectorAll("svg.plot")].map(plot => {
     const r = plot.getBoundingClientRect();
     return [r.left, r.top, r.width, r.height].map(Math.floor);
   });
-  // What the page says of the middle of every plot that has values.
+  // Reading for the middle of every plot with values.
   const read = [...document.querySelectorAll("svg.plot[data-x]")].map(plot => {
     const r = plot.getBoundingClientRect();
     const [clientX, clientY] = [r.left + r.width / 2, r.top + r.height / 2];
@@ -153,9 +154,8 @@ const PROBE: &str = r#"<script>addEventListener("load", () => setTimeout(() => {
   parent.postMessage({ plots, read, fetched, size }, "*");
 }, 100));</script>"#;
 
-/// A page that shows another one in frames of these widths, side by side: windows cannot be as narrow
-/// as a phone. A frame becomes as high as its page; the title is what the frames have told of
-/// themselves.
+/// Page with frames of these widths side by side, because a window cannot be as narrow as a phone.
+/// Each frame becomes as high as its content. The title holds the reports of the frames.
 fn framed(widths: &[u32]) -> String {
     let frame = |width: &u32| {
         format!(
@@ -175,7 +175,7 @@ fn framed(widths: &[u32]) -> String {
     )
 }
 
-/// Looks at a page in every one of these views, and at what it asks the network for.
+/// Renders a page in every view. Also returns its network requests.
 pub fn look(page: &Path, views: &[View]) -> (Vec<Look>, Vec<String>) {
     let place = tempfile::tempdir().unwrap();
     let text = fs::read_to_string(page).unwrap();
@@ -196,14 +196,13 @@ pub fn look(page: &Path, views: &[View]) -> (Vec<Look>, Vec<String>) {
     (looks.collect(), requests.into_iter().collect())
 }
 
-/// How a page is laid out in each width and what it looks like, in one scheme of colours, and what it
-/// asks the network for.
+/// Renders a page in every width, in one colour scheme. Also returns its network requests.
 fn see(place: &TempDir, scheme: Scheme, widths: &[u32]) -> (Vec<Look>, Vec<String>) {
     let at = |name: &str| place.path().join(name);
     fs::write(at("frames.html"), framed(widths)).unwrap();
     let prefers = u8::from(scheme == Scheme::Light);
     let width = widths.iter().sum::<u32>().max(600);
-    // High enough for most pages; what is higher is looked at again.
+    // High enough for most pages; a higher one is rendered again.
     let mut height = 10_000;
     let layouts = loop {
         let more = [
@@ -235,8 +234,8 @@ fn see(place: &TempDir, scheme: Scheme, widths: &[u32]) -> (Vec<Look>, Vec<Strin
     (looks.collect(), requests(&at("net.json"), &at("page.html")))
 }
 
-/// What a page asks the network for, by the browser's own log. The browser asks for things of its own,
-/// and for the frames; what a page asks for has the page as its initiator.
+/// Network requests of a page, from the log of the browser. Requests of the browser itself and of
+/// the frames are ignored: those of the page have the page as initiator.
 fn requests(log: &Path, page: &Path) -> Vec<String> {
     let log: Value = serde_json::from_str(&fs::read_to_string(log).unwrap()).unwrap();
     let events = log["events"].as_array().expect("the log has events");
@@ -261,11 +260,11 @@ fn numbers(list: &Value) -> Vec<u32> {
     list.as_array().unwrap().iter().map(|n| n.as_u64().unwrap() as u32).collect()
 }
 
-/// Shows the page in a browser and demands that in every view it fits and that each of its plots is
-/// drawn, so many at least, and that nothing is asked for or fetched.
+/// Asserts that the page fits every view, shows at least `plots` plots, all of them drawn, and
+/// makes no network requests.
 ///
 /// # Panics
-/// Something of it is otherwise.
+/// Panics if one of these conditions fails.
 pub fn assert_shown(page: &Path, views: &[View], plots: usize) {
     let (looks, requests) = look(page, views);
     assert_eq!(requests, Vec::<String>::new(), "{}", page.display());
@@ -286,7 +285,7 @@ pub fn assert_shown(page: &Path, views: &[View], plots: usize) {
     }
 }
 
-/// Width and pixels of a picture.
+/// Returns width and pixels of a picture.
 fn decode(path: &Path) -> (u32, Vec<[u8; 3]>) {
     let file = BufReader::new(File::open(path).expect("the browser has taken a picture"));
     let mut reader = png::Decoder::new(file).read_info().unwrap();

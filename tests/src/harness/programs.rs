@@ -1,9 +1,9 @@
-//! The executables that tests run: where they are, and that they are those of the sources.
+//! Locates the executables that tests run, and checks that they are up to date.
 //!
-//! `cargo test --workspace` builds the executables of every package that has an integration test; a
-//! narrower command leaves those of the other packages as they are. Nothing is built from within a
-//! test: it would wait for every other cargo on the machine. What is missing, or older than a source
-//! that it is made from, is refused with the command that builds it.
+//! `cargo test --workspace` builds the executables of every package with an integration test. A
+//! narrower command does not rebuild those of other packages. Tests do not build executables
+//! themselves, because that would wait for every other cargo process on the machine. A missing or
+//! outdated executable is an error that names the command to build it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,14 @@ use std::sync::OnceLock;
 use std::time::SystemTime;
 use toml::Table;
 
-/// The executables, each with the folder of its package and the source of its own.
-const PROGRAMS: [(&str, &str, &str); 17] = [
+/// Executables, with the folder of the package and the main source file.
+const PROGRAMS: [(&str, &str, &str); 18] = [
     ("coordinator", "coordinator", "src/main.rs"),
     ("cosim-relay", "bridges/relay", "src/main.rs"),
     ("fmu-participant", "bridges/fmu-participant", "src/main.rs"),
     ("mech-solver", "mech-solver", "src/main.rs"),
     ("thermal-solver", "thermal-solver", "src/main.rs"),
+    ("precice-participant", "bridges/precice", "src/main.rs"),
     ("rogue", "tests", "src/bin/rogue.rs"),
     ("toy-body", "tests", "src/bin/toy-body.rs"),
     ("toy-future", "tests", "src/bin/toy-future.rs"),
@@ -32,15 +33,16 @@ const PROGRAMS: [(&str, &str, &str); 17] = [
     ("toy-volume", "tests", "src/bin/toy-volume.rs"),
 ];
 
-/// The folder of the executables, `target/PROFILE`.
+/// Returns the folder of the executables, `target/PROFILE`.
 ///
 /// # Panics
-/// One of them is missing or stale.
+/// Panics if an executable is missing or outdated.
 pub fn programs() -> &'static Path {
     static FOLDER: OnceLock<Result<PathBuf, String>> = OnceLock::new();
     let checked = FOLDER.get_or_init(|| {
         let folder = deps().parent().unwrap().to_owned();
-        // What is edited while tests run is of the next build; they are linked with the libraries.
+        // A source edited while tests run belongs to the next build; the tests are linked with the
+        // same libraries.
         let linked = changed(&std::env::current_exe().unwrap());
         for (name, package, main) in PROGRAMS {
             let libraries = sources_of(package).into_iter();
@@ -48,16 +50,17 @@ pub fn programs() -> &'static Path {
             sources.push(root().join(package).join(main));
             fresh(&folder.join(name), &sources)?;
         }
-        beside_programs(&folder)?;
+        beside_programs(&folder, "libcosim.so", "proto/c")?;
+        beside_programs(&folder, "libprecice.so", "bridges/precice")?;
         Ok(folder)
     });
     checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
 }
 
-/// The folder of `libcosim.so`, where cargo puts the libraries of a test.
+/// Returns the folder of `libcosim.so`, where cargo puts the libraries of a test.
 ///
 /// # Panics
-/// It is missing or stale.
+/// Panics if the library is missing or outdated.
 pub fn library() -> &'static Path {
     static FOLDER: OnceLock<Result<PathBuf, String>> = OnceLock::new();
     let checked = FOLDER.get_or_init(|| {
@@ -67,24 +70,24 @@ pub fn library() -> &'static Path {
     checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
 }
 
-/// Puts `libcosim.so` beside the executables, where participants in Python look for it: `cargo build`
-/// does so, and `cargo test` does not.
-fn beside_programs(folder: &Path) -> Result<(), String> {
-    let (built, place) = (deps().join("libcosim.so"), folder.join("libcosim.so"));
-    fresh(&built, &sources_of("proto/c"))?;
-    let partial = folder.join(format!("libcosim.so.{}", std::process::id()));
+/// Links a library beside the executables, where participants in Python and
+/// `precice-participant` look for it. `cargo build` does this, `cargo test` does not.
+fn beside_programs(folder: &Path, name: &str, package: &str) -> Result<(), String> {
+    let (built, place) = (deps().join(name), folder.join(name));
+    fresh(&built, &sources_of(package))?;
+    let partial = folder.join(format!("{name}.{}", std::process::id()));
     let copied = std::fs::hard_link(&built, &partial).and_then(|()| {
         let renamed = std::fs::rename(&partial, &place);
-        // Two names of one file: nothing was renamed.
+        // If both names are the same file, `rename` does nothing.
         std::fs::remove_file(&partial).or(renamed)
     });
     copied.map_err(|error| format!("{}: {error}", place.display()))
 }
 
-/// An example of the crate `proto`, which `cargo test` builds.
+/// Returns an example of the crate `proto`, built by `cargo test`.
 ///
 /// # Panics
-/// It is missing or stale.
+/// Panics if the example is missing or outdated.
 pub fn example(name: &str) -> PathBuf {
     let built = programs().join("examples").join(name);
     fresh(&built, &[root().join(format!("proto/examples/{name}.rs"))])
@@ -92,17 +95,17 @@ pub fn example(name: &str) -> PathBuf {
     built
 }
 
-/// The root of the workspace.
+/// Root folder of the workspace.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// The folder of the test's own executable, `target/PROFILE/deps`.
+/// Folder of the test executable, `target/PROFILE/deps`.
 fn deps() -> PathBuf {
     std::env::current_exe().unwrap().parent().unwrap().to_owned()
 }
 
-/// The file is there and no older than any of its sources.
+/// Checks that the file exists and is no older than any of its sources.
 fn fresh(file: &Path, sources: &[PathBuf]) -> Result<(), String> {
     let command = match cfg!(debug_assertions) {
         true => "cargo test --workspace",
@@ -124,12 +127,11 @@ fn changed(path: &Path) -> Option<SystemTime> {
     path.metadata().and_then(|file| file.modified()).ok()
 }
 
-/// A manifest.
 fn manifest(folder: &Path) -> Table {
     std::fs::read_to_string(folder.join("Cargo.toml")).unwrap().parse().unwrap()
 }
 
-/// The folders of a package and of all of the workspace that it depends on.
+/// Folders of a package and of all workspace packages it depends on.
 fn packages(package: &str) -> Vec<PathBuf> {
     let workspace = manifest(&root());
     let shared = &workspace["workspace"]["dependencies"];
@@ -154,12 +156,12 @@ fn packages(package: &str) -> Vec<PathBuf> {
     found
 }
 
-/// The sources of the library of a package and of those that it depends on.
+/// Sources of the libraries of a package and its dependencies.
 fn sources_of(package: &str) -> Vec<PathBuf> {
     packages(package).iter().flat_map(|package| sources(package)).collect()
 }
 
-/// What the library of a package was made from, as the compiler has told cargo.
+/// Sources of the library of a package, as reported by the compiler.
 fn sources(package: &Path) -> Vec<PathBuf> {
     let manifest = manifest(package);
     let own = manifest.get("lib").and_then(|lib| lib.get("name")).and_then(toml::Value::as_str);
@@ -168,7 +170,7 @@ fn sources(package: &Path) -> Vec<PathBuf> {
     told.into_iter().map(|source| root().join(source)).collect()
 }
 
-/// The sources of every library in `deps`, by its name; of several builds the last.
+/// Sources of every library in `deps`, by name; the latest build wins.
 fn compiled() -> &'static BTreeMap<String, Vec<PathBuf>> {
     static LIBRARIES: OnceLock<BTreeMap<String, Vec<PathBuf>>> = OnceLock::new();
     LIBRARIES.get_or_init(|| {
@@ -180,7 +182,7 @@ fn compiled() -> &'static BTreeMap<String, Vec<PathBuf>> {
     })
 }
 
-/// The library that a file of dependencies is about, if it is of the workspace, with its sources.
+/// Parses a dependency file: returns library and sources, if the library belongs to the workspace.
 fn library_of(path: &Path) -> Option<(String, Vec<PathBuf>)> {
     let text = std::fs::read_to_string(path).ok()?;
     let (target, sources) = text.lines().find_map(|line| {
@@ -189,7 +191,7 @@ fn library_of(path: &Path) -> Option<(String, Vec<PathBuf>)> {
     })?;
     let file = Path::new(target).file_stem()?.to_str()?.strip_prefix("lib")?;
     let name = file.rsplit_once('-').map_or(file, |(name, _)| name);
-    // Spaces in names are escaped; those of other packages are absolute.
+    // Spaces in paths are escaped. Sources of other packages have absolute paths.
     let sources = sources.replace("\\ ", "\0");
     let sources: Vec<PathBuf> =
         sources.split(' ').map(|source| PathBuf::from(source.replace('\0', " "))).collect();
@@ -221,7 +223,8 @@ mod tests {
         assert!(stale.contains("--workspace`"), "{stale}");
     }
 
-    /// The coordinator depends on the contract and on no solver; neither's list of sources is empty.
+    /// The coordinator depends on the protocol but on no solver. No package has an empty list of
+    /// sources.
     #[test]
     fn a_program_is_made_from_its_package_and_those_that_it_depends_on() {
         let packages = packages("coordinator");

@@ -1,15 +1,15 @@
-//! The Python that tests use.
+//! Python interpreter for tests.
 
 use super::root;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// An interpreter that has the package and what tests need besides, made by
+/// Interpreter with the package `cosim` and the test dependencies, set up by
 /// `proto/python/environment.py`.
 ///
 /// # Panics
-/// It cannot be made.
+/// Panics if the environment cannot be set up.
 pub fn interpreter() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| {

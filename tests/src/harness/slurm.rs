@@ -1,4 +1,4 @@
-//! A Slurm of one node on this machine, with keys, ports and files of its own; gone with the test.
+//! Slurm cluster of one node on this machine, with its own keys, ports and files. Removed on drop.
 
 use super::wait_until;
 use std::fs;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use tempfile::TempDir;
 
-/// The daemons, and where they are.
+/// Daemons of the cluster and their folder.
 #[derive(Debug)]
 pub struct Slurm {
     place: TempDir,
@@ -16,7 +16,7 @@ pub struct Slurm {
 }
 
 impl Slurm {
-    /// Starts it, and waits until its node takes tasks.
+    /// Starts the cluster and waits until the node accepts tasks.
     #[expect(clippy::new_without_default, reason = "daemons are started, not defaulted")]
     pub fn new() -> Self {
         // Sockets need a short path.
@@ -59,19 +59,19 @@ impl Slurm {
         slurm
     }
 
-    /// The file that `SLURM_CONF` names.
+    /// Configuration file, for `SLURM_CONF`.
     pub fn configuration(&self) -> PathBuf {
         self.place.path().join("slurm.conf")
     }
 
-    /// What one of its programs prints.
+    /// Runs a Slurm program and returns its output.
     pub fn said(&self, program: &str, arguments: &[&str]) -> String {
         let ended =
             Command::new(program).args(arguments).env("SLURM_CONF", self.configuration()).output();
         String::from_utf8_lossy(&ended.expect(NEEDED).stdout).into_owned()
     }
 
-    /// Tasks that wait or run.
+    /// Number of waiting and running tasks.
     pub fn tasks(&self) -> usize {
         self.said("squeue", &["-h", "-r"]).lines().count()
     }
@@ -88,11 +88,10 @@ impl Drop for Slurm {
     }
 }
 
-const NEEDED: &str =
-    "Slurm is needed to test how sweeps go through it: apt-get install slurm-wlm munge";
+const NEEDED: &str = "Slurm is needed to test sweeps on a cluster: apt-get install slurm-wlm munge";
 
 fn daemon(name: &str, out: &Path) -> Command {
-    // Where there are daemons is not always on the search path of a user.
+    // The folders of daemons are not always on a user's search path.
     let folders = ["/usr/sbin", "/usr/local/sbin"].map(|folder| Path::new(folder).join(name));
     let program = folders.into_iter().find(|path| path.exists()).unwrap_or_else(|| name.into());
     let mut command = Command::new(program);
@@ -101,7 +100,8 @@ fn daemon(name: &str, out: &Path) -> Command {
     command
 }
 
-/// One node of two cores; no cgroups, no job steps over the network, and a scheduler that does not wait.
+/// One node with two cores; no cgroups, no job steps over the network, and a scheduler without
+/// delay.
 fn configuration(place: &Path) -> String {
     let ports = [0, 0].map(|any| TcpListener::bind(("127.0.0.1", any)).unwrap());
     let [controller, node] = ports.map(|port| port.local_addr().unwrap().port());

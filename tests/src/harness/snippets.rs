@@ -1,7 +1,8 @@
-//! What pages have people type: commands that are run, in order, and of the lines shown under one that each is printed.
+//! Runs the commands shown on a page, in order, and checks that they print the lines shown below
+//! them.
 //!
-//! A block is left out that says so in the line before, with the reason: `<!-- not run: it needs a cluster -->`, or that the gate takes its
-//! command from: `<!-- test -->`.
+//! A block is skipped if the line before it says so: `<!-- not run: it needs a cluster -->` gives a
+//! reason, `<!-- test -->` marks a command run elsewhere by the gate.
 
 use super::python::interpreter;
 use super::{programs, root};
@@ -9,25 +10,25 @@ use std::fmt::Write;
 use std::os::unix::fs::symlink;
 use std::process::Command;
 
-/// A block of a page between fences.
+/// Fenced block of a page.
 #[derive(Debug)]
 pub struct Block {
-    /// The word behind the fence.
+    /// Language after the opening fence.
     pub language: String,
-    /// Its lines.
+    /// Content of the block.
     pub text: String,
-    /// Why it is not run, if the page says that it is not.
+    /// Reason why the block is not run, if given.
     pub left_out: Option<String>,
 }
 
 impl Block {
-    /// It is something that people type.
+    /// True for commands that a reader types.
     pub fn is_typed(&self) -> bool {
         matches!(self.language.as_str(), "sh" | "python")
     }
 }
 
-/// The blocks of a page of the repository.
+/// Returns the blocks of a page of the repository.
 pub fn blocks(page: &str) -> Vec<Block> {
     let page = std::fs::read_to_string(root().join(page)).unwrap();
     let mut found = Vec::new();
@@ -50,11 +51,11 @@ pub fn blocks(page: &str) -> Vec<Block> {
     found
 }
 
-/// Runs the blocks of a page in a folder that looks like the repository; of the lines that are shown under one each is, from its
-/// beginning, in one that it prints. Returns how many commands and lines those were.
+/// Runs the blocks of a page in a copy of the repository's folders. Each line shown below a command
+/// must be the start of a printed line. Returns the number of commands and of lines.
 ///
 /// # Panics
-/// A command fails, or does not print what is shown.
+/// Panics if a command fails or does not print a line shown on the page.
 pub fn run(page: &str) -> (usize, usize) {
     let folder = tempfile::tempdir().unwrap();
     for name in ["cases", "proto", "docs", "coordinator", "tests"] {
@@ -64,7 +65,7 @@ pub fn run(page: &str) -> (usize, usize) {
     symlink(programs(), folder.path().join("target/release")).unwrap();
     let python = interpreter().parent().unwrap().display();
     let path = format!("{}:{python}:{}", programs().display(), std::env::var("PATH").unwrap());
-    // Of a block that is left out nothing is known.
+    // `None` after a skipped block, whose output is unknown.
     let mut said: Option<String> = None;
     let (mut commands, mut shown) = (0, 0);
     for Block { language, text, left_out } in blocks(page) {

@@ -1,4 +1,4 @@
-//! Small dense matrices, by rows: products, the spectral radius, a direct solve.
+//! Small dense matrices, by rows: products, spectral radius, direct solve.
 
 /// y = Ax.
 pub(super) fn apply(a: &[f64], x: &[f64], y: &mut [f64]) {
@@ -7,8 +7,8 @@ pub(super) fn apply(a: &[f64], x: &[f64], y: &mut [f64]) {
     }
 }
 
-/// The largest magnitude of an eigenvalue, by Gelfand's formula ρ = lim ‖A^m‖^(1/m) over
-/// m = 2, 4, 8, ...; fifty squarings leave 2⁻⁵⁰ ln(constant).
+/// Spectral radius, by Gelfand's formula ρ = lim ‖A^m‖^(1/m) over m = 2, 4, 8, ...; fifty squarings
+/// leave an error of 2⁻⁵⁰ ln(constant).
 pub(super) fn spectral_radius(a: &[f64], n: usize) -> f64 {
     let mut power = a.to_vec();
     let (mut logarithm, mut share) = (0.0, 1.0);
@@ -37,7 +37,7 @@ fn square(a: &[f64], n: usize) -> Vec<f64> {
     product
 }
 
-/// LU factorisation with row exchanges.
+/// LU factorisation with row pivoting.
 #[derive(Clone, Debug)]
 pub(super) struct Factors {
     lu: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The two participants.
+//! Participants of the linear pair.
 
 use super::problem::{LARGEST_DENSE, PROBLEMS, Problem};
 use proto::accuracy::Accuracy;
@@ -13,9 +13,9 @@ use proto::params::Params;
 use proto::state::{read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
-/// What `relay` sends.
+/// Field sent by `relay`.
 pub const RELAY_VALUE: FieldSpec = field("relay_value");
-/// What `operator` sends.
+/// Field sent by `operator`.
 pub const OPERATOR_VALUE: FieldSpec = field("operator_value");
 
 const fn field(name: &'static str) -> FieldSpec {
@@ -29,8 +29,8 @@ const fn field(name: &'static str) -> FieldSpec {
     }
 }
 
-/// The grid of a participant with so many points, over as many lengths of 1 as there are unknowns,
-/// and moved by `offset` along x: with one point an unknown all grids match.
+/// Grid of a participant with `points` points, over a length equal to the number of unknowns,
+/// shifted by `offset` along x. With one point per unknown all grids match.
 #[must_use]
 pub fn grid(unknowns: usize, points: usize, offset: f64) -> Grid {
     let step = unknowns as f64 / points as f64;
@@ -40,10 +40,10 @@ pub fn grid(unknowns: usize, points: usize, offset: f64) -> Grid {
 
 const GRID: &str = "unknowns";
 
-/// One of the two.
+/// Participant of the linear pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Linear {
-    /// Sends on what it receives.
+    /// Sends back the values it receives.
     Relay,
     /// Answers x with Mx + b_w.
     Operator,
@@ -93,7 +93,7 @@ impl Linear {
 }
 
 impl Linear {
-    /// The relay may have a grid of its own.
+    /// Keys of this participant: the relay may have its own grid.
     fn own_keys(self) -> Vec<KeySpec> {
         match self {
             Self::Operator => Vec::new(),
@@ -188,9 +188,9 @@ impl Solver for Linear {
 #[derive(Debug)]
 struct LinearModel {
     part: Linear,
-    /// The operator's.
+    /// Problem, for the operator only.
     problem: Option<Problem>,
-    /// What the operator has answered last.
+    /// Last answer of the operator.
     last: Vec<f64>,
     window: u64,
     true_error: f64,

@@ -1,14 +1,14 @@
-//! The problems, made from a seed.
+//! Linear problems, generated from a seed.
 
 use super::dense::{Factors, apply, spectral_radius};
 
 /// Names of the problems.
 pub const PROBLEMS: &[&str] = &["P1", "P2", "P3", "P4", "P5", "P6", "diagonal"];
 
-/// Largest problem with a matrix that is no product of reflections.
+/// Maximum number of unknowns of a problem with a dense matrix.
 pub const LARGEST_DENSE: usize = 1000;
 
-/// Numbers in [−1, 1) by splitmix64 (Steele, Lea & Flood 2014).
+/// Random numbers in [−1, 1) by splitmix64 (Steele, Lea & Flood 2014).
 struct Random(u64);
 
 impl Random {
@@ -26,16 +26,16 @@ impl Random {
     }
 }
 
-/// M, in the form in which it is applied.
+/// Matrix M, in the form used to apply it.
 #[derive(Clone, Debug)]
 enum Operator {
-    /// QΛQᵀ: the eigenvalues, and the v of the reflections that make Q.
+    /// QΛQᵀ: the eigenvalues, and the vectors v of the reflections that form Q.
     Spectral { eigenvalues: Vec<f64>, reflections: Vec<Vec<f64>> },
-    /// A full matrix by rows, and the factors of I − M.
+    /// Dense matrix by rows, and the factors of I − M.
     Dense { matrix: Vec<f64>, factors: Factors },
 }
 
-/// One problem x = Mx + b_w.
+/// Problem x = Mx + b_w.
 #[derive(Clone, Debug)]
 pub struct Problem {
     steady: Vec<f64>,
@@ -44,7 +44,8 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// The problem of a name in [`PROBLEMS`], with `size` unknowns; `None` for any other name.
+    /// Creates the problem of a name in [`PROBLEMS`], with `size` unknowns; `None` for any other
+    /// name.
     #[must_use]
     pub fn new(name: &str, seed: u64, size: usize) -> Option<Self> {
         let mut random = Random(seed);
@@ -79,7 +80,7 @@ impl Problem {
         self.steady.len()
     }
 
-    /// b_w, into `b`.
+    /// Writes b_w to `b`.
     pub fn right_side(&self, window: u64, b: &mut [f64]) {
         let (steady, varying) = shares(window);
         for (b, (b0, b1)) in b.iter_mut().zip(self.steady.iter().zip(&self.varying)) {
@@ -102,7 +103,7 @@ impl Problem {
         }
     }
 
-    /// x of window w, without iteration.
+    /// Exact solution of window w.
     #[must_use]
     pub fn solution(&self, window: u64) -> Vec<f64> {
         let mut b = vec![0.0; self.size()];
@@ -116,7 +117,7 @@ impl Problem {
         }
     }
 
-    /// ‖x − solution‖/‖solution‖ of a window.
+    /// Relative error of x in a window, ‖x − solution‖/‖solution‖.
     #[must_use]
     pub fn true_error(&self, window: u64, x: &[f64]) -> f64 {
         let solution = self.solution(window);
@@ -125,7 +126,7 @@ impl Problem {
     }
 }
 
-/// The factors of b₀ and b₁ in b_w.
+/// Factors of b₀ and b₁ in b_w.
 fn shares(window: u64) -> (f64, f64) {
     let (sine, cosine) = (window as f64).sin_cos();
     (1.0 + 0.2 * sine, 0.2 * cosine)
@@ -138,14 +139,14 @@ fn dense(mut matrix: Vec<f64>, size: usize, radius: f64) -> Operator {
     Operator::Dense { matrix, factors }
 }
 
-/// x becomes Q diag(scale) Qᵀ x, with Q = H₁H₂…
+/// Replaces x by Q diag(scale) Qᵀ x, with Q = H₁H₂…
 fn transform(x: &mut [f64], reflections: &[Vec<f64>], scale: impl Fn(usize) -> f64) {
     reflections.iter().for_each(|v| reflect(x, v));
     x.iter_mut().enumerate().for_each(|(i, x)| *x *= scale(i));
     reflections.iter().rev().for_each(|v| reflect(x, v));
 }
 
-/// x becomes x − 2v vᵀx/vᵀv.
+/// Replaces x by x − 2v vᵀx/vᵀv.
 fn reflect(x: &mut [f64], v: &[f64]) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let factor = 2.0 * dot(v, x) / dot(v, v);
@@ -193,7 +194,8 @@ mod tests {
             problem.apply(3, &solution, &mut image);
             let largest = solution.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
             for (image, solution) in image.iter().zip(&solution) {
-                // Rounding, times the condition number of I − M, at most some hundreds.
+                // Rounding errors, amplified by the condition number of I − M, at most some
+                // hundreds.
                 assert!((image - solution).abs() < 1e-12 * largest, "{name}");
             }
         }

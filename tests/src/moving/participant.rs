@@ -1,4 +1,4 @@
-//! The two participants.
+//! Participants of the moving pair.
 
 use super::{MOTIONS, PATCH, flux, patch, plate, temperature};
 use proto::accuracy::Accuracy;
@@ -12,7 +12,7 @@ use proto::model::{
 use proto::state::read_bytes;
 use std::io::{self, Read, Write};
 
-/// What `mover` sends \[W/m²\].
+/// Flux sent by `mover` \[W/m²\].
 pub const MOVING_FLUX: FieldSpec = FieldSpec {
     name: "moving_flux",
     unit: "W/m2",
@@ -21,7 +21,7 @@ pub const MOVING_FLUX: FieldSpec = FieldSpec {
     body: Body::Interface,
     meaning: "flux into the plate",
 };
-/// Where the mover's elements were in the window that was accepted last \[m\]; only observed.
+/// Position of the mover's elements in the last accepted window \[m\]; only observed.
 const MOVING_PLACE: FieldSpec = FieldSpec {
     name: "moving_place",
     unit: "m",
@@ -30,7 +30,7 @@ const MOVING_PLACE: FieldSpec = FieldSpec {
     body: Body::Interface,
     meaning: "x and y of the elements' centres",
 };
-/// What `plate` sends \[K\].
+/// Temperature sent by `plate` \[K\].
 const PLATE_TEMPERATURE: FieldSpec = FieldSpec {
     name: "plate_temperature",
     unit: "K",
@@ -40,12 +40,12 @@ const PLATE_TEMPERATURE: FieldSpec = FieldSpec {
     meaning: "temperature of the plate",
 };
 
-/// One of the two.
+/// Participant of the moving pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moving {
-    /// Has the grid that moves.
+    /// Has the moving grid.
     Mover,
-    /// Has one that stays.
+    /// Has the fixed grid.
     Plate,
 }
 
@@ -181,28 +181,28 @@ struct MovingSetup {
     gain: f64,
 }
 
-/// What is accepted.
+/// Accepted state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Books {
     windows: u64,
-    /// Revision of the grid on which the input came last.
+    /// Revision of the grid of the last input.
     revision: u64,
-    /// Largest relative error of what was heard.
+    /// Largest relative error of an input.
     error: f64,
 }
 
 struct MovingModel {
     setup: MovingSetup,
-    /// The one grid, as it is accepted.
+    /// The only grid, in its accepted position.
     grids: Vec<Grid>,
-    /// As it was in the window that was accepted last.
+    /// Grid in the last accepted window.
     solved_on: Grid,
     accepted: Books,
     trial: Books,
 }
 
 impl MovingModel {
-    /// The largest difference of what is heard from its law, relative to the law.
+    /// Largest difference between the input and its law, relative to the law.
     fn error(&self, input: &InputField) -> f64 {
         let law = match self.setup.part {
             Moving::Mover => temperature,
@@ -220,8 +220,8 @@ impl MovingModel {
     }
 
     fn heat_up(&self, input: &InputField, sent: &mut [f64]) -> f64 {
-        let heat = |(n, q): (usize, &f64)| q * input.grid.area(n);
-        let power: f64 = input.values.iter().enumerate().map(heat).sum();
+        let power: f64 =
+            input.values.iter().zip(input.grid.areas()).map(|(q, area)| q * area).sum();
         for (n, value) in sent.iter_mut().enumerate() {
             let gain = 1.0 + 1e-3 * self.setup.gain * power;
             *value = temperature(self.grids[0].centre(n)) * gain;

@@ -1,4 +1,4 @@
-//! The participant.
+//! Participant with fields on a volume.
 
 use super::{BLOCK, KINDS, block, hexahedra, temperature};
 use proto::accuracy::Accuracy;
@@ -12,7 +12,7 @@ use proto::model::{
 use proto::state::read_bytes;
 use std::io::{self, Read, Write};
 
-/// What it computes \[K\].
+/// Computed temperature \[K\].
 pub const VOLUME_TEMPERATURE: FieldSpec = FieldSpec {
     name: "volume_temperature",
     unit: "K",
@@ -21,7 +21,7 @@ pub const VOLUME_TEMPERATURE: FieldSpec = FieldSpec {
     body: Body::Interface,
     meaning: "temperature in the block",
 };
-/// Where its elements are in the window that was accepted last \[m\].
+/// Position of the elements in the last accepted window \[m\].
 pub const VOLUME_PLACE: FieldSpec = FieldSpec {
     name: "volume_place",
     unit: "m",
@@ -31,13 +31,13 @@ pub const VOLUME_PLACE: FieldSpec = FieldSpec {
     meaning: "centres of the block's elements",
 };
 
-/// Ways to break what the contract says of volumes, as words of `volume.fault`.
+/// Ways to break the rules for volumes, as values of `volume.fault`.
 const FAULTS: &[&str] = &["none", "missing", "mirrored"];
 
-/// No run has more windows than this.
+/// Upper bound of the number of windows of a run.
 const MOST_WINDOWS: u64 = 1_000_000_000;
 
-/// The block.
+/// Participant with a block.
 #[derive(Clone, Copy, Debug)]
 pub struct Block;
 
@@ -124,7 +124,7 @@ impl BlockSetup {
     }
 }
 
-/// The block with the values of its geometry negated, and so inside out.
+/// Block with negated coordinates, which turns the elements inside out.
 fn mirrored(block: &Grid) -> Grid {
     let mut values = vec![0.0; 3 * block.geometry_points()];
     block.encode_geometry(&mut values);
@@ -135,17 +135,17 @@ fn mirrored(block: &Grid) -> Grid {
 
 struct BlockModel {
     setup: BlockSetup,
-    /// The block as it is accepted.
+    /// Block in its accepted position.
     grids: Vec<Grid>,
-    /// As it was in the window that was accepted last.
+    /// Block in the last accepted window.
     solved_on: Grid,
-    /// That are accepted.
+    /// Number of accepted windows.
     windows: u64,
 }
 
 impl BlockModel {
-    /// Moves the block to where it is after the accepted windows; where it was. Revisions rise, also
-    /// after a return to an earlier state.
+    /// Moves the block to its position after the accepted windows; returns the previous grid.
+    /// Revisions increase even after a return to an earlier state.
     fn swell(&mut self) -> Grid {
         let next = self.setup.block_after(self.windows);
         let revision = next.revision.max(self.grids[0].revision + 1);

@@ -1,7 +1,7 @@
-//! No file of a crate refers to another one that refers back to it, directly or through others.
+//! Tests that no crate has circular references between its files.
 //!
-//! A reference is a `use` declaration or a path, followed through re-exports to the file that defines
-//! what is named. That a module names its parts, or passes on what is in them, is no reference.
+//! A reference is a `use` declaration or a path, followed through re-exports to the file with the
+//! definition. Declarations and re-exports of submodules do not count as references.
 
 use super::code::{self, References, is, word};
 use super::manifests;
@@ -25,17 +25,17 @@ struct Module {
     refers: References,
 }
 
-/// What a path leads to.
+/// Target of a path.
 enum Target {
     Module(Name),
-    /// An item in this module.
+    /// Item in this module.
     Item(Name),
 }
 
-/// The modules of a crate.
+/// Modules of a crate.
 struct Crate(BTreeMap<Name, Module>);
 
-/// From file to file, what of the second the first refers to.
+/// Names in the second file of each pair to which the first file refers.
 type Edges = BTreeMap<PathBuf, BTreeMap<PathBuf, BTreeSet<String>>>;
 
 impl Crate {
@@ -48,7 +48,7 @@ impl Crate {
         all
     }
 
-    /// Adds a module and those in it, whose files lie in `folder`.
+    /// Adds a module and its submodules, whose files are in `folder`.
     fn add(&mut self, name: Name, file: &Path, folder: &Path, tokens: Vec<TokenTree>) {
         let (mut items, mut children, mut own) = (BTreeSet::new(), BTreeSet::new(), Vec::new());
         let mut tokens = tokens.into_iter().peekable();
@@ -84,7 +84,7 @@ impl Crate {
         self.0.insert(name, Module { file, items, children, refers });
     }
 
-    /// What a path in a module leads to; nothing outside the crate.
+    /// Resolves a path in a module; `None` outside the crate.
     fn resolve(&self, from: &Name, path: &[String], chain: usize) -> Option<Target> {
         let above = path.iter().take_while(|word| *word == "super").count();
         match path.first()?.as_str() {
@@ -154,7 +154,7 @@ impl Crate {
     }
 }
 
-/// The shortest way from a file back to it.
+/// Shortest path from a file back to itself.
 fn around(edges: &Edges, start: &PathBuf) -> Option<Vec<PathBuf>> {
     let mut ways = VecDeque::from([vec![start.clone()]]);
     let mut seen = BTreeSet::new();
@@ -172,7 +172,7 @@ fn around(edges: &Edges, start: &PathBuf) -> Option<Vec<PathBuf>> {
     None
 }
 
-/// The shortest circle of files of a crate, in words.
+/// Describes the shortest circle of files of a crate.
 fn circle(folder: &Path) -> Option<String> {
     let edges = Crate::read(folder).edges();
     let circles = edges.keys().filter_map(|file| around(&edges, file));
@@ -194,7 +194,7 @@ fn no_circle_of_files() {
     }
 }
 
-/// A circle is found through `use` trees, re-exports, aliases and paths; what is for tests is left out.
+/// A circle is found through `use` trees, re-exports, aliases and paths. Test code is ignored.
 #[test]
 fn a_circle_is_found() {
     let place = tempfile::tempdir().unwrap();

@@ -1,35 +1,35 @@
-//! Source text as tokens, without comments, attributes and what is compiled for tests alone; its `use`
+//! Source text as tokens, without comments, attributes and code compiled for tests only; its `use`
 //! declarations and paths.
 
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 
-/// A `use` declaration, one leaf of its tree.
+/// Leaf of the tree of a `use` declaration.
 pub(super) struct Use {
     pub(super) path: Vec<String>,
-    /// The name by which the item is known here; `*` for all of a module.
+    /// Name of the item in this file; `*` for all items of a module.
     pub(super) alias: String,
     pub(super) public: bool,
 }
 
-/// What a piece of code refers to.
+/// References in a piece of code.
 #[derive(Default)]
 pub(super) struct References {
     pub(super) uses: Vec<Use>,
     /// Paths and single words outside `use` declarations.
     pub(super) paths: Vec<Vec<String>>,
-    /// Texts in quotes.
+    /// String literals.
     pub(super) texts: Vec<String>,
 }
 
-/// The tokens of a source file.
+/// Reads the tokens of a source file.
 pub(super) fn read(path: &Path) -> Vec<TokenTree> {
     let text = std::fs::read_to_string(path).unwrap();
     clean(text.parse().unwrap_or_else(|error| panic!("{}: {error}", path.display())))
 }
 
-/// The Rust files under a folder that are no tests.
+/// Rust files under a folder, without tests.
 pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
@@ -39,19 +39,19 @@ pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
     files.into_iter().filter(|path| rust(path) && !tests(path)).chain(inner).collect()
 }
 
-/// What a piece of code refers to.
+/// Collects the references in a piece of code.
 pub(super) fn references(tokens: &[TokenTree]) -> References {
     let mut found = References::default();
     collect(tokens, &mut found);
     found
 }
 
-/// A token is this mark.
+/// True if the token is this punctuation mark.
 pub(super) fn is(token: &TokenTree, mark: char) -> bool {
     matches!(token, TokenTree::Punct(punct) if punct.as_char() == mark)
 }
 
-/// The word that a token is.
+/// Returns the identifier if the token is one.
 pub(super) fn word(token: &TokenTree) -> Option<String> {
     match token {
         TokenTree::Ident(ident) => Some(ident.to_string()),
@@ -85,7 +85,7 @@ fn is_for_tests(attribute: &TokenTree) -> bool {
     text.starts_with("[cfg(test)") || text.starts_with("[cfg(all(test,")
 }
 
-/// Passes over an item, which ends with a semicolon or with its braces.
+/// Skips an item, up to its semicolon or its braces.
 fn skip_item(tokens: &mut Peekable<impl Iterator<Item = TokenTree>>) {
     let mut braces_end = true;
     for token in tokens {
@@ -137,7 +137,7 @@ fn collect(tokens: &[TokenTree], found: &mut References) {
     }
 }
 
-/// What comes before a declaration makes it visible elsewhere.
+/// True if the tokens before a declaration make it public.
 fn is_public(before: &[TokenTree]) -> bool {
     let before = match before {
         [rest @ .., TokenTree::Group(group)] if group.delimiter() == Delimiter::Parenthesis => rest,
@@ -146,7 +146,7 @@ fn is_public(before: &[TokenTree]) -> bool {
     before.last().and_then(word).is_some_and(|word| word == "pub")
 }
 
-/// The leaves of a `use` tree.
+/// Collects the leaves of a `use` tree.
 fn leaves(tree: &[TokenTree], before: &[String], public: bool, into: &mut Vec<Use>) {
     for branch in tree.split(|token| is(token, ',')).filter(|branch| !branch.is_empty()) {
         let mut path = before.to_vec();

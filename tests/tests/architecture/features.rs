@@ -1,10 +1,11 @@
-//! Features of packages: what `cargo build` builds for the default members, `cargo test --workspace` uses as it is.
+//! Features of packages: `cargo test --workspace` reuses all packages that `cargo build` builds for
+//! the default members.
 
 use std::collections::BTreeSet;
 use std::process::Command;
 use tests::harness::root;
 
-/// Packages that cargo builds, each with its features.
+/// Packages built by cargo, each with its features.
 fn packages(of: &[&str]) -> BTreeSet<String> {
     let fixed = ["tree", "--locked", "--offline", "--prefix=none", "--format={p} [{f}]"];
     let ended =
@@ -14,8 +15,9 @@ fn packages(of: &[&str]) -> BTreeSet<String> {
     lines.lines().filter(|line| line.ends_with(']')).map(str::to_owned).collect()
 }
 
-/// Cargo builds a package once for each set of features. One that the default members ask fewer of than the whole workspace
-/// does would be built again by the README's second command, and with it all that uses it.
+/// Cargo builds a package once for each set of features. If the default members enabled fewer
+/// features than the whole workspace, the second command of the README would rebuild the package
+/// and all its dependants.
 #[test]
 fn the_default_members_ask_for_all_features_that_the_workspace_asks_for() {
     let first = packages(&["--edges=normal,build"]);

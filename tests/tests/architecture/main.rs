@@ -1,5 +1,6 @@
-//! How the code of this project may be put together: no circle of files, the order of the crates, their features, and
-//! what the coordinator does not know. Sources and manifests are read, by cargo too.
+//! Rules for the structure of the code: no circular references between files, dependencies between
+//! crates, features, and names the coordinator must not contain. The tests read sources and
+//! manifests, partly through cargo.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -9,3 +10,4 @@ mod features;
 mod manifests;
 mod names;
 mod paths;
+mod prose;

@@ -1,5 +1,5 @@
-//! The coordinator's code names no body, field, effect or model: what it says of them comes from the
-//! descriptions and summaries of participants. In the mechanics no file outside `effects` names an effect:
+//! The coordinator's code names no body, field, effect or model: participants provide these in
+//! their descriptions and summaries. In the mechanics, only files in `effects` name an effect;
 //! models know kinds of terms.
 
 use super::code;
@@ -24,13 +24,13 @@ const FOLDERS: [&str; 9] = [
     "coordinator/src",
 ];
 
-/// Names that are also words for what the coordinator itself has: columns of tables and of secants;
-/// the geometry of grids; the patches of a surface.
+/// Names with a second meaning in the coordinator: columns of tables and secant columns, geometry
+/// of grids, patches of a surface.
 const COMMON: [&str; 3] = ["columns", "geometry", "patches"];
 
-/// Files that name something all the same: which names, and why.
+/// Exceptions: files, the names they may contain, and the reason.
 const EXCEPTIONS: &[(&str, &[&str], &str)] = &[(
-    "coordinator/conformance/src/conform/given.rs",
+    "coordinator/conformance/src/conform/input.rs",
     &["surface_speed"],
     "the one field of the contract's table that lies on a grid of one point",
 )];
@@ -52,7 +52,7 @@ fn names() -> BTreeSet<String> {
     all.filter(|name| !COMMON.contains(&name.as_str())).collect()
 }
 
-/// A text has the name as a word, or as a part of one that is put together.
+/// True if the text contains the name as a word, or as a part of a compound word.
 fn has(text: &str, name: &str) -> bool {
     text.match_indices(name).any(|(at, _)| {
         let (before, after) = (&text[..at], &text[at + name.len()..]);
@@ -60,7 +60,7 @@ fn has(text: &str, name: &str) -> bool {
     })
 }
 
-/// What each file of some folders names, in its texts and by its identifiers.
+/// Names in the string literals and identifiers of each file in some folders.
 fn named(folders: &[&str], names: &BTreeSet<String>) -> Named {
     let (root, mut all) = (root(), Named::new());
     for file in folders.iter().flat_map(|folder| code::files(&root.join(folder))) {
@@ -94,8 +94,8 @@ fn models_of_the_mechanics_name_no_effect() {
     assert_eq!(found, Named::new());
 }
 
-/// iceoryx2's log level belongs to the whole process: a library leaves it alone, and only what is the whole `main` of a
-/// program sets it.
+/// The log level of iceoryx2 applies to the whole process: libraries must not change it; only the
+/// `main` of a program may.
 #[test]
 fn only_a_main_decides_on_the_log_level_of_iceoryx2() {
     let root = root();

@@ -1,21 +1,21 @@
-//! Paths in back ticks, in pages and in comments, lead to a file or a folder of this project.
+//! Paths in back ticks, in pages and comments, lead to an existing file or folder of this project.
 
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 use std::process::Command;
 use tests::harness::root;
 
-/// Files whose text is followed.
+/// Types of files that are checked.
 const READ: [&str; 7] = ["md", "rs", "py", "c", "h", "toml", "f90"];
-/// A path that ends like this is of a source.
+/// Extensions that mark a path to a source file.
 const SOURCES: [&str; 9] = ["md", "rs", "py", "c", "h", "toml", "f90", "sh", "ipynb"];
-/// Folders of what a user or a build makes: results, FMUs, executables.
+/// Folders created by a user or a build: results, FMUs, executables.
 const MADE: [&str; 4] = ["results", "fields", "resources", "target"];
-/// Fragments of the history speak of the files of their time.
+/// Changelogs refer to files of their time.
 const HISTORY: [&str; 2] = ["docs/changelog/", "CHANGELOG.md"];
 
-/// The files of the project: those that are in its repository, or would be.
-fn files() -> Vec<String> {
+/// Files of the project: tracked by git, or untracked but not ignored.
+pub(crate) fn files() -> Vec<String> {
     let listed = Command::new("git")
         .args(["ls-files", "--cached", "--others", "--exclude-standard"])
         .current_dir(root())
@@ -40,17 +40,17 @@ fn below(folder: &Path, root: &Path) -> Vec<String> {
     own.chain(folders.iter().flat_map(|folder| below(folder, root))).collect()
 }
 
-/// Every file, and every folder that has one.
+/// Every file, and every folder that contains one.
 fn places(files: &[String]) -> BTreeSet<&Path> {
     files.iter().flat_map(|file| Path::new(file).ancestors()).collect()
 }
 
-/// The pieces of a line that stand in back ticks.
+/// Parts of a line in back ticks.
 fn quoted(line: &str) -> impl Iterator<Item = &str> {
     line.split('`').skip(1).step_by(2)
 }
 
-/// A text that is meant as a path of this project.
+/// True if the text looks like a path in this project.
 fn is_path(text: &str, top: &BTreeSet<&str>) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
     if !text.chars().all(plain) || text.starts_with(['/', '.', '-']) {
@@ -60,18 +60,19 @@ fn is_path(text: &str, top: &BTreeSet<&str>) -> bool {
     match text.split_once('/') {
         Some((first, _)) if MADE.contains(&first) => false,
         Some((first, _)) => top.contains(first) || ending.is_some_and(|e| SOURCES.contains(&e)),
-        // A single word: users have files with the other endings.
+        // A single word counts only with the extension `rs`: files of users have the other
+        // extensions.
         None => ending == Some("rs") && text.len() > ".rs".len(),
     }
 }
 
-/// A part of a path that stands for any name: `NAME.rs`, `SOLVER`.
+/// True for a placeholder in a path: `NAME.rs`, `SOLVER`.
 fn is_placeholder(part: &str) -> bool {
     let stem = part.split('.').next().unwrap_or_default();
     stem.len() > 1 && stem.chars().all(|c| c.is_ascii_uppercase())
 }
 
-/// The place ends with this path, in which a placeholder fits any name of the same ending.
+/// True if the place ends with this path. A placeholder matches any name with the same extension.
 fn fits(place: &Path, path: &[&str]) -> bool {
     let parts: Vec<&str> = place.components().map(of_component).collect();
     let ending = |part: &str| part.split_once('.').map(|(_, ending)| ending.to_owned());
@@ -114,7 +115,7 @@ fn every_path_in_back_ticks_exists() {
     assert!(followed > 300, "only {followed} paths were found");
 }
 
-/// The targets of the links and pictures of a page in Markdown.
+/// Targets of the links and pictures of a Markdown page.
 fn targets(text: &str) -> impl Iterator<Item = &str> {
     text.split("](").skip(1).filter_map(|rest| rest.split_once([')', '\n']).map(|(to, _)| to))
 }
@@ -129,7 +130,7 @@ fn every_link_of_a_page_leads_to_a_file() {
         let folder = root().join(file).parent().unwrap().to_owned();
         for target in targets(&text) {
             let path = target.split('#').next().unwrap_or_default();
-            // Another site, this very page, or a formula.
+            // Links to other sites, to the same page, and formulas are skipped.
             if path.is_empty() || path.contains([':', ' ', '*', ',']) {
                 continue;
             }

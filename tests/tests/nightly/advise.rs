@@ -2,7 +2,7 @@
 
 use tests::harness::{Place, root};
 
-/// Every shipped case gets advice, or the word that there is none to give.
+/// Every shipped case gets advice, or the statement that there is none.
 #[test]
 fn every_shipped_case_is_advised() {
     for entry in std::fs::read_dir(root().join("cases")).unwrap() {

@@ -1,10 +1,11 @@
-//! The whole contract: up to the largest grids by a participant that takes its time, and by the mechanical solver with every model.
+//! All conformance checks: a slow participant on the largest grids, and the mechanical solver with
+//! every model.
 
 use serde_json::Value;
 use tests::harness::python::interpreter;
 use tests::harness::{Place, case, root};
 
-/// Every check that concerns a participant passes, in so many settings.
+/// Asserts that every applicable check passes, in the given number of settings.
 fn conforms(role: &str, name: &str, more: &[&str], inapplicable: &[&str], settings: usize) {
     let (place, case) = (Place::new(), case(name));
     let mut arguments = vec!["conform", "--role", role, "--case", &case, "--json"];
@@ -21,7 +22,7 @@ fn conforms(role: &str, name: &str, more: &[&str], inapplicable: &[&str], settin
     assert!(checks.iter().all(as_expected), "{}", ended.stdout);
 }
 
-/// In both of its modes. It has no volume.
+/// Both modes; the participant has no volume.
 #[test]
 fn strip_columns_in_python_conform_up_to_the_largest_grids() {
     let interpreter = interpreter().display().to_string();
@@ -30,13 +31,13 @@ fn strip_columns_in_python_conform_up_to_the_largest_grids() {
     conforms("thermal", "falling-friction.toml", &more, &["volumes"], 2);
 }
 
-/// Mechanics with temperatures to read: all its models follow them.
+/// Mechanics that read temperatures: all models use them.
 #[test]
 fn the_thermal_solver_conforms_in_a_loop() {
     conforms("thermal", "falling-friction.toml", &[], &["volumes"], 7);
 }
 
-/// On coarse grids, and no model looks for a creepage. The solver runs alone.
+/// On coarse grids, with prescribed creepage. The solver runs alone.
 #[test]
 fn the_mechanical_solver_conforms_with_every_model() {
     let more = [

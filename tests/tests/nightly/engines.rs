@@ -1,4 +1,4 @@
-//! A coordinator that waits for a Slurm array, stopped and killed.
+//! Interrupting and killing a coordinator that waits for a Slurm array.
 
 use crate::sweeps::{points, table};
 use rustix::process::Signal;
@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use tests::harness::slurm::Slurm;
 use tests::harness::{Place, case, wait_until};
 
-/// Ctrl-C cancels the array and keeps what is done; a coordinator that is killed leaves it to go on, and the next one
-/// waits for it. Nothing is run twice.
+/// Ctrl-C cancels the array and keeps the finished points. If the coordinator is killed, the array
+/// continues, and the next coordinator waits for it. No point runs twice.
 #[test]
 fn a_sweep_that_is_stopped_goes_on() {
     let (place, slurm) = (Place::new(), Slurm::new());

@@ -1,5 +1,5 @@
-//! Explicit elements: a wheel that rolls on a rail until that is steady, as the paper has it, against the half-space; material that
-//! yields; hot steel.
+//! Explicit elements: a wheel that rolls on a rail until steady, as in the paper, against the
+//! half-space; plastic material; hot steel.
 
 use serde_json::Value;
 use tests::harness::{Place, case, field_files, sets};
@@ -8,10 +8,11 @@ fn number(summary: &Value, pointer: &str) -> f64 {
     summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer}"))
 }
 
-/// A body all of which is at a temperature at which half of the stiffness and of the yield stress are left, as at any other, is one of
-/// half the modulus, half the yield stress and half the hardening: the same fields and figures to the bit. The other one expands by
-/// nothing, so that it too rolls on from where it was cold. What a flash of 300 K takes of the surface of hot steel is less than a
-/// hundredth, as elements of 3 mm have its mean over their depth (docs/effects.md).
+/// A body at a uniform temperature where stiffness and yield stress are halved equals a body with
+/// half the modulus, half the yield stress and half the hardening: identical fields and figures,
+/// bit for bit. The second body has no thermal expansion, so that it too continues from the cold
+/// state. A flash temperature of 300 K softens the surface of hot steel by less than 1 %, because
+/// elements of 3 mm average over their depth (docs/effects.md).
 #[test]
 fn a_body_that_is_half_as_stiff() {
     let folder = tempfile::tempdir().unwrap();
@@ -46,9 +47,11 @@ fn a_body_that_is_half_as_stiff() {
     );
 }
 
-/// Elements of 1.6 mm, five in a semi-axis, beside the half-space's a/40: pressure, creepage and the hottest place. Tolerances:
-/// what remains of first order at that size, measured in docs/theory/explicit-fe.md; power closes to what the damping takes and
-/// a measurement of half a semi-axis leaves; hourglass modes have less than a hundredth of the elastic energy.
+/// Elements of 1.6 mm, five per semi-axis, against the half-space at a/40: pressure, creepage and
+/// hottest point. Tolerances: the first-order error at that size, measured in
+/// docs/theory/explicit-fe.md. The power balance closes up to the power of damping and the error of
+/// a measurement over half a semi-axis; hourglass modes contain less than 1 % of the elastic
+/// energy.
 #[test]
 fn coarse_elements_roll_as_half_spaces_do() {
     let place = Place::new();
@@ -77,9 +80,10 @@ fn coarse_elements_roll_as_half_spaces_do() {
     assert!(number(&elements, "/contact/hourglass_energy_ratio") < 0.01);
 }
 
-/// Material that yields: what the rigid motion gives and friction does not take flows, but for residual stresses that go along;
-/// a yield stress that is not reached makes nothing flow. Tolerance: the elastic energy of residual stresses, a seventh of the
-/// plastic work with elements as coarse as these, a twentieth with five to a semi-axis.
+/// Plastic material: the work of the rigid motion that friction does not dissipate goes into
+/// plastic flow, except for residual stresses. A yield stress that is not reached causes no flow.
+/// Tolerance: the elastic energy of residual stresses, a seventh of the plastic work with these
+/// coarse elements, a twentieth with five per semi-axis.
 #[test]
 fn material_that_yields_takes_work_and_pressure() {
     let of = |settings: &[&str]| Place::new().summary(&case("yielding.toml"), &sets(settings));

@@ -1,11 +1,11 @@
-//! No participant that replies is accused of a lost message, under any load.
+//! A failing participant's message is never replaced by a report of a lost message, under any load.
 
 use crate::shared_failures::failures_keep_their_words;
 
-/// How many runs are started, unless the environment names another number.
+/// Default number of runs.
 const STARTS: u64 = 1000;
 
-/// Three threads to a core keep the processors busy. `COSIM_FAILING_STARTS` is the number of runs.
+/// Three threads per core keep the processors busy. `COSIM_FAILING_STARTS` sets the number of runs.
 #[test]
 fn failures_keep_their_words_under_load() {
     let named = std::env::var("COSIM_FAILING_STARTS").ok();

@@ -1,9 +1,9 @@
-//! Licences, bans and sources of everything that the project depends on, by cargo-deny.
+//! Licences, bans and sources of all dependencies, checked by cargo-deny.
 
 use std::process::Command;
 use tests::harness::root;
 
-/// Runs a cargo command that is installed where it is missing.
+/// Runs a cargo command, and installs it if missing.
 pub(crate) fn cargo_tool(name: &str, arguments: &[&str]) -> std::process::Output {
     let cargo = || {
         let mut cargo = Command::new(env!("CARGO"));
@@ -19,7 +19,7 @@ pub(crate) fn cargo_tool(name: &str, arguments: &[&str]) -> std::process::Output
     cargo().arg(name).args(arguments).output().unwrap()
 }
 
-/// As deny.toml has it.
+/// The rules are in deny.toml.
 #[test]
 fn everything_that_we_depend_on_is_allowed() {
     let ended = cargo_tool("deny", &["check", "licenses", "bans", "sources"]);

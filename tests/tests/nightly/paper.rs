@@ -1,4 +1,4 @@
-//! The paper on its own grids: the page that is kept is fresh, and its figures are right.
+//! The paper on its own grids: the stored page is up to date, and its figures are correct.
 
 use crate::shared_paper::{
     RISE, assert_carter_strips, assert_close, assert_methods, assert_shown, figure, record,
@@ -9,8 +9,7 @@ use std::fs;
 use tests::harness::browser::{self, DESK, PHONE};
 use tests::harness::{Place, root};
 
-/// Everything is run once more; the page says the same, and its figures are those that theory and
-/// CONTACT give.
+/// Runs everything again; the page is the same, and its figures agree with theory and CONTACT.
 #[test]
 fn the_paper_that_is_kept_is_fresh_and_right() {
     let place = Place::new();
@@ -29,10 +28,10 @@ fn the_paper_that_is_kept_is_fresh_and_right() {
     browser::assert_shown(&place.out().join("report.html"), &[DESK, PHONE], drawings);
 }
 
-/// Half-spaces extrapolated to first order from a/40 and a/80, against CONTACT's own limits. The
-/// tolerance covers what a/40 leaves at first order. At μ = 0.2 that is more: a/40 is coarse for its narrow
-/// slip zone, and our values up to a/320 (31.333 K) tend to 31.36 K, 0.4 % below the reference's own
-/// extrapolation.
+/// Half-spaces extrapolated to first order from a/40 and a/80, against the limits of CONTACT. The
+/// tolerance covers the remaining first-order error at a/40. It is larger at μ = 0.2, because a/40
+/// is coarse for the narrow slip zone: our values up to a/320 (31.333 K) converge to 31.36 K, 0.4 %
+/// below the extrapolation of the reference.
 fn assert_half_spaces(record: &Value) {
     let rows = [
         ("0.58", 226.9, 0.004),

@@ -1,4 +1,4 @@
-//! Pictures as PNG and PDF, and tables as Parquet: a release has them, a first build has not.
+//! Pictures as PNG and PDF, and tables as Parquet: available in a release, not in a default build.
 
 use std::fs;
 use std::path::Path;

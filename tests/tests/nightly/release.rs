@@ -1,4 +1,4 @@
-//! What a release has, as its users unpack and install it.
+//! Release archive and package, unpacked and installed as by a user.
 
 use crate::licences::cargo_tool;
 use serde_json::Value;
@@ -13,7 +13,8 @@ fn done(command: &mut Command) -> String {
     String::from_utf8(ended.stdout).unwrap()
 }
 
-/// The main case, run by a coordinator that finds its solvers beside it, in an environment without anything else.
+/// Runs the main case with a coordinator that finds its solvers in its own folder, in an empty
+/// environment.
 fn runs(bin: &Path) {
     let folder = tempfile::tempdir().unwrap();
     let coordinator = || {
@@ -26,8 +27,8 @@ fn runs(bin: &Path) {
     assert!(said.contains("+228.08 K"), "{said}");
 }
 
-/// The archive and the package have the same executables, which run wherever they are; a solver in C builds against the archive; two
-/// releases of the same sources are the same archive.
+/// Archive and package contain the same executables, which run in any folder. A solver in C builds
+/// against the archive. Two releases of the same sources give identical archives.
 #[test]
 fn the_archive_and_the_package_run() {
     cargo_tool("cyclonedx", &["--help"]);
@@ -56,7 +57,7 @@ fn the_archive_and_the_package_run() {
     let described = done(Command::new(at("mine/mine")).arg("--describe"));
     assert!(described.contains("short"), "{described}");
 
-    // The list of what is in an executable names its crates, with their licences.
+    // The bill of materials of an executable lists its crates with their licences.
     let list =
         std::fs::read_to_string(tree.join("share/contact-cosim/coordinator.cdx.json")).unwrap();
     let list: Value = serde_json::from_str(&list).unwrap();
@@ -74,7 +75,7 @@ fn the_archive_and_the_package_run() {
     );
 }
 
-/// What `new-solver` writes in Rust compiles in a folder of its own, and conforms.
+/// A Rust solver from `new-solver` compiles in a folder of its own, and conforms.
 #[test]
 fn a_new_solver_in_rust_builds() {
     let folder = tempfile::tempdir().unwrap();

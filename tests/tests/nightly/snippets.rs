@@ -1,10 +1,17 @@
-//! What pages have people type that takes long, or compiles.
+//! Commands on pages that take long or compile code.
 
 use tests::harness::snippets;
 
 /// Pages that take minutes, or need what only `--workspace` builds.
-const PAGES: [&str; 4] =
-    ["README.md", "docs/surrogate.md", "docs/scaling.md", "proto/python/README.md"];
+const PAGES: [&str; 7] = [
+    "README.md",
+    "docs/how-to/run-a-case.md",
+    "docs/how-to/look-at-results.md",
+    "docs/how-to/vary-a-case.md",
+    "docs/surrogate.md",
+    "docs/scaling.md",
+    "proto/python/README.md",
+];
 
 #[test]
 fn what_takes_long_is_true() {

@@ -1,11 +1,11 @@
-//! The hard cases with all of their sweeps.
+//! Hard cases with all their sweeps.
 
 use serde_json::Value;
 use std::fs;
 use tests::harness::{Place, case, root};
 
-/// Every hard case and every edge is where the suite says, the report tells of each, and
-/// docs/limits.md is what the suite finds.
+/// Every hard case and every limit agrees with the suite, the report covers each, and
+/// docs/limits.md agrees with the results.
 #[test]
 fn every_hard_case_holds_and_the_limits_are_as_documented() {
     let place = Place::new();
@@ -22,7 +22,7 @@ fn every_hard_case_holds_and_the_limits_are_as_documented() {
         let name = case["name"].as_str().unwrap();
         assert!(ended.stdout.contains(name) && page.contains(name), "{name} is not told");
     }
-    // The list of hard cases has twelve numbers; each is met.
+    // The list of hard cases has twelve numbers; each must occur.
     let numbers = |list: &str| -> Vec<u64> {
         let entries = report[list].as_array().unwrap().iter();
         entries.map(|entry| entry["number"].as_u64().unwrap()).collect()

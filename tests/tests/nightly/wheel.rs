@@ -1,4 +1,4 @@
-//! The Python package with the executables inside, as its users install it.
+//! Python package with its executables, installed as by a user.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,7 +11,8 @@ fn done(command: &mut Command) -> String {
     String::from_utf8(ended.stdout).unwrap()
 }
 
-/// A folder of all that is shipped: `cargo test` leaves executables in one folder, and the newest library in another.
+/// Collects all shipped files: `cargo test` leaves executables in one folder and the newest library
+/// in another.
 fn shipped(folder: &Path) {
     std::fs::create_dir(folder).unwrap();
     for name in std::fs::read_to_string(root().join("release/programs")).unwrap().lines() {
@@ -22,7 +23,7 @@ fn shipped(folder: &Path) {
     }
 }
 
-/// A fresh environment with the wheel in it.
+/// New environment with the wheel installed.
 struct Installed(tempfile::TempDir);
 
 impl Installed {
@@ -53,7 +54,7 @@ impl Installed {
         self.0.path().join(name)
     }
 
-    /// A program of the environment, with no compiler on the path and nothing else around it.
+    /// Program of the environment, without a compiler or other programs on the path.
     fn program(&self, name: &str) -> Command {
         let mut program = Command::new(self.at("venv/bin").join(name));
         program.current_dir(self.0.path()).env_clear().env("PATH", "/usr/bin:/bin");
@@ -65,7 +66,7 @@ impl Installed {
     }
 }
 
-/// The wheel alone runs the main case; and has all that a release has.
+/// The wheel alone runs the main case, and contains everything a release contains.
 #[test]
 fn a_wheel_runs_without_rust() {
     let wheel = Installed::new();
@@ -84,7 +85,8 @@ fn a_wheel_runs_without_rust() {
     coordinator(&["relay", "--new-key", "key"]);
     assert!(wheel.at("key").is_file());
 
-    // FMUs of cases, and FMUs as participants: the tests of both, with the executables of the wheel.
+    // FMUs of cases, and FMUs as participants: the tests of both, with the executables of the
+    // wheel.
     let inside = wheel.python("import cosim.command; print(cosim.command.executable())");
     let inside = Path::new(inside.trim());
     assert!(inside.starts_with(wheel.0.path()), "{}", inside.display());

@@ -1,10 +1,10 @@
-//! Participants that fail while others are at work, again and again.
+//! Repeated runs with a participant that fails while the other one is working.
 
 use tests::harness::{Place, case, sets};
 
-/// Starts so many runs in which one participant fails, at the start or in a window, while the other one
-/// is still at work or has just replied; with so many threads beside them that keep the processors busy.
-/// Every run ends with the words of the participant that has failed.
+/// Starts `starts` runs in which one participant fails, at the start or in a window, while the
+/// other one is working or has just replied; `busy` threads keep the processors busy. Asserts that
+/// every run reports the message of the failed participant.
 pub(crate) fn failures_keep_their_words(starts: u64, busy: usize) {
     let stop = std::sync::atomic::AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -23,7 +23,8 @@ pub(crate) fn failures_keep_their_words(starts: u64, busy: usize) {
     });
 }
 
-/// The run of this number: which participant fails, when, and for how long the other one works.
+/// Performs the run with this number, which determines the failing participant, the time of the
+/// failure, and the time for which the other one works.
 fn fail(number: u64) {
     let (failing, working) =
         if number.is_multiple_of(2) { ("right", "left") } else { ("left", "right") };

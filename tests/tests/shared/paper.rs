@@ -1,4 +1,5 @@
-//! The paper: its figures as theory and CONTACT give them, and what a reproduction leaves.
+//! Checks of a reproduction of the paper: figures against theory and CONTACT, and the resulting
+//! files.
 
 use serde_json::Value;
 use std::fs;
@@ -12,7 +13,7 @@ pub(crate) fn reproduce(place: &Place, study: &Path, more: &[&str]) -> Ended {
     place.start(&arguments).wait()
 }
 
-/// A figure of one run of a reproduction.
+/// Figure of one run of a reproduction.
 pub(crate) fn figure(record: &Value, run: &str, pointer: &str) -> f64 {
     let runs = record["runs"].as_array().unwrap();
     let found = runs.iter().find(|one| one["name"] == run);
@@ -27,14 +28,14 @@ pub(crate) fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str
 
 pub(crate) const RISE: &str = "/temperature/rail/max_rise_k";
 
-/// What a reproduction has recorded of its runs.
+/// Reads the record of the runs of a reproduction.
 pub(crate) fn record(place: &Place) -> Value {
     let record = fs::read_to_string(place.out().join("reproduce.json")).unwrap();
     serde_json::from_str(&record).unwrap()
 }
 
-/// Carter strips on the patch of Table 2; the tolerances are the last digits of the reference
-/// figures and the grid's error, 0.2 %, together.
+/// Carter strips on the patch of Table 2. The tolerances are the last digits of the reference
+/// figures plus the error of the grid, 0.2 %.
 pub(crate) fn assert_carter_strips(record: &Value) {
     let rows = [
         ("0.58", 298.2, -0.829, -0.01149),
@@ -50,7 +51,7 @@ pub(crate) fn assert_carter_strips(record: &Value) {
     }
 }
 
-/// The paper's closed forms with its own inputs, to the last digit of the reference figures.
+/// Closed forms of the paper with its own inputs, to the last digit of the reference figures.
 pub(crate) fn assert_methods(record: &Value) {
     for (run, rise, x_over_a) in [("knothe-liebelt", 260.9, -0.652), ("ertz-knothe", 261.9, -0.647)]
     {
@@ -59,7 +60,7 @@ pub(crate) fn assert_methods(record: &Value) {
     }
 }
 
-/// The page of the folder can be written again, and shows every drawing that lies there as a file.
+/// The page of the folder can be written again, and shows every drawing stored there as a file.
 pub(crate) fn assert_shown(place: &Place) {
     let page = place.out().join("report.html");
     let first = fs::read_to_string(&page).unwrap();
@@ -75,7 +76,7 @@ pub(crate) fn assert_shown(place: &Place) {
     for image in images {
         assert!(image.starts_with("<svg") && image.contains("<style>"), "{image:.200}");
         assert!(image.contains("class=\"line") || image.contains("class=\"map\""), "{image:.200}");
-        // Pixels are no numbers: their base64 has any three letters.
+        // Embedded pixels are skipped: their base64 may contain any letters.
         let parts = image.split("base64,").map(|part| part.split_once('"').map_or(part, |p| p.1));
         let text =
             [image.split("base64,").next().unwrap_or_default(), &parts.skip(1).collect::<String>()]

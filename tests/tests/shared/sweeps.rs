@@ -1,9 +1,9 @@
-//! Sweeps whose tables are to be the same, but for seconds.
+//! Comparison of sweeps whose tables must agree except for run times.
 
 use std::path::Path;
 use tests::harness::Table;
 
-/// The table of a sweep without what is different each time.
+/// Table of a sweep without run times.
 pub(crate) fn table(out: &Path) -> Table {
     let mut table = Table::read(&out.join("sweep.csv"));
     let wall = table.find("wall_s").unwrap();
@@ -14,7 +14,7 @@ pub(crate) fn table(out: &Path) -> Table {
     table
 }
 
-/// Points that have been run so far, as lines of their file.
+/// Points finished so far, as lines of their file.
 pub(crate) fn points(folder: &Path) -> Vec<String> {
     let text = std::fs::read_to_string(folder.join("points.jsonl")).unwrap_or_default();
     let whole = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));

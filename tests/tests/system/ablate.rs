@@ -1,6 +1,8 @@
-//! `coordinator ablate`: every effect of a case switched off in turn.
+//! `coordinator ablate`: switches off every effect of a case in turn.
 
-use crate::harness::{Place, case};
+use crate::cost::finished_runs;
+use crate::harness::{Place, case, wait_until};
+use rustix::process::Signal;
 use serde_json::Value;
 use std::fs;
 
@@ -22,8 +24,9 @@ fn without<'a>(study: &'a Value, effect: &str) -> &'a Value {
 
 const RISE: &str = "temperature.rail.max_rise_k";
 
-/// Without the fall of friction it is hotter, in one pass; without heat there is no temperature; a run
-/// without an effect is the run of a case that does not name it.
+/// If friction does not fall with temperature, the contact is hotter and one pass suffices. If
+/// there is no friction heat, there is no temperature. A run without an effect equals the run of a
+/// case that does not name the effect.
 #[test]
 fn each_effect_is_worth_what_it_changes() {
     let place = Place::new();
@@ -53,15 +56,15 @@ fn each_effect_is_worth_what_it_changes() {
     let options = [&coarse[..], &["--unset", "effects.temperature_friction"]].concat();
     let alone = Place::new().summary(&case("falling-friction.toml"), &options);
     assert_eq!(constant["values"][RISE], alone["temperature"]["rail"]["max_rise_k"]);
-    // The fall of friction needs a temperature, and says so.
+    // Friction that falls with temperature needs a temperature, and the message says so.
     let cold = without(&study, "friction_heat");
     let why = cold["failed"].as_str().unwrap();
     assert!(why.contains("needs the field") && why.contains("_temperature"), "{why}");
     let page = fs::read_to_string(place.out().join("report.html")).unwrap();
-    assert!(page.contains("What each effect changes"));
+    assert!(page.contains("Influence of each effect"));
 }
 
-/// A figure that goes with its effect is no change of 100 %.
+/// A figure that disappears with its effect is not reported as a change of 100 %.
 #[test]
 fn a_figure_that_goes_with_an_effect_has_no_change() {
     let place = Place::new();
@@ -69,14 +72,15 @@ fn a_figure_that_goes_with_an_effect_has_no_change() {
     let cold = without(&study, "friction_heat");
     assert!(cold["values"].get(RISE).is_none() && cold["changes"].get(RISE).is_none());
     assert_eq!(cold["changes"]["contact.max_pressure_pa"], 0.0);
-    // Sliding everywhere heats more than slipping in a part.
+    // Full sliding produces more heat than partial slip.
     let sliding = without(&study, "partial_slip");
     assert!(sliding["failed"].is_null(), "{sliding}");
     assert!(sliding["changes"][RISE].as_f64().unwrap() > 0.05, "{sliding}");
 }
 
-/// What is advised before a run agrees with the runs, and what a scene lacks and should have is run as well: here a layer between the
-/// surfaces and roughness change the contact, and friction that falls would not carry the force.
+/// Advice given before a run agrees with the runs. Effects that the advice recommends to add are
+/// run as well: here a third-body layer and roughness change the contact, and with falling friction
+/// the force could not be transmitted.
 #[test]
 fn advice_is_held_against_the_runs() {
     let place = Place::new();
@@ -103,5 +107,35 @@ fn advice_is_held_against_the_runs() {
         .collect();
     assert!(added.contains(&"third_body_layer") && !added.contains(&"convection"), "{added:?}");
     let page = fs::read_to_string(place.out().join("report.html")).unwrap();
-    assert!(page.contains("Advice against measurement"));
+    assert!(page.contains("Advice compared with measurement"));
+}
+
+/// A stopped study keeps its finished runs, and the same command continues with them.
+#[test]
+fn a_study_that_is_stopped_goes_on() {
+    let place = Place::new();
+    let (out, file) = (place.out().display().to_string(), case("wheel-rail.toml"));
+    let arguments =
+        ["ablate", &file, "--out", &out, "--repeat", "1", "--set", "mech.resolution=30"];
+    let running = place.start(&arguments);
+    wait_until("a finished run", || !finished_runs(&place).is_empty());
+    running.signal(Signal::INT);
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(130), "{}", ended.stderr);
+    let kept = finished_runs(&place);
+    let told = format!("{} finished runs are kept", kept.len());
+    assert!(ended.stderr.contains(&told), "{told}: {}", ended.stderr);
+    // An incomplete line belongs to a run that is repeated.
+    let path = place.out().join("unfinished.jsonl");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, format!("{text}{{\"options\":[\"--unset\"")).unwrap();
+    let ended = place.start(&arguments).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let told = format!("{} runs of the interrupted study are reused", kept.len());
+    assert!(ended.stderr.contains(&told), "{told}: {}", ended.stderr);
+    let study = std::fs::read_to_string(place.out().join("ablate.json")).unwrap();
+    let study: serde_json::Value = serde_json::from_str(&study).unwrap();
+    assert_eq!(study["whole"]["cost"], kept[0]["spent"], "it is that very run");
+    assert!(!path.exists());
+    place.assert_nothing_left();
 }

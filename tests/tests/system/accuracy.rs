@@ -1,9 +1,9 @@
-//! `run --accuracy`: the error that is stated, and the true one.
+//! `run --accuracy`: the stated error against the true one.
 
 use crate::harness::{Place, case, flat, number};
 use heat::closed_form::{ellipse, polynomial, scales};
 
-/// A scene, and the rail's largest rise there \[K\] with what it is known to, relative.
+/// Scene with the true largest rise of the rail \[K\], and the relative uncertainty of this value.
 struct Scene {
     case: &'static str,
     truth: f64,
@@ -11,7 +11,7 @@ struct Scene {
     targets: &'static [f64],
 }
 
-/// The answer of a scene on a fine grid.
+/// Result of a scene on a fine grid.
 fn finest(name: &str, more: &[&str]) -> f64 {
     let place = Place::new();
     let summary = place.summary(&case(name), more);
@@ -27,7 +27,7 @@ fn uniform_slip() -> f64 {
     of_polynomial / polynomial::surface(0.0) * ellipse::peak().1
 }
 
-/// An answer is within the target, and within what is stated of it, whatever it costs.
+/// The error of a result is below both the target and the stated error, at any cost.
 fn assert_below_targets(Scene { case: name, truth, known_to, targets }: Scene) {
     for target in targets {
         let place = Place::new();
@@ -67,7 +67,7 @@ fn the_true_error_of_a_loop_is_below_the_target() {
     assert_below_targets(Scene {
         case: "falling-friction.toml",
         truth: finest("falling-friction.toml", &fine),
-        // The step from 40 to 80 elements is 6e-5.
+        // The change from 40 to 80 elements is 6e-5.
         known_to: 2e-4,
         targets: &[0.05, 0.01, 0.002],
     });
@@ -81,15 +81,15 @@ fn the_true_error_of_partial_slip_is_below_the_target() {
     };
     assert_below_targets(Scene {
         case: "wheel-rail.toml",
-        // With the other difference, of first order, extrapolated.
+        // Extrapolated with the other difference scheme, of first order.
         truth: 2.0 * upwind("mech.resolution=112") - upwind("mech.resolution=56"),
-        // What is left of 56 and 112 elements (docs/theory/accuracy.md).
+        // Remaining error with 56 and 112 elements (docs/theory/accuracy.md).
         known_to: 5e-4,
         targets: &[0.05, 0.01, 0.003, 0.001],
     });
 }
 
-/// The cheaper the target, the cheaper the models and the coarser the grid.
+/// A less strict target selects cheaper models and a coarser grid.
 #[test]
 fn no_more_is_done_than_the_target_asks_for() {
     let chosen = |target: &str| {
@@ -99,14 +99,14 @@ fn no_more_is_done_than_the_target_asks_for() {
         let finest = runs.last().unwrap()["settings"][0][1].as_u64().unwrap();
         (summary["accuracy"]["models"].as_str().unwrap().to_owned(), finest)
     };
-    // Strips stand for a half-space within 55 %.
+    // Strips approximate a half-space within 55 %.
     let (rough, coarse) = chosen("60%");
     assert!(rough.starts_with("hertz-carter"), "{rough}");
     let (faithful, fine) = chosen("0.5%");
     assert!(faithful.starts_with("half-space") && fine > coarse, "{faithful}, {fine}");
 }
 
-/// Another figure, and one that a participant alone knows.
+/// Any figure can be a target, including one known to a participant only.
 #[test]
 fn any_figure_of_the_summary_can_be_asked_for() {
     let place = Place::new();
@@ -130,7 +130,7 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
         }
         place.assert_nothing_left();
     };
-    refused(&["--accuracy", "0.0001%"], &["no models are expected to meet", "ask for less"]);
+    refused(&["--accuracy", "0.0001%"], &["no models are expected to reach", "relax the target"]);
     refused(&["--accuracy", "much"], &["write 1% or 0.01"]);
     refused(
         &["--accuracy", "5%", "--quantity", "contact.colour"],
@@ -142,7 +142,7 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
     // Heat spreads along the surface at Pe = 2.6.
     let slow = ["--accuracy", "5%", "--set", "motion.speed=0.01"];
     let columns = [&slow[..], &["--set", "thermal.model=columns"]].concat();
-    refused(&columns, &["no models are expected to meet", "conduction along the surface, at Pe"]);
+    refused(&columns, &["no models are expected to reach", "conduction along the surface, at Pe"]);
     refused(&["--quantity", "contact.area_m2"], &["--accuracy", "--extrapolate"]);
     refused(&["--accuracy", "5%", "--extrapolate"], &["cannot be used with"]);
     refused(
@@ -157,9 +157,9 @@ fn what_cannot_be_met_or_is_not_there_is_refused() {
     );
 }
 
-/// A case on its own grid and two coarser ones; the answer is the one of smaller stated error.
-/// 227.47 K is the limit of both differences on grids of 160 and 320 elements, to 1e-4
-/// (docs/theory/accuracy.md).
+/// A case on its own grid and two coarser ones; the result is the one with the smaller stated
+/// error. 227.47 K is the limit of both difference schemes on grids of 160 and 320 elements, to
+/// 1e-4 (docs/theory/accuracy.md).
 #[test]
 fn a_plain_run_is_extrapolated() {
     let place = Place::new();
@@ -191,7 +191,7 @@ fn a_plain_run_is_extrapolated() {
     assert_eq!(summary["accuracy"]["quantity"], "contact.friction_power_w");
 }
 
-/// The result directory is that of any run: a recording and a report come with it.
+/// The result folder is complete, with recording and report.
 #[test]
 fn the_answer_is_a_run_like_any_other() {
     let place = Place::new();
@@ -202,8 +202,8 @@ fn the_answer_is_a_run_like_any_other() {
     }
 }
 
-/// A plan names what a model leaves out, in general and in its case, with its size and source; nothing
-/// of a model that leaves out nothing of weight.
+/// A plan states the effects that a model neglects, in general and in this case, with size and
+/// source. A model that neglects nothing significant has no such entry.
 #[test]
 fn a_plan_says_what_models_leave_out() {
     let place = Place::new();

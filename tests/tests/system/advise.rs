@@ -1,4 +1,4 @@
-//! `coordinator plan CASE --advise`: what each effect is worth, before anything runs.
+//! `coordinator plan CASE --advise`: importance of each effect, estimated before a run.
 
 use crate::harness::{Place, case};
 use proto::model::Solver;
@@ -14,14 +14,15 @@ fn advice(place: &Place, name: &str, more: &[&str]) -> String {
     advice.to_owned()
 }
 
-/// The line of an effect, with its state.
+/// Line of an effect, with its state.
 #[track_caller]
 fn line<'a>(advice: &'a str, effect: &str) -> &'a str {
     let of = |line: &&str| line.split_whitespace().nth(1) == Some(effect);
     advice.lines().find(of).unwrap_or_else(|| panic!("{effect} in {advice}"))
 }
 
-/// Every registered effect has its line, in the case or not; what matters comes first, with what adds it and what it costs.
+/// Every registered effect has a line, whether in the case or not. Important effects come first,
+/// with the setting that adds them and the cost.
 #[test]
 fn every_effect_is_spoken_of() {
     let advice = advice(&Place::new(), "wheel-rail.toml", &[]);
@@ -33,7 +34,7 @@ fn every_effect_is_spoken_of() {
         }
     }
     assert!(line(&advice, "friction_heat").contains("on  friction_heat"), "{advice}");
-    assert!(line(&advice, "speed_friction").contains("has no answer"), "{advice}");
+    assert!(line(&advice, "speed_friction").contains("has no result"), "{advice}");
     assert!(
         line(&advice, "thermal_expansion").contains("hardly matters: maximum pressure"),
         "{advice}"
@@ -45,7 +46,7 @@ fn every_effect_is_spoken_of() {
     assert!(advice.contains("and iterates") && advice.contains("does not support it"), "{advice}");
 }
 
-/// In free rolling the thermal program takes no part, and says all the same that nothing is warm.
+/// The thermal solver takes no part in free rolling, but still advises that heat is insignificant.
 #[test]
 fn free_rolling_needs_no_heat() {
     let rolls = ["--unset", "effects.friction_heat", "--set", "motion.traction_coefficient=0.001"];

@@ -1,8 +1,8 @@
-//! Bad cases: exit code 2, every error listed, nothing started.
+//! Invalid cases: exit code 2, all errors listed, no process started.
 
 use crate::harness::{Place, case};
 
-/// The shipped case with changes: each a text to find and what to put instead.
+/// Shipped case with replacements: pairs of old and new text.
 fn changed(changes: &[(&str, &str)]) -> String {
     let mut text = std::fs::read_to_string(case("wheel-rail.toml")).unwrap();
     for (from, to) in changes {
@@ -12,7 +12,7 @@ fn changed(changes: &[(&str, &str)]) -> String {
     text
 }
 
-/// Runs and checks a case; both refuse it with all of these parts.
+/// Asserts that both `run` and `check` reject a case, with all of these parts in the message.
 fn refused(text: &str, parts: &[&str]) {
     let place = Place::new();
     let folder = tempfile::tempdir().unwrap();
@@ -32,7 +32,7 @@ fn refused(text: &str, parts: &[&str]) {
     place.assert_nothing_left();
 }
 
-/// The tables of version 0.1 are told what to write, each at its place.
+/// The message about a table of version 0.1 gives the present form.
 #[test]
 fn old_tables_are_told_what_to_write() {
     let text = changed(&[
@@ -41,7 +41,7 @@ fn old_tables_are_told_what_to_write() {
     ]);
     let wheel = "write [bodies.wheel] with position = \"upper\", radius_x for radius";
     let rail = "write [bodies.rail] with position = \"lower\", radius_y for crown_radius";
-    refused(&text, &["wheel: is the spelling of an earlier version", wheel, rail]);
+    refused(&text, &["wheel: is a name from an earlier version", wheel, rail]);
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn a_good_case_passes_the_check_and_starts_nothing() {
     }
 }
 
-/// What would only fail later, in services, labels or arithmetic, is refused with the case.
+/// Values that would fail later, in services, labels or arithmetic, are rejected with the case.
 #[test]
 fn values_that_would_break_the_machinery() {
     let place = Place::new();

@@ -1,10 +1,10 @@
-//! Participants in C: the header and the library of `proto/c`, compiled and run as a user would.
+//! Participants in C: the header and the library of `proto/c`, compiled and run as by a user.
 
 use crate::harness::{Place, case, field_files, library, number, root};
 use rustix::process::Signal;
 use std::process::Command;
 
-/// A program in C, compiled into a folder of its own.
+/// C program, compiled into a folder of its own.
 pub(crate) struct Compiled {
     folder: tempfile::TempDir,
 }
@@ -27,12 +27,13 @@ impl Compiled {
         Self { folder }
     }
 
-    /// The program.
+    /// Path of the program.
     pub(crate) fn path(&self) -> String {
         self.folder.path().join("solver").display().to_string()
     }
 
-    /// `--set ROLE.command=[...]` for this program, with a word before the contract's arguments.
+    /// `--set ROLE.command=[...]` for this program, with an optional word before the standard
+    /// arguments.
     fn command(&self, role: &str, word: Option<&str>) -> [String; 2] {
         let words = std::iter::once(self.folder.path().join("solver").display().to_string());
         let words: Vec<String> = words.chain(word.map(str::to_owned)).collect();
@@ -40,7 +41,7 @@ impl Compiled {
     }
 }
 
-/// Runs a case with settings and, in the place of `role`, a program in C.
+/// Arguments with these settings and a C program for a role.
 fn with<'a>(settings: &[&'a str], command: &'a [String; 2]) -> Vec<&'a str> {
     let settings = settings.iter().flat_map(|set| ["--set", set]);
     settings.chain(command.iter().map(String::as_str)).collect()
@@ -50,7 +51,7 @@ fn largest_work(place: &Place) -> f64 {
     place.table("iterations.csv").numbers("thermal_work").into_iter().fold(0.0, f64::max)
 }
 
-/// The two runs of a case, one with ours and one with the closed form in C, agree.
+/// Runs a case twice, with our solver and with the closed form in C, and asserts equal results.
 fn assert_same_answer(program: &Compiled, settings: &[&str]) {
     let settings = [&["thermal.model=ertz-knothe", "output.fields=all"], settings].concat();
     let command = program.command("thermal", None);
@@ -63,7 +64,8 @@ fn assert_same_answer(program: &Compiled, settings: &[&str]) {
         let peak = number(&expected, &pointer("max_rise_k"));
         let off = (number(&found, &pointer("max_rise_k")) / peak - 1.0).abs();
         assert!(off < 1e-13, "rounding of the moments' sums: {off:e}");
-        // Ours finds the place to the root of the rounding error, relative to the semi-axis.
+        // Our solver finds the position of the maximum to the square root of the rounding error,
+        // relative to the semi-axis.
         let off = number(&found, &pointer("x_m")) - number(&expected, &pointer("x_m"));
         assert!(off.abs() < 1e-7 * number(&expected, "/contact/semi_axis_a_m"), "{off:e}");
         assert_eq!(number(&found, &pointer("y_m")), number(&expected, &pointer("y_m")));
@@ -71,7 +73,7 @@ fn assert_same_answer(program: &Compiled, settings: &[&str]) {
         let [a, b] = [&ours, &theirs].map(|place| place.field("thermal_contact_000000.vti", &name));
         assert_eq!(a.len(), b.len());
         let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / peak;
-        // Ours integrates the tail behind a short row, to 1e-12 of F; the rest is rounding.
+        // Our solver integrates the tail behind a short row, to 1e-12 of F; the rest is rounding.
         assert!(off < 1e-12 && off.is_finite(), "{settings:?} {name}: {off:e}");
     }
     assert!(number(&found, "/coupling/energy_imbalance") <= 1e-12);
@@ -94,7 +96,8 @@ fn the_closed_form_refuses_what_it_cannot() {
     let ended = Place::new().run(&case("wheel-rail.toml"), &with(&settings, &command));
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("materials.steel.conductivity"), "{}", ended.stderr);
-    // Past the coordinator's own checks: the program by hand, which reads no configuration.
+    // Bypasses the checks of the coordinator: the program is started directly, without a
+    // configuration.
     let solver = program.folder.path().join("solver");
     let ended = Command::new(solver).arg("--estimate").output().unwrap();
     assert_eq!(ended.status.code(), Some(1));
@@ -103,7 +106,7 @@ fn the_closed_form_refuses_what_it_cannot() {
 
 const TOY: &str = "proto/c/tests/toy.c";
 
-/// Each way to fail ends with the right exit code, and with what the program said.
+/// Each kind of failure ends with the right exit code and the message of the program.
 #[test]
 fn failures_say_who_when_and_why() {
     let program = Compiled::from(TOY);
@@ -176,7 +179,7 @@ fn a_killed_run_continues_bit_identically() {
     let settings = with(&settings, &command);
     let undisturbed = Place::new();
     undisturbed.summary(&case("exchange.toml"), &settings);
-    // On a machine that is fast enough the run may end before it is killed.
+    // On a fast machine the run may end before it is killed.
     let killed = (0..20).map(|_| Place::new()).find(|place| {
         let running = place.start_run(&case("exchange.toml"), &settings);
         place.wait_for_log("checkpoint written");
@@ -195,7 +198,7 @@ fn a_killed_run_continues_bit_identically() {
     assert!(number(&found, "/sum").is_finite() && number(&found, "/sum") != 0.0);
 }
 
-/// C++ programs include the same header; where there is no compiler for them, nobody will.
+/// C++ programs can include the same header. Skipped if there is no C++ compiler.
 #[test]
 fn the_header_is_also_cpp() {
     if Command::new("c++").arg("--version").output().is_err() {

@@ -1,5 +1,5 @@
-//! `coordinator conform`: our own solvers and the foreign ones keep the contract; whoever breaks it
-//! is told which demand, and every demand can be broken.
+//! `coordinator conform`: our solvers and the examples pass. A participant that breaks a rule is
+//! told which one, and every check can fail.
 
 mod contract;
 
@@ -8,7 +8,7 @@ use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root};
 use serde_json::Value;
 
-/// Puts a program through the contract; how that ended, and its report.
+/// Runs the conformance checks on a program; returns the outcome and the report.
 fn conform(role: &str, case: &str, options: &[&str], command: &[String]) -> (Ended, Value) {
     let place = Place::new();
     let mut arguments = vec!["conform", "--role", role, "--case", case, "--json"];
@@ -23,13 +23,13 @@ fn conform(role: &str, case: &str, options: &[&str], command: &[String]) -> (End
     (ended, report)
 }
 
-/// The names of the checks with this verdict.
+/// Names of the checks with this verdict.
 fn with_verdict<'a>(report: &'a Value, verdict: &str) -> Vec<&'a str> {
     let rows = report["checks"].as_array().unwrap().iter();
     rows.filter(|row| row["verdict"] == verdict).map(|row| row["name"].as_str().unwrap()).collect()
 }
 
-/// Everything passes but what does not concern it; how many settings that were.
+/// Asserts that every applicable check passes; returns the number of settings.
 fn assert_conforms(
     role: &str,
     case: &str,
@@ -44,7 +44,7 @@ fn assert_conforms(
     report["settings"].as_array().unwrap().len()
 }
 
-/// Exactly one check was made, and failed with these words.
+/// Asserts that exactly one check was made, and failed with these words.
 fn assert_fails((ended, report): &(Ended, Value), check: &str, words: &str) {
     assert_eq!(ended.code, Some(1), "{check}: {}\n{}", ended.stderr, ended.stdout);
     assert_eq!(with_verdict(report, "failed"), [check], "{}", ended.stdout);
@@ -53,10 +53,10 @@ fn assert_fails((ended, report): &(Ended, Value), check: &str, words: &str) {
     assert!(ended.stderr.contains(check), "{}", ended.stderr);
 }
 
-/// What a participant gets is as coarse as the contact that it is made up for.
+/// Coarse grids: the size of the inputs follows from the contact they are generated for.
 const COARSE: [&str; 2] = ["--set", "mech.resolution=2"];
 
-/// And no model looks for a creepage.
+/// Also prescribed creepage, so that no model searches for it.
 const CREEPAGE: [&str; 6] = [
     COARSE[0],
     COARSE[1],
@@ -66,16 +66,18 @@ const CREEPAGE: [&str; 6] = [
     "motion.creepage.xi=-0.003",
 ];
 
-/// The checks that do not concern a mechanical solver that runs alone.
+/// Checks that do not apply to a mechanical solver that runs alone.
 const ALONE: [&str; 6] =
     ["heat-received", "growing-grids", "volumes", "missing-sample", "wrong-sample", "not-finite"];
 
-/// A solver of ours passes with every model, on coarse grids, in so many settings.
+/// Asserts that a solver of ours passes with every model, on coarse grids, in the given number of
+/// settings.
 fn ours_conform(role: &str, name: &str, options: &[&str], inapplicable: &[&str], settings: usize) {
     assert_eq!(assert_conforms(role, &case(name), (options, &[]), inapplicable), settings);
 }
 
-/// What of the contract a model answers for, rather than the participant round it; the whole of it is in the target `nightly`.
+/// Checks that concern the model rather than the participant; all checks run in the target
+/// `nightly`.
 const OF_MODELS: [&str; 7] =
     ["estimate", "configure", "initialise", "solve", "repeat", "restore", "figures"];
 
@@ -86,12 +88,12 @@ fn the_mechanical_solver_conforms_with_every_model() {
     ours_conform("mech", "wheel-rail.toml", &options, &[], 10);
 }
 
-// Mechanics with temperatures to read: models of which friction follows them.
+// Mechanics that read temperatures: models whose friction depends on them.
 table_of_tests! { ours_conform:
     the_mechanical_solver_conforms_in_a_loop("mech", "falling-friction.toml", &COARSE, &["heat-received", "volumes"], 6);
 }
 
-/// A volume that stays, and one that moves with every window.
+/// A fixed volume, and one that moves in every window.
 #[test]
 fn a_participant_with_a_volume_conforms() {
     let command = [programs().join("toy-volume").display().to_string()];
@@ -122,7 +124,7 @@ fn a_participant_with_a_volume_conforms() {
     }
 }
 
-/// A first look; in both modes and on grids of 200 000 elements: the target `nightly`.
+/// Quick checks only. Both modes and grids of 200 000 elements are in the target `nightly`.
 #[test]
 fn strip_columns_in_python_conform() {
     let program = root().join("proto/python/examples/strip_columns.py");
@@ -133,7 +135,7 @@ fn strip_columns_in_python_conform() {
     assert_eq!(settings, 1);
 }
 
-/// On a mesh that is made in no time.
+/// On a mesh that is generated quickly.
 #[test]
 fn finite_elements_of_scikit_fem_conform() {
     let program = root().join("proto/python/examples/finite_elements.py");
@@ -153,7 +155,7 @@ fn the_closed_form_in_c_conforms() {
     assert_eq!(settings, 1);
 }
 
-/// A participant that counts how often it is started to join a run.
+/// Participant that counts its starts with `--join`.
 pub(crate) fn counted(folder: &std::path::Path, program: &[String]) -> Vec<String> {
     let (first, arguments) = program.split_first().unwrap();
     let program = programs().join(first).display().to_string();
@@ -165,7 +167,8 @@ pub(crate) fn counted(folder: &std::path::Path, program: &[String]) -> Vec<Strin
     ["sh", "-c", &script, "sh"].map(str::to_owned).to_vec()
 }
 
-/// The thermal solver passes with every model. Checks share processes, and a quick look takes one model on small grids.
+/// The thermal solver passes with every model. Checks share processes, and `--quick` tests one
+/// model on small grids.
 #[test]
 fn the_thermal_solver_conforms_with_every_model_in_few_processes() {
     let folder = tempfile::tempdir().unwrap();
@@ -178,7 +181,7 @@ fn the_thermal_solver_conforms_with_every_model_in_few_processes() {
         std::fs::read_to_string(folder.path().join("count")).unwrap().lines().count()
     };
     let all = starts(&[], 7);
-    // Each of the checks that begin with a run of their own, once or twice in each setting.
+    // Some checks start a run of their own, once or twice in each setting.
     assert!(all <= 146, "{all} processes for seven settings");
     let _ = std::fs::remove_file(folder.path().join("count"));
     let (ended, report) = conform("thermal", &case("wheel-rail.toml"), &["--quick"], &command);
@@ -190,7 +193,7 @@ fn the_thermal_solver_conforms_with_every_model_in_few_processes() {
     assert!(quick <= 29, "{quick} processes for a quick look");
 }
 
-/// A program that describes itself and never joins: one failure, with its last words, and no more.
+/// A program that describes itself but fails to join: one failure, with its last words.
 #[test]
 fn a_participant_that_cannot_start_is_told_once() {
     let program = programs().join("toy-left").display().to_string();
@@ -205,7 +208,7 @@ fn a_participant_that_cannot_start_is_told_once() {
     assert!(seen.contains("exit code 3") && seen.contains("no licence"), "{seen}");
 }
 
-/// The same words in several checks are one cause.
+/// The same message in several checks is reported as one cause.
 #[test]
 fn a_cause_is_told_once() {
     let rogue = [programs().join("rogue").display().to_string()];
@@ -220,7 +223,7 @@ fn a_cause_is_told_once() {
     assert!(same[0].is_null() && same[1..].iter().all(|one| *one == "solve"), "{report:#}");
 }
 
-/// What was recorded takes the place of made-up fields: the heat is that of the run.
+/// Recorded fields replace generated ones: the heat is that of the run.
 #[test]
 fn recorded_inputs_are_used() {
     let place = Place::new();
@@ -234,7 +237,7 @@ fn recorded_inputs_are_used() {
     assert!(seen.contains(&format!("{power:.4e} W")), "{seen}: {power:e} W");
 }
 
-/// A participant by hand that breaks a label, a length, a number.
+/// The rogue breaks a label, a length or a number.
 fn the_rogue_is_told(fault: &str, words: &str) {
     let rogue = [programs().join("rogue").display().to_string()];
     let fault = format!("left.fault={fault}");
@@ -251,8 +254,8 @@ table_of_tests! { the_rogue_is_told:
     the_rogue_is_told_of_a_wrong_answer("wrong-answer", "it answers command 3 instead of 4");
 }
 
-/// Without a fault it solves as it should, but has neither heart nor manners: every check is made,
-/// and none spoils another.
+/// If the rogue has no fault set, it solves correctly but sends no heartbeat and does not check its
+/// inputs. All checks run, and none affects another.
 #[test]
 fn an_honest_rogue_goes_through_all_checks() {
     let rogue = [programs().join("rogue").display().to_string()];
@@ -283,7 +286,7 @@ fn a_participant_that_hangs_spoils_no_other_check() {
     assert!(seen.contains("Solve: no answer within 4 s"), "{seen}");
 }
 
-/// A Python script of the tests, with a word before the contract's arguments.
+/// Python script of the tests, with a word before the standard arguments.
 fn script(name: &str, word: &str) -> Vec<String> {
     let examples = root().join("proto/python/examples");
     let script = format!(
@@ -311,7 +314,7 @@ table_of_tests! { faulty_python_is_told:
     python_is_told_of_its_refusal("refuse", "configure", "told to refuse", "30");
 }
 
-/// The names of all checks, as a report has them.
+/// Names of all checks, from a report.
 fn check_names() -> Vec<String> {
     let command = [programs().join("toy-future").display().to_string()];
     let (_, report) = conform("left", &case("exchange.toml"), &[], &command);
@@ -319,12 +322,12 @@ fn check_names() -> Vec<String> {
     rows.map(|row| row["name"].as_str().unwrap().to_owned()).collect()
 }
 
-/// For each check there is a participant that fails it, and in the way that the check is about.
+/// Each check has a participant that fails it for the tested reason.
 mod every_check_can_fail {
     use super::{COARSE, assert_fails, case, check_names, conform, programs, script};
     use std::collections::BTreeSet;
 
-    /// In the scene that the tutorial uses nobody consumes a temperature: it is compared as it is observed.
+    /// Nobody consumes a temperature in the scene of the tutorial: the observed field is checked.
     fn goes_astray_unconsumed(check: &str, words: &str) {
         let options = ["--only", check, COARSE[0], COARSE[1]];
         let command = script("conform/astray.py", check);
@@ -348,14 +351,14 @@ mod every_check_can_fail {
         assert_fails(&told, check, words);
     }
 
-    /// A participant by hand fails what the library does for every other one.
+    /// The rogue fails checks that the library satisfies for every other participant.
     fn goes_rogue(check: &str, words: &str) {
         let rogue = [programs().join("rogue").display().to_string()];
         let options = ["--only", check, "--deadline", "10"];
         assert_fails(&conform("left", &case("exchange.toml"), &options, &rogue), check, words);
     }
 
-    /// A test for each check, named as it is.
+    /// Defines a test for each check, with the same name.
     macro_rules! checks {
         ($($by:ident { $($check:ident: $words:literal,)+ })+) => {
             $($(
@@ -401,12 +404,12 @@ mod every_check_can_fail {
             unknown_model: "in spite of a model that does not exist",
             unknown_effect: "in spite of an effect that does not exist",
             unknown_field: "in spite of a field that it does not provide",
-            missing_sample: "in spite of a sample that never came",
+            missing_sample: "in spite of a sample that never arrived",
             wrong_sample: "in spite of a gap in the sequence numbers",
             not_finite: "in spite of NaN",
             unknown_command: "ended with exit code 1",
             malformed: "ended with exit code 1",
-            out_of_order: "in spite of its coming too early",
+            out_of_order: "in spite of being sent too early",
             heart: "no heartbeat for",
             coordinator_dies: "it still runs 2 s later",
         }
@@ -431,7 +434,7 @@ fn what_cannot_be_asked_is_refused() {
     assert!(ended.stderr.contains("there is no program `no-such-program`"), "{}", ended.stderr);
 }
 
-/// The table: a line a check, details only for what failed.
+/// The printed table has a line for each check, and details only for failed ones.
 #[test]
 fn the_table_is_for_people() {
     let place = Place::new();

@@ -1,11 +1,11 @@
-//! `coordinator cost`: references, errors, orders, the front and what to pick.
+//! `coordinator cost`: references, errors, orders of convergence, Pareto front and recommendations.
 
 use crate::harness::{Place, case, wait_until};
 use rustix::process::Signal;
 use serde_json::Value;
 use std::fs;
 
-/// Makes a study; `cost.json`.
+/// Runs a study and returns `cost.json`.
 fn study(place: &Place, name: &str, more: &[&str]) -> Value {
     let out = place.out().display().to_string();
     let file = case(name);
@@ -28,8 +28,10 @@ fn level(study: &Value, name: &str) -> usize {
 
 const RISE: &str = "temperature.rail.max_rise_k";
 
-/// Uniform slip: straight down the quadrature of the exact flux gives 260.88 K on this ellipse, the polynomial 261.94 K. To all sides it is 261.850/261.872 of that, the share that an
-/// independent quadrature in three dimensions finds for the paper's flux.
+/// Uniform slip: on this ellipse the exact flux gives 260.88 K with heat conducted into the depth
+/// only, and the polynomial flux gives 261.94 K. Conduction in all directions reduces this by the
+/// factor 261.850/261.872, found by an independent quadrature in three dimensions for the paper's
+/// flux.
 #[test]
 fn errors_are_against_closed_forms_and_limits() {
     let place = Place::new();
@@ -38,7 +40,7 @@ fn errors_are_against_closed_forms_and_limits() {
     let quantities = study["quantities"].as_array().unwrap();
     assert_eq!(quantities[0]["key"], RISE);
     let reference = quantities[0]["reference"]["value"].as_f64().unwrap();
-    // The digits of 260.88, and what the study says of its own reference.
+    // Digits of 260.88, and the uncertainty stated by the study for its own reference.
     let uncertainty = quantities[0]["reference"]["uncertainty"].as_f64().unwrap();
     assert!(uncertainty < 1e-3, "{uncertainty}");
     let known = uncertainty + 2e-5;
@@ -53,7 +55,7 @@ fn errors_are_against_closed_forms_and_limits() {
     let columns = &study["levels"][level(&study, "hertz-carter + columns")];
     let order = columns["shows"][RISE]["order"].as_f64().unwrap();
     assert!((order - 2.0).abs() < 0.2, "{order}");
-    // Below the error of the polynomial it does not pay to refine.
+    // Below the error of the polynomial, refinement does not pay off.
     let told = polynomial["stops_paying"].as_str().unwrap();
     assert!(told.contains("mech.resolution"), "{told}");
 }
@@ -84,7 +86,8 @@ fn the_front_and_the_picks_are_the_cheapest_and_closest() {
     }
     for pick in study["picks"].as_array().unwrap() {
         let target = pick["target"].as_f64().unwrap();
-        // So do all finer runs of the same models: a coarse one may be right by chance.
+        // All finer runs of the same models must meet the target too: a coarse run may be right by
+        // chance.
         let meets = |run: &&Value| {
             let mut finer = runs(&study).iter().filter(|other| {
                 other["level"] == run["level"] && other["step"].as_u64() >= run["step"].as_u64()
@@ -96,7 +99,7 @@ fn the_front_and_the_picks_are_the_cheapest_and_closest() {
         let picked = pick["run"].as_u64().map(|index| place_of(&runs(&study)[index as usize]).0);
         assert_eq!(picked, cheapest);
     }
-    // The options of a pick make that run.
+    // The options of a recommendation reproduce its run.
     let first = &runs(&study)[study["picks"][0]["run"].as_u64().unwrap() as usize];
     let options: Vec<&str> =
         first["options"].as_array().unwrap().iter().map(|o| o.as_str().unwrap()).collect();
@@ -104,7 +107,8 @@ fn the_front_and_the_picks_are_the_cheapest_and_closest() {
     assert_eq!(again["temperature"]["rail"]["max_rise_k"], first["values"][RISE]);
 }
 
-/// Tolerances where there is a loop, windows where there is time; what cannot run is told.
+/// Tolerances vary in cases with a loop, windows in transient cases; combinations that cannot run
+/// are reported.
 #[test]
 fn tolerances_windows_and_refusals() {
     let place = Place::new();
@@ -131,7 +135,7 @@ fn tolerances_windows_and_refusals() {
     assert_eq!(windows[..4], [8e-5, 4e-5, 2e-5, 1e-5]);
 }
 
-/// A key given with `--set` is not varied, and is given once in the options of a run.
+/// A key given with `--set` is not varied, and appears once in the options of a run.
 #[test]
 fn what_is_set_is_not_varied() {
     let place = Place::new();
@@ -162,7 +166,7 @@ fn the_files_agree_and_the_report_can_be_made_again() {
     let out = place.out().display().to_string();
     assert_eq!(place.start(&["report", &out]).wait().code, Some(0));
     assert_eq!(fs::read_to_string(&page).unwrap(), before);
-    assert!(before.contains("error over time") && before.contains("What to run"));
+    assert!(before.contains("error over time") && before.contains("Recommended runs"));
     // It is replaced by a study of its own kind only.
     let ended = place.start(&["ablate", &case("wheel-rail.toml"), "--out", &out]).wait();
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
@@ -171,7 +175,7 @@ fn the_files_agree_and_the_report_can_be_made_again() {
         "{}",
         ended.stderr
     );
-    // No run leaves its folder behind.
+    // The folders of the runs are removed.
     let mut left: Vec<_> =
         fs::read_dir(place.out()).unwrap().map(|e| e.unwrap().file_name()).collect();
     left.sort();
@@ -179,7 +183,14 @@ fn the_files_agree_and_the_report_can_be_made_again() {
     assert_eq!(left, files);
 }
 
-/// What has been computed when a study is stopped is not computed again.
+/// Finished runs of an unfinished study.
+pub(crate) fn finished_runs(place: &Place) -> Vec<Value> {
+    let text = fs::read_to_string(place.out().join("unfinished.jsonl")).unwrap_or_default();
+    let lines = text.split_inclusive('\n').skip(1).filter(|line| line.ends_with('\n'));
+    lines.map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// A stopped study keeps its finished runs and does not repeat them.
 #[test]
 fn a_study_that_is_stopped_goes_on() {
     let place = Place::new();
@@ -188,11 +199,7 @@ fn a_study_that_is_stopped_goes_on() {
     let levels = ["--vary", "mech.resolution=5,10,15,20,25,30,35,40,45,50,55,60"];
     let arguments = [&["cost", &file, "--out", &out, "--repeat", "1"], &levels[..], &models];
     let arguments = arguments.concat();
-    let kept = || -> Vec<Value> {
-        let text = fs::read(place.out().join("cost.unfinished.json")).unwrap_or_default();
-        let kept: Value = serde_json::from_slice(&text).unwrap_or_default();
-        kept["runs"].as_array().cloned().unwrap_or_default()
-    };
+    let kept = || finished_runs(&place);
     let running = place.start(&arguments);
     wait_until("finished runs", || kept().len() >= 2);
     running.signal(Signal::INT);
@@ -217,8 +224,8 @@ fn a_study_that_is_stopped_goes_on() {
         serde_json::from_slice(&fs::read(place.out().join("cost.json")).unwrap()).unwrap();
     assert_eq!(runs(&study).len(), 12);
     for run in &first {
-        // Its time, too: it is that very run.
-        assert!(runs(&study).iter().any(|one| one["cost"] == run["cost"]), "{run}");
+        // The stored cost shows that the run was not repeated.
+        assert!(runs(&study).iter().any(|one| one["cost"] == run["spent"]), "{run}");
     }
     assert!(kept().is_empty());
     place.assert_nothing_left();
@@ -239,23 +246,26 @@ fn what_cannot_be_studied_is_refused() {
         assert_eq!(ended.code, Some(2), "{}", ended.stderr);
         assert!(ended.stderr.contains(words), "{}", ended.stderr);
         place.assert_nothing_left();
-        // Whatever has been run by then is kept.
+        // Finished runs are kept.
         let files = fs::read_dir(place.out()).into_iter().flatten().flatten();
         assert!(
             files
                 .map(|f| f.file_name())
-                .all(|name| { name == ".cosim-results" || name == "cost.unfinished.json" })
+                .all(|name| { name == ".cosim-results" || name == "unfinished.jsonl" })
         );
     };
     refused(&["--vary", "mech.resolution"], "write KEY=A,B,C");
     refused(&["--quantity", "contact.colour"], "no run has the quantity `contact.colour`");
     refused(&["--reference", "x=y"], "is not KEY=NUMBER");
     refused(&["--set", "friction.coefficient=-1"], "friction.coefficient");
-    refused(&["--vary", "mech.resolution=5,banana"], "`banana` is not a number of elements");
-    refused(&["--vary", "mech.model=hertz-carter,nonsuch"], "choose among conformal, explicit-fe");
-    refused(&["--vary", "load.normal_force=1e3,1e5"], "it changes the problem");
+    refused(
+        &["--vary", "mech.resolution=5,banana"],
+        "`banana` is not a positive whole number of elements",
+    );
+    refused(&["--vary", "mech.model=hertz-carter,nonsuch"], "choose from conformal, explicit-fe");
+    refused(&["--vary", "load.normal_force=1e3,1e5"], "this key changes the problem");
     refused(&["--reference", "contact.max_pressure_pa=nan"], "is not KEY=NUMBER");
-    refused(&["--reference", "contact.colour=1"], "the runs compare temperature.rail.max_rise_k");
+    refused(&["--reference", "contact.colour=1"], "the runs have temperature.rail.max_rise_k");
     refused(&["--repeat", "0"], "--repeat");
     refused(&["--longest-run", "0"], "--longest-run must be a number of seconds");
 }

@@ -1,4 +1,4 @@
-//! Many runs on one machine.
+//! Many simultaneous runs on one machine.
 
 use crate::harness::{Place, case};
 

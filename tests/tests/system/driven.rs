@@ -1,4 +1,4 @@
-//! Runs that are driven from outside: values given window by window, states, and what is refused.
+//! Externally driven runs: values set window by window, states, and invalid requests.
 
 use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, sets, wait_until};
@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::Stdio;
 
-/// A coordinator that is driven by these lines, to their end; what it said, line by line.
+/// Drives a coordinator with these lines to the end; returns its answers, line by line.
 fn drive(place: &Place, name: &str, settings: &[&str], lines: &[Value]) -> (Ended, Vec<Value>) {
     let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
     drive_by(place, name, settings, text.as_bytes())
@@ -39,7 +39,7 @@ fn history(place: &Place) -> String {
     fs::read_to_string(place.out().join("history.csv")).unwrap()
 }
 
-/// A table of rows at these times, and the setting that makes a key its column.
+/// Table of values at these times, and the setting that makes a key a column of it.
 fn table(folder: &Path, key: &str, rows: &[(f64, f64)]) -> [String; 2] {
     let rows: String = rows.iter().map(|(time, value)| format!("{time:?},{value:?}\n")).collect();
     let path = folder.join("run.csv");
@@ -51,7 +51,7 @@ fn table(folder: &Path, key: &str, rows: &[(f64, f64)]) -> [String; 2] {
 const LOAD: &str = "load.normal_force";
 const LIVE: &str = "load.normal_force={at=\"134 kN\",from=\"60 kN\",to=\"140 kN\"}";
 
-/// Values that are given window by window are the rows of a table with those values, to the bit.
+/// Values set window by window give the same results as a table with those values, bit for bit.
 fn the_rows_of_a_table(name: &str, common: &[&str], key: &str, limits: [f64; 2], values: &[f64]) {
     let (table_place, place) = (Place::new(), Place::new());
     let folder = tempfile::tempdir().unwrap();
@@ -69,12 +69,12 @@ fn the_rows_of_a_table(name: &str, common: &[&str], key: &str, limits: [f64; 2],
     assert_eq!(ended.code, Some(0), "{} {said:?}", ended.stderr);
     assert_eq!(said.len(), values.len() + 2, "{said:?}");
     assert_eq!(history(&place), history(&table_place));
-    // What a step answers is what stands in the table.
+    // The answer to a step equals the row of the table.
     let keys = said[0]["figures"].as_array().unwrap();
     let written = place.table("history.csv");
     for (window, answer) in said[1..=values.len()].iter().enumerate() {
         for (figure, value) in keys.iter().zip(answer["figures"].as_array().unwrap()) {
-            // A figure without any value has no column in a complete table.
+            // A figure that never has a value has no column in a complete table.
             let key = figure.as_str().unwrap();
             let known = written.head.iter().any(|name| name == key);
             let text = if known { written.texts(key)[window] } else { "" };
@@ -102,12 +102,13 @@ const TRANSIENT: [&str; 5] = [
     "motion.traction_coefficient=0.4",
 ];
 
-/// The middle of a window.
+/// Middle of a window.
 fn middle(window: usize) -> f64 {
     0.5 * (window as f64 * 1e-4 + (window + 1) as f64 * 1e-4)
 }
 
-/// In time the values hold over their windows: as a table has them whose instants are their middles.
+/// Values of a transient case are constant over their windows. This equals a table with the values
+/// at the middles of the windows.
 #[test]
 fn windows_in_time_have_the_values_that_are_given() {
     for rolling in ["steady", "transient"] {
@@ -124,7 +125,7 @@ fn windows_in_time_have_the_values_that_are_given() {
         let (ended, said) = drive(&place, "wheel-rail.toml", &live, &steps(LOAD, LOADS));
         assert_eq!(ended.code, Some(0), "{} {said:?}", ended.stderr);
         assert_eq!(history(&place), history(&table_place), "{rolling}");
-        // Nobody drives: the first value holds, in the windows of the case.
+        // If no values are set, the first one holds, in the windows of the case.
         let alone = Place::new();
         alone.summary(&case("wheel-rail.toml"), &sets(&live));
         let constant = Place::new();
@@ -133,7 +134,7 @@ fn windows_in_time_have_the_values_that_are_given() {
     }
 }
 
-/// A reset begins the run again: the same answers, of processes that have been there before.
+/// After a reset the same processes give the same answers again.
 #[test]
 fn a_reset_begins_the_run_again() {
     let place = Place::new();
@@ -148,8 +149,8 @@ fn a_reset_begins_the_run_again() {
     assert_eq!(rows, 3, "a head, and the windows of the last run");
 }
 
-/// A state that is returned to gives the same windows again, to the bit, as if nothing had been between;
-/// several are kept, and a window without an answer leaves the state before it.
+/// After a state is restored, the same windows give identical results, bit for bit. Several states
+/// can be saved. A window without solution keeps the state before it.
 #[test]
 fn states_are_returned_to() {
     let cases: [(&str, &[&str]); 3] = [
@@ -207,7 +208,8 @@ fn states_are_returned_to() {
     }
 }
 
-/// What is wrong is named, and nothing has changed; the end of the input is the end of the run.
+/// An invalid request is rejected with the reason and changes nothing. The end of the input ends
+/// the run.
 #[test]
 fn what_cannot_be_done_is_refused() {
     let place = Place::new();
@@ -227,7 +229,7 @@ fn what_cannot_be_done_is_refused() {
     let parts = [
         "no state before the first window",
         "window 0: 150000 of `load.normal_force` is not between 60000 and 140000",
-        "`load.weight` is no live value of this run; there are: load.normal_force",
+        "`load.weight` is not a live value of this run; known: load.normal_force",
         "no request",
         "no request",
         "window 0 begins at 0 s and cannot end at -1 s",
@@ -243,7 +245,7 @@ fn what_cannot_be_done_is_refused() {
     assert_eq!(history.numbers("contact.normal_force_n"), [134e3]);
 }
 
-/// A window without an answer says why, and the run goes on from the state before it.
+/// A window without solution reports the reason, and the run continues from the state before it.
 #[test]
 fn a_window_without_an_answer_leaves_the_state() {
     let place = Place::new();
@@ -258,7 +260,7 @@ fn a_window_without_an_answer_leaves_the_state() {
     assert_eq!(said[3]["window"], 1, "{:?}", said[3]);
 }
 
-/// Cases that cannot be driven so are refused with key and fix, on standard output too.
+/// Cases that cannot be driven are rejected with key and fix, also on standard output.
 #[test]
 fn cases_that_cannot_be_driven() {
     let rows: [(&[&str], &str); 6] = [
@@ -268,7 +270,7 @@ fn cases_that_cannot_be_driven() {
         ),
         (&["load.normal_force={at=1e3,from=1e2}"], "`to` is missing"),
         (&["load.normal_force={at=1e3,from=-5,to=2e3}"], "`from` -5 N is not"),
-        (&["mech.resolution={at=10,from=5,to=20}"], "reads one number"),
+        (&["mech.resolution={at=10,from=5,to=20}"], "accepts only a number"),
         (&[LIVE, "time.mode=sequence"], "a sequence has the rows of a table"),
         (
             &[
@@ -294,7 +296,7 @@ fn cases_that_cannot_be_driven() {
     assert!(ended.stderr.contains("standard input has the lines"), "{}", ended.stderr);
 }
 
-/// Several live values at once; the plan says what they are.
+/// Several live values at once; the plan describes them.
 #[test]
 fn a_plan_names_the_live_values() {
     let place = Place::new();
@@ -304,7 +306,7 @@ fn a_plan_names_the_live_values() {
     let mut arguments = vec!["plan", &case];
     arguments.extend(&set);
     let text = crate::harness::flat(&place.start(&arguments).wait().stdout);
-    let load = "load.normal_force coordinator -> mech; from 60000 N to 140000 N, 134000 N in a run that nobody drives";
+    let load = "load.normal_force coordinator -> mech; from 60000 N to 140000 N, 134000 N unless the run is driven";
     assert!(text.contains(load), "{text}");
     assert!(
         text.contains("motion.speed coordinator -> mech, thermal; from 10 m/s to 60 m/s"),
@@ -312,14 +314,14 @@ fn a_plan_names_the_live_values() {
     );
 }
 
-/// A participant that describes a field named like a live key gives it, in every window; what is beyond the
-/// limits ends the run.
+/// A participant that describes a field with the name of a live key sets the key in every window. A
+/// value outside the limits ends the run.
 #[test]
 fn a_participant_gives_a_live_value() {
     let folder = tempfile::tempdir().unwrap();
     let loads: Vec<f64> = (0..4).map(|k| 100e3 + 10e3 * f64::from(k)).collect();
     let mut rows: Vec<_> = loads.iter().enumerate().map(|(k, load)| (middle(k), *load)).collect();
-    // Laid out for the same.
+    // Extends the table to the limits of the live value, so that the grids are the same.
     rows.extend([(1.0, 90e3), (2.0, 130e3)]);
     let [column, time] = table(folder.path(), LOAD, &rows);
     let program = "tests/tests/system/python/vehicle.py";
@@ -348,7 +350,7 @@ fn a_participant_gives_a_live_value() {
         let (_, ended) = given("from=9e4,to=1.15e5");
         assert_eq!(ended.code, Some(1), "{}", ended.stderr);
         let part =
-            "gives `load.normal_force` the value 120000, which is not between 90000 and 115000";
+            "sent the value 120000 of `load.normal_force`, which is not between 90000 and 115000";
         assert!(
             ended.stderr.contains(part) && ended.stderr.contains("window 2"),
             "{}",
@@ -357,7 +359,7 @@ fn a_participant_gives_a_live_value() {
     }
 }
 
-/// What was recorded of a run with live values replays, to the bit.
+/// The recording of a run with live values replays identically, bit for bit.
 #[test]
 fn live_values_are_recorded_and_replayed() {
     let mut set = TRANSIENT.to_vec();
@@ -372,7 +374,8 @@ fn live_values_are_recorded_and_replayed() {
     place.assert_nothing_left();
 }
 
-/// What is refused has changed nothing: of several values all are given, or none, before a step too.
+/// A rejected request changes nothing: either all values of a request are set or none, also before
+/// a step.
 #[test]
 fn a_refused_request_changes_nothing() {
     let place = Place::new();
@@ -392,14 +395,14 @@ fn a_refused_request_changes_nothing() {
         assert_eq!(answer["kind"], "refused", "{answer}");
     }
     let loads = place.table("history.csv").numbers("contact.normal_force_n");
-    // The sum of the pressures, to rounding.
+    // Sum of the pressures, to rounding.
     assert!(
         loads.len() == 3 && loads.iter().all(|load| (load / 134e3 - 1.0).abs() < 1e-12),
         "{loads:?}"
     );
 }
 
-/// Each state takes memory: there is a limit, and one that is freed makes room again.
+/// Saved states take memory: their number is limited, and freeing one makes room.
 #[test]
 fn states_have_a_limit() {
     let place = Place::new();
@@ -413,11 +416,11 @@ fn states_have_a_limit() {
     assert_eq!(said[4097]["state"], 4096, "{}", said[4097]);
     let refused = &said[4098];
     assert_eq!(refused["kind"], "refused", "{refused}");
-    assert!(refused["error"].as_str().unwrap().contains("4096 states are kept"), "{refused}");
+    assert!(refused["error"].as_str().unwrap().contains("limit of 4096 saved states"), "{refused}");
     assert_eq!(said[4100]["state"], 4097, "{}", said[4100]);
 }
 
-/// A signal ends the run also while whoever drives it does not read its answers.
+/// A signal ends the run even if the driver does not read the answers.
 #[test]
 fn a_signal_ends_a_run_whose_answers_are_not_read() {
     let place = Place::new();
@@ -427,7 +430,7 @@ fn a_signal_ends_a_run_whose_answers_are_not_read() {
     let mut command = place.command(&["drive", &case("exchange.toml")]);
     let mut child = command.stdin(Stdio::from(file)).spawn().unwrap();
     let answers = child.stdout.take().unwrap();
-    // As much as a pipe holds.
+    // Capacity of a pipe.
     wait_until("a full pipe", || rustix::io::ioctl_fionread(&answers).unwrap() > 65_000);
     let pid = rustix::process::Pid::from_child(&child);
     rustix::process::kill_process(pid, rustix::process::Signal::TERM).unwrap();

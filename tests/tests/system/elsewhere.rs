@@ -1,5 +1,5 @@
-//! Files from elsewhere: cases and recordings that somebody else has written, with anything in them.
-//! Nothing that they name is started or written unasked, and nothing in them reaches a terminal raw.
+//! Untrusted files: cases and recordings from other people, with arbitrary content. Without consent
+//! no program they name is started and no file is written. No escape sequence reaches a terminal.
 
 use crate::harness::{Ended, Place, case, flat, programs};
 use proto::message::{CommandKind, Topics};
@@ -7,13 +7,13 @@ use proto::recording::{Compression, Event, Head, Item, Recording, RecordingWrite
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// A short recorded run.
+/// Records a short run.
 fn recorded(place: &Place) -> PathBuf {
     place.summary(&case("wheel-rail.toml"), &["--record", "--set", "mech.model=hertz-carter"]);
     place.out().join("recording.mcap")
 }
 
-/// A copy of a recording with another head, and other events.
+/// Copies a recording with a changed head and changed events.
 fn rewritten(
     path: &Path,
     change_head: impl FnOnce(&mut Head),
@@ -41,7 +41,7 @@ fn rewritten(
     copy
 }
 
-/// A copy in which the topics of every participant are others.
+/// Copies a recording with changed topics for every participant.
 fn with_topics(path: &Path, change: impl Fn(&mut serde_json::Value)) -> PathBuf {
     rewritten(
         path,
@@ -58,7 +58,8 @@ fn with_topics(path: &Path, change: impl Fn(&mut serde_json::Value)) -> PathBuf 
     )
 }
 
-/// `export` and `replay` refuse the recording with these words, write nothing and leave nothing.
+/// Asserts that `export` and `replay` reject the recording with these words, write nothing and
+/// leave nothing.
 fn refused(place: &Place, path: &Path, words: &str) {
     let path = path.display().to_string();
     let csv = place.out().join("exported").display().to_string();
@@ -103,13 +104,13 @@ fn names_and_grids_of_a_recording_are_checked() {
     refused(&place, &field, "the field name \"../../../../tmp/evil\"");
 }
 
-/// Whoever made the file may have named any program.
+/// The author of the file may have named any program.
 #[test]
 fn a_replay_starts_no_program_that_the_recording_names() {
     let place = Place::new();
     place.summary(&case("exchange.toml"), &["--record", "--set", "time.end=3"]);
     let path = place.out().join("recording.mcap").display().to_string();
-    // `toy-left` lies beside the coordinator, and it is what was recorded.
+    // `toy-left` is in the folder of the coordinator and is the recorded program.
     let Ended { code, stderr, .. } = place.start(&["replay", &path, "--only", "left"]).wait();
     assert_eq!(code, Some(2), "{stderr}");
     for words in ["no left-solver beside the coordinator", "--command PROGRAM", "`toy-left`"] {
@@ -120,7 +121,7 @@ fn a_replay_starts_no_program_that_the_recording_names() {
     assert_eq!(place.start(&given).wait().code, Some(0));
 }
 
-/// What an error says, and what a run failed with, may have been written by anybody.
+/// Error messages in a recording may contain anything.
 #[test]
 fn escapes_of_a_recording_reach_no_terminal() {
     let place = Place::new();
@@ -155,7 +156,7 @@ fn escapes_of_a_recording_reach_no_terminal() {
     }
 }
 
-/// A case in a folder of its own.
+/// Case in a folder of its own.
 fn case_file(text: &str) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("case.toml");
@@ -176,7 +177,7 @@ fn escapes_of_a_case_and_of_a_participant_reach_no_terminal() {
         assert!(ended.stderr.contains("case.title: the text"), "{}", ended.stderr);
         assert!(!ended.stderr.contains('\u{1b}') && ended.stdout.is_empty(), "{ended:?}");
     }
-    // What a participant writes while it runs, and what it says of itself.
+    // Output of a participant during a run, and its description.
     let solver = programs().join("thermal-solver").display().to_string();
     let script =
         |script: &str| format!("thermal.command=[\"sh\", \"-c\", {script:?}, \"{solver}\"]");
@@ -193,7 +194,7 @@ fn escapes_of_a_case_and_of_a_participant_reach_no_terminal() {
     assert!(!ended.stderr.contains('\u{1b}'), "{:?}", ended.stderr);
 }
 
-/// The program that a case names is started to be asked, but not with `--no-start`.
+/// The program named by a case is started to describe itself, except with `--no-start`.
 #[test]
 fn a_case_is_judged_without_starting_what_it_names() {
     let place = Place::new();
@@ -204,8 +205,7 @@ fn a_case_is_judged_without_starting_what_it_names() {
     let (_folder, path) = case_file(&text.replace("[thermal]\n", &command));
     let check = place.start(&["check", &path, "--no-start"]).wait();
     assert_eq!(check.code, Some(0), "{}", check.stderr);
-    let said =
-        "no errors in what was checked\nnot checked, as no program was started: models, effects";
+    let said = "no errors in what was checked\nnot checked, because no program was started: models, effects";
     assert!(check.stdout.contains(said), "{}", check.stdout);
     assert!(check.stdout.contains("effects.friction_heat"), "{}", check.stdout);
     let plan = place.start(&["plan", &path, "--no-start"]).wait();

@@ -1,4 +1,4 @@
-//! Sweeps through schedulers that are really there: a Slurm, and a HyperQueue within a Python process.
+//! Sweeps through real schedulers: Slurm, and HyperQueue in a Python process.
 
 use crate::harness::python::interpreter;
 use crate::harness::slurm::Slurm;
@@ -8,13 +8,13 @@ use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-/// The same table to the bit as that of this machine alone, though a task is killed in its middle: its part alone is
-/// lost, named, submitted again, and goes on.
+/// The table equals that of a sweep without a scheduler, bit for bit, even if a task is killed.
+/// Only the part of that task is lost; it is reported, submitted again and completed.
 #[test]
 fn a_task_that_dies_loses_its_part_only() {
     let (place, slurm) = (Place::new(), Slurm::new());
     let file = case("wheel-rail.toml");
-    // The last are more than friction allows.
+    // The last values exceed the friction limit.
     let vary =
         ["--vary", "motion.traction_coefficient=0.01..0.62/60", "--set", "mech.resolution=10"];
     let whole = place.out().with_file_name("whole").display().to_string();
@@ -55,7 +55,8 @@ fn a_task_that_dies_loses_its_part_only() {
     place.assert_nothing_left();
 }
 
-/// The commands of the parts, for whatever takes commands; the sweep that goes on finds that nothing is missing.
+/// Commands of the parts, for any scheduler. After their end the resumed sweep finds no missing
+/// points.
 #[test]
 fn a_list_of_commands_is_run_by_hyperqueue() {
     let place = Place::new();

@@ -1,4 +1,4 @@
-//! The exchange itself: three processes, two fields, many windows.
+//! Exchange of fields: three processes, two fields, many windows.
 
 use crate::harness::{Place, case, sets};
 
@@ -19,7 +19,7 @@ fn every_window_passes_through_both_participants() {
     assert_eq!(last_value(&place, "right_numbers_000249.vti"), 500.0);
 }
 
-/// The last double of the appended data.
+/// Last double of the appended data.
 fn last_value(place: &Place, file: &str) -> f64 {
     let bytes = std::fs::read(place.out().join("fields").join(file)).unwrap();
     let tail = b"\n  </AppendedData>\n</VTKFile>\n";
@@ -52,7 +52,8 @@ fn a_participant_started_by_hand_is_waited_for() {
     place.assert_nothing_left();
 }
 
-/// Both add one: the loop has no fixed point, and `auto` does not pretend that it has.
+/// Both participants add one: the loop has no fixed point, and the iteration chosen by `auto`
+/// stops.
 #[test]
 fn a_loop_is_iterated_unless_the_user_wants_one_pass() {
     let place = Place::new();
@@ -66,7 +67,7 @@ fn a_loop_is_iterated_unless_the_user_wants_one_pass() {
     place.assert_nothing_left();
 }
 
-/// With `left` and `right` at once each window adds one to what the other had.
+/// Each window of a parallel scheme adds one to the previous value of the other participant.
 #[test]
 fn a_parallel_pass_uses_what_was_there_before() {
     let place = Place::new();

@@ -1,10 +1,11 @@
-//! Tables of softening that explicit elements cannot use. The method itself is compared with half-spaces and closed forms by the
-//! tests of `mech-solver`, and over processes by the target `nightly`.
+//! Softening tables that explicit elements cannot use. The method itself is compared with
+//! half-spaces and closed forms by the tests of `mech-solver`, and in complete runs by the target
+//! `nightly`.
 
 use crate::harness::{Place, case};
 
-/// Temperatures that a table does not have end the run where they arise, with what to write; shares that rise, or a table without the
-/// initial temperature, are refused before it.
+/// A temperature beyond the table ends the run when it occurs, and the message says what to write.
+/// Values that rise, or a table without the initial temperature, are rejected before the run.
 #[test]
 fn a_table_that_does_not_suit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -23,6 +24,9 @@ fn a_table_that_does_not_suit_is_refused() {
         "300 0.5 1\n1500 0.6 1\n",
         &["rises with the temperature", "materials.steel.softening_table"],
     );
-    refused("300 1 1\n600 0.6 1\n", &["673.15 K, at which the body begins", "materials.steel"]);
-    refused("300 1 1.5\n600 0.6 1\n", &["in line 1", "above 0 and 1 at most"]);
+    refused(
+        "300 1 1\n600 0.6 1\n",
+        &["673.15 K, the initial temperature of the body", "materials.steel"],
+    );
+    refused("300 1 1.5\n600 0.6 1\n", &["in line 1", "above 0 and at most 1"]);
 }

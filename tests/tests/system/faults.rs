@@ -1,19 +1,20 @@
-//! Whoever dies, and however: the right exit code, one line that says who, when and what to do,
-//! and nothing left on the machine.
+//! Every way in which a process may die: the right exit code, one line that says who, when and what
+//! to do, and no leftovers on the machine.
 
 use crate::failures;
 use crate::harness::{Ended, Place, Running, case, programs, sets, wait_until};
 use rustix::process::{Signal, kill_process};
 
-/// A run whose participant `role` takes long over the first window, and is in it.
+/// Starts a run in which participant `role` takes long over the first window, and waits until it is
+/// in that window.
 fn in_mid_window<'a>(place: &'a Place, role: &str, more: &[&str]) -> Running<'a> {
     let delay = format!("{role}.delay=600");
     let mut arguments = vec!["--set", &delay];
     arguments.extend(more);
     let running = place.start_run(&case("exchange.toml"), &arguments);
     place.wait_for_log("every participant is ready");
-    // Long enough to be in the solve; were it not, the message would name another phase and the
-    // test would say so.
+    // Long enough to be in the solve; otherwise the message would name another phase, and the test
+    // would fail.
     std::thread::sleep(std::time::Duration::from_millis(300));
     running
 }
@@ -142,7 +143,8 @@ fn a_participant_that_exits_is_named_with_its_last_words() {
     }
 }
 
-/// One fails at once, and the other one is still at work: nobody is accused of a lost message.
+/// One participant fails while the other one is working: the error is not mistaken for a lost
+/// message.
 #[test]
 fn a_failure_beside_one_still_at_work_keeps_its_words() {
     for (failing, working) in [("right", "left"), ("left", "right")] {
@@ -155,7 +157,7 @@ fn a_failure_beside_one_still_at_work_keeps_its_words() {
     }
 }
 
-/// The nightly tests do the same many more times, on busy processors.
+/// The nightly tests repeat this many more times, on busy processors.
 #[test]
 fn failures_keep_their_words() {
     failures::failures_keep_their_words(32, 2);
@@ -175,8 +177,8 @@ fn values_that_are_not_finite_are_refused() {
     }
 }
 
-/// What a model does not write would go out as the data of an earlier window; a heat or a wish that
-/// is no number, as none. Neither was noticed before.
+/// Values not written by a model, and reported heat or window wishes that are not numbers, are
+/// errors. Earlier versions sent the data of a previous window, or ignored the number.
 #[test]
 fn what_a_model_leaves_out_is_noticed_in_every_build() {
     let faults = [
@@ -194,8 +196,8 @@ fn what_a_model_leaves_out_is_noticed_in_every_build() {
     }
 }
 
-/// The last to solve in an explicit scheme has nobody after it in its window: what it sends is looked
-/// through before it is kept. The checkpoint of that window was written before.
+/// No participant follows the last solver of an explicit scheme in its window: its output is
+/// checked before the window is saved. An earlier version saved that window.
 #[test]
 fn what_is_not_finite_enters_no_checkpoint() {
     let place = Place::new();
@@ -245,8 +247,8 @@ fn a_participant_cannot_stop_reporting_heat() {
     assert_failed(&place, &ended, &["left (rogue) failed", "in window 4, iteration 1", what]);
 }
 
-/// A grid that moves wrongly: the window of the fault is 3, in which its third revision holds, and
-/// after which it gets its fifth.
+/// A grid that moves incorrectly in window 3, where its third revision holds; its fifth one
+/// follows.
 #[test]
 fn a_grid_that_moves_wrongly_is_refused() {
     let (solving, accepting) = ("in window 3, iteration 1", "while accepting window 3");
@@ -277,7 +279,7 @@ fn a_grid_that_moves_wrongly_is_refused() {
     }
 }
 
-/// Who solves before the producer, and hears it, has to be told of its moving grid by its estimate.
+/// A consumer that solves before the producer must learn of the moving grid from its estimate.
 #[test]
 fn a_moving_grid_that_nobody_was_told_of_is_refused() {
     let text = std::fs::read_to_string(case("exchange.toml")).unwrap();
@@ -288,7 +290,7 @@ fn a_moving_grid_that_nobody_was_told_of_is_refused() {
     let file = folder.path().join("turned.toml");
     std::fs::write(&file, parts.concat()).unwrap();
     let place = Place::new();
-    // One that does not join at once is planned with the answers of another process.
+    // A participant that fails its first join is planned with the answers of another process.
     let late = format!(
         "case $1 in --join) mkdir {0}/tried && exit 1;; esac; exec {1} \"$@\"",
         folder.path().display(),
@@ -297,8 +299,8 @@ fn a_moving_grid_that_nobody_was_told_of_is_refused() {
     let command = format!("left.command=[\"sh\", \"-c\", {late:?}, \"sh\"]");
     let more = ["--set", &command, "--set", "left.fault=flat"];
     let ended = place.run(&file.display().to_string(), &more);
-    let what = "its grid `numbers` may move, of which right, which subscribes to `left_value` on \
-                it, could not";
+    let what = "its grid `numbers` may move, but right subscribes to `left_value` on it and \
+                could not";
     assert_failed(&place, &ended, &["left (sh) failed", "while being configured", what]);
 }
 
@@ -307,7 +309,7 @@ fn a_wish_for_a_wrong_grid_is_refused() {
     let wishes = [
         ("wish-flat", "grid `own` has elements without an area"),
         ("wish-nowhere", "the input `right_value` is wanted on `own`, which is not a grid"),
-        ("wish-unheard", "it requests a grid for `pressure`, which is not an input of it"),
+        ("wish-unheard", "it requests a grid for `pressure`, which is not one of its inputs"),
     ];
     for (fault, what) in wishes {
         let place = Place::new();
@@ -318,7 +320,8 @@ fn a_wish_for_a_wrong_grid_is_refused() {
     }
 }
 
-/// Who stops a whole job signals all of its processes: a program that ends by that, before the signal is here, has not failed.
+/// Killing a job signals every process. A program that dies before the coordinator handles its own
+/// signal counts as interrupted, not as failed.
 #[test]
 fn a_signal_to_all_processes_is_an_interrupt_whichever_ends_first() {
     let place = Place::new();
@@ -337,7 +340,8 @@ fn an_interrupt_at_any_moment_leaves_nothing() {
         std::thread::sleep(std::time::Duration::from_millis(delay));
         running.signal(Signal::TERM);
         let ended = running.wait();
-        // Before the handler is installed, within the first millisecond or so, nothing exists yet.
+        // A signal before the handler is installed, in the first millisecond or so, leaves nothing
+        // either.
         assert!(matches!(ended.code, Some(143) | None), "{:?}: {}", ended.code, ended.stderr);
         place.assert_nothing_left();
     }
@@ -383,7 +387,7 @@ fn a_participant_started_by_hand_that_dies_is_noticed_by_its_lock() {
 fn an_honest_rogue_goes_through() {
     let place = Place::new();
     let more = ["--set", "left.command=[\"rogue\"]", "--set", "time.end=5"];
-    // Its own summary is no object: it neither replaces what the others say nor ends the run.
+    // A summary that is not an object neither replaces the summaries of others nor ends the run.
     let summary = place.summary(&case("exchange.toml"), &more);
     assert_eq!((&summary["schema"], &summary["status"]), (&1.into(), &"completed".into()));
     assert_eq!(summary["case"], "exchange");
@@ -393,7 +397,7 @@ fn an_honest_rogue_goes_through() {
         let text = event["fields"]["message"].as_str().unwrap_or_default();
         text.contains("left: its summary is not an object")
     };
-    assert!(place.log().iter().any(told), "the log says what was left out");
+    assert!(place.log().iter().any(told), "the log names the omitted summary");
 }
 
 #[test]
@@ -439,7 +443,7 @@ fn too_little_shared_memory_is_refused_with_the_figures() {
 #[test]
 fn a_participant_that_never_joins_is_waited_for_until_the_deadline() {
     let place = Place::new();
-    // Describes itself, but then waits for something else than our run.
+    // Describes itself, but does not join the run.
     let script = format!(
         "case \"$1\" in --join) sleep 600;; *) exec {} \"$@\";; esac",
         programs().join("toy-left").display()

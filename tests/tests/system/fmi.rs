@@ -1,4 +1,5 @@
-//! Cases and surrogates as FMUs, in FMPy: `proto/python/tests/fmu_out.py` and `fmu_surrogate.py`, which need the executables.
+//! Cases and surrogates as FMUs, in FMPy: `proto/python/tests/fmu_out.py` and `fmu_surrogate.py`,
+//! which need the executables.
 
 use crate::harness::python::interpreter;
 use crate::harness::{programs, root};
@@ -14,7 +15,7 @@ fn a_surrogate_is_an_fmu() {
     passes("proto/python/tests/fmu_surrogate.py");
 }
 
-/// Tests in Python, with the executables.
+/// Runs tests in Python, with the executables.
 fn passes(tests: &str) {
     let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
     let ended = Command::new(interpreter())

@@ -1,4 +1,4 @@
-//! FMUs as participants: what FMPy computes with the same FMUs, what cannot be, and what goes wrong inside.
+//! FMUs as participants: comparison with FMPy, invalid uses, and failures inside the FMU.
 
 use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root, sets};
@@ -8,7 +8,7 @@ use std::fs;
 use std::process::Command;
 use tempfile::TempDir;
 
-/// An FMU of `tests/fmus`, as a participant.
+/// FMU of `tests/fmus`, as a participant.
 struct Fmu {
     folder: TempDir,
     role: &'static str,
@@ -16,7 +16,7 @@ struct Fmu {
 }
 
 impl Fmu {
-    /// Compiled and packed, with texts of its description replaced.
+    /// Compiles and packs an FMU, with replacements in its description.
     fn make(model: &str, role: &'static str, wires: &[&'static str], changes: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let made = Command::new("python3")
@@ -30,7 +30,7 @@ impl Fmu {
         Self { folder, role, wires: wires.to_vec() }
     }
 
-    /// The program and its arguments.
+    /// Program with its arguments.
     fn words(&self) -> Vec<String> {
         let program = programs().join("fmu-participant").display().to_string();
         let path = self.folder.path().join("a.fmu").display().to_string();
@@ -39,12 +39,12 @@ impl Fmu {
         words
     }
 
-    /// The setting that names it in a case.
+    /// Setting that makes the FMU a participant of a case.
     fn command(&self) -> String {
         format!("{}.command={:?}", self.role, self.words())
     }
 
-    /// A case of it alone, over eight windows.
+    /// Case with the FMU as the only participant, over eight windows.
     fn alone(&self, more: &str) -> String {
         let (role, words) = (self.role, self.words());
         let text = format!(
@@ -60,7 +60,7 @@ impl Fmu {
 const ON_THE_RAIL: [&str; 3] =
     ["Q -> load.normal_force", "xi -> motion.creepage.xi", "Fx, Fy, Fz <- contact_force"];
 
-/// What a vehicle gives is a live value of the case.
+/// Outputs of the vehicle set live values of the case.
 const LIVE: [&str; 8] = [
     "load.normal_force={at=122625.0,from=4e4,to=2.4e5}",
     "motion.creepage.xi={at=-1e-4,from=-1e-2,to=1e-2}",
@@ -75,7 +75,7 @@ const LIVE: [&str; 8] = [
 const WITHOUT_STATES: [&str; 2] =
     ["canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", ""];
 
-/// `proto/python/tests/fmu_in.py`, which needs the executables.
+/// Runs `proto/python/tests/fmu_in.py`, which needs the executables.
 #[test]
 fn an_fmu_gives_what_it_gives_in_fmpy() {
     let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
@@ -92,7 +92,7 @@ fn an_fmu_gives_what_it_gives_in_fmpy() {
     println!("{said}");
 }
 
-/// One without states is refused where windows are solved again, and runs where they are not.
+/// An FMU that cannot save states is rejected if windows are repeated, and runs otherwise.
 #[test]
 fn an_fmu_that_cannot_go_back_is_never_asked_to() {
     let vehicle = Fmu::make("vehicle", "vehicle", &ON_THE_RAIL, &WITHOUT_STATES);
@@ -108,7 +108,7 @@ fn an_fmu_that_cannot_go_back_is_never_asked_to() {
     for scheme in ["serial-implicit", "parallel-implicit"] {
         let (ended, place) = run(scheme);
         let said = crate::harness::flat(&ended.stderr);
-        let part = "vehicle.model: `co-simulation` can solve a window once only, and";
+        let part = "vehicle.model: `co-simulation` can solve a window only once, and";
         assert!(ended.code == Some(2) && said.contains(part), "{said}");
         assert!(said.contains("set coupling.scheme to \"serial-explicit\""), "{said}");
         assert!(!place.out().exists());
@@ -124,8 +124,8 @@ fn an_fmu_that_cannot_go_back_is_never_asked_to() {
     assert_eq!(history(&place), history(&other), "states that are kept change nothing");
 }
 
-/// One whose steps have one length is refused windows that differ: at `check` where the case says so, at the window where
-/// whoever drives the run does.
+/// An FMU with steps of constant length rejects windows of different lengths: at `check` if the
+/// case has them, at the window if the driver of the run requests them.
 #[test]
 fn an_fmu_with_steps_of_one_length_is_asked_for_no_other() {
     let fixed = ["canHandleVariableCommunicationStepSize=\"true\"", ""];
@@ -161,12 +161,12 @@ fn an_fmu_with_steps_of_one_length_is_asked_for_no_other() {
     let answers: Vec<Value> =
         ended.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(answers[2]["window"], 1, "{}", ended.stdout);
-    let words = "the FMU takes steps of one length, 0.1 s, and none of 0.0";
+    let words = "the FMU requires steps of constant length 0.1 s, got 0.0";
     assert_eq!(answers[3]["kind"], "no-answer", "{}", ended.stdout);
     assert!(answers[3]["error"].as_str().unwrap().contains(words), "{}", ended.stdout);
 }
 
-/// Runs the model that goes wrong in the third window; what was told.
+/// Runs the model that fails in the third window, in one of several ways.
 fn troubled(how: u32) -> Ended {
     let trouble = Fmu::make("trouble", "clock", &[], &[]);
     let place = Place::new();
@@ -187,13 +187,13 @@ fn what_goes_wrong_in_an_fmu_is_named() {
         }
         assert_eq!(ended.code, Some(1));
     };
-    told(1, "fmi2DoStep has returned fmiError: no step from: 0.25");
-    told(2, "fmi2DoStep has returned fmiFatal: no step from: 0.25");
+    told(1, "fmi2DoStep returned fmiError: no step from: 0.25");
+    told(2, "fmi2DoStep returned fmiFatal: no step from: 0.25");
     told(4, "killed by signal 11");
     assert_eq!(troubled(0).code, Some(0));
 }
 
-/// What is no number is no figure; as a field it is refused.
+/// NaN gives no figure; in a field it is an error.
 #[test]
 fn an_output_that_is_no_number_is_refused() {
     let wired = Fmu::make("trouble", "clock", &["y -> clock_time"], &[]);
@@ -201,11 +201,11 @@ fn an_output_that_is_no_number_is_refused() {
     let ended =
         place.run(&wired.alone("[clock.start]\nhow = 3\n[output]\nfields = \"all\"\n"), &[]);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    assert!(ended.stderr.contains("the FMU gives NaN for `y`"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("the FMU returned NaN for `y`"), "{}", ended.stderr);
     place.assert_nothing_left();
 }
 
-/// A run that is resumed is the run that was not interrupted, to the bit, in mid-iteration of an implicit scheme or not.
+/// A resumed run equals the uninterrupted run, bit for bit, also within an implicit scheme.
 #[test]
 fn the_state_of_an_fmu_is_in_the_checkpoints() {
     let vehicle = Fmu::make("vehicle", "vehicle", &ON_THE_RAIL, &[]);
@@ -215,18 +215,19 @@ fn the_state_of_an_fmu_is_in_the_checkpoints() {
     killed_and_resumed(&case("wheel-rail.toml"), &settings, 8, &mut 35);
 }
 
-/// One whose state is not turned into bytes says why there is no checkpoint.
+/// An FMU that cannot serialise its state reports why there is no checkpoint.
 #[test]
 fn an_fmu_without_bytes_has_no_checkpoints() {
     let ball = Fmu::make("ball", "ball", &[], &[]);
     let place = Place::new();
     let ended = place.run(&ball.alone("[output]\ncheckpoint_every = 3\n"), &[]);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    assert!(ended.stderr.contains("cannot turn its state into bytes"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("cannot serialise its state"), "{}", ended.stderr);
     place.assert_nothing_left();
 }
 
-/// In the place of the thermal solver: a body of one temperature, or one whose surface is an array.
+/// FMUs in place of the thermal solver: a body of uniform temperature, and one whose surface is an
+/// array.
 #[test]
 fn an_fmu_plays_the_thermal_solver() {
     let settings = [
@@ -256,7 +257,7 @@ fn an_fmu_plays_the_thermal_solver() {
     let (place, summary) = run(&lump, &["thermal.start.C=\"0.5 kJ/K\""]);
     let power = number(&summary, "/contact/friction_power_w");
     let rise = number(&summary, "/thermal/T");
-    // Of the capacity of 500 J/K, with a hundredth of its loss: T = P/2G (1 − exp(−G t/C)).
+    // Capacity C = 500 J/K, with a loss that is small over this time: T = P/2G (1 − exp(−G t/C)).
     let exact = power / 20.0 * (1.0 - (-10.0 * 1e-3 / 500.0_f64).exp());
     assert!((rise / exact - 1.0).abs() < 1e-6, "{rise} K, {exact} K: Euler's steps, G h/2C");
     assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-12);
@@ -274,7 +275,7 @@ fn an_fmu_plays_the_thermal_solver() {
         Fmu::make("body", "thermal", &["q <- friction_power", "surface -> lower_temperature"], &[]);
     let (place, summary) = run(&film, &grid);
     let field = place.field("thermal_fmu_000009.vti", "rail_temperature");
-    // The sum of r q/2 over the elements is that of the power that has come, mapped as it is.
+    // The sum of r q/2 over the elements gives the power received through the mapping.
     let area = 0.024 / 12.0 * 0.016 / 8.0;
     let come = field.iter().sum::<f64>() * area * 2.0 / 1e-9;
     let power = number(&summary, "/contact/friction_power_w");
@@ -282,7 +283,7 @@ fn an_fmu_plays_the_thermal_solver() {
     assert!(number(&summary, "/coupling/energy_imbalance") <= 1e-10);
 }
 
-/// The contract, in every check that concerns a program without effects.
+/// All conformance checks for a program without effects.
 #[test]
 fn an_fmu_conforms() {
     let wires = ["q <- friction_power", "surface -> lower_temperature"];

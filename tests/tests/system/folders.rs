@@ -1,4 +1,4 @@
-//! Whose a folder of results is, what is replaced in it, and what is in it when the disk is full.
+//! Result folders: ownership, replacement of results, and their state when the disk is full.
 
 use crate::harness::{Place, Running, case, programs, wait_until};
 use rustix::process::{Resource, Rlimit, Signal, prlimit};
@@ -7,7 +7,8 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-/// Runs the exchange, short, in a folder of its own, with more arguments; exit code, stdout and stderr.
+/// Runs a short exchange in a folder, with more arguments; returns the exit code, and standard
+/// output followed by standard error.
 fn run_in(place: &Place, folder: &Path, more: &[&str]) -> (Option<i32>, String) {
     let file = case("exchange.toml");
     let arguments = [&["run", file.as_str(), "--set", "time.end=3"], more].concat();
@@ -44,7 +45,7 @@ fn a_second_run_has_a_folder_of_its_own() {
     ran(&["--set", "time.end=5"], "exchange-3");
     assert_eq!(latest(), Path::new("exchange-3"));
     assert_eq!(summary(&results.join("exchange"))["coupling"]["windows"], 3);
-    // What is to be replaced is the one without a number.
+    // `--replace` applies to the folder without a number.
     ran(&["--replace", "--set", "time.end=6"], "exchange");
     assert_eq!(summary(&results.join("exchange-2"))["coupling"]["windows"], 4);
     let mut report = place.command(&["report", "results/latest"]);
@@ -71,7 +72,7 @@ fn a_folder_that_is_named_is_replaced_only_when_asked() {
     let (code, said) = run_in(&place, here.path(), &["--out", "mine"]);
     assert_eq!(code, Some(2));
     assert!(
-        said.contains("mine holds results of a run already; --replace replaces them"),
+        said.contains("mine already holds results of a run; replace them with --replace"),
         "{said}"
     );
     assert_eq!(fs::read(out.join("summary.json")).unwrap(), before);
@@ -80,7 +81,8 @@ fn a_folder_that_is_named_is_replaced_only_when_asked() {
     assert_eq!(summary(&out)["coupling"]["windows"], 4);
 }
 
-/// A file that looks like a log of ours does not make the folder ours, and no link leads a run out of it.
+/// A file that resembles our log does not mark a folder as ours, and no link leads a run out of its
+/// folder.
 #[test]
 fn nothing_foreign_is_replaced() {
     let place = Place::new();
@@ -105,7 +107,7 @@ fn nothing_foreign_is_replaced() {
     }
 }
 
-/// Whatever `RUST_LOG` says: the log is part of the results, and says nothing of whose they are.
+/// The log is part of the results, but ownership does not depend on it or on `RUST_LOG`.
 #[test]
 fn a_quiet_log_does_not_make_results_foreign() {
     let place = Place::new();
@@ -129,7 +131,7 @@ fn a_quiet_log_does_not_make_results_foreign() {
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
 }
 
-/// A participant may write what it likes; its log has an end.
+/// A participant may write any amount; its log is limited.
 #[test]
 fn a_flood_of_words_is_cut_and_counted() {
     let place = Place::new();
@@ -153,7 +155,7 @@ fn a_flood_of_words_is_cut_and_counted() {
     assert_eq!((words[0], *words.last().unwrap()), ("word 1", "word 300000"));
 }
 
-/// Participants that take their time, so that the folder can be renamed in mid-run.
+/// Slow participants, so that the folder can be renamed during the run.
 const SLOW: [&str; 8] = [
     "--set",
     "left.delay=5 ms",
@@ -165,7 +167,7 @@ const SLOW: [&str; 8] = [
     "output.checkpoint_every=10",
 ];
 
-/// All results of a run are together, and only they.
+/// Asserts that the folder contains all results of a run and nothing else.
 fn assert_whole(folder: &Path, windows: u64) {
     assert_eq!(summary(folder)["coupling"]["windows"], windows);
     let table = fs::read_to_string(folder.join("iterations.csv")).unwrap();
@@ -199,14 +201,14 @@ fn a_folder_renamed_in_mid_run_keeps_its_results_together() {
     assert_whole(&moved, 95);
 }
 
-/// Files of a coordinator cannot grow beyond this any more, which stands for the end of a disk. (Its
-/// signal is ignored; what it has started by then has no such limit.)
+/// Limits the size of the files of a coordinator, to simulate a full disk. (The coordinator ignores
+/// the signal; processes started before have no limit.)
 fn limit_files(running: &Running<'_>) {
     let limit = Rlimit { current: Some(64 << 10), maximum: Some(64 << 10) };
     prlimit(Some(running.pid()), Resource::Fsize, limit).unwrap();
 }
 
-/// Starts a run that is left alone by the signal of a file that has grown too large.
+/// Starts a run that ignores the signal for a file that has grown too large.
 fn start_limited<'a>(place: &'a Place, settings: &[&str], log: &str) -> Running<'a> {
     let plain = place.command(&["run", &case("exchange.toml"), "--out"]);
     let mut command = std::process::Command::new("bash");
@@ -222,7 +224,7 @@ fn start_limited<'a>(place: &'a Place, settings: &[&str], log: &str) -> Running<
     running
 }
 
-/// What ends a run is in its summary, and what has its name is complete.
+/// The summary states why the run ended, and every file with its final name is complete.
 #[test]
 fn a_full_disk_leaves_whole_files_and_a_summary_that_says_so() {
     let fields = ["left.points=20000", "right.points=20000", "output.fields=all"];
@@ -273,13 +275,13 @@ fn a_result_that_cannot_be_printed_is_an_error() {
         assert!(ended.stderr.contains(told), "{arguments:?}: {}", ended.stderr);
     }
     assert_eq!(place.read_summary()["status"], "completed", "the results are there");
-    // Standard error has nobody to be told.
+    // Standard error cannot be written.
     let mut command = place.command(&["run", &file, "--out", &out, "--replace", "--log", "trace"]);
     command.stderr(fs::File::options().write(true).open("/dev/full").unwrap());
     assert_eq!(place.launch(command).wait().code, Some(0));
 }
 
-/// The answer that there is stays until the better one has come to its end.
+/// The existing result stays until the better one is complete.
 #[test]
 fn an_answer_stays_while_it_is_refined() {
     let place = Place::new();
@@ -312,7 +314,7 @@ fn what_an_option_replaces_is_told() {
     let set = ["--set", "motion.traction_coefficient=0.3"];
     let ended = place.start(&["check", &case("curving.toml"), set[0], set[1]]).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    // As every warning does, it begins with the keys.
+    // Every warning begins with the keys.
     let told = "warning: motion.creepage.xi, motion.creepage.eta, motion.creepage.phi: \
                 --set motion.traction_coefficient=0.3 replaces them; remove them by --unset";
     assert!(ended.stdout.contains(told), "{}", ended.stdout);

@@ -1,10 +1,11 @@
-//! Files that a user names: a pipe or a device is refused at once, and messages tell nothing of files that are no tables.
+//! Files named by a user: pipes and devices are rejected at once, and messages do not quote files
+//! that are not tables.
 
 use crate::harness::{Place, case};
 use rustix::fs::{CWD, FileType, Mode, mknodat};
 use std::fs;
 
-/// What would wait for a writer, or never end, ends the command with its name.
+/// A pipe that waits for a writer, or a device that never ends, is rejected by name.
 #[test]
 fn pipes_and_devices_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -33,7 +34,7 @@ fn pipes_and_devices_are_refused() {
     }
 }
 
-/// A file of passwords or keys that is named in the place of a table is not quoted.
+/// A password or key file named in place of a table is not quoted.
 #[test]
 fn contents_of_other_files_are_not_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -57,7 +58,7 @@ fn contents_of_other_files_are_not_told() {
             &["sweep", &case, "--table", &path],
         ] {
             let ended = Place::new().start(command).wait();
-            // Without programs nobody knows that a speed is a key.
+            // Speed is known as a key only if the programs are started.
             assert_eq!(ended.code == Some(0), command.contains(&"--no-start"), "{command:?}");
             for word in ["root:", "daemon", "20228", "hash", "5ec2e7", "HOME", "secret"] {
                 let told = format!("{}{}", ended.stdout, ended.stderr);

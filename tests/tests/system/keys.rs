@@ -1,4 +1,4 @@
-//! `coordinator keys`, `fields`, `figures`: every key, field and number of a summary that there is.
+//! `coordinator keys`, `fields`, `figures`: every key, every field, and every figure of a summary.
 
 use crate::harness::{Place, case, root};
 use contract::bodies::ABSOLUTE;
@@ -6,7 +6,7 @@ use contract::description::KeySpec;
 use proto::model::Solver;
 use serde_json::Value;
 
-/// The page of keys is what the programs say, and every key of every case that they run is on it.
+/// The page of keys agrees with the programs, and lists every key of every case that they run.
 #[test]
 fn every_key_of_every_shipped_case_is_listed() {
     let print = |option: &str| {
@@ -42,7 +42,8 @@ fn every_key_of_every_shipped_case_is_listed() {
     assert!(seen > 500, "{seen}");
 }
 
-/// The schema for editors is what the programs say; every case that they run is valid by it, and mistakes are not.
+/// The schema for editors agrees with the programs; every shipped case is valid, and mistakes are
+/// not.
 #[test]
 fn the_schema_knows_what_a_case_may_have() {
     let ended = Place::new().start(&["keys", "--schema"]).wait();
@@ -81,18 +82,22 @@ fn the_schema_knows_what_a_case_may_have() {
     }
 }
 
-/// A part of a path, or of what a key means, finds it; nothing is told so.
+/// A pattern matches a part of a key's path or meaning; an empty result is reported.
 #[test]
 fn a_pattern_finds_keys() {
     let found = Place::new().start(&["keys", "semi-axis"]).wait();
-    assert!(found.stdout.contains("mech.resolution  [integer; ≥ 1, ≤ 2000;"), "{}", found.stdout);
+    assert!(
+        found.stdout.contains("mech.resolution                   elements per semi-axis"),
+        "{}",
+        found.stdout
+    );
     assert!(found.stdout.contains("read by mech hertz-carter"), "{}", found.stdout);
     let nothing = Place::new().start(&["keys", "no such thing"]).wait();
     assert_eq!(nothing.code, Some(2), "{}", nothing.stdout);
-    assert!(nothing.stderr.contains("nothing is like `no such thing`"), "{}", nothing.stderr);
+    assert!(nothing.stderr.contains("no entry matches `no such thing`"), "{}", nothing.stderr);
 }
 
-/// The paths of all keys that there are.
+/// Paths of all known keys.
 pub(crate) fn known_keys() -> Vec<String> {
     let ended = Place::new().start(&["keys", "--json"]).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
@@ -101,7 +106,8 @@ pub(crate) fn known_keys() -> Vec<String> {
     keys.as_array().unwrap().iter().map(path).collect()
 }
 
-/// Dotted keys of all values; a table of a file and a column is a value, and so is a live one.
+/// Dotted keys of all values. A reference to a column of a file counts as one value, as does a live
+/// value.
 pub(crate) fn flatten(path: &str, value: &toml::Value, keys: &mut Vec<String>) {
     match value.as_table() {
         Some(table)
@@ -124,8 +130,8 @@ pub(crate) fn fits(known: &str, key: &str) -> bool {
     known.len() == key.len() && known.iter().zip(&key).all(alike)
 }
 
-/// The pages of fields, figures, models and effects are what the programs say; every field that a run writes and every figure that its lines show is
-/// on them, and a pattern shows some.
+/// The pages of fields, figures, models and effects agree with the programs. They list every field
+/// written by a run and every figure it prints; a pattern selects entries.
 #[test]
 fn every_field_and_figure_is_listed() {
     let print = |arguments: &[&str]| {
@@ -174,13 +180,13 @@ fn every_field_and_figure_is_listed() {
         }
     }
     let found = print(&["fields", "slip"]);
-    assert!(found.contains("slip_velocity  [m/s]") && !found.contains("pressure"), "{found}");
+    assert!(found.contains("2 components [m/s]") && !found.contains("pressure"), "{found}");
     let nothing = Place::new().start(&["figures", "no such thing"]).wait();
     assert_eq!(nothing.code, Some(2));
 }
 
-/// Every key in kelvin is either a difference of temperatures, which °C cannot be, or is expected to be an absolute
-/// temperature.
+/// Every key in kelvin is either a temperature difference, for which °C is not allowed, or is
+/// expected to be an absolute temperature.
 #[test]
 fn every_temperature_is_absolute_or_a_difference() {
     let mut seen = 0;

@@ -1,5 +1,5 @@
-//! Participants in other languages over the library for C: what they declare of it is what the header has, and a program in Fortran
-//! answers as the one in C.
+//! Participants in other languages that use the C library: their declarations agree with the
+//! header, and a Fortran program gives the same results as one in C.
 
 use crate::c_interface::Compiled;
 use crate::harness::snippets::blocks;
@@ -11,7 +11,7 @@ fn read(file: &str) -> String {
     std::fs::read_to_string(root().join(file)).unwrap()
 }
 
-/// The header without comments.
+/// Header without comments.
 fn header() -> String {
     let mut text = String::new();
     for part in read("proto/c/include/cosim.h").split("/*") {
@@ -20,7 +20,7 @@ fn header() -> String {
     text
 }
 
-/// The text between a bracket, which `text` begins behind, and its end.
+/// Returns the text up to the closing bracket; `text` starts after the opening one.
 fn enclosed(text: &str) -> &str {
     let mut depth = 1;
     let end = text.find(|c: char| {
@@ -34,7 +34,7 @@ fn enclosed(text: &str) -> &str {
     &text[..end.expect("brackets are closed")]
 }
 
-/// Parts between the commas that are in no bracket.
+/// Splits at commas outside of brackets.
 fn parts(list: &str) -> Vec<&str> {
     let mut depth = 0;
     let split = |c: char| {
@@ -48,7 +48,7 @@ fn parts(list: &str) -> Vec<&str> {
     list.split(split).map(str::trim).filter(|part| !part.is_empty()).collect()
 }
 
-/// Words that are followed by a bracket and what is in it, of those that begin with `cosim_`.
+/// Words that start with `cosim_` and are followed by a bracket, with the parts inside.
 fn calls<'a>(text: &'a str, before: &str) -> Vec<(&'a str, Vec<&'a str>)> {
     let start = format!("{before}cosim_");
     let found = text.match_indices(&start).filter_map(|(at, _)| {
@@ -60,14 +60,14 @@ fn calls<'a>(text: &'a str, before: &str) -> Vec<(&'a str, Vec<&'a str>)> {
     found.collect()
 }
 
-/// Functions of the header with the number of their arguments.
+/// Functions of the header, with the number of their arguments.
 fn functions() -> BTreeMap<String, usize> {
     let text = header();
     let calls = calls(&text, "");
     calls.into_iter().map(|(name, arguments)| (name.to_owned(), arguments.len())).collect()
 }
 
-/// The last word of a declaration in C: `double origin[3]`, `int (*build)(void *user)`.
+/// Name declared by a C declaration: `double origin[3]`, `int (*build)(void *user)`.
 fn declared(member: &str) -> String {
     let named = member
         .split_once("(*")
@@ -129,7 +129,7 @@ fn what_is_written_in_julia_is_the_header() {
     }
 }
 
-/// What [`header`] and [`functions`] find is not nothing.
+/// Checks that [`header`] and [`functions`] find declarations.
 #[test]
 fn the_header_is_read() {
     let known = functions();
@@ -140,7 +140,7 @@ fn the_header_is_read() {
     assert_eq!(members("cosim_step"), ["window", "iteration", "start", "end"]);
 }
 
-/// The example in Fortran, compiled as a user would.
+/// Fortran example, compiled as by a user.
 fn fortran(folder: &std::path::Path) -> String {
     let (lib, program) = (library().display(), folder.join("solver").display().to_string());
     let mut compiler = Command::new("gfortran");
@@ -183,7 +183,7 @@ fn the_solver_in_fortran_conforms_and_answers_like_the_one_in_c() {
 fn what_the_solver_in_fortran_refuses_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let program = fortran(folder.path());
-    // By hand, without a configuration to read.
+    // Started directly, without a configuration.
     let ended = Command::new(&program).arg("--estimate").output().unwrap();
     assert_eq!(ended.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&ended.stderr).starts_with("error: "));

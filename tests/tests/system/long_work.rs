@@ -1,10 +1,10 @@
-//! Long work: progress restarts deadlines, is shown, and says how far it came; models that cannot go
-//! back.
+//! Long work: progress extends deadlines, is displayed, and appears in error messages. Models that
+//! cannot rewind.
 
 use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root, sets};
 
-/// A run of the smallest case with [`tests::long`] on the right.
+/// Runs the smallest case with [`tests::long`] as `right`.
 fn run(settings: &[&str]) -> (Place, Ended) {
     let place = Place::new();
     let long = [
@@ -27,7 +27,8 @@ fn assert_refused(ended: &Ended, parts: &[&str]) {
     }
 }
 
-/// Three times the deadline, in building and in a window. `LONG_WORK=60` makes it a minute.
+/// Work three times as long as the deadline, while building and in a window. `LONG_WORK=60` makes
+/// it a minute.
 #[test]
 fn work_that_makes_progress_is_waited_for() {
     let seconds = std::env::var("LONG_WORK").unwrap_or_else(|_| "3".to_owned());
@@ -37,7 +38,7 @@ fn work_that_makes_progress_is_waited_for() {
     assert_eq!(place.read_summary()["right"]["solves"], 1);
 }
 
-/// In building and in a solve.
+/// While building and in a solve.
 #[test]
 fn progress_that_stops_ends_the_run_and_says_how_far_it_came() {
     for (time, when, what) in [
@@ -56,7 +57,7 @@ fn progress_that_stops_ends_the_run_and_says_how_far_it_came() {
     }
 }
 
-/// The heart of a participant in Python, a process of its own, carries it too.
+/// The heartbeat process of a Python participant also reports progress.
 #[test]
 fn progress_from_python() {
     let script = root().join("tests/tests/system/python/long_work.py");
@@ -72,7 +73,7 @@ fn progress_from_python() {
     assert!(ended.stderr.contains(error), "{}", ended.stderr);
 }
 
-/// A plain line, once ten seconds are over.
+/// A plain line appears after ten seconds.
 #[test]
 fn long_work_is_shown_in_plain_lines() {
     let (_, ended) = run(&["right.build_time=13"]);
@@ -89,12 +90,12 @@ fn a_model_that_cannot_go_back_runs_where_windows_are_solved_once() {
     let (place, ended) = run(&[once]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert_eq!(place.read_summary()["right"]["solves"], 2);
-    let reason = "right.model: `once` can solve a window once only, and";
+    let reason = "right.model: `once` can solve a window only once, and";
     let (_, ended) = run(&[once, "coupling.scheme=serial-implicit"]);
     assert_refused(&ended, &[reason, "until it has converged", "choose a model that can go back"]);
 }
 
-/// Nor are its windows adaptive.
+/// Adaptive windows are rejected for a model that cannot rewind.
 #[test]
 fn a_model_that_cannot_go_back_is_refused_adaptive_windows() {
     let solver = programs().join("thermal-solver").display().to_string();
@@ -111,10 +112,10 @@ fn a_model_that_cannot_go_back_is_refused_adaptive_windows() {
     };
     let ended = plan(&more[..2]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert_refused(&plan(&more), &["adaptive windows are solved again", "remove time.control"]);
+    assert_refused(&plan(&more), &["adaptive windows are repeated", "remove time.control"]);
 }
 
-/// It conforms, and nobody asks it to solve a window again.
+/// The model conforms, and no check repeats a window.
 #[test]
 fn a_model_that_cannot_go_back_conforms() {
     let place = Place::new();

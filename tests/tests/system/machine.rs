@@ -1,5 +1,5 @@
-//! What a run finds on the machine and leaves there: folders of others, signals that are ignored,
-//! processes that outlive their parents, shared memory that is damaged.
+//! Effects of the machine on a run and of a run on the machine: foreign folders, ignored signals,
+//! orphaned processes, damaged shared memory.
 
 use crate::harness::{Ended, Place, case, programs, sets, wait_until};
 use rustix::process::{Pid, Signal, kill_process};
@@ -14,7 +14,7 @@ fn run_in(place: &Place, root: &Path) -> Ended {
     place.start_in(root, Command::new(programs().join("coordinator")), &run).wait()
 }
 
-/// Folders that no run has made stay, however much they look like one.
+/// Folders not created by a run are never removed, even if they resemble one.
 #[test]
 fn the_users_own_folders_stay() {
     let place = Place::new();
@@ -37,8 +37,8 @@ fn the_users_own_folders_stay() {
     std::fs::remove_dir_all(&runs).unwrap();
 }
 
-/// Nothing is removed in a folder that is not ours alone: what looks like a dead run there names
-/// shared memory of ours.
+/// If other users can write to the folder, nothing in it is removed: a forged dead run there could
+/// name our shared memory.
 #[test]
 fn a_folder_that_is_not_ours_alone_is_refused_before_anything_is_removed() {
     let place = Place::new();
@@ -63,7 +63,7 @@ fn a_folder_that_is_not_ours_alone_is_refused_before_anything_is_removed() {
     };
     refused(&link, "is a symbolic link");
     refused(root, "is open to other users");
-    // Only root can give a folder away.
+    // Only root can change the owner of a folder.
     if rustix::process::geteuid().is_root() {
         std::os::unix::fs::chown(&runs, Some(4321), None).unwrap();
         refused(root, "belongs to another user");
@@ -72,7 +72,7 @@ fn a_folder_that_is_not_ours_alone_is_refused_before_anything_is_removed() {
     std::fs::remove_dir_all(&runs).unwrap();
 }
 
-/// A coordinator that a shell starts after it has made up its mind about signals.
+/// Coordinator started by a shell after a command that sets up signals.
 fn after(preparation: &str) -> Command {
     let mut shell = Command::new("bash");
     let script = format!("{preparation}; exec \"$@\"");
@@ -80,7 +80,7 @@ fn after(preparation: &str) -> Command {
     shell
 }
 
-/// As `nohup` starts a program, and a shell what runs in the background.
+/// `nohup` starts a program like this, and so does a shell in the background.
 #[test]
 fn signals_that_are_ignored_at_the_start_stay_ignored() {
     let place = Place::new();
@@ -99,8 +99,8 @@ fn signals_that_are_ignored_at_the_start_stay_ignored() {
     place.assert_nothing_left();
 }
 
-/// Nobody writes to the pipe that they are to read: a case may come through one, as it may through standard
-/// input; a recording or a folder of results may not, and is refused at once.
+/// The pipe to read has no writer. A case may come through a pipe, as through standard input; a
+/// recording or a result folder through a pipe is rejected at once.
 #[test]
 fn what_reads_ends_with_ctrl_c() {
     let place = Place::new();
@@ -121,7 +121,7 @@ fn what_reads_ends_with_ctrl_c() {
     }
     for command in ["plan", "check", "run"].map(|name| [name, &pipe]) {
         let running = place.start(&command);
-        // The thread that hears signals is there.
+        // The thread that handles signals has started.
         let tasks = format!("/proc/{}/task", running.pid().as_raw_nonzero());
         wait_until("two threads", || std::fs::read_dir(&tasks).unwrap().count() > 1);
         running.signal(Signal::INT);
@@ -131,7 +131,7 @@ fn what_reads_ends_with_ctrl_c() {
     }
 }
 
-/// One that waits where nobody looks for signals: it reads its case in the course of a study.
+/// Waits where signals are not checked: while a study reads its case.
 #[test]
 fn a_second_signal_ends_anything() {
     let place = Place::new();
@@ -148,7 +148,7 @@ fn a_second_signal_ends_anything() {
     assert_eq!(ended.code, Some(130), "{}", ended.stderr);
 }
 
-/// The processes with these arguments.
+/// Processes with these arguments.
 fn processes(arguments: &[&str]) -> Vec<Pid> {
     let line: String = arguments.iter().map(|argument| format!("{argument}\0")).collect();
     let entries = std::fs::read_dir("/proc").unwrap().flatten();
@@ -159,15 +159,16 @@ fn processes(arguments: &[&str]) -> Vec<Pid> {
     numbers.filter_map(Pid::from_raw).collect()
 }
 
-/// A participant that has started something, whenever it was started itself; `sleep` is the mark.
+/// Participant that starts a process whenever it is started itself; the argument of `sleep`
+/// identifies the process.
 fn with_a_descendant(descendant: &str) -> String {
     let left = programs().join("toy-left");
     let script = format!("{descendant} & exec {} \"$@\"", left.display());
     format!("left.command=[\"sh\", \"-c\", {script:?}, \"sh\"]")
 }
 
-/// In a session of its own it is out of reach of its group's end, and the pipe that it holds open
-/// keeps nobody waiting for the rest of an answer.
+/// The process has a session of its own, outside the process group that is ended. The pipe it keeps
+/// open does not delay the reading of an answer.
 #[test]
 fn what_has_left_its_group_ends_with_the_run() {
     for (number, output) in ["", ">/dev/null 2>&1"].into_iter().enumerate() {
@@ -179,7 +180,7 @@ fn what_has_left_its_group_ends_with_the_run() {
     }
 }
 
-/// What has put off all that it had from us may be somebody else's, and is reported.
+/// A process that has dropped all inherited marks may belong to somebody else: it is only reported.
 #[test]
 fn an_orphan_without_a_mark_is_reported() {
     let place = Place::new();
@@ -196,7 +197,7 @@ fn an_orphan_without_a_mark_is_reported() {
     assert!(!left.is_empty());
 }
 
-/// Whoever touches a file that has been cut is killed; it says so, or its coordinator does.
+/// Accessing a truncated file kills the process; the process or its coordinator reports this.
 #[test]
 fn damaged_shared_memory_is_reported_and_removed_by_the_next_run() {
     let place = Place::new();
@@ -225,8 +226,8 @@ fn damaged_shared_memory_is_reported_and_removed_by_the_next_run() {
     assert!(files.iter().all(|file| !file.exists()), "{files:?}");
 }
 
-/// Sizes that follow from extreme values are refused by the key before memory is taken: all of this happens in an
-/// address space of 8 GB.
+/// Sizes that follow from extreme values are rejected by key before memory is allocated: all runs
+/// have an address space of 8 GB.
 #[test]
 fn extreme_values_do_not_take_all_memory() {
     let place = Place::new();
@@ -250,7 +251,7 @@ fn extreme_values_do_not_take_all_memory() {
             assert!(ended.stderr.contains(part), "{setting}: {part}: {}", ended.stderr);
         }
     }
-    // As many ages as the grid needs, however fast its surface passes.
+    // The number of ages follows from the grid, regardless of the surface speed.
     for speed in ["1e9", "1e30"] {
         let speed = format!("bodies.pin.surface_speed={speed}");
         let ended = run("pin-on-disc.toml", &[&speed, "mech.resolution=4", "time.end=0.3 ms"]);
@@ -259,8 +260,9 @@ fn extreme_values_do_not_take_all_memory() {
     place.assert_nothing_left();
 }
 
-/// The kernel's table of open files is large enough from the start: a process with threads that
-/// extends it waits 10 to 25 ms. It begins with 64 places where no file with a higher number is open.
+/// The kernel's table of open files is large enough from the start: extending it in a process with
+/// threads takes 10 to 25 ms. The table starts with 64 entries unless a file with a higher number
+/// is open.
 #[test]
 fn no_process_of_a_run_extends_its_table_of_open_files() {
     let place = Place::new();

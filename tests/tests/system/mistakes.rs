@@ -1,11 +1,12 @@
-//! What people get wrong in a case, and what they are told: `mistakes.toml`, and docs/mistakes.md made of it.
+//! Common mistakes in a case and the messages about them: `mistakes.toml`, and docs/mistakes.md
+//! generated from it.
 
 use crate::harness::{Place, root};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::process::Stdio;
 
-/// What `check` says of a case from standard input, and its exit code.
+/// Returns the message of `check` for a case on standard input, and its exit code.
 fn told(case: &str) -> (String, Option<i32>) {
     let place = Place::new();
     let mut command = place.command(&["check", "-"]);
@@ -17,8 +18,8 @@ fn told(case: &str) -> (String, Option<i32>) {
     (String::from_utf8(text).unwrap().replace("<stdin>", "case.toml"), ended.status.code())
 }
 
-/// Every mistake is told with its place, reason and fix, and the page has what is said to the letter.
-/// `COSIM_WRITE_MISTAKES=1` writes it.
+/// Every mistake is reported with place, reason and fix, and the page quotes the message exactly.
+/// `COSIM_WRITE_MISTAKES=1` writes the page.
 #[test]
 fn every_mistake_is_told() {
     let base = std::fs::read_to_string(root().join("cases/wheel-rail.toml")).unwrap();

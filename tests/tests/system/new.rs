@@ -18,7 +18,7 @@ fn run_in(place: &Place, arguments: &[&str], input: &str) -> Output {
 
 fn finish(mut command: Command, input: &str) -> Output {
     let mut child = command.spawn().unwrap();
-    // Whoever refuses a case early does not read all of it.
+    // A case that is rejected early is not read completely.
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
     child.wait_with_output().unwrap()
 }
@@ -48,8 +48,8 @@ fn every_scene_makes_a_case_without_errors() {
         first.contains("name = \"case-0\"") && first.contains("# friction coefficient ["),
         "{first}"
     );
-    // A comment is that of the models and effects that the case has chosen.
-    for other in ["of bodies that expand", "steady rolling hardly depends on it"] {
+    // Comments describe keys for the models and effects chosen in the case.
+    for other in ["for bodies that expand", "steady rolling hardly depends on it"] {
         assert!(!first.contains(other), "{first}");
     }
 }
@@ -58,9 +58,10 @@ fn every_scene_makes_a_case_without_errors() {
 fn a_new_case_runs_and_nothing_is_replaced() {
     let place = Place::new();
     assert!(run_in(&place, &["new", "mine"], "").status.success());
-    // Keys are explained as the models of the scene read them: not as one that expands bodies, or explicit elements.
+    // Keys are explained for the models of the scene, not for thermal expansion or explicit
+    // elements.
     let made = std::fs::read_to_string(place.out().join("mine.toml")).unwrap();
-    for other in ["of bodies that expand", "steady rolling hardly depends on it"] {
+    for other in ["for bodies that expand", "steady rolling hardly depends on it"] {
         assert!(!made.contains(other), "{made}");
     }
     let ran = run_in(&place, &["run", "mine.toml", "--set", "mech.resolution=8", "--json"], "");

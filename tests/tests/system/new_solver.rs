@@ -1,11 +1,12 @@
-//! `coordinator new-solver`: what it writes builds, conforms, and answers alike in every language.
+//! `coordinator new-solver`: the generated solvers build, conform, and give the same results in
+//! every language.
 
 use crate::harness::python::interpreter;
 use crate::harness::{Place, case, example, library, programs, root};
 use std::path::Path;
 use std::process::Command;
 
-/// Writes a solver in a folder, as its user does; what is printed.
+/// Generates a solver in a folder; returns the exit code and the output.
 fn write(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let mut coordinator = Command::new(programs().join("coordinator"));
     let ended = coordinator.arg("new-solver").args(arguments).current_dir(folder).output().unwrap();
@@ -13,10 +14,11 @@ fn write(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     (ended.status.code(), String::from_utf8(said).unwrap())
 }
 
-/// It passes the checks of the contract that take no time, and the rail's temperature in the main case.
+/// Asserts that the solver passes the quick conformance checks; returns the temperature of the rail
+/// in the main case.
 fn conforms(command: &[&str]) -> Vec<f64> {
     let arguments = [&["conform", "--quick", "--role", "thermal", "--"], command].concat();
-    // Anywhere: the case that it is tried with is built in.
+    // Runs in any folder: the test case is built in.
     let (place, folder) = (Place::new(), tempfile::tempdir().unwrap());
     let mut conform = place.command(&arguments);
     conform.current_dir(folder.path());
@@ -27,14 +29,14 @@ fn conforms(command: &[&str]) -> Vec<f64> {
     let sets = ["--set", "thermal.model=short", "--set", &command, "--set", "output.fields=all"];
     let summary = place.summary(&case("wheel-rail.toml"), &sets);
     let rail = place.field("thermal_passage_000000.vti", "rail_temperature");
-    // Its figure is the largest value of the field, and stands on a line of the terminal.
+    // The figure is the largest value of the field, and is printed on a line of the terminal.
     let largest = rail.iter().copied().fold(0.0, f64::max);
     let figure = summary["temperature"]["rail"]["max_rise_k"].as_f64().unwrap();
     assert!((figure / largest - 1.0).abs() < 1e-12, "{figure} K, {largest} K: digits of a text");
     rail
 }
 
-/// Writes a solver and makes it; its program.
+/// Generates and builds a solver; returns the program.
 fn made(folder: &Path, name: &str, language: &str) -> String {
     let (code, said) = write(folder, &[name, "--lang", language]);
     assert_eq!(code, Some(0), "{said}");
@@ -70,7 +72,8 @@ fn in_every_language_they_conform_and_are_alike() {
     assert_alike(&python, &conforms(&[&made(folder.path(), "in_c", "c")]));
     assert_alike(&python, &conforms(&[&made(folder.path(), "in_fortran", "fortran")]));
 
-    // What is written in Rust is this example; the nightly test compiles it in a folder of its own.
+    // The generated Rust solver equals this example; the nightly test compiles it in a folder of
+    // its own.
     let (code, said) = write(folder.path(), &["in_rust", "--lang", "rust"]);
     assert_eq!(code, Some(0), "{said}");
     let shipped = std::fs::read_to_string(root().join("proto/examples/short_columns.rs")).unwrap();

@@ -1,11 +1,11 @@
-//! The fields on disk as VTK's own readers see them, and the state that opens them in ParaView.
+//! Fields on disk as read by VTK, and the state file that opens them in ParaView.
 
 use crate::harness::python::interpreter;
 use crate::harness::{Place, Table, case, programs, root, sets};
 use proto::bodies::Bodies;
 use proto::description::Description;
 use proto::field::{self, FieldSpec};
-use run::results::vtk::ShownKind;
+use run::results::vtk::FieldLabel;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,21 +13,21 @@ use std::process::Command;
 use tests::moving::{flux, patch};
 use tests::volume::{KINDS, VOLUME_PLACE, VOLUME_TEMPERATURE, block, temperature};
 
-/// Places are told by a corner and a spacing, or by vertices: their rounding, in parts of the largest
-/// coordinate.
+/// Rounding of coordinates relative to the largest one: positions are given by a corner and a
+/// spacing, or by vertices.
 const ROUNDING: f64 = 1e-14;
 
-/// What `paraview/read.py` finds in a folder.
+/// Content of a folder as reported by `paraview/read.py`.
 #[derive(Deserialize)]
 struct Seen {
     series: BTreeMap<String, Vec<Data>>,
-    /// Each series that the state opens, with the array that it is coloured by.
+    /// Series opened by the state, with the array that colours each.
     opened: BTreeMap<String, String>,
-    /// Words and unit of the legend of each array.
+    /// Title and unit of the legend of each array.
     legends: BTreeMap<String, [String; 2]>,
 }
 
-/// One file of a series.
+/// File of a series.
 #[derive(Deserialize)]
 struct Data {
     time: f64,
@@ -48,7 +48,7 @@ struct Array {
     values: Vec<Vec<f64>>,
 }
 
-/// What VTK sees in a folder.
+/// Reads a folder with VTK.
 fn look(folder: &Path) -> Seen {
     let script = root().join("tests/tests/system/paraview/read.py");
     let read = Command::new(interpreter()).arg(script).arg(folder).output().unwrap();
@@ -57,13 +57,13 @@ fn look(folder: &Path) -> Seen {
     serde_json::from_slice(&read.stdout).unwrap()
 }
 
-/// Where the points of a table are.
+/// Coordinates of the points of a table.
 fn places(table: &Table) -> Vec<[f64; 3]> {
     table.columns(["x [m]", "y [m]", "z [m]"])
 }
 
-/// The columns of an array in a table, one a component: named `NAME [UNIT]`, or `NAME_C [UNIT]` with
-/// one of these words for each.
+/// Columns of an array in a table, one for each component: `NAME [UNIT]`, or `NAME_C [UNIT]` with
+/// one of these words as C.
 fn columns_of(table: &Table, array: &str, words: [&str; 2]) -> Vec<usize> {
     let (name, unit) = array.split_once(' ').unwrap();
     let of = |word| table.find(&format!("{name}_{word} {unit}"));
@@ -74,7 +74,7 @@ fn columns_of(table: &Table, array: &str, words: [&str; 2]) -> Vec<usize> {
 }
 
 impl Data {
-    /// The cell whose centre is here.
+    /// Cell with this centre.
     fn cell(&self, place: [f64; 3]) -> usize {
         let distance =
             |centre: &[f64; 3]| (0..3).map(|k| (centre[k] - place[k]).abs()).sum::<f64>();
@@ -88,9 +88,10 @@ impl Data {
         cell
     }
 
-    /// Every array says what it is, in VTK's label and in the table, and is as large as it must be.
-    fn assert_labelled(&self, kinds: &[ShownKind]) {
-        let names = |kind: &ShownKind| format!("{} [{}]", kind.name, kind.unit);
+    /// Asserts that every array has the right name and unit, in VTK's label and in the table, and
+    /// the right size.
+    fn assert_labelled(&self, kinds: &[FieldLabel]) {
+        let names = |kind: &FieldLabel| format!("{} [{}]", kind.name, kind.unit);
         let found: Vec<&str> = self.arrays.iter().map(|array| array.name.as_str()).collect();
         assert_eq!(found, kinds.iter().map(names).collect::<Vec<_>>(), "{}", self.file);
         for (array, kind) in self.arrays.iter().zip(kinds) {
@@ -99,7 +100,7 @@ impl Data {
             assert_eq!(array.components, components, "{}", array.name);
             assert_eq!(array.values.len(), self.cells, "{}", array.name);
         }
-        let column = |name: &str, of: &dyn Fn(&ShownKind) -> String| {
+        let column = |name: &str, of: &dyn Fn(&FieldLabel) -> String| {
             let told = self.table[name].clone().unwrap_or_else(|| panic!("no column `{name}`"));
             assert_eq!(told, kinds.iter().map(of).collect::<Vec<_>>(), "{name} of {}", self.file);
         };
@@ -109,7 +110,8 @@ impl Data {
         column("meaning", &|kind| kind.meaning.clone());
     }
 
-    /// The values are those of a table, whose numbers are printed so that they read back exactly.
+    /// Asserts that the values equal those of a table, whose numbers are printed to read back
+    /// exactly.
     fn assert_values(&self, table: &Table, words: [&str; 2]) {
         for array in &self.arrays {
             self.assert_array(array, table, &columns_of(table, &array.name, words));
@@ -125,7 +127,8 @@ impl Data {
         }
     }
 
-    /// As many cells along every axis as a table of all points has places; none across the plane.
+    /// Asserts the number of cells along every axis: the number of distinct coordinates in a table
+    /// of all points, and 0 across the plane.
     fn assert_extent(&self, table: &Table) {
         let points = places(table);
         let cells = [0, 1, 2].map(|axis| {
@@ -141,14 +144,14 @@ impl Data {
     }
 }
 
-/// The fields as results show them: with the names of the case's bodies.
-fn kinds(specs: &[FieldSpec]) -> Vec<ShownKind> {
+/// Fields as shown in results, with the names of the case's bodies.
+fn kinds(specs: &[FieldSpec]) -> Vec<FieldLabel> {
     let bodies = Bodies(["wheel", "rail"].map(str::to_owned));
-    specs.iter().map(|spec| ShownKind::of(&spec.kind(), Some(&bodies))).collect()
+    specs.iter().map(|spec| FieldLabel::of(&spec.kind(), Some(&bodies))).collect()
 }
 
-/// The fields of each grid of the main case.
-fn of_main_case() -> [(&'static str, Vec<ShownKind>); 5] {
+/// Fields of each grid of the main case.
+fn of_main_case() -> [(&'static str, Vec<FieldLabel>); 5] {
     [
         ("mech_contact", kinds(&[field::PRESSURE, field::TRACTION])),
         ("mech_passage", kinds(&[field::SLIP_VELOCITY, field::FRICTION_POWER])),
@@ -158,14 +161,14 @@ fn of_main_case() -> [(&'static str, Vec<ShownKind>); 5] {
     ]
 }
 
-/// The state names every series of the folder and no other, each with an array that it has.
+/// Asserts that the state opens exactly the series of the folder, each with an existing array.
 fn assert_opened(seen: &Seen) {
     assert!(seen.opened.keys().eq(seen.series.keys()), "{:?}", seen.opened);
     for (name, array) in &seen.opened {
         for data in &seen.series[name] {
             assert!(data.arrays.iter().any(|a| &a.name == array), "no `{array}` in {}", data.file);
         }
-        // Words without underscores, and the unit.
+        // Title without underscores, and unit.
         let [words, unit] = &seen.legends[array];
         assert_eq!(&format!("{} {unit}", words.replace(' ', "_")), array);
         assert!(!words.contains('_') && unit.starts_with('['), "{words} {unit}");
@@ -192,7 +195,7 @@ fn images_and_their_export_read_as_they_were_sent() {
         assert_opened(seen);
         assert_eq!(seen.series.len(), of_main_case().len(), "{:?}", seen.opened);
         for (name, mut kinds) in of_main_case() {
-            // An export goes through the topics by name.
+            // An export sorts the fields by name.
             if by_name {
                 kinds.sort_by(|a, b| a.name.cmp(&b.name));
             }
@@ -219,7 +222,7 @@ fn surfaces_and_their_export_read_as_they_were_sent() {
     let described = Command::new(programs().join("toy-mover")).arg("--describe").output().unwrap();
     let described: Description = serde_json::from_slice(&described.stdout).unwrap();
     let kind = |name| described.fields.iter().find(|kind| kind.name == name).unwrap().clone();
-    let expected = ["moving_flux", "moving_place"].map(|name| ShownKind::of(&kind(name), None));
+    let expected = ["moving_flux", "moving_place"].map(|name| FieldLabel::of(&kind(name), None));
     // Ten windows; the patch makes a step after each, and the last fields are on that before it.
     let grid = patch("stretch", 9);
     for seen in [look(&place.out().join("fields")), export(&place).0] {
@@ -231,7 +234,7 @@ fn surfaces_and_their_export_read_as_they_were_sent() {
         for point in 0..grid.points() {
             let centre = grid.centre(point);
             let cell = data.cell(centre);
-            // The sum of a law's terms rounds with the places.
+            // The terms of the law and the coordinates are rounded.
             let value = data.arrays[0].values[cell][0];
             assert!((value / flux(centre) - 1.0).abs() < ROUNDING, "{value} at {centre:?}");
             assert_eq!(data.arrays[1].values[cell], [centre[0], centre[1], 0.0]);
@@ -239,7 +242,7 @@ fn surfaces_and_their_export_read_as_they_were_sent() {
     }
 }
 
-/// The block swells: the last fields are on what it was before it was accepted.
+/// The block swells: the last fields are on the block before its last move.
 #[test]
 fn volumes_and_their_export_read_as_they_were_sent() {
     for (kind, ending) in KINDS.iter().zip([".vtr", ".vts", ".vtu"]) {
@@ -275,7 +278,7 @@ fn volumes_and_their_export_read_as_they_were_sent() {
     }
 }
 
-/// Windows of 20 µs, written every fifth, and the last.
+/// Windows of 20 µs; every fifth one and the last are written.
 #[test]
 fn a_series_has_its_times() {
     let place = Place::new();
@@ -290,7 +293,7 @@ fn a_series_has_its_times() {
         for (data, window) in files.iter().zip(windows) {
             assert_eq!(data.file, format!("{name}_{window:06}.vti"));
             assert_eq!(data.data_time, data.time, "{}", data.file);
-            // Twenty windows add up with a rounding each.
+            // The sum over twenty windows rounds in each.
             let expected = 20e-6 * f64::from(window + 1);
             assert!((data.time / expected - 1.0).abs() < 20.0 * f64::EPSILON, "{}", data.time);
             let line = Table::read(&place.out().join(format!("fields/{name}_{window:06}.csv")));
@@ -299,7 +302,8 @@ fn a_series_has_its_times() {
     }
 }
 
-/// What an earlier run has left, the state too, goes; what is somebody else's stays and is not opened.
+/// Files of an earlier run, including the state, are removed. Foreign files stay and are not
+/// opened.
 #[test]
 fn the_state_follows_what_is_there() {
     let place = Place::new();

@@ -37,7 +37,7 @@ fn what_cannot_be_drawn_is_told() {
     let rolls = still.out().display().to_string();
     told(&[&rolls, "--field", "traction"], "--field traction: in ");
     told(&[&rolls, "--field", "traction"], "it is zero everywhere: there is nothing to draw");
-    told(&[&out, "-o", "picture.jpg"], "end its name in .png, .svg or .pdf");
+    told(&[&out, "-o", "picture.jpg"], "use a name that ends in .png, .svg or .pdf");
     let empty = tempfile::tempdir().unwrap();
     told(&[&empty.path().display().to_string()], "holds no results of a run");
 }

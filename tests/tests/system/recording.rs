@@ -1,5 +1,5 @@
-//! Recordings: what was exchanged is all there, one participant replays to the bit, and what
-//! differs is named.
+//! Recordings: all exchanged data are recorded, a participant replays identically, bit for bit, and
+//! differences are reported.
 
 use crate::c_interface::Compiled;
 use crate::harness::{Ended, Place, Table, case, programs, root, sets, wait_until};
@@ -7,7 +7,7 @@ use rustix::process::{Pid, Resource, Rlimit, Signal, prlimit};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Runs a case and records it; where the recording is.
+/// Runs and records a case; returns the path of the recording.
 fn record(place: &Place, name: &str, flag: &str, settings: &[&str]) -> PathBuf {
     let more: Vec<&str> = [flag].into_iter().chain(sets(settings)).collect();
     place.summary(&case(name), &more);
@@ -68,7 +68,7 @@ fn a_two_way_implicit_run_replays_to_the_bit_on_both_sides() {
     }
 }
 
-/// Ten windows of the linear pair, with all the columns of an accelerator between the solves.
+/// Ten windows of the linear pair, with all secant columns of an accelerator.
 #[test]
 fn a_loop_over_many_windows_replays_to_the_bit() {
     let place = Place::new();
@@ -79,7 +79,8 @@ fn a_loop_over_many_windows_replays_to_the_bit() {
     }
 }
 
-/// Windows solved again with another end, linear inputs, several participants' substeps.
+/// Windows repeated with a different end, linear interpolation of inputs, and substeps of a
+/// participant.
 #[test]
 fn adaptive_windows_and_subcycles_replay_to_the_bit() {
     let place = Place::new();
@@ -103,7 +104,7 @@ fn what_was_mapped_replays_to_the_bit() {
     }
 }
 
-/// A grid that moves, from the beginning and from a state in the middle.
+/// A moving grid, from the start and from a state in the middle.
 #[test]
 fn grids_that_move_replay_to_the_bit() {
     let place = Place::new();
@@ -118,8 +119,8 @@ fn grids_that_move_replay_to_the_bit() {
     }
 }
 
-/// One participant only observes: everything that it computes, in each window, is there to compare,
-/// and what the run writes is what it writes without a recording.
+/// One participant only observes: all its results, in each window, are available for comparison.
+/// The run writes the same files as one without recording.
 #[test]
 fn a_one_way_transient_is_compared_in_every_window() {
     let place = Place::new();
@@ -149,7 +150,7 @@ fn a_one_way_transient_is_compared_in_every_window() {
     }
 }
 
-/// A program with other models is told which to choose, and how.
+/// A program with different models gets a message that says which model to choose, and how.
 #[test]
 fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     let place = Place::new();
@@ -167,9 +168,9 @@ fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     }
     let chosen = ["--set", "thermal.model=ertz-knothe", "--tolerance", "1", "--command", &program];
     let (code, replay, stderr) = self::replay(&place, &recording, "thermal", &chosen);
-    // The fields are on other grids: a difference at any tolerance of values.
+    // The fields are on different grids: this is a difference at any tolerance.
     assert_eq!(code, Some(4), "{stderr}");
-    assert!(stderr.contains("its grids, or where its fields live"), "{stderr}");
+    assert!(stderr.contains("its grids, or the places of its fields"), "{stderr}");
     assert_eq!(replay["program"], "closed-form 1.0", "{stderr}");
     let remark = "`lower_section_temperature` is not compared: the program does not provide it";
     assert!(replay["remarks"].as_array().unwrap().iter().any(|one| one == remark), "{replay:#}");
@@ -195,20 +196,20 @@ fn a_changed_material_is_named_where_it_first_shows() {
     let first = &comparison["first"];
     assert_eq!((&first["window"], &first["iteration"]), (&0.into(), &1.into()), "{replay:#}");
     assert!(first["field"].as_str().unwrap().ends_with("_temperature"));
-    // The rise goes with one over the root of the specific heat.
+    // The rise is proportional to one over the root of the specific heat.
     let ratio = first["now"].as_f64().unwrap() / first["recorded"].as_f64().unwrap();
     assert!((ratio - (419.5_f64 / 420.0).sqrt()).abs() < 1e-4, "{ratio}");
     assert!(!comparison["growth"]["steps"].as_array().unwrap().is_empty());
     let line = stderr.lines().find(|line| line.starts_with("error: the replay differs")).unwrap();
     assert!(line.contains("window 0, iteration 1: ") && line.contains("recorded"), "{line}");
-    // The same is within a tolerance that is wide enough.
+    // A sufficiently large tolerance accepts the difference.
     let loose = [&changed[..], &["--tolerance", "1e-3"]].concat();
     let (code, replay, stderr) = self::replay(&place, &recording, "thermal", &loose);
     assert_eq!(code, Some(0), "{replay:#} {stderr}");
     assert!(replay["comparison"]["largest"].as_f64().unwrap() > 1e-4);
 }
 
-/// Only the coordinator and the one program are on the machine, and nothing of the case.
+/// Only the coordinator and the replayed program are available, and no file of the case.
 #[test]
 fn the_partner_need_not_be_there() {
     let place = Place::new();
@@ -230,7 +231,8 @@ fn the_partner_need_not_be_there() {
     assert!(ended.status.success() && text.contains("bit-identical"), "{text}");
 }
 
-/// From a state in the middle, up to a window, and with what a killed and resumed run recorded.
+/// Replays from a state in the middle, up to a window, and with the recordings of a killed and
+/// resumed run.
 #[test]
 fn a_replay_begins_at_a_recorded_state() {
     let place = Place::new();
@@ -241,7 +243,7 @@ fn a_replay_begins_at_a_recorded_state() {
         assert_eq!(replay["from_window"], 30, "{replay:#}");
         assert_eq!(replay["solves"], 13, "{replay:#}");
     }
-    // A state that is asked for too early is told, and all is solved.
+    // If no state is early enough, a remark says so and all windows are solved.
     let early = assert_identical(&place, &recording, "thermal", &["--from", "4"]);
     assert!(early["remarks"][0].as_str().unwrap().contains("no state before window 4"));
 }
@@ -276,7 +278,7 @@ fn a_killed_and_resumed_run_is_recorded_in_two_files_that_replay() {
     }
 }
 
-/// The run fails, and the recording says where; a participant that failed fails again.
+/// The run fails, and the recording shows where; a replay of the failed participant fails again.
 #[test]
 fn a_failed_run_leaves_a_recording_that_reads() {
     let place = Place::new();
@@ -309,18 +311,18 @@ fn fields_are_inspected_by_the_names_of_the_case() {
     assert!(listed.contains("thermal/rail_temperature"), "{listed}");
     assert!(!listed.contains("lower_") && !listed.contains("upper_"), "{listed}");
     let samples = shown(&["--field", "rail_temperature"]);
-    assert!(samples.contains("field/thermal/rail_temperature "), "{samples}");
+    assert!(samples.contains("  thermal/rail_temperature "), "{samples}");
     assert_eq!(samples, shown(&["--field", "lower_temperature"]));
 }
 
-/// A disk that is full in mid-run ends the run in order, and what was written before reads.
+/// A full disk ends the run in order, and the part written before is readable.
 #[test]
 fn a_full_disk_ends_the_run_in_order() {
     let place = Place::new();
     let (program, case) = (toy("coordinator"), case("cold-start.toml"));
     let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
     let mut child = std::process::Command::new("bash")
-        // A limit on the size of files stands for the end of the disk, once its signal is ignored.
+        // A limit on the file size simulates a full disk; its signal is ignored.
         .args(["-c", "trap '' XFSZ; exec \"$@\"", "bash", &program, "run", &case, "--record"])
         .args(["--set", "time.window=1e-7", "--set", "output.every=100000", "--out"])
         .arg(place.out())
@@ -343,7 +345,8 @@ fn a_full_disk_ends_the_run_in_order() {
     assert_eq!(seen["complete"], false);
 }
 
-/// Names of folders, of the user, of the machine: nothing of it. What the case names travels along.
+/// The recording contains no names of folders, of the user or of the machine. Files named by the
+/// case are included.
 #[test]
 fn a_recording_carries_no_path_and_replays_without_the_files_of_the_case() {
     let place = Place::new();
@@ -374,7 +377,7 @@ fn a_recording_carries_no_path_and_replays_without_the_files_of_the_case() {
     assert_identical(&place, &recording, "mech", &[]);
 }
 
-/// The same picture as the run has written.
+/// Export equals the files written by the run.
 #[test]
 fn an_export_holds_what_the_run_wrote() {
     let place = Place::new();
@@ -406,7 +409,7 @@ fn an_export_holds_what_the_run_wrote() {
     assert_eq!(samples.len(), 2, "before the solve and after it");
 }
 
-/// The recorded partner for a solver that is started by hand.
+/// The recording plays the partner of a solver that is started by hand.
 #[test]
 fn a_solver_started_by_hand_is_served() {
     let place = Place::new();
@@ -414,7 +417,7 @@ fn a_solver_started_by_hand_is_served() {
     let path = recording.display().to_string();
     let serving = place.start(&["replay", &path, "--only", "thermal", "--serve"]);
     let runs = place.runtime();
-    // A folder whose name begins with a dot is still being made, and gets its name when it is complete.
+    // A folder whose name starts with a dot is incomplete; it is renamed when complete.
     let folder = || {
         let complete = |p: &std::path::Path| {
             let name = p.file_name().and_then(|n| n.to_str());
@@ -461,7 +464,7 @@ fn what_cannot_be_replayed_is_told() {
     place.assert_nothing_left();
 }
 
-/// A recording that was cut, wherever that was, is compared up to the cut, and says so.
+/// A recording truncated at any place is compared up to the cut, and the result says so.
 #[test]
 fn a_cut_recording_is_compared_up_to_the_cut() {
     let place = Place::new();
@@ -473,7 +476,7 @@ fn a_cut_recording_is_compared_up_to_the_cut() {
     for part in 10..39 {
         std::fs::write(&path, &whole[..whole.len() * part / 40]).unwrap();
         let (code, replay, stderr) = replay(&place, &path, "left", &["--command", &program]);
-        // One that was cut before its first window has nothing to compare.
+        // If the cut is before the first window, there is nothing to compare.
         assert!(matches!(code, Some(0 | 2)), "part {part}: {code:?} {replay:#} {stderr}");
         compared += u64::from(code == Some(0) && replay["cut"] == true);
     }

@@ -1,6 +1,6 @@
-//! A participant behind the relay: on this machine, over the loopback, through real sockets. The answer is to the
-//! bit that of the same participant started here; a link that is lost, a wrong key and a participant that dies end
-//! the run in words that say so, and nothing is left at either end.
+//! Participant behind the relay, on this machine through loopback sockets. The results equal those
+//! of a local participant, bit for bit. A lost link, a wrong key or a dead participant ends the run
+//! with a clear message, and leaves nothing at either end.
 
 use crate::harness::{Ended, Place, Running, case, field_files, programs, sets, wait_until};
 use rustix::process::{Pid, Signal, kill_process};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use tempfile::TempDir;
 
-/// A key in a folder of its own.
+/// Key in a folder of its own.
 struct KeyFile(TempDir);
 
 impl KeyFile {
@@ -39,7 +39,7 @@ fn free_port() -> u16 {
     TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
 }
 
-/// What stands in a case for a participant behind the relay.
+/// Setting for a participant behind the relay.
 fn command_of(role: &str, port: u16, key: &str, more: &[&str]) -> String {
     let endpoint = format!("127.0.0.1:{port}");
     let mut words = vec!["cosim-relay", "--connect", &endpoint, "--key", key];
@@ -47,7 +47,7 @@ fn command_of(role: &str, port: u16, key: &str, more: &[&str]) -> String {
     format!("{role}.command={words:?}")
 }
 
-/// A far end that listens, in a runtime folder of its own.
+/// Server that listens, with a runtime folder of its own.
 struct Far<'a> {
     running: Running<'a>,
     port: u16,
@@ -66,7 +66,7 @@ impl<'a> Far<'a> {
         Self { running, port }
     }
 
-    /// Ctrl-C: it ends, with nothing left.
+    /// Ends the server with Ctrl-C; asserts that nothing is left.
     fn stop(self, place: &Place) -> String {
         self.running.signal(Signal::INT);
         let ended = self.running.wait();
@@ -76,7 +76,7 @@ impl<'a> Far<'a> {
     }
 }
 
-/// What a run leaves that does not depend on time: the summary and the iterations, and every field.
+/// Results of a run that do not depend on time: summary, iterations and all fields.
 fn results(place: &Place) -> (Value, Vec<(String, Vec<u8>)>) {
     let mut summary = place.read_summary();
     summary.as_object_mut().unwrap().remove("cost");
@@ -87,7 +87,7 @@ fn results(place: &Place) -> (Value, Vec<(String, Vec<u8>)>) {
     (summary, field_files(&place.out()))
 }
 
-/// The same case with the participant here and behind the relay.
+/// Asserts equal results with the participant local and behind the relay.
 fn same_to_the_bit(name: &str, role: &str, program: &str, settings: &[&str], compress: &str) {
     let here = Place::new();
     let mut settings = settings.to_vec();
@@ -120,7 +120,8 @@ table_of_tests! { same_to_the_bit:
     files_of_the_case("wheel-on-track.toml", "mech", "mech-solver", &[], "none");
 }
 
-/// Checkpoints lie at home, and a run goes on from one with a far participant that knows nothing of it.
+/// Checkpoints are stored at the client; a run resumes with a remote participant that has no record
+/// of them.
 #[test]
 fn a_killed_run_is_resumed_to_the_bit() {
     let settings =
@@ -164,7 +165,7 @@ fn a_participant_behind_the_relay_conforms() {
     far.stop(&there);
 }
 
-/// A run whose participant `left` is behind the relay, and in the middle of a long solve.
+/// Starts a run whose participant `left` is behind the relay and in a long solve.
 fn in_mid_window<'a>(place: &'a Place, command: &str, more: &[&str]) -> Running<'a> {
     let mut settings = vec!["left.delay=600", command];
     settings.extend(more);
@@ -198,7 +199,7 @@ fn a_far_end_that_is_killed_is_named_with_the_window() {
     wait_until("the far participant to leave", || !there.runtime().exists());
 }
 
-/// Passes on what comes, until it is told to swallow it; nobody is told.
+/// Proxy that forwards data until told to drop it silently.
 fn proxy(to: u16) -> (u16, Arc<AtomicBool>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let (port, swallows) =
@@ -245,7 +246,7 @@ fn a_link_that_swallows_everything_is_noticed_at_both_ends() {
     assert!(line.contains("nothing was received for 2.0 s; in window 0, iteration 1"), "{said}");
 }
 
-/// It waits for the next run.
+/// The server waits for the next run.
 #[test]
 fn an_interrupt_at_home_ends_the_far_participant_and_the_next_run_goes() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
@@ -304,7 +305,7 @@ fn a_far_participant_that_is_killed_or_stopped_is_reported() {
     far.stop(&there);
 }
 
-/// The one child of a process.
+/// Only child of a process.
 fn child_of(parent: Pid) -> Pid {
     let parent = parent.as_raw_nonzero().to_string();
     let is_child = |pid: &i32| {
@@ -336,11 +337,11 @@ fn nobody_who_listens_is_named_within_the_patience() {
     let command = command_of("left", port, &key.path(), &["--patience", "1"]);
     let ended = place.run(&case("exchange.toml"), &sets(&[&command]));
     assert_ne!(ended.code, Some(0));
-    let words = format!("no server is reached at 127.0.0.1:{port} within 1 s");
+    let words = format!("no server reached at 127.0.0.1:{port} within 1 s");
     assert!(ended.stderr.contains(&words), "{}", ended.stderr);
 }
 
-/// The coordinator hands over, with every option as it is.
+/// `coordinator relay` starts the relay with all its options.
 #[test]
 fn the_coordinator_becomes_the_relay() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
@@ -365,7 +366,7 @@ fn the_coordinator_becomes_the_relay() {
     assert_eq!(running.wait().code, Some(0));
 }
 
-/// A run that is under way takes no notice of callers without the key, and others that come after them are served.
+/// Callers without the key do not disturb a run, and later clients are served.
 fn goes_on_beside(attack: impl Fn(u16)) {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
     let far = Far::start(&there, &key.path(), "toy-left", &[]);
@@ -381,18 +382,18 @@ fn goes_on_beside(attack: impl Fn(u16)) {
     far.stop(&there);
 }
 
-/// So many connections, on each of which the same is said.
+/// Opens connections and sends the same bytes on each.
 fn callers(port: u16, count: usize, said: &[u8]) -> Vec<TcpStream> {
     let call = |_| {
         let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-        // One that was closed already takes nothing.
+        // Writing to a connection that is already closed fails.
         let _ = stream.write_all(said);
         stream
     };
     (0..count).map(call).collect()
 }
 
-/// They stay open while the next run comes; each waits for five seconds at most.
+/// The connections stay open during the next run; each waits for five seconds at most.
 #[test]
 fn callers_that_are_silent_keep_nobody_out() {
     let open = std::sync::Mutex::new(Vec::new());
@@ -417,7 +418,7 @@ fn greetings_without_a_proof_keep_nobody_out() {
     });
 }
 
-/// Who has the key and does not take what is sent is lost like one who is silent.
+/// An end that holds the key but does not read its data counts as lost, like a silent one.
 #[test]
 fn a_far_end_that_stops_is_lost_at_home() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());

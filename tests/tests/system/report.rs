@@ -1,4 +1,4 @@
-//! The report of a run: what is in its file, and what a browser makes of it.
+//! Report of a run: content of the file, and its rendering in a browser.
 
 mod markup;
 
@@ -6,7 +6,7 @@ use crate::harness::browser::{DESK, PHONE, Scheme, View, assert_shown, look};
 use crate::harness::{Place, case};
 use markup::{Element, elements};
 
-/// Runs a shipped case and writes its report with the command; the page.
+/// Runs a shipped case and writes its report by the command; returns the page.
 fn report(place: &Place, name: &str, more: &[&str]) -> String {
     place.summary(&case(name), more);
     assert!(!place.out().join("report.html").exists(), "nobody has asked for it yet");
@@ -33,8 +33,8 @@ fn assert_titles(page: &str, expected: &[&str]) {
     }
 }
 
-/// No address leads out of the file, and nothing in it runs but the page's own script, which has no way
-/// to ask for anything.
+/// Asserts that no address leads out of the file, and that the only script is the page's own, which
+/// makes no requests.
 fn assert_self_contained(page: &str) {
     let namespace = "\"http://www.w3.org/2000/svg\"";
     let rest = page.replace(namespace, "");
@@ -58,7 +58,7 @@ fn assert_self_contained(page: &str) {
     }
 }
 
-/// Every number that places something is finite and inside the view box.
+/// Asserts that all coordinates are finite and inside the view box.
 fn assert_drawn(page: &str) {
     let all = elements(page);
     let plots: Vec<&Element> = all.iter().filter(|e| e.has_class("plot")).collect();
@@ -92,7 +92,7 @@ fn assert_drawn(page: &str) {
 fn assert_good(page: &str) {
     assert_self_contained(page);
     assert_drawn(page);
-    // What is quoted, laws and the case, may speak of f_inf.
+    // Quoted laws and the case may contain f_inf.
     let ours = |e: &Element| !["pre", "small", "style", "script"].contains(&e.name.as_str());
     for element in elements(page).into_iter().filter(ours) {
         for broken in ["NaN", "inf", "−inf", "null"] {
@@ -128,7 +128,7 @@ fn the_report_of_a_steady_run_shows_what_it_found() {
     for part in [
         "partition = &quot;equal&quot;",
         "on  friction_heat",
-        "effects off, not named in the case</summary>",
+        "effects off, because the case does not name them</summary>",
     ] {
         assert!(page.contains(part), "`{part}` is missing");
     }
@@ -150,7 +150,7 @@ fn the_report_of_an_implicit_run_shows_how_it_converged() {
     let lines = all.iter().filter(|e| e.parent == residuals && e.has_class("line"));
     let lengths: Vec<usize> = lines.map(|e| e.places().len()).collect();
     assert_eq!(lengths, [iterations; 2], "a point an iteration, for the rail and the wheel");
-    // A piece of work is a rectangle: it begins once.
+    // Each piece of work is a rectangle, so that its path begins once.
     let work = plot("work of the processes");
     let pieces = all.iter().filter(|e| e.parent == work && e.has_class("piece"));
     let counts: Vec<usize> = pieces.map(|e| e.attribute("d").matches('M').count()).collect();
@@ -162,7 +162,7 @@ fn the_report_of_a_transient_run_shows_its_course() {
     let place = Place::new();
     let page = report(&place, "cold-start.toml", &[]);
     assert_good(&page);
-    assert_titles(&page, &["rail temperature through time", "heat sent and received"]);
+    assert_titles(&page, &["rail temperature over time", "heat sent and received"]);
     let windows = place.read_summary()["coupling"]["windows"].as_u64().unwrap() as usize;
     let all = elements(&page);
     assert!(page.contains("energy audit"));
@@ -187,7 +187,7 @@ fn a_run_that_does_not_converge_gets_a_report_that_says_so() {
     assert!(page.contains("window 0, iteration 4"), "the place is missing");
     assert_titles(&page, &["relative residuals", "work of the processes"]);
     assert!(!page.contains("energy audit"), "no window was accepted");
-    // The next run takes the report away with the other results.
+    // The next run removes the report together with the other results.
     place.summary(&case("falling-friction.toml"), &[]);
     assert!(!place.out().join("report.html").exists());
     place.assert_nothing_left();
@@ -198,7 +198,7 @@ fn a_run_without_an_end_gets_a_report_of_what_it_left() {
     let place = Place::new();
     place.summary(&case("cold-start.toml"), &[]);
     std::fs::remove_file(place.out().join("summary.json")).unwrap();
-    // What a crash cuts off.
+    // Simulates files truncated by a crash.
     let table = place.out().join("iterations.csv");
     let text = std::fs::read_to_string(&table).unwrap();
     std::fs::write(&table, &text[..text.len() - 20]).unwrap();
@@ -214,7 +214,7 @@ fn a_run_without_an_end_gets_a_report_of_what_it_left() {
     assert_titles(&page, &["heat sent and received"]);
 }
 
-/// An earlier version has written fields for ParaView alone.
+/// Earlier versions wrote fields for ParaView only.
 #[test]
 fn a_folder_of_an_earlier_version_gets_a_report_without_fields() {
     let place = Place::new();
@@ -260,7 +260,7 @@ fn a_browser_shows_every_plot_of_a_transient_run() {
     assert_run_is_shown("cold-start.toml", &[DESK, PHONE]);
 }
 
-/// Makes a study and looks at its page.
+/// Runs a study and checks its page in a browser.
 fn assert_study_is_drawn(command: &[&str], plots: usize) {
     let place = Place::new();
     let out = place.out().display().to_string();
@@ -269,7 +269,7 @@ fn assert_study_is_drawn(command: &[&str], plots: usize) {
     assert_shown(&place.out().join("report.html"), &[DESK, PHONE], plots);
 }
 
-// Each kind of study has a page of its own; that of the paper is looked at where it is made.
+// Each kind of study has its own page; the page of the paper is checked where it is generated.
 
 #[test]
 fn a_browser_shows_the_page_of_costs() {
@@ -287,7 +287,8 @@ fn a_browser_shows_the_page_of_hard_cases() {
     assert_study_is_drawn(&["stability", "--only", "coarse-columns"], 2);
 }
 
-/// The checks see what they are for: plots that are not drawn, a page that is too wide, a request.
+/// The browser checks detect plots that are not drawn, a page that is too wide, and a network
+/// request.
 #[test]
 fn the_browser_checks_find_what_is_wrong() {
     let place = Place::new();

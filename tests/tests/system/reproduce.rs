@@ -1,5 +1,5 @@
-//! Studies reproduced: the paper on coarse grids, a study that is wrong is refused before anything of it
-//! runs, and a page that is stale is found.
+//! Reproduction of studies: the paper on coarse grids, rejection of an invalid study before any
+//! run, and detection of an outdated page.
 
 use crate::harness::browser::{self, DESK, PHONE};
 use crate::harness::{Place, case, root};
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use tempfile::TempDir;
 
-/// The grids of the paper's runs, and coarser ones in their place.
+/// Grids of the paper, and coarser ones that replace them.
 const COARSER: [(&str, &str); 4] = [
     ("mech.resolution=160", "mech.resolution=14"),
     ("mech.resolution=80", "mech.resolution=12"),
@@ -17,9 +17,9 @@ const COARSER: [(&str, &str); 4] = [
     ("mech.resolution=20", "mech.resolution=8"),
 ];
 
-/// The whole of the paper's study on coarse grids: every run, table, figure and sentence is made, what
-/// needs no grid is as theory gives it, and the page is shown. (On the grids of the paper, and compared
-/// with the page that is kept: the target `nightly`.)
+/// The complete study of the paper on coarse grids: every run, table, figure and sentence is
+/// produced, results that do not depend on the grid agree with theory, and the page is displayed.
+/// (The target `nightly` uses the grids of the paper and compares with the stored page.)
 #[test]
 fn the_paper_on_coarse_grids() {
     let folder = tempfile::tempdir().unwrap();
@@ -47,13 +47,13 @@ fn the_paper_on_coarse_grids() {
     browser::assert_shown(&place.out().join("report.html"), &[DESK, PHONE], drawings);
 }
 
-/// A small study in a folder of its own.
+/// Small study in a folder of its own.
 struct Small {
     folder: TempDir,
 }
 
 impl Small {
-    /// The study with each text of `changes` replaced by another.
+    /// Creates the study with replacements of text.
     fn new(changes: &[(&str, &str)]) -> Self {
         let small = Self { folder: tempfile::tempdir().unwrap() };
         small.write(changes);
@@ -108,18 +108,18 @@ lines = [{ kind = "along", name = "{mu}", run = "strips", grid = "thermal_contac
 const TEXT: &str = "# Small\n\n{{ table('t') }}\n\n{{ figure('f') }}\n\n\
                     {{ value('strips/0.2', 'contact.creepage_xi') | digits(3) }}\n";
 
-/// Exit code 2, the place and the reason; and nothing has been run.
+/// Exit code 2, with place and reason; nothing has run.
 #[test]
 fn a_study_that_is_wrong_is_refused_before_anything_runs() {
     let wrong: [(&str, &str, &[&str]); 9] = [
         ("over = \"mu\"\nset", "colour = 1\nset", &["study.toml", "line 12", "colour"]),
-        ("run = \"strips\"", "run = \"stripes\"", &["figure `f`", "`stripes`", "there is strips"]),
+        ("run = \"strips\"", "run = \"stripes\"", &["figure `f`", "`stripes`", "known: strips"]),
         ("wheel-rail.toml", "no-such.toml", &["run `strips`", "no-such.toml"]),
         ("over = \"mu\"\nset", "over = \"nu\"\nset", &["run `strips`", "no axis `nu`"]),
         ("hertz-carter", "hertz-cater", &["run `strips/0.58`", "mech.model", "hertz-cater"]),
         ("\"311\", \"50\"", "\"311\"", &["table `t`, row `printed`", "1 cells for 2 columns"]),
         ("{{ table('t') }}", "{{ table('t') }", &["text.md.j2:3:"]),
-        ("{{ figure('f') }}", "{{ figure('g') }}", &["text.md.j2:5:", "no figure `g`", "is f"]),
+        ("{{ figure('f') }}", "{{ figure('g') }}", &["text.md.j2:5:", "no figure `g`", "known: f"]),
         ("strips/0.2'", "strips/0.3'", &["text.md.j2:7:", "no run `strips/0.3`"]),
     ];
     for (old, new, told) in wrong {
@@ -133,7 +133,7 @@ fn a_study_that_is_wrong_is_refused_before_anything_runs() {
     }
 }
 
-/// A folder that holds something else is left alone.
+/// A folder with foreign files is left unchanged.
 #[test]
 fn a_folder_with_other_files_is_refused() {
     let (place, small) = (Place::new(), Small::new(&[]));
@@ -149,7 +149,7 @@ fn a_folder_with_other_files_is_refused() {
     assert_eq!(fs::read_dir(place.out()).unwrap().count(), 1);
 }
 
-/// The comparison passes what has not changed, and finds a printed value and a material that have.
+/// The comparison accepts an unchanged page, and detects a changed value and a changed material.
 #[test]
 fn a_page_that_is_stale_is_found() {
     let (place, small) = (Place::new(), Small::new(&[]));
@@ -173,7 +173,7 @@ fn a_page_that_is_stale_is_found() {
     let (code, told) = check(&[("conductivity=50", "conductivity=45")]);
     assert_eq!(code, Some(4), "{told}");
     assert!(told.contains("kept.md:8") && told.contains("strips"), "{told}");
-    // A plot of which the text says nothing.
+    // A plot not mentioned in the text.
     let svg = small.folder.path().join("img/kept/fig-f-1.svg");
     let drawn = fs::read_to_string(&svg).unwrap();
     fs::write(&svg, drawn.replace("[K]", "[F]").replace(">K<", ">F<")).unwrap();

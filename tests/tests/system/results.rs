@@ -1,4 +1,4 @@
-//! The result directory, as other programs read it.
+//! Result folder, as read by other programs.
 
 use crate::harness::{Ended, Place, case, sets, wait_until};
 use rustix::process::Signal;
@@ -34,8 +34,8 @@ fn the_files_of_a_steady_run() {
     assert_eq!(fields, expected);
 }
 
-/// The paper's Figs. 5 to 7: traction along the centre line, on the bound f p in the slip zone at the
-/// trailing edge and below it in the stick zone, with slip in the former only.
+/// Figs. 5 to 7 of the paper: traction along the centre line, at the bound f p in the slip zone at
+/// the trailing edge, and below it in the stick zone, where there is no slip.
 #[test]
 fn the_centre_line_shows_traction_and_slip() {
     let place = Place::new();
@@ -51,12 +51,12 @@ fn the_centre_line_shows_traction_and_slip() {
     // The bound of the leading element is so small that it may slip too.
     for (k, &i) in touching[..touching.len() - 1].iter().enumerate() {
         assert_eq!(slips(i), k < border, "{i}");
-        // Adhesion ends where the iteration's tolerance does.
+        // The slip in the stick zone is limited by the tolerance of the iteration.
         assert!(if k < border { slip[i] < 0.0 } else { slip[i].abs() < 1e-4 }, "{}", slip[i]);
     }
 }
 
-/// The case as run gives the same answer again.
+/// The stored case reproduces the results.
 #[test]
 fn the_case_as_run_can_be_run() {
     let (first, second) = (Place::new(), Place::new());
@@ -80,7 +80,7 @@ fn a_transient_run_writes_a_series() {
     assert_eq!(table.lines().count(), 52);
 }
 
-/// A row for every window, of which the last one has what the summary has.
+/// A row for every window; the last row equals the summary.
 #[test]
 fn every_window_leaves_its_figures() {
     let place = Place::new();
@@ -100,11 +100,11 @@ fn every_window_leaves_its_figures() {
         assert!(history.texts(name).iter().any(|cell| !cell.is_empty()), "{name}");
     }
     let rise = history.numbers("temperature.rail.max_rise_k");
-    // Until it is warm, and rounding is all that changes.
+    // The rise increases until the field is steady; later changes are rounding.
     assert!(rise[..15].is_sorted() && rise[0] < 0.5 * rise[50], "{rise:?}");
 }
 
-/// Whoever describes no figures is not asked for any.
+/// A participant that describes no figures is not asked for any.
 #[test]
 fn a_run_without_figures_has_a_history_of_its_windows() {
     let place = Place::new();
@@ -113,7 +113,7 @@ fn a_run_without_figures_has_a_history_of_its_windows() {
     assert_eq!((history.head.len(), history.rows.len()), (5, 10));
 }
 
-/// A quantity that a model cannot give is absent, never 0.
+/// A quantity that a model does not provide is absent, never 0.
 #[test]
 fn absent_is_not_zero() {
     let place = Place::new();
@@ -133,10 +133,13 @@ fn quiet_prints_nothing() {
 
 #[test]
 fn solvers_lists_every_model_with_its_source() {
-    let text = Place::new().start(&["solvers"]).wait().stdout;
-    for word in ["hertz-carter", "columns", "ertz-knothe", "friction_heat", "source:"] {
+    let listed = |more: &[&str]| Place::new().start(&[&["solvers"], more].concat()).wait().stdout;
+    let text = listed(&[]);
+    for word in ["hertz-carter", "columns", "ertz-knothe", "friction_heat"] {
         assert!(text.contains(word), "`{word}` is missing in:\n{text}");
     }
+    let one = listed(&["ertz-knothe"]);
+    assert!(one.contains("source: ") && !one.contains("hertz-carter"), "{one}");
 }
 
 fn assert_refused(ended: &Ended, part: &str) {
@@ -144,7 +147,7 @@ fn assert_refused(ended: &Ended, part: &str) {
     assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
 }
 
-/// Starts `run CASE --out OUT` in full; what ends it.
+/// Starts `run CASE --out OUT` and waits for its end.
 fn run_into(place: &Place, case: &Path, out: &Path) -> Ended {
     let (case, out) = (case.display().to_string(), out.display().to_string());
     place.start(&["run", &case, "--out", &out, "--set", "time.end=3"]).wait()
@@ -198,7 +201,7 @@ fn two_runs_do_not_share_a_folder() {
     place.summary(&case("exchange.toml"), &["--set", "time.end=3"]);
 }
 
-/// Whatever is on disk when the coordinator dies can be read, and the next run replaces it.
+/// All files of a killed coordinator are readable, and the next run replaces them.
 #[test]
 fn a_killed_run_can_be_read() {
     let place = Place::new();
@@ -251,7 +254,8 @@ fn quiet_prints_errors_only() {
     assert_eq!((ended.stdout.as_str(), ended.stderr.as_str()), ("", ""));
 }
 
-/// Every second of a run is told: the parts are there, and no part is more than the whole.
+/// The cost accounts for the whole time of a run: all parts are present, and none exceeds the
+/// total.
 #[test]
 fn the_cost_has_all_its_parts() {
     let place = Place::new();

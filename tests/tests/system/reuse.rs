@@ -1,5 +1,5 @@
-//! Participants that stay from run to run of a study: how many processes there are, that a run leaves
-//! nothing behind for the next, and what becomes of a process in which something goes wrong.
+//! Participants reused by the runs of a study: number of processes, no influence of one run on the
+//! next, and handling of failures.
 
 use crate::conform::counted;
 use crate::harness::python::interpreter;
@@ -8,7 +8,8 @@ use crate::sweeps::points;
 use rustix::process::{Pid, Signal, kill_process, test_kill_process};
 use std::fs::read_to_string;
 
-/// A sweep on one thread: its table, and how often the participant of `role` was started.
+/// Runs a sweep on one thread; returns its table and the number of starts of the participant
+/// `role`.
 fn swept(name: &str, role: &str, program: &[String], more: &[&str]) -> (Table, usize) {
     let folder = tempfile::tempdir().unwrap();
     let place = Place::new();
@@ -22,8 +23,8 @@ fn swept(name: &str, role: &str, program: &[String], more: &[&str]) -> (Table, u
     (Table::read(&place.out().join("sweep.csv")), starts)
 }
 
-/// A point has the bits that it has in a process of its own: in every model, on grids that change
-/// from point to point, in windows of time.
+/// A point gives the same results as in a process of its own, bit for bit: for every model, on
+/// grids that change from point to point, and in transient runs.
 #[test]
 fn points_are_the_same_in_one_process_and_in_many() {
     let program = ["thermal-solver".to_owned()];
@@ -53,7 +54,7 @@ fn points_are_the_same_in_one_process_and_in_many() {
     }
 }
 
-/// A Python program starts once, so that its imports are paid for once.
+/// A Python program starts once, so that its imports run once.
 #[test]
 fn a_solver_in_python_stays() {
     let script = root().join("proto/python/examples/short_columns.py");
@@ -67,7 +68,7 @@ fn a_solver_in_python_stays() {
     assert!(rises[0] != rises[1] && rises[1] != rises[2], "{rises:?}");
 }
 
-/// A point that fails is lost, and no other; the process in which it failed ends.
+/// A failed point does not affect others; its process ends.
 #[test]
 fn a_failed_point_takes_no_other_with_it() {
     let faults = "none,error,none,exit,none,panic,none,refuse-build,not-finite,none,none";
@@ -83,7 +84,7 @@ fn a_failed_point_takes_no_other_with_it() {
     assert_eq!(starts, 6);
 }
 
-/// A case that a participant refuses while it is planned leaves its process as it was.
+/// A case rejected by a participant while planning does not end the process.
 #[test]
 fn a_refused_point_ends_no_process() {
     let vary = ["--set", "mech.model=half-space", "--set", "mech.resolution=6", "--vary"];
@@ -98,8 +99,7 @@ fn a_refused_point_ends_no_process() {
     assert_eq!(rises[0], rises[4]);
 }
 
-/// A point whose fields do not fit into shared memory is refused; those before and after it have the memory
-/// that they had.
+/// A point whose fields do not fit into shared memory is rejected; other points are not affected.
 #[test]
 fn a_point_without_room_takes_no_other_with_it() {
     let program = ["thermal-solver".to_owned()];
@@ -111,7 +111,7 @@ fn a_point_without_room_takes_no_other_with_it() {
     assert_eq!(starts, 1, "nothing had begun");
 }
 
-/// A process that is killed or stopped in its second run loses that point at most.
+/// Killing or stopping a process in its second run loses one point at most.
 fn loses_one_point(signal: Signal) {
     let place = Place::new();
     let (file, out) = (case("exchange.toml"), place.out().display().to_string());
@@ -127,13 +127,13 @@ fn loses_one_point(signal: Signal) {
     let table = Table::read(&place.out().join("sweep.csv"));
     let failed: Vec<&str> =
         table.texts("failed").into_iter().filter(|failed| !failed.is_empty()).collect();
-    // None if it waited for its next run just then.
+    // No point is lost if the process was waiting for its next run.
     assert!(table.rows.len() == 4 && failed.len() <= 1, "{failed:?}");
     assert!(test_kill_process(left).is_err(), "it still runs");
     place.assert_nothing_left();
 }
 
-/// The child of a process that runs this program.
+/// Child of a process that runs this program.
 fn child(of: Pid, program: &str) -> Pid {
     let tasks = std::fs::read_dir(format!("/proc/{}/task", of.as_raw_nonzero())).unwrap();
     let children = tasks.flatten().map(|task| read_to_string(task.path().join("children")));

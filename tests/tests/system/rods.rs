@@ -1,4 +1,4 @@
-//! Barber's rod: several steady states, which of them last, and how fast what disturbs them grows or decays.
+//! Barber's rod: several steady states, their stability, and growth or decay of disturbances.
 
 use crate::harness::{Place, case, sets};
 use serde_json::Value;
@@ -8,10 +8,11 @@ const DIFFUSIVITY: f64 = CONDUCTIVITY / (7850.0 * 419.5);
 const EXPANSION: f64 = 1.2e-5;
 const LENGTH: f64 = 0.1;
 const JUMP: f64 = 1e-6;
-/// Gap and jump distance at which the gas conducts as well as the rod [m].
+/// Gap plus jump distance at which the gas conducts as well as the rod [m].
 const MATCHED: f64 = 0.026 * LENGTH / CONDUCTIVITY;
 
-/// Growth of a disturbance of the steady state whose gas conducts as well as the rod, with the gain δ of its loop, times L²/κ.
+/// Growth rate of a disturbance, times L²/κ, about the steady state in which the gas conducts as
+/// well as the rod; `gain` is the gain δ of the loop.
 fn growth(gain: f64, window: f64) -> f64 {
     // δ = B α ΔT L/(2(1 + B)(g + j)) with B = 1.
     let across = 4.0 * gain * MATCHED / (EXPANSION * LENGTH);
@@ -31,16 +32,16 @@ fn growth(gain: f64, window: f64) -> f64 {
     let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
     let place = Place::new();
     place.summary(&case("thermo-elastic-rod.toml"), &sets(&settings));
-    let columns = ["temperature.rod.max_rise_k"];
-    let rows = super::histories::rows(&place.out().join("history.csv"), &columns);
-    // The mean of the last third: what has more waves is gone by then.
-    let (first, last) = (&rows[2 * rows.len() / 3], &rows[rows.len() - 1]);
-    let ratio = (last[0] - across) / (first[0] - across);
+    let rows = place.table("history.csv").numbers("temperature.rod.max_rise_k");
+    // Mean over the last third, where higher modes have decayed.
+    let (first, last) = (rows[2 * rows.len() / 3], rows[rows.len() - 1]);
+    let ratio = (last - across) / (first - across);
     ratio.ln() / (window * (rows.len() - 1 - 2 * rows.len() / 3) as f64)
 }
 
-/// The leading rates at δ = 0.96 and 1.02 (λ cosh λ + B sinh λ = 2δ(1 + B)(cosh λ − 1)/λ, B = 1, b = λ²), to 0.1 %. They are of first order in the window,
-/// near δ = 1 some fifty times as far off as bΔt/2: the shift of the loop by half a window, over 1 − δ.
+/// Leading rates at δ = 0.96 and 1.02, from λ cosh λ + B sinh λ = 2δ(1 + B)(cosh λ − 1)/λ with B =
+/// 1 and b = λ², to 0.1 %. Their error is of first order in the window. Near δ = 1 it is some fifty
+/// times bΔt/2: the delay of the loop by half a window, over 1 − δ.
 #[test]
 fn disturbances_grow_and_decay_at_the_leading_rates() {
     for (gain, expected) in [(0.96, -0.160_143_570_7), (1.02, 0.079_964_610_8)] {
@@ -54,8 +55,9 @@ fn disturbances_grow_and_decay_at_the_leading_rates() {
     }
 }
 
-/// Three steady states of the shipped case, with the gaps that solve g₀ − g = ½ αL(T_w − T₀) B/(1 + B), B = kL/(K(g + j)), and the gains
-/// of their loops; the one between does not last. A rod that is left alone a little beside it goes to the others.
+/// Three steady states of the shipped case, with gaps that solve g₀ − g = ½ αL(T_w − T₀) B/(1 + B),
+/// where B = kL/(K(g + j)), and with the gains of their loops. The middle state is unstable: a rod
+/// released near it moves to the others.
 #[test]
 fn states_are_found_with_their_stability() {
     let place = Place::new();
@@ -103,12 +105,12 @@ fn states_are_found_with_their_stability() {
     }
 }
 
-/// A case that has one state says why.
+/// The message about a case with a single state says why.
 #[test]
 fn a_case_without_a_loop_has_one_state() {
     let place = Place::new();
     let start = "load.normal_force=1e4..2e4/3";
     let ended = place.start(&["states", &case("wheel-rail.toml"), "--start", start]).wait();
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
-    assert!(ended.stderr.contains("close no loop"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("close no feedback loop"), "{}", ended.stderr);
 }

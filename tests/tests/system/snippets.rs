@@ -1,10 +1,10 @@
-//! What the pages have people type does what stands under it.
+//! Commands on the pages print the output shown below them.
 
 use crate::harness::root;
 use crate::harness::snippets::{self, blocks};
 use crate::keys::{fits, flatten, known_keys};
 
-/// Pages that are run here, each in a test of its own.
+/// Pages tested here, each in a test of its own.
 const DAILY: [&str; 8] = [
     "docs/install.md",
     "docs/tutorial.md",
@@ -33,7 +33,7 @@ fn is_true(page: &str) {
     assert!(commands > 0, "{page} has no commands");
 }
 
-/// The pages of the site, by their paths in the repository.
+/// Pages of the site, by their paths in the repository.
 fn pages() -> Vec<String> {
     let summary = std::fs::read_to_string(root().join("docs/SUMMARY.md")).unwrap();
     let links = summary.lines().filter_map(|line| line.split_once("](")?.1.strip_suffix(')'));
@@ -45,7 +45,8 @@ fn pages() -> Vec<String> {
         .collect()
 }
 
-/// Every block that people type is run, here or in the nightly test of the same name, or says why it is not.
+/// Every block of commands is run, here or in the nightly test of the same name, or the page says
+/// why not.
 #[test]
 fn every_block_is_run_or_says_why_not() {
     let nightly = include_str!("../nightly/snippets.rs");
@@ -64,7 +65,7 @@ fn every_block_is_run_or_says_why_not() {
     assert!(seen > 60, "{seen} blocks");
 }
 
-/// Parts of cases on the pages are TOML, and have keys that there are.
+/// Parts of cases on the pages are valid TOML, and contain only known keys.
 #[test]
 fn parts_of_cases_have_keys_that_there_are() {
     let known = known_keys();
@@ -86,10 +87,10 @@ fn parts_of_cases_have_keys_that_there_are() {
     assert!(seen > 10, "{seen} keys");
 }
 
-/// Options of other programs that the pages name alone.
+/// Options of other programs mentioned on their own.
 const FOREIGN: [&str; 4] = ["--test", "--lib", "--shm-size", "--time"];
 
-/// Words on a page between single backticks, outside of blocks, and the commands that its blocks have people type.
+/// Words between single back ticks on a page, outside of blocks, and the commands in its blocks.
 fn said(page: &str) -> Vec<String> {
     let text = std::fs::read_to_string(root().join(page)).unwrap();
     let mut words = Vec::new();
@@ -113,7 +114,7 @@ fn said(page: &str) -> Vec<String> {
     words
 }
 
-/// The options in the help of a program, or of one of its commands.
+/// Options in the help of a program, or of one of its commands.
 fn options_of(program: &str, command: &[&str]) -> Vec<String> {
     let path = crate::harness::programs().join(program);
     let ended = std::process::Command::new(path).args(command).arg("--help").output().unwrap();
@@ -122,11 +123,18 @@ fn options_of(program: &str, command: &[&str]) -> Vec<String> {
     words.filter(|word| word.len() > 2 && word.starts_with("--")).map(str::to_owned).collect()
 }
 
-/// The options of a command on a page are those of that command, and an option alone is one of any.
+/// Options shown with a command belong to that command; an option on its own belongs to some
+/// command.
 #[test]
 fn options_on_the_pages_exist() {
-    const PROGRAMS: [&str; 5] =
-        ["coordinator", "cosim-relay", "fmu-participant", "mech-solver", "thermal-solver"];
+    const PROGRAMS: [&str; 6] = [
+        "coordinator",
+        "cosim-relay",
+        "fmu-participant",
+        "mech-solver",
+        "precice-participant",
+        "thermal-solver",
+    ];
     let mut known: Vec<String> = PROGRAMS.iter().flat_map(|name| options_of(name, &[])).collect();
     let help = crate::harness::Place::new().start(&["--help"]).wait().stdout;
     let first = |line: &str| Some(line.strip_prefix("  ")?.split_whitespace().next()?.to_owned());
@@ -153,14 +161,14 @@ fn options_on_the_pages_exist() {
                 let name = word.rsplit('/').next().unwrap();
                 word.starts_with("--") || PROGRAMS.contains(&name)
             });
-            // What other programs are told is theirs.
+            // Options of other programs are skipped.
             let Some(0) = at else { continue };
             let of = words.get(1).and_then(|word| own.iter().find(|(name, _)| name == word));
             let known = match of {
                 Some((_, options)) if words[0].ends_with("coordinator") => options,
                 _ => &known,
             };
-            // Behind `--` or a comment it is something else.
+            // Words after `--` or a comment mark are not options of the command.
             let options =
                 words.iter().take_while(|word| !["--", "#", "|", "||", "&&"].contains(word));
             for option in options.filter(|word| word.starts_with("--")) {
@@ -176,7 +184,7 @@ fn options_on_the_pages_exist() {
     assert!(seen > 100, "{seen} options");
 }
 
-/// A dotted key on a page is one of a case, the beginning of one, or a figure.
+/// A dotted key on a page is a key of a case, the start of one, or a figure.
 #[test]
 fn keys_on_the_pages_exist() {
     let known = known_keys();
@@ -212,7 +220,7 @@ fn keys_on_the_pages_exist() {
                     [".toml", ".csv", ".md", ".rs", ".json", ".py", ".h", ".mcap", ".fmu"]
                         .iter()
                         .any(|ending| key.ends_with(ending));
-                // Other programs have keys of their own, and words in capitals stand for any.
+                // Other programs have keys of their own; words in capitals are placeholders.
                 let is_foreign = span.contains(".command=") || key == "ROLE.NAME";
                 if !is_key || is_file || is_foreign {
                     continue;

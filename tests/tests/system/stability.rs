@@ -1,11 +1,11 @@
-//! The hard cases: the suite as it is shipped, that it can fail, and that it is read strictly.
+//! Hard cases: the shipped suite passes, a suite can fail, and its file is read strictly.
 
 use crate::harness::{Ended, Place, case, root};
 use serde_json::Value;
 use std::fs;
 use std::path::PathBuf;
 
-/// Runs a suite into the place's output folder.
+/// Runs a suite into the output folder of the place.
 fn stability(place: &Place, suite: &str, more: &[&str]) -> Ended {
     let out = place.out().display().to_string();
     let mut arguments = vec!["stability", suite, "--out", &out];
@@ -13,7 +13,7 @@ fn stability(place: &Place, suite: &str, more: &[&str]) -> Ended {
     place.start(&arguments).wait()
 }
 
-/// A suite of a folder of its own.
+/// Suite in a folder of its own.
 fn own_suite(text: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("suite.toml");
@@ -23,7 +23,7 @@ fn own_suite(text: &str) -> (tempfile::TempDir, PathBuf) {
 
 const EVERY: &str = "[every]\nnot_negative = [\"pressure\"]\nundershoot = 1e-9\nenergy = 1e-10\n";
 
-/// A rolling contact whose pressure is held against this bound.
+/// Rolling contact whose pressure is compared with this bound.
 fn one_case(bound: &str) -> String {
     format!(
         "{EVERY}[[hard]]\nnumber = 1\nname = \"pressure\"\ntitle = \"one contact\"\n\
@@ -34,13 +34,13 @@ fn one_case(bound: &str) -> String {
     )
 }
 
-/// The cases of the suite with this number of the list of hard cases hold, their sweeps included where
-/// they are asked for. (All sweeps, and every edge as it is documented: the target `nightly`.)
+/// Asserts that the cases of the suite with this number in the list of hard cases pass, with their
+/// sweeps if requested. (The target `nightly` runs all sweeps and checks every documented limit.)
 fn hold(number: i64, sweeps: bool) {
     cases_hold(|case| case["number"].as_integer() == Some(number), sweeps);
 }
 
-/// These cases of the suite hold; the report tells of each, and docs/limits.md has a section for it.
+/// Asserts that these cases pass; the report covers each, and docs/limits.md has a section for it.
 fn cases_hold(wanted: impl Fn(&toml::Value) -> bool, sweeps: bool) {
     let suite = shipped();
     let cases = suite["hard"].as_array().unwrap().iter();
@@ -70,7 +70,7 @@ fn shipped() -> toml::Table {
     fs::read_to_string(case("hard/suite.toml")).unwrap().parse().unwrap()
 }
 
-// Edges of each kind: refusals, a bound that fails, a run that fails, none.
+// Limits of each kind: rejection, a violated bound, a failed run, none.
 table_of_tests! { hold:
     coarse_cells_hold_to_their_edges(1, true);
     traction_at_the_limit_holds(2, false);
@@ -86,15 +86,15 @@ table_of_tests! { hold:
     the_ends_of_tables_hold_to_their_edges(12, true);
 }
 
-/// Edges that a sum in another order, or numbers of another size, could move: loads down to the smallest that is a number, loops that an
-/// iteration only just finds, or that have no solution.
+/// Limits that depend on rounding or on the magnitude of numbers: loads down to the smallest
+/// floating-point number, and loops that barely converge or have no solution.
 #[test]
 fn edges_of_numbers_and_of_iterations_hold() {
     let names = ["tiny-load-exact", "falling-to-nothing", "hot-limit", "above-instability"];
     cases_hold(|case| names.contains(&case["name"].as_str().unwrap()), true);
 }
 
-/// The list of hard cases has twelve numbers; each is met.
+/// The list of hard cases has twelve numbers; each must occur.
 #[test]
 fn every_hard_case_is_met() {
     let suite = shipped();
@@ -103,11 +103,11 @@ fn every_hard_case_is_met() {
     assert!((1..=12).all(|number| numbers.contains(&number)), "{numbers:?}");
 }
 
-/// A bound that does not hold fails the suite, which names the case, the figure and the bound; one
-/// that holds does not.
+/// A violated bound fails the suite, and the message names case, figure and bound; a satisfied one
+/// does not.
 #[test]
 fn a_bound_that_does_not_hold_is_named() {
-    // Hertz's pressure of the case is 1364.4 MPa.
+    // The Hertz pressure of the case is 1364.4 MPa.
     for (bound, code) in [("at_most = 1.5e9", 0), ("at_most = 1.0e9", 1), ("at_least = 1.4e9", 1)] {
         let place = Place::new();
         let (_folder, suite) = own_suite(&one_case(bound));
@@ -122,8 +122,8 @@ fn a_bound_that_does_not_hold_is_named() {
     }
 }
 
-/// An end that is not the expected one fails the suite: an answer in the place of a refusal, another
-/// message, and an edge elsewhere.
+/// An unexpected outcome fails the suite: a result in place of a rejection, a different message,
+/// and a limit at a different place.
 #[test]
 fn another_end_is_named() {
     let refusal =
@@ -135,9 +135,9 @@ fn another_end_is_named() {
            values = [\"4\", \"2\", \"0\"]\nbefore = \"an answer\"\nwhy = \"no reason\"\n\
            edge = { at = \"2\", beyond.refusal = { exit_code = 2, saying = [] } }\n";
     for (text, told) in [
-        (answers, "an answer came"),
+        (answers, "the run gave a result"),
         (refused, "“no such words” is not in"),
-        (edge, "resolution 2: an answer came"),
+        (edge, "resolution 2: the run gave a result"),
     ] {
         let place = Place::new();
         let (_folder, suite) = own_suite(&text);
@@ -147,7 +147,7 @@ fn another_end_is_named() {
     }
 }
 
-/// What is wrong in a suite file is refused with its place, before anything runs.
+/// An error in a suite file is rejected with its place, before any run.
 #[test]
 fn a_wrong_suite_is_refused_with_its_place() {
     let good = one_case("at_most = 1e10");
@@ -174,5 +174,5 @@ fn a_wrong_suite_is_refused_with_its_place() {
     let (_folder, suite) = own_suite(&good);
     let unknown = stability(&place, suite.to_str().unwrap(), &["--only", "presure"]);
     assert_eq!(unknown.code, Some(2));
-    assert!(unknown.stderr.contains("no case `presure`; it has pressure"), "{}", unknown.stderr);
+    assert!(unknown.stderr.contains("no case `presure`; known: pressure"), "{}", unknown.stderr);
 }

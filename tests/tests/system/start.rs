@@ -1,4 +1,4 @@
-//! Starting: connections, building, limits of the machine, and clocks that stand still.
+//! Start of a run: connections, building of models, limits of the machine, and frozen processes.
 
 use crate::harness::{Place, case, programs, sets};
 use rustix::process::{Pid, Signal, kill_process};
@@ -12,8 +12,9 @@ fn exchange(settings: &[&str]) -> (Place, crate::harness::Ended) {
     (place, ended)
 }
 
-/// A sample that was sent before every subscriber could be reached ended one start in a thousand.
-/// `STARTS=20000 cargo test --release --workspace --test system start::many -- --nocapture` makes more.
+/// An earlier version sent samples before every subscriber was reachable, which ended one start in
+/// a thousand. `STARTS=20000 cargo test --release --workspace --test system start::many --
+/// --nocapture` tests more.
 #[test]
 fn many_starts() {
     let count = std::env::var("STARTS").map_or(40, |count| count.parse().unwrap());
@@ -27,7 +28,8 @@ fn many_starts() {
     println!("{count} starts, {each:.1} ms each");
 }
 
-/// Ports are open before models are built, so that a partner does not wait for them.
+/// Ports are open before models are built, so that building may take longer than the deadline for
+/// the start.
 #[test]
 fn building_may_take_longer_than_starting() {
     let settings = ["time.end=2", "coupling.start_deadline=1", "left.build_delay=2.5"];
@@ -44,7 +46,7 @@ fn who_is_still_building_is_named_with_the_key() {
     assert!(ended.stderr.contains(what), "{}", ended.stderr);
 }
 
-/// A participant that says that it takes long is waited for accordingly.
+/// The deadline for building extends with the expected time that a participant reports.
 #[test]
 fn the_deadline_of_building_follows_what_is_expected() {
     let expected = ["left.build_expected=1", "left.build_delay=3"];
@@ -52,7 +54,7 @@ fn the_deadline_of_building_follows_what_is_expected() {
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
 }
 
-/// It does not wait for the partner, which builds for ten minutes.
+/// The refusal does not wait for the partner, which builds for ten minutes.
 #[test]
 fn a_refusal_in_build_is_reported_at_once_in_its_own_words() {
     let (_, ended) = exchange(&["left.build_delay=600", "right.fault=refuse-build"]);
@@ -62,7 +64,7 @@ fn a_refusal_in_build_is_reported_at_once_in_its_own_words() {
     }
 }
 
-/// Runs the smallest case in a shell that has set limits.
+/// Runs the smallest case in a shell with limits.
 fn limited(limits: &str) -> (Place, crate::harness::Ended) {
     let place = Place::new();
     let mut shell = std::process::Command::new("sh");
@@ -96,7 +98,7 @@ fn too_few_open_files_are_refused_before_anything_starts() {
     }
 }
 
-/// A container that is paused and goes on later: nobody was silent, since nobody could be heard.
+/// A container that is paused and continued: silence during the pause does not count as a failure.
 #[test]
 fn a_run_that_was_frozen_as_a_whole_goes_on() {
     let place = Place::new();
@@ -109,7 +111,7 @@ fn a_run_that_was_frozen_as_a_whole_goes_on() {
     let signal = |all: &[Pid], signal| all.iter().for_each(|p| kill_process(*p, signal).unwrap());
     signal(&all, Signal::STOP);
     std::thread::sleep(Duration::from_secs(6));
-    // The coordinator first, which then looks before the others have beaten again.
+    // The coordinator continues first, and checks before new heartbeats arrive.
     signal(&all[..1], Signal::CONT);
     std::thread::sleep(Duration::from_millis(50));
     signal(&all[1..], Signal::CONT);

@@ -1,5 +1,5 @@
-//! `sweep --fit`, `fit` and `ask`: figures between the points of a sweep, within their stated errors, the same from
-//! Rust, the command line and Python, and none outside of the box.
+//! `sweep --fit`, `fit` and `ask`: figures between the points of a sweep, within the stated errors,
+//! identical from Rust, the command line and Python, and refused outside the box.
 
 use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, root};
@@ -24,7 +24,8 @@ fn done(place: &Place, arguments: &[&str]) -> Ended {
     ended
 }
 
-/// A sweep with closed forms: 8 tractions at 3 loads in kN, one of them asking for more than friction allows.
+/// Sweep over closed forms: tractions and loads in kN, where one traction exceeds the friction
+/// limit.
 fn swept(place: &Place, more: &[&str]) -> Ended {
     let (file, out) = (case("wheel-rail.toml"), place.out().display().to_string());
     let sweep = ["sweep", file.as_str(), "--set", "mech.model=hertz-carter", "--out", out.as_str()];
@@ -42,7 +43,7 @@ fn figures_between_the_points_are_within_their_errors_from_everywhere() {
     let place = Place::new();
     let ended = swept(&place, &["--fit"]);
     assert!(
-        ended.stdout.contains("6 points without an answer, outside of the box"),
+        ended.stdout.contains("6 points without a result, outside the box"),
         "{}",
         ended.stdout
     );
@@ -73,7 +74,7 @@ fn figures_between_the_points_are_within_their_errors_from_everywhere() {
         );
     }
 
-    // The same from a table, and from Python.
+    // Identical results from a table, and from Python.
     let table = place.out().with_file_name("points.csv");
     std::fs::write(&table, "load.normal_force,motion.traction_coefficient\n87 kN,0.31\n61e3,0.1\n")
         .unwrap();
@@ -95,7 +96,7 @@ fn figures_between_the_points_are_within_their_errors_from_everywhere() {
     let python = String::from_utf8(made.stdout).unwrap();
     for (python, line) in python.split_whitespace().zip(&lines[1..]) {
         let (python, ours) = (python.parse::<f64>().unwrap(), cell(line));
-        // Sums in another order, and another exponential.
+        // Different order of summation, and a different exponential.
         assert!((python - ours).abs() < 1e-13 * ours, "{python} {ours}");
     }
     place.assert_nothing_left();
@@ -106,7 +107,7 @@ fn nothing_is_said_of_a_point_outside() {
     let place = Place::new();
     swept(&place, &[]);
     let out = place.out().display().to_string();
-    // The quotient bounds nothing more here, and is refused like a key.
+    // The quotient adds no bound here; it is refused outside its range like a key.
     done(&place, &["fit", &out, "--per", "motion.traction_coefficient/load.normal_force"]);
     let told = |more: &[&str], words: &str| {
         let ended = started(&place, &[&["ask", out.as_str()][..], more].concat());
@@ -123,7 +124,7 @@ fn nothing_is_said_of_a_point_outside() {
         &[traction, "load.normal_force=150 kN"],
         "load.normal_force = 150000 N is outside 60000 to 134000 N",
     );
-    told(&[traction], "give a value for load.normal_force (60000 to 134000 N)");
+    told(&[traction], "missing values: load.normal_force (60000 to 134000 N)");
     told(&[traction, load, "motion.sped=3"], "motion.sped did not vary");
     told(&[traction, "load.normal_force=100 kg"], "unit `kg` cannot be converted to N");
     told(&[traction, load, "--figure", "contact.area_m"], "did you mean `contact.area_m2`");

@@ -1,4 +1,5 @@
-//! `coordinator sweep`: a row a point, failed points kept, a stopped sweep gone on with.
+//! `coordinator sweep`: one row for each point, failed points are kept, and a stopped sweep can be
+//! continued.
 
 use crate::harness::Table;
 use crate::harness::{Ended, Place, case, sets, wait_until};
@@ -23,7 +24,7 @@ fn a_grid_has_a_row_a_point_and_keeps_those_without_an_answer() {
     assert_eq!(table.texts("motion.speed"), ["20.0", "40.0", "20.0", "40.0", "20.0", "40.0"]);
     let rises = table.texts("temperature.rail.max_rise_k");
     let numbers: Vec<f64> = rises[..4].iter().map(|text| text.parse().unwrap()).collect();
-    // Twice the speed takes twice the power and heats √2 times as much.
+    // Twice the speed gives twice the power and √2 times the temperature rise.
     for pair in numbers.chunks(2) {
         assert!((pair[1] / pair[0] - 2f64.sqrt()).abs() < 1e-3, "{numbers:?}");
     }
@@ -37,8 +38,8 @@ fn a_grid_has_a_row_a_point_and_keeps_those_without_an_answer() {
     place.assert_nothing_left();
 }
 
-/// Axes of the page have names and units and not keys alone; a sweep of the creepage has the creep curve, a
-/// column of the force, and the creepage once.
+/// Axes of the page have names and units, not only keys. A sweep of the creepage contains the creep
+/// curve, a column of the force, and the creepage once.
 #[test]
 fn a_sweep_of_the_creepage_has_the_creep_curve() {
     let place = Place::new();
@@ -61,7 +62,7 @@ fn a_sweep_of_the_creepage_has_the_creep_curve() {
     assert!(!page.contains(">motion.creepage.xi</text>"), "an axis has the name of what varies");
 }
 
-/// Killed in its middle: what it has found is there, a point or two that it was at are run again.
+/// A killed sweep keeps its finished points; the one or two points in progress run again.
 #[test]
 fn a_sweep_that_was_killed_runs_nothing_twice() {
     let place = Place::new();
@@ -82,7 +83,7 @@ fn a_sweep_that_was_killed_runs_nothing_twice() {
     place.assert_nothing_left();
 }
 
-/// A sweep of a case in a file that is edited.
+/// Sweep of a case file that is edited.
 struct Edited<'a> {
     place: &'a Place,
     folder: tempfile::TempDir,
@@ -105,7 +106,7 @@ impl<'a> Edited<'a> {
         std::fs::write(self.file(), text).unwrap();
     }
 
-    /// The wheel runs slower from here on.
+    /// Reduces the speed of the wheel in the file.
     fn slow_down(&self) {
         assert!(self.text.contains("speed = 38.889"));
         self.write(&self.text.replace("speed = 38.889", "speed = 20.0"));
@@ -120,7 +121,7 @@ impl<'a> Edited<'a> {
     }
 }
 
-/// As if the sweep had been stopped before its last point.
+/// Marks a sweep as stopped before its last point.
 fn stop(out: &Path) {
     let file = out.join("sweep.json");
     let mut study: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
@@ -132,8 +133,8 @@ fn stop(out: &Path) {
     std::fs::write(&file, lines[..lines.len() - 1].join("\n") + "\n").unwrap();
 }
 
-/// Points of two cases never stand in one table, neither of a sweep that goes on nor of one that
-/// collects; nor do those of two versions of a program.
+/// A table never mixes points of two cases, neither when a sweep continues nor when it collects;
+/// the same holds for two versions of a program.
 #[test]
 fn points_of_a_case_that_has_changed_are_refused() {
     let place = Place::new();
@@ -151,7 +152,7 @@ fn points_of_a_case_that_has_changed_are_refused() {
     refused(&edited.sweep(&out, &[]), words);
     let (collected, from) = (out.with_file_name("collected"), out.display().to_string());
     refused(&edited.sweep(&collected, &["--collect", &from]), words);
-    // An option says the same as an edit.
+    // An option has the same effect as an edit.
     edited.write(&edited.text);
     refused(&edited.sweep(&out, &["--set", "motion.speed=20.0"]), words);
     let file = out.join("sweep.json");
@@ -160,7 +161,7 @@ fn points_of_a_case_that_has_changed_are_refused() {
     assert!(text.contains(version), "{text}");
     std::fs::write(&file, text.replace(version, "mech-solver 0.1.0")).unwrap();
     refused(&edited.sweep(&out, &[]), "mech: was mech-solver 0.1.0, is mech-solver");
-    // The case as it was goes on, and may lie elsewhere.
+    // The original case continues, also from a different folder.
     std::fs::write(&file, text).unwrap();
     let ended = edited.sweep(&out, &[]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
@@ -168,7 +169,7 @@ fn points_of_a_case_that_has_changed_are_refused() {
     place.assert_nothing_left();
 }
 
-/// Of a surrogate the points are those of the sweep that stands beside it.
+/// The points of a surrogate must belong to the sweep in its folder.
 #[test]
 fn a_surrogate_of_another_sweep_is_refused() {
     let place = Place::new();
@@ -191,10 +192,10 @@ fn a_surrogate_of_another_sweep_is_refused() {
     let asked = ["ask", &folder, "load.normal_force=110 kN", "motion.creepage.xi=-0.002"];
     let ended = place.start(&asked).wait();
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
-    assert!(ended.stderr.contains("is of another sweep"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("belongs to another sweep"), "{}", ended.stderr);
 }
 
-/// A process that is killed leaves its folder; the next one removes it.
+/// A killed process leaves its folder; the next process removes it.
 #[test]
 fn folders_of_killed_processes_go_with_the_next_start() {
     let place = Place::new();
@@ -231,7 +232,8 @@ fn folders_of_killed_processes_go_with_the_next_start() {
     place.assert_nothing_left();
 }
 
-/// The rows of a table, the last of which asks for more than friction allows; and a Latin hypercube, the same with the same seed.
+/// Points from the rows of a table, where the last one exceeds the friction limit; and from a Latin
+/// hypercube, reproducible by its seed.
 #[test]
 fn points_may_come_from_a_table_or_a_seed() {
     let place = Place::new();
@@ -265,7 +267,8 @@ fn points_may_come_from_a_table_or_a_seed() {
     place.assert_nothing_left();
 }
 
-/// Two of three parts, made apart: the third is run by the sweep that collects them, whose table is that of one sweep alone.
+/// Two of three parts run separately; the sweep that collects them runs the third. The table equals
+/// that of a single sweep.
 #[test]
 fn parts_are_collected_and_what_is_missing_is_run() {
     let place = Place::new();
@@ -320,12 +323,12 @@ fn what_cannot_vary_is_told() {
         assert_eq!(ended.code, Some(2), "{vary}: {}", ended.stderr);
         assert!(ended.stderr.contains(text), "{vary}: {}", ended.stderr);
     };
-    told("motion.speed", "names no key with values");
-    told("motion.speed=1..x/3", "an end that is no number");
+    told("motion.speed", "has no key, or no values");
+    told("motion.speed=1..x/3", "an end that is not a number");
     told("motion.sped=1,2", "motion.speed");
 }
 
-/// A sweep in which every point has failed ends with an error; its table is there all the same.
+/// A sweep in which all points fail ends with an error, but writes its table.
 #[test]
 fn a_sweep_without_any_answer_has_failed() {
     let place = Place::new();

@@ -1,9 +1,9 @@
-//! What commands print: in lines of a terminal's width, in colours where they are wanted, as JSON where that is.
+//! Output of commands: lines of the terminal's width, colours if wanted, JSON on request.
 
 use crate::harness::{Place, case};
 use serde_json::Value;
 
-/// Runs a command to its end; standard output.
+/// Runs a command to its end; returns standard output.
 fn printed(place: &Place, arguments: &[&str], code: i32) -> String {
     let ended = place.start(arguments).wait();
     assert_eq!(ended.code, Some(code), "{arguments:?}: {}", ended.stderr);
@@ -22,7 +22,7 @@ fn lines_are_no_longer_than_a_terminal_is_wide() {
     for arguments in [&["run", &file, "--out", &out][..], &["plan", &file], &help] {
         let text = printed(&place, arguments, 0);
         let long: Vec<&str> = text.lines().filter(|line| line.chars().count() > 80).collect();
-        // One word, a path say, stays whole.
+        // A single word, such as a path, is not broken.
         let whole = |line: &&str| line.split_whitespace().any(|word| word.chars().count() > 60);
         assert!(long.iter().all(whole), "{arguments:?}: {long:?}");
     }
@@ -48,7 +48,7 @@ fn what_is_printed_as_json_is_what_the_files_have() {
     let small = "mech.resolution=8";
     let summary = parsed(&place, &["run", &file, "--set", small, "--out", &out, "--json"], 0);
     assert_eq!(summary, place.read_summary());
-    // A run that fails says so, too.
+    // A failed run is reported in JSON too.
     let other = Place::new();
     let out = other.out().display().to_string();
     let falling = case("falling-friction.toml");

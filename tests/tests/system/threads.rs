@@ -1,5 +1,5 @@
-//! The number of threads changes no answer, to the bit: every model of every solver of ours, in every
-//! mode that it offers. A new model is tested by being registered.
+//! Results do not depend on the number of threads, bit for bit: for every model of every solver of
+//! ours, in every mode it offers. A new model is tested as soon as it is registered.
 
 use crate::harness::{Place, case, sets};
 use proto::description::{Description, ModelSpec};
@@ -9,7 +9,7 @@ use serde_json::Value;
 /// Windows of a transient run.
 const WINDOWS: &str = r#"time={mode="transient", window="20 us", end="100 us"}"#;
 
-/// What a run with so many threads has answered: its fields and figures, without what it took.
+/// Results of a run with this number of threads: fields and figures, without the cost.
 fn answer(threads: usize, name: &str, settings: &[&str]) -> (Vec<u8>, Value) {
     let limit = format!("limits.threads={threads}");
     let place = Place::new();
@@ -36,7 +36,7 @@ fn same_answers(role: &str, model: &ModelSpec, name: &str, settings: &[&str]) {
     }
 }
 
-/// Every model on a case that it can take, with these settings.
+/// Tests every model on a suitable case, with these settings.
 fn models_of(solver: &Description, case: impl Fn(&str) -> (&'static str, &'static [&'static str])) {
     assert!(!solver.models.is_empty());
     for model in &solver.models {
@@ -48,7 +48,7 @@ fn models_of(solver: &Description, case: impl Fn(&str) -> (&'static str, &'stati
 #[test]
 fn mechanical_models_answer_the_same_on_any_number_of_threads() {
     models_of(&mech_solver::MechSolver.description(), |model| match model {
-        // Elements of volumes cost more than those of surfaces.
+        // Volume elements cost more than surface elements.
         "explicit-fe" => ("wheel-rail.toml", &["mech.resolution=3", "materials.steel.density=2e5"]),
         "periodic" => ("brake-block.toml", &["mech.resolution=64"]),
         "rod" => ("thermo-elastic-rod.toml", &[]),
@@ -58,7 +58,7 @@ fn mechanical_models_answer_the_same_on_any_number_of_threads() {
     });
 }
 
-/// On a grid that is large enough for two threads to share it.
+/// The grid is large enough for two threads to share it.
 #[test]
 fn thermal_models_answer_the_same_on_any_number_of_threads() {
     models_of(&thermal_solver::ThermalSolver.description(), |model| match model {
@@ -68,7 +68,7 @@ fn thermal_models_answer_the_same_on_any_number_of_threads() {
     });
 }
 
-/// Threads take rows of a history that need nothing of each other, among them one without an answer.
+/// Threads process independent rows of a history, including one without a solution.
 #[test]
 fn rows_of_a_history_are_the_same_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
@@ -93,7 +93,8 @@ fn rows_of_a_history_are_the_same_on_any_number_of_threads() {
     assert_eq!(one.lines().count(), 12);
 }
 
-/// Those that compute at once share the threads, what is over goes to the first, and each has one.
+/// Participants that solve in parallel share the threads: the remainder goes to the first ones, and
+/// each has at least one.
 #[test]
 fn a_parallel_scheme_shares_the_threads() {
     for (limit, shares) in [(5, [3, 2]), (1, [1, 1])] {

@@ -1,4 +1,4 @@
-//! Fields on volumes: written out, recorded and replayed, and consumed by nobody.
+//! Fields on volumes: written, recorded and replayed; no participant consumes them.
 
 use crate::c_interface::Compiled;
 use crate::harness::python::interpreter;
@@ -9,7 +9,8 @@ use tests::volume::{KINDS, hexahedra};
 
 const CASE: &str = "volume.toml";
 
-/// What a command says of the case with these settings: exit code, standard output and error.
+/// Runs a command on the case with these settings; returns exit code, standard output and standard
+/// error.
 fn asked(command: &str, settings: &[&str]) -> (Option<i32>, String, String) {
     let (name, place) = (case(CASE), Place::new());
     let sets = sets(settings);
@@ -19,7 +20,7 @@ fn asked(command: &str, settings: &[&str]) -> (Option<i32>, String, String) {
     (ended.code, ended.stdout, ended.stderr)
 }
 
-/// What `command RECORDING` prints as JSON.
+/// Output of `command RECORDING` as JSON.
 fn of_recording(place: &Place, command: &str, more: &[&str]) -> Value {
     let path = place.out().join("recording.mcap").display().to_string();
     let arguments: Vec<&str> =
@@ -29,7 +30,8 @@ fn of_recording(place: &Place, command: &str, more: &[&str]) -> Value {
     serde_json::from_str(&ended.stdout).unwrap()
 }
 
-/// The geometry comes once, or with every window; from the beginning and from a state in the middle.
+/// The geometry is sent once, or in every window; replay from the start and from a state in the
+/// middle.
 #[test]
 fn every_kind_is_recorded_and_replays_to_the_bit() {
     for kind in KINDS {
@@ -63,7 +65,7 @@ fn every_kind_is_recorded_and_replays_to_the_bit() {
 fn a_run_leaves_files_and_a_report() {
     let place = Place::new();
     for (kind, ending) in [("rectilinear", "vtr"), ("structured", "vts"), ("unstructured", "vtu")] {
-        // Into the same folder: what the run before has left goes.
+        // Same folder: the files of the previous run are removed.
         let hexahedra = format!("volume.hexahedra={kind}");
         place.summary(&case(CASE), &sets(&[&hexahedra]));
         let entries = std::fs::read_dir(place.out().join("fields")).unwrap().flatten();
@@ -78,13 +80,14 @@ fn a_run_leaves_files_and_a_report() {
     }
 }
 
-/// Counts alone are announced, so that a plan of a million elements takes what one of eight takes.
+/// The plan needs only the announced counts: planning a million elements takes no longer than
+/// eight.
 #[test]
 fn the_plan_tells_what_a_volume_takes() {
     let (code, plan, stderr) = asked("plan", &["volume.elements=200"]);
     assert_eq!(code, Some(0), "{stderr}");
     for told in [
-        "volume_temperature             volume -> output only       8000.0 kB",
+        "volume_temperature             volume -> output only         8.00 MB",
         "volume `block` of volume: 1000000 elements, 24.8 MB of geometry once",
     ] {
         assert!(plan.contains(told), "{told}: {plan}");
@@ -106,7 +109,7 @@ fn shared_memory_is_counted_with_the_geometry() {
     assert_eq!(number(&summary, "/volume/windows"), 4.0);
 }
 
-/// A participant that wants a field of the block; it is never started.
+/// Participant that consumes a field of the block; it is never started.
 #[test]
 fn nobody_consumes_a_field_on_a_volume() {
     let description = json!({
@@ -149,12 +152,12 @@ fn a_volume_without_a_right_geometry_is_told() {
     }
 }
 
-/// Two files are the same but for rounding in the doubles that are appended.
+/// Asserts that two files are equal except for rounding in the appended doubles.
 fn assert_same_file((name, a): &(String, Vec<u8>), (_, b): &(String, Vec<u8>)) {
     const MARK: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
     let at = a.windows(MARK.len()).position(|window| window == MARK).unwrap() + MARK.len();
     assert!(a.len() == b.len() && a[..at] == b[..at], "{name}: the heads differ");
-    // Lengths, numbers of vertices and, eight at a time, types are no doubles: they are equal.
+    // Lengths, numbers of vertices and packed cell types are not doubles; they must be equal.
     for (a, b) in a[at..].as_chunks().0.iter().zip(b[at..].as_chunks().0) {
         let [a, b] = [a, b].map(|word| u64::from_le_bytes(*word));
         let off = (f64::from_bits(a) - f64::from_bits(b)).abs();
@@ -162,7 +165,7 @@ fn assert_same_file((name, a): &(String, Vec<u8>), (_, b): &(String, Vec<u8>)) {
     }
 }
 
-/// The block in another language writes the files that ours writes.
+/// Asserts that the block in another language writes the same files as ours.
 fn assert_as_in_rust(command: &str, settings: &[&str]) {
     for kind in KINDS {
         let kind = format!("volume.hexahedra={kind}");

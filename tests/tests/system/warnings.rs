@@ -1,9 +1,11 @@
-//! Whatever may not be meant is a warning of every command, and an error with `--strict`.
+//! Unintended settings and implausible values produce a warning in every command, and an error with
+//! `--strict`.
 
 use crate::harness::{Place, case, flat, sets};
 use serde_json::Value;
 
-/// A wheel of 420 m is told before it runs, in the summary and on the page; with `--strict` nothing runs.
+/// A wheel of 420 m produces a warning before the run, in the summary and on the page; with
+/// `--strict` nothing runs.
 #[test]
 fn a_mistyped_radius_is_told() {
     let file = case("wheel-rail.toml");
@@ -30,8 +32,8 @@ fn a_mistyped_radius_is_told() {
     assert!(page.contains(words));
 }
 
-/// What the material and the elements bear is told: a rail of 500 MPa under the paper's traction flows in every passage, as p₀/k is 1/0.58
-/// of the limit at most; three elements in a semi-axis are a guess.
+/// Warnings about material and grid: a rail of 500 MPa flows in every passage under the paper's
+/// traction, because its limit p₀/k is at most 1/0.58; three elements per semi-axis are too coarse.
 #[test]
 fn what_a_material_or_a_grid_does_not_bear_is_told() {
     let of = |settings: &[&str]| Place::new().summary(&case("wheel-rail.toml"), &sets(settings));
@@ -53,7 +55,8 @@ fn what_a_material_or_a_grid_does_not_bear_is_told() {
     assert!(usual["contact"]["shakedown_ratio"].as_f64().unwrap() < 1.0);
 }
 
-/// An answer beyond what is expected is told at the end, and with `--strict` an error; a usual one is not.
+/// An implausible result produces a warning at the end, and an error with `--strict`; a usual one
+/// does not.
 #[test]
 fn a_hot_answer_is_told() {
     let run = |name: &str| {
@@ -67,8 +70,8 @@ fn a_hot_answer_is_told() {
     assert_eq!(run("wheel-rail.toml").code, Some(0));
 }
 
-/// A warning reaches every command: `check`, as text and as JSON, `plan`, `run`, the summary, the page, the
-/// log, and `--strict`.
+/// A warning appears in every command: `check`, as text and as JSON, `plan`, `run`, the summary,
+/// the page, the log, and with `--strict`.
 fn reaches_everybody(name: &str, settings: &[&str], key: &str, words: &str) {
     let (file, set, place) = (case(name), sets(settings), Place::new());
     let out = place.out().display().to_string();
@@ -114,7 +117,7 @@ fn keys_that_an_option_replaces_are_told() {
     reaches_everybody("wheel-rail.toml", &settings, "motion.traction_coefficient", words);
 }
 
-/// One warning names all keys that nothing reads, and what would read them.
+/// A single warning names all keys without effect, and the models or effects that would read them.
 #[test]
 fn keys_that_nothing_reads_are_told() {
     let settings = ["mech.resolution=10", "load.normal_force=5e4", "mech.slope_factor=0.3"];
@@ -130,7 +133,7 @@ fn keys_that_nothing_reads_are_told() {
     assert!(text.contains("mech.model = \"half-space\""), "{text}");
 }
 
-/// A study that varies what nothing reads would run the same case again and again: false evidence.
+/// A study that varies a key without effect would repeat the same run, and is rejected.
 #[test]
 fn a_study_does_not_vary_what_nothing_reads() {
     let refused = |arguments: &[&str], told: &str| {
@@ -147,7 +150,7 @@ fn a_study_does_not_vary_what_nothing_reads() {
     let told = "--vary mech.slope_factor: nothing in this case reads it";
     let track = case("wheel-on-track.toml");
     refused(&["sweep", &track, "--vary", "mech.slope_factor=0.1,0.2"], told);
-    // Some of the models read it.
+    // Some of the models read the key.
     let place = Place::new();
     let out = place.out().display().to_string();
     let file = case("wheel-rail.toml");

@@ -1,8 +1,10 @@
-//! A body of finite elements under the moving ellipse of the paper: a step of an element's passage in time, with each
-//! way to solve, and the steady state; the same on 2³ and 4³ times as many unknowns. The heat of every other
-//! step is a tenth more, so that each has something to solve for.
+//! Benchmarks of a finite-element body under the moving ellipse of the paper. Measured are one step
+//! of an element's passage with each solver, and the steady state; also with 2³ and 4³ times as
+//! many unknowns. The heat of every other step is a tenth larger, so that each step has a change to
+//! solve for.
 //!
-//! The first mesh is as large as that of `thermal_kernel.c`, which is run beside it for comparison.
+//! The first mesh has the size of the mesh in `thermal_kernel.c`, which runs beside it for
+//! comparison.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use grids::Structured;
@@ -18,7 +20,7 @@ const SEMI_AXES: [f64; 2] = [7.98e-3, 6.01e-3];
 const SPEED: f64 = 38.889;
 const STEEL: Material = Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 };
 
-/// 110 × 36 elements with heat, or as many times more along and across.
+/// A grid of 110 × 36 elements with heat, refined `times` along and across.
 fn grid(times: usize) -> Structured {
     let (h, width) = (0.4e-3 / times as f64, 2.5 * SEMI_AXES[1] / (36 * times) as f64);
     let (columns, rows) = (110 * times, 36 * times);
@@ -36,7 +38,7 @@ fn heat(grid: &Structured) -> Vec<f64> {
     (0..grid.points()).map(value).collect()
 }
 
-/// 34 layers from 4 µm on, or as many times more.
+/// Elements with 34 layers from 4 µm on, refined `times`.
 fn elements(times: usize, solver: Solver) -> Elements {
     let root = 1.107_f64.powf(1.0 / times as f64);
     let first = 4e-6 * (root - 1.0) / 0.107;
@@ -58,7 +60,7 @@ fn nature(varies: bool) -> BodyProperties {
     BodyProperties { material: STEEL, points, initial: 293.15, clamps: false, surroundings }
 }
 
-/// A body, and its unknowns.
+/// Returns a body and its number of unknowns.
 fn body(times: usize, solver: Solver, varies: bool, steady: bool) -> (Body, usize) {
     let (grid, elements) = (grid(times), elements(times, solver));
     let block = Block::new(&grid, &STEEL, SPEED, &elements);
@@ -71,7 +73,7 @@ fn go(body: &mut Body, duration: f64, rise: &mut [f64], more: &mut bool) {
     let factor = if *more { 1.1 } else { 1.0 / 1.1 };
     *more = !*more;
     body.means.iter_mut().for_each(|mean| *mean *= factor);
-    body.motion.pass(duration, SPEED).expect("the speed is one to solve for");
+    body.motion.pass(duration, SPEED).expect("the solver supports the speed");
     body.motion.flux().reconstruct(&body.means);
     body.motion.warm().expect("there is a solution");
     body.motion.show(Interpolation::Bounded, rise);
@@ -107,7 +109,7 @@ fn bench(criterion: &mut Criterion) {
             });
         }
     }
-    // A thin mesh with one matrix for all steps, eliminated once.
+    // A thin mesh with one matrix for all steps, factorised once.
     let grid = Structured::contact_plane(-8e-3, -1e-3, 4e-4, 4e-4, 41, 6);
     let mut rise = vec![0.0; grid.points()];
     for (name, solver) in [

@@ -1,4 +1,5 @@
-//! The surface under a moving flux on n × n elements: making the influence of a body, and a solve with it.
+//! Benchmarks of the surface under a moving flux on n × n elements: setup of a body's influence,
+//! and a solve with it.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use grids::Structured;

@@ -1,6 +1,6 @@
-//! Closed forms, as library code: tests, reports and documentation share one truth.
+//! Closed forms shared by tests, reports and documentation.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
 //! | [`scales`] | effusivity, Péclet number, penetration depth (equations 1, 2, 6) |
 //! | [`polynomial`] | polynomial approximation of the elliptic heat flux (equations 9–12), in depth |
@@ -9,8 +9,8 @@
 //!
 //! Equations are numbered as in Naeimi et al., "Computation of the flash-temperature at the
 //! wheel–rail contact using a 3D finite element model and its comparison with analytical methods".
-//! Its analysis follows Ertz & Knothe, "A comparison of analytical and numerical methods for the
-//! calculation of temperatures in wheel/rail contact", Wear 253 (2002) 498–508.
+//! The paper's analysis follows Ertz & Knothe, "A comparison of analytical and numerical methods
+//! for the calculation of temperatures in wheel/rail contact", Wear 253 (2002) 498–508.
 //!
 //! The dimensionless coordinate ξ runs with the material: the leading edge is ξ = −1, so that
 //! x/a = −ξ in the frame of this project. The depth is ζ = z/δ with δ = a/√Pe. Deviations from the

@@ -1,4 +1,4 @@
-//! Heat conduction normal to the surface: every column of material on its own.
+//! Heat conduction normal to the surface: columns of material without lateral conduction.
 //!
 //! # Equation
 //!
@@ -15,24 +15,24 @@
 //!
 //! # Discretisation
 //!
-//! The flux arrives as means over elements and over windows of time. [`reconstruction`] turns the
-//! means into a continuous, piecewise parabolic flux that has the same means and is nowhere
-//! negative where they are not; [`moments`] integrates it against the kernel in closed form, the
-//! element of the point itself included; [`stencil`] collects the weights, which are the same for
-//! every point of the grid, and [`convolution`] applies them. In steady motion there is one
-//! stencil for both bodies, whatever their speeds, since √(h/V) comes out of the integral (h is
-//! the element length); long rows take the way over [`spectral`]. In transient motion
-//! [`history`] keeps the flux of earlier windows along the way the material has come, and the
-//! integral is exact for the reconstructed flux, held constant over each window.
+//! The flux is given as means over elements and over windows of time. [`reconstruction`] turns the
+//! means into a continuous, piecewise parabolic flux with the same means, which is nowhere negative
+//! where no mean is negative. [`moments`] integrates this flux against the kernel in closed form,
+//! also over the element that contains the point. [`stencil`] collects the weights, which are the
+//! same for every point of the grid, and [`convolution`] applies them. In steady motion one stencil
+//! serves both bodies at any speed, since √(h/V) is a factor of the integral (h is the element
+//! length); long rows use [`spectral`]. In transient motion [`history`] keeps the flux of earlier
+//! windows along the path of the material. The integral is exact for the reconstructed flux, held
+//! constant over each window.
 //!
 //! # Errors
 //!
-//! Where the flux is smooth, the parabola's error is of third order and without a mean, so that
-//! the temperature's is of order h^3.5 in the near field and h⁴ from afar. At an edge where the
-//! flux sets in like a square root the first moment of the end element is wrong by O(h^2.5), and
-//! so is the temperature some way downstream: order 2.5 is expected for elliptic fluxes. At a jump
-//! of the flux the order is 2. Windows shorter than what the grid resolves are merged, see
-//! [`history`].
+//! For a smooth flux, the error of the parabola is of third order and has zero mean. The error of
+//! the temperature is therefore of order h^3.5 in the near field and h⁴ far away. At an edge where
+//! the flux begins like a square root, the first moment of the end element has an error of
+//! O(h^2.5), and so has the temperature for some distance downstream: order 2.5 is expected for
+//! elliptic fluxes. At a jump of the flux the order is 2. Windows shorter than the grid can resolve
+//! are merged, see [`history`].
 
 pub mod convolution;
 pub mod history;

@@ -1,22 +1,23 @@
 //! Finite elements of both bodies.
 //!
-//! Conduction, ρc(T) ∂T/∂t = ∇·(λ(T) ∇T) in material that passes under the contact at the speed V towards −x, with
-//! the flux q into the surface z = 0. The mesh of a body is a product of three axes ([`mesh`]): columns along,
-//! as long as the elements of the heat flux, rows across, and layers in depth that are graded from a small part of
-//! the depth to which heat goes while an element passes ([`block`]). Hexahedra are trilinear, integrated at
-//! their vertices: mass is lumped, and a node is coupled to its six neighbours.
+//! Conduction, ρc(T) ∂T/∂t = ∇·(λ(T) ∇T) in material that passes under the contact at the speed V
+//! towards −x, with the flux q into the surface z = 0. The mesh of a body is a product of three
+//! axes ([`mesh`]): columns along, as long as the elements of the heat flux; rows across; and
+//! layers in depth. The layers are graded, beginning with a small fraction of the depth that heat
+//! reaches while the material passes an element ([`block`]). Hexahedra are trilinear and integrated
+//! at their vertices: the mass is lumped, and a node is coupled to its six neighbours.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | [`mesh`], [`block`] | axes; the mesh of a body and what the case says of it |
-//! | [`modes`], [`basis`] | modes of an axis; those across and in depth, and the way to the rows of the flux |
+//! | [`mesh`], [`block`] | axes; the mesh of a body from the settings of the case |
+//! | [`modes`], [`basis`] | modes of an axis; modes across and in depth, and their relation to the rows of the flux |
 //! | [`steady`], [`transient`] | constant properties in modes: exact along in steady motion; steps in time |
-//! | [`mesh_advection`], [`scheme`] | how a mesh moves with the material, step by step; backward Euler, BDF2, Crank–Nicolson |
-//! | [`law`], [`conductor`], [`direct`] | properties over temperature; Newton and conjugate gradients on a block; a sparse Cholesky in their place |
-//! | [`body_properties`], [`body_solver`], [`body`] | what a body is made of; a way to solve for it; which one |
-//! | [`steady_modal`], [`transient_modal`], [`steady_marching`], [`transient_nodal`] | the four ways, with their states |
-//! | [`section`], [`height`] | what is below a row; what raises the surface |
-//! | [`error`] | why there is no answer |
+//! | [`mesh_advection`], [`scheme`] | steps of a mesh that moves with the material; backward Euler, BDF2, Crank–Nicolson |
+//! | [`law`], [`conductor`], [`direct`] | properties over temperature; Newton and conjugate gradients on a block; sparse Cholesky instead of conjugate gradients |
+//! | [`body_properties`], [`body_solver`], [`body`] | material of a body; interface of the solvers; selection of a solver |
+//! | [`steady_modal`], [`transient_modal`], [`steady_marching`], [`transient_nodal`] | the four solvers with their states |
+//! | [`section`], [`height`] | temperatures below a row; thermal displacement of the surface |
+//! | [`error`] | errors of a solve |
 //!
 //! Theory, sources and figures: docs/theory/fe.md.
 

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //! # Modules
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
 //! | [`columns`] | conduction normal to the surface, with the exact Abel kernel |
 //! | [`moving_source`] | conduction in three dimensions under a moving flux, at any speed |
@@ -11,11 +11,11 @@
 //! | [`window`] | a window of time: how its heat enters the bodies |
 //! | [`Material`] | thermal properties of a body |
 //!
-//! Conventions: x is the rolling direction, y to the left, z up, origin at the centre of the
-//! contact, and the frame moves with it. Material enters the contact at its leading edge (large x)
-//! and moves towards −x at the surface speed. Temperatures are rises over the initial one [K]; a
-//! heat flux into a body is positive. Pairs of values are ordered upper, lower. All quantities are
-//! in SI units.
+//! Conventions: x is the rolling direction, y to the left, z up, with the origin at the centre of
+//! the contact; the frame moves with the contact. Material enters the contact at its leading edge
+//! (large x) and moves towards −x at the surface speed. Temperatures are rises over the initial
+//! temperature [K]; a heat flux into a body is positive. Pairs of values are ordered upper, lower.
+//! All quantities are in SI units.
 
 pub mod closed_form;
 pub mod columns;

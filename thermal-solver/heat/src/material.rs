@@ -1,6 +1,6 @@
-//! Thermal properties of a body.
+//! Material of a body.
 
-/// Thermal properties of a body, constant over the temperature.
+/// Thermal properties of a body, constant over temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Density ρ [kg/m³].
@@ -12,13 +12,13 @@ pub struct Material {
 }
 
 impl Material {
-    /// Diffusivity κ = λ/(ρc) [m²/s].
+    /// Returns the diffusivity κ = λ/(ρc) [m²/s].
     #[must_use]
     pub fn diffusivity(&self) -> f64 {
         self.conductivity / (self.density * self.specific_heat)
     }
 
-    /// Effusivity β = √(λρc) [J/(m²·K·√s)], see [`heat::closed_form::scales`].
+    /// Returns the effusivity β = √(λρc) [J/(m²·K·√s)], see [`crate::closed_form::scales`].
     #[must_use]
     pub fn effusivity(&self) -> f64 {
         (self.conductivity * self.density * self.specific_heat).sqrt()

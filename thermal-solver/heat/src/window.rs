@@ -1,9 +1,9 @@
-//! A window of time: how its heat enters the bodies, and whether it is accepted.
+//! A window of time: its heat in the bodies, and its stage.
 
-/// Heat of a window and the bodies that it enters; pairs are (upper, lower).
+/// Heat of a window and the bodies that receive it; pairs are (upper, lower).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// Length of the window [s]; infinite in steady motion.
+    /// Duration of the window [s]; infinite in steady motion.
     pub duration: f64,
     /// Surface speeds [m/s].
     pub speeds: [f64; 2],
@@ -11,11 +11,11 @@ pub struct Drive {
     pub shares: [f64; 2],
 }
 
-/// The stage of a window that a question is about.
+/// Stage of a window to which a query refers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// The last solve.
     Trial,
-    /// The last accepted one.
+    /// The last accepted solve.
     Accepted,
 }

@@ -1,4 +1,4 @@
-//! Blocks of finite elements against manufactured solutions, closed forms and NAFEMS benchmarks.
+//! Finite-element blocks against manufactured solutions, closed forms and NAFEMS benchmarks.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 
@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 const ALL: [Scheme; 3] = [Scheme::BackwardEuler, Scheme::Bdf2, Scheme::CrankNicolson];
 
-/// Nodes between two fixed ends, a gap apart.
+/// Nodes between two fixed ends, with equal gaps.
 fn inside(count: usize, length: f64) -> Axis {
     let gap = length / (count + 1) as f64;
     let places = (1..=count).map(|k| k as f64 * gap).collect();
@@ -30,8 +30,9 @@ fn request<'a>(duration: f64, scheme: Scheme, steps: u64, surface: &'a [f64]) ->
     Request { duration, by: scheme.coefficients(steps, 1.0), surface, free: &[], inside: &[] }
 }
 
-/// NAFEMS T2: a bar of 0.1 m, 1000 K at one end, radiating to 300 K at the other with ε = 0.98; 927.0 K
-/// there. 927.0076 K is the root of λ(1000 − T)/L = εσ(T⁴ − 300⁴), which a straight line meets on any mesh.
+/// NAFEMS T2: a bar of 0.1 m, held at 1000 K at one end and radiating to 300 K at the other with
+/// ε = 0.98; the reference there is 927.0 K. 927.0076 K is the root of
+/// λ(1000 − T)/L = εσ(T⁴ − 300⁴), which a straight line satisfies on any mesh.
 #[test]
 fn nafems_t2_a_bar_that_radiates() {
     let gap = 0.1 / 8.0;
@@ -46,12 +47,12 @@ fn nafems_t2_a_bar_that_radiates() {
         Request { free: &[true], ..request(f64::INFINITY, Scheme::BackwardEuler, 0, &[0.0]) };
     block.step(&steady, &mut now, [&cold, &[]], &mut Workspace::default());
     let end = 1000.0 + block.law.rise(now[0]);
-    // The benchmark has 5.67e-8 for Stefan and Boltzmann's constant, 7e-5 of it less.
+    // The benchmark uses 5.67e-8 for the Stefan–Boltzmann constant, smaller by 7e-5.
     assert!((end / 927.0076 - 1.0).abs() < 1e-5, "{end}");
 }
 
-/// NAFEMS T3: a bar of 0.1 m between 0 °C and 100 sin(πt/40) °C; 36.60 °C 0.02 m from the heated end after
-/// 32 s, 36.603045 by its series. Tolerance: the mesh, 0.05 %.
+/// NAFEMS T3: a bar of 0.1 m between 0 °C and 100 sin(πt/40) °C. The reference is 36.60 °C, 0.02 m
+/// from the heated end after 32 s; its series gives 36.603045. Tolerance: the mesh, 0.05 %.
 #[test]
 fn nafems_t3_a_bar_with_a_swinging_end() {
     let (count, steps) = (99, 320);
@@ -73,9 +74,9 @@ fn nafems_t3_a_bar_with_a_swinging_end() {
     assert!((found / 36.603_045 - 1.0).abs() < 5e-4, "{found}");
 }
 
-/// NAFEMS T4: a plate of 0.6 by 1 m, 100 °C below, insulated on the left, giving heat to air of 0 °C with
-/// 750 W/(m²·K) on the right and above; 18.25 °C on the right at 0.2 m, 18.253757 converged. Tolerance: the
-/// mesh, 0.05 %.
+/// NAFEMS T4: a plate of 0.6 by 1 m, 100 °C below, insulated on the left, and convection to air of
+/// 0 °C with 750 W/(m²·K) on the right and above. The reference on the right at 0.2 m is 18.25 °C,
+/// converged 18.253757. Tolerance: the mesh, 0.05 %.
 #[test]
 fn nafems_t4_a_plate_that_is_cooled() {
     let (conductivity, cooling, rows) = (52.0, 750.0, 200);
@@ -116,8 +117,8 @@ fn varying() -> Law {
 
 const SIDE: f64 = 0.01;
 
-/// T = 100 + 60 cos(πx/L) cos(πy/L) cos(πz/L) (1 + ½ sin ωt) in a cube without a way out, and the source that
-/// makes it a solution.
+/// T = 100 + 60 cos(πx/L) cos(πy/L) cos(πz/L) (1 + ½ sin ωt) in an insulated cube, with the source
+/// that makes it a solution.
 #[derive(Clone, Copy)]
 struct Manufactured {
     place: [f64; 3],
@@ -156,7 +157,8 @@ fn swing(time: f64) -> f64 {
     1.0 + 0.5 * (OMEGA * time).sin()
 }
 
-/// A cube of so many elements a side with layers graded by 2 from top to bottom, the nodes' places and volumes.
+/// Returns a cube of `count` elements a side, with layers graded by 2 from top to bottom, and the
+/// positions and volumes of its nodes.
 fn cube(count: usize) -> (Conductor, Vec<Manufactured>, Vec<f64>) {
     let even = Axis::middles(0.0, vec![SIDE / count as f64; count]);
     let ratio = 2_f64.powf(1.0 / count as f64);
@@ -177,8 +179,8 @@ fn cube(count: usize) -> (Conductor, Vec<Manufactured>, Vec<f64>) {
     (block, places, volumes)
 }
 
-/// Rises after each quarter of 0.1 s in so many steps; of Crank–Nicolson without its damped start, since there
-/// is nothing to damp.
+/// Returns the rises after each quarter of 0.1 s in `steps` steps. Crank–Nicolson runs without its
+/// damped start, because nothing needs damping.
 fn manufactured(count: usize, steps: usize, scheme: Scheme) -> (Vec<f64>, Vec<f64>) {
     let (block, places, volumes) = cube(count);
     let duration = 0.1 / steps as f64;
@@ -210,7 +212,7 @@ fn manufactured(count: usize, steps: usize, scheme: Scheme) -> (Vec<f64>, Vec<f6
     (found, exact)
 }
 
-/// Root of the mean square of a difference.
+/// Returns the root mean square of a difference.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
 }
@@ -230,8 +232,9 @@ fn order_two_in_space_with_properties_over_temperature() {
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.1), "{orders:?}");
 }
 
-/// On one mesh against steps eight times as short as the shortest: orders 1, 2 and 2 between four steps. The
-/// comparison with the finest, not with the solution, takes the mesh out.
+/// Orders 1, 2 and 2 between four step lengths on one mesh, against steps eight times as short as
+/// the shortest. The comparison with the finest steps instead of the solution removes the error of
+/// the mesh.
 #[test]
 fn orders_of_the_schemes_in_time() {
     for (scheme, expected) in ALL.into_iter().zip([1.0, 2.0, 2.0]) {
@@ -244,9 +247,9 @@ fn orders_of_the_schemes_in_time() {
     }
 }
 
-/// A block with every kind of boundary: convection, radiation, a fixed and a conducting end, heat on the
-/// surface. What comes in less what is stored and lost, over what comes in: below 1e-9 in every step of every
-/// scheme, iterated or eliminated.
+/// A block with every kind of boundary: convection, radiation, a fixed and a conducting end, heat
+/// on the surface. Heat in less heat stored and lost, over heat in, is below 1e-9 in every step of
+/// every scheme, iterative or direct.
 #[test]
 fn heat_is_conserved_over_every_kind_of_boundary() {
     let even = Axis::middles(0.0, vec![1e-3; 9]).ending([2e3, 0.0]);
@@ -282,8 +285,9 @@ fn heat_is_conserved_over_every_kind_of_boundary() {
     }
 }
 
-/// A block that is heated at one place and cools elsewhere, layers 1:200, cold material below: nothing becomes colder than
-/// all round it, at any step in time of backward Euler. Rounding and what the iteration leaves.
+/// A block heated at one place and cooled elsewhere, with layers 1:200 and cold material below: no
+/// node becomes colder than all of its neighbours, for any step of backward Euler. Tolerance:
+/// rounding and the error of the iteration.
 #[test]
 fn nothing_becomes_colder_than_all_round_it() {
     let even = Axis::middles(0.0, vec![1e-3; 20]);
@@ -304,7 +308,8 @@ fn nothing_becomes_colder_than_all_round_it() {
 /// Latent heat of a narrow peak over the heat capacity beside it [K].
 const LATENT: f64 = 250.0;
 
-/// Constant properties but for the lines of a table: temperature [K], and factors on λ and on ρc.
+/// Properties that are constant except at the rows of a table: temperature [K], and factors on λ
+/// and on ρc.
 fn with_steps(lines: &[[f64; 3]]) -> Law {
     let point = |[temperature, conductivity, capacity]: &[f64; 3]| Point {
         temperature: *temperature,
@@ -314,7 +319,7 @@ fn with_steps(lines: &[[f64; 3]]) -> Law {
     Law::new(&lines.iter().map(point).collect::<Vec<Point>>(), 293.15)
 }
 
-/// Laws with steps and peaks of a kelvin, and one that is smooth.
+/// Laws with steps and peaks over a kelvin, and a smooth law.
 fn laws_with_steps() -> [(&'static str, Law); 6] {
     let [cold, hot] = [[200.0, 1.0, 1.0], [2000.0, 1.0, 1.0]];
     let peak = |most: f64| {
@@ -339,11 +344,11 @@ fn laws_with_steps() -> [(&'static str, Law); 6] {
     ]
 }
 
-/// Steps and peaks of the properties, from states that are cold, hot, or hot and cold from node to
-/// node: every start ends in the same state, by iteration and by elimination, with convection,
-/// radiation and heat that enters. What comes in less what is stored and lost is below 1e-9 of what
-/// comes in. Tolerance of the states: the residual of 1e-10, times the spread of the conductances.
-/// A smooth law takes three steps from a cold state, as without a line search.
+/// Steps and peaks of the properties, from states that are cold, hot, or alternating from node to
+/// node. Every start ends in the same state, by iteration and by elimination, with convection,
+/// radiation and heat input. Heat in less heat stored and lost is below 1e-9 of heat in. Tolerance
+/// of the states: the residual of 1e-10, times the spread of the conductances. A smooth law takes
+/// three steps from a cold state, as without a line search.
 #[test]
 fn steps_of_the_properties_are_solved_from_any_start() {
     let even = Axis::middles(0.0, vec![1e-3; 9]).ending([2e3, 0.0]);
@@ -390,10 +395,10 @@ fn steps_of_the_properties_are_solved_from_any_start() {
     }
 }
 
-/// Neumann's solution of a front that takes up latent heat (Carslaw & Jaeger, 11.2): a half-space
-/// at T₀ whose surface is brought to T₁ takes up 2λ(T₁ − Tₘ)/(erf η √(πκ)) √t, with the front at
-/// 2η√(κt). The latent heat is a peak of the heat capacity over 0.2 K, less than a step of the
-/// table. Tolerance: nodes of a hundredth of the depth of the front.
+/// Neumann's solution of a front with latent heat (Carslaw & Jaeger, 11.2). A half-space at T₀
+/// whose surface is brought to T₁ takes up 2λ(T₁ − Tₘ)/(erf η √(πκ)) √t, with the front at 2η√(κt).
+/// The latent heat is a peak of the heat capacity over 0.2 K, less than a step of the table.
+/// Tolerance: nodes of a hundredth of the depth of the front.
 #[test]
 fn neumanns_front_takes_up_its_latent_heat() {
     let (surface, melts, latent) = (300.0, 107.85, LATENT);
@@ -432,7 +437,7 @@ fn neumanns_front_takes_up_its_latent_heat() {
             assert!(took.is_solved(), "{step} {took:?}");
             newton += took.newton;
         }
-        // The half of an element at the surface, which is at its temperature, is not among the
+        // The half element at the surface, which has the surface temperature, is not among the
         // nodes.
         let skin = 0.5 * body.widths[0] * 3e6 * (surface + latent);
         let took_up = block.heat(&now) + skin;
@@ -457,10 +462,10 @@ fn erf(x: f64) -> f64 {
     2.0 / PI.sqrt() * (0..60).fold((x, x), term).1
 }
 
-/// Where conjugate gradients end too early, a line of nodes that nothing but its far end cools, the
-/// error says so, and elimination solves it. Where rounding exceeds the tolerance, layers a
-/// millionth of those of the default, it does not: a shorter step solves it, and so does a thicker
-/// layer.
+/// Conjugate gradients end too early on a line of nodes that only its far end cools: the error says
+/// so, and elimination solves the case. Rounding exceeds the tolerance for layers a millionth of
+/// the default thickness: the error does not blame the iteration, and a shorter step or a thicker
+/// layer solves the case.
 #[test]
 fn the_cause_of_a_failed_solve_is_named() {
     let nature = BodyProperties {

@@ -58,14 +58,17 @@ fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             &of(LOSS),
             "W/K",
-            "what the whole body gives off, h A; absent: it stays cold",
+            "heat loss of the whole body, h A; absent: the body keeps its initial temperature",
         )
         .above(0.0),
-        KeySpec::integer(&of(PASSAGES), "earlier passages over the same place of the body")
-            .default_value(0)
-            .at_least(0.0)
-            .at_most(MOST_PASSAGES as f64),
-        KeySpec::quantity(&of(INTERVAL), "s", "time from one passage to the next").above(0.0),
+        KeySpec::integer(
+            &of(PASSAGES),
+            "number of earlier passages over the same place of the body",
+        )
+        .default_value(0)
+        .at_least(0.0)
+        .at_most(MOST_PASSAGES as f64),
+        KeySpec::quantity(&of(INTERVAL), "s", "time between two passages").above(0.0),
     ]
 }
 
@@ -90,8 +93,8 @@ pub fn spec() -> EffectSpec {
         provides: Vec::new(),
         keys: keys(),
         figures: vec![
-            figure("bulk_rise_k", "rise of the whole body", "of it the whole body"),
-            figure("residual_rise_k", "rise left by earlier passages", "left by passages before"),
+            figure("bulk_rise_k", "rise of the whole body", "of which the whole body"),
+            figure("residual_rise_k", "rise left by earlier passages", "left by earlier passages"),
         ],
     }
 }
@@ -104,35 +107,35 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<[PassageHistory; 2],
     if given.mode == Mode::Transient {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
-            "what passages leave is that of many of them, and no matter of a window of time",
+            "earlier passages are supported only in steady contacts, not in windows of time",
             "write time.mode = \"steady\" or \"sequence\", or remove the effect",
         ));
     }
     if Partition::read(&given.case)? == Partition::Continuity {
         return Err(Refusal::new(
             friction_heat::PARTITION_KEY,
-            "the heat that flows between bodies of different bulk temperature is not found",
+            "the heat that flows between bodies of different bulk temperature is not computed",
             "write \"equal\" or \"effusivity\", or remove [effects.bulk_heating]",
         ));
     }
     if given.has_effect(contact_conductance::NAME) {
         return Err(Refusal::new(
             &format!("effects.{}", contact_conductance::NAME),
-            "the heat that flows between bodies of different bulk temperature is not found",
+            "the heat that flows between bodies of different bulk temperature is not computed",
             "remove it, or [effects.bulk_heating]",
         ));
     }
     if scene.at_rest == [true; 2] {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
-            "nothing passes between bodies that are both at rest",
+            "both bodies are at rest: no place passes the contact",
             "write a motion.speed above 0, or remove the effect",
         ));
     }
     if let Some(effect) = integrated::active(given) {
         return Err(Refusal::new(
             &format!("effects.{effect}"),
-            "how much heat earlier passages have left below the surface is not found",
+            "the heat that earlier passages have left below the surface is not computed",
             "remove it, or [effects.bulk_heating]",
         ));
     }
@@ -173,7 +176,7 @@ fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<PassageH
     match (passages, interval) {
         (1.., None) => {
             let fix = format!("add `{} = \"0.1 s\"`", key(INTERVAL));
-            Err(Refusal::new(&key(INTERVAL), "missing beside passages", fix))
+            Err(Refusal::new(&key(INTERVAL), "missing; the passages need it", fix))
         }
         _ => Ok(PassageHistory {
             loss: positive(LOSS)?,
@@ -231,7 +234,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let heat = 1e-3 * situation.heat[body];
     let name = &scene.names.0[body];
     let why = format!(
-        "{heat:.2} kW that go on for long into {name} make {bulk:.1} K as a whole; earlier passages leave {residual:.1} K"
+        "{heat:.2} kW into {name} raise the whole body by {bulk:.1} K over a long time; earlier passages leave {residual:.1} K"
     );
     let relative = over_flash(body, bulk + residual);
     let advice = Advice::new(NAME, why).number("rise of the whole body over flash", relative);

@@ -62,7 +62,7 @@ impl Conductance {
         if partition == Partition::Continuity {
             return Err(Refusal::new(
                 "effects.contact_conductance",
-                "surfaces of one temperature have no conductance between them",
+                "surfaces of equal temperature have no conductance between them",
                 "write effects.friction_heat.partition = \"equal\", or remove the effect",
             ));
         }
@@ -160,7 +160,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let biot = conductance * resistance;
     // The exchanged heat reduces the difference as far as the contact conducts.
     let why = format!(
-        "difference of the flash temperatures, {:.1} %, that {conductance:.0e} W/(m2 K) evens out",
+        "difference of the flash temperatures, {:.1} %, evened out by {conductance:.0e} W/(m2 K)",
         100.0 * difference
     );
     let advice = Advice::new(NAME, why)
@@ -193,6 +193,6 @@ mod tests {
         assert_eq!(Conductance::read(&Params(json!({})), Partition::Equal), Ok(None));
         assert_eq!(read(json!({"conductance": 0.0})).unwrap_err().key, CONDUCTANCE);
         let one = Conductance::read(&case(json!({"conductance": 1.0})), Partition::Continuity);
-        assert!(one.unwrap_err().reason.contains("one temperature"));
+        assert!(one.unwrap_err().reason.contains("equal temperature"));
     }
 }

@@ -97,14 +97,14 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<Option<Current>, Ref
     if given.mode == Mode::Transient || scene.at_rest != [true; 2] {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
-            "the heat of a current is that of bodies at rest in a steady state",
+            "the heat of a current is supported only for bodies at rest in a steady state",
             "write motion.speed = 0 and time.mode = \"steady\", or remove the effect",
         ));
     }
     if given.has_effect(contact_conductance::NAME) {
         return Err(Refusal::new(
             &format!("effects.{}", contact_conductance::NAME),
-            "the heat of a current flows between bodies of one temperature where they touch",
+            "the heat of a current assumes equal temperatures of the surfaces in contact",
             "remove it, or [effects.joule_heat]",
         ));
     }
@@ -122,7 +122,7 @@ pub fn read(given: &Configuration, scene: &Scene) -> Result<Option<Current>, Ref
 /// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(_: &Situation<'_>) -> Advice {
-    Advice::new(NAME, "for a current through a resting contact, which the case has to give")
+    Advice::new(NAME, "for a current through a contact at rest; the case must give the current")
 }
 
 #[cfg(test)]

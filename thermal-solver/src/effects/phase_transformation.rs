@@ -99,14 +99,14 @@ pub fn spec() -> EffectSpec {
                 .expected(100.0..=3000.0, ABSOLUTE)
                 .default_value(EUTECTOID)
                 .above(0.0),
-            KeySpec::quantity(SHIFT, "K", "by how much A_c1 rises for a tenfold heating rate, above the reference rate")
+            KeySpec::quantity(SHIFT, "K", "rise of A_c1 for a tenfold heating rate, above the reference rate")
                 .of_differences()
                 .default_value(0.0)
                 .at_least(0.0),
             KeySpec::quantity(REFERENCE, "K/s", "heating rate up to which the start temperature holds")
                 .default_value(1.0)
                 .above(0.0),
-            KeySpec::quantity(CRITICAL, "K/s", "cooling rate from which on austenite becomes martensite")
+            KeySpec::quantity(CRITICAL, "K/s", "smallest cooling rate at which austenite becomes martensite")
                 .default_value(PEARLITIC)
                 .at_least(0.0),
         ],
@@ -114,8 +114,8 @@ pub fn spec() -> EffectSpec {
             figure("depth_m", "m", "depth of the transformed layer", "depth").headline(),
             figure("width_m", "m", "width of the transformed layer", "width"),
             figure("length_m", "m", "length of the transformed layer along the rolling direction", "length"),
-            figure("hot_length_m", "m", "length of what is still austenite at the end", "hot at the end"),
-            figure("temperature_margin_k", "K", "highest temperature over that of transformation", "margin").digits(3),
+            figure("hot_length_m", "m", "length of the austenite that remains at the end", "hot at the end"),
+            figure("temperature_margin_k", "K", "highest temperature minus the transformation temperature", "margin").digits(3),
             figure("heating_rate_k_per_s", "K/s", "heating rate through the start temperature", "heating").digits(3),
             figure("cooling_rate_k_per_s", "K/s", "cooling rate through the start temperature", "cooling").digits(3),
         ],
@@ -138,14 +138,14 @@ pub fn read(
     if given.mode == Mode::Transient && repeats {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
-            "in time every place is followed until it has passed, and where contacts repeat it comes again",
+            "a transient case follows each place until it has left the contact, but here contacts repeat",
             "write time.mode = \"steady\" or \"sequence\", another [thermal] model, or remove the effect",
         ));
     }
     if scene.at_rest == [true; 2] {
         return Err(Refusal::new(
             &format!("effects.{NAME}"),
-            "of bodies at rest no place is heated and quenched by a passage",
+            "both bodies are at rest: no place is heated and quenched by a passage",
             "write a motion.speed above 0, or remove the effect",
         ));
     }
@@ -200,7 +200,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let forms = highest >= needed && rates[1] >= criterion.critical_rate;
     Advice::new(NAME, why)
         .number("highest temperature over A_c1", highest / start)
-        .number("highest temperature over that of transformation", highest / needed)
+        .number("highest temperature over the transformation temperature", highest / needed)
         .moves(format!("white_layer.{name}.depth_m"), if forms { f64::INFINITY } else { 0.0 })
         .with(format!("effects.{NAME}={{}}"))
 }

@@ -34,7 +34,7 @@ pub fn spec() -> EffectSpec {
                 .required()
                 .above(0.0)
                 .at_most(1.0),
-            KeySpec::quantity(TEMPERATURE, "K", "temperature of what is round")
+            KeySpec::quantity(TEMPERATURE, "K", "temperature of the surroundings")
                 .expected(100.0..=3000.0, ABSOLUTE)
                 .default_value(INITIAL_TEMPERATURE)
                 .at_least(0.0),

@@ -52,7 +52,7 @@ pub fn spec() -> EffectSpec {
         provides: Vec::new(),
         keys: vec![
             KeySpec::table(&format!("materials.*.{TABLE}"), &columns(), help),
-            KeySpec::choice(BEYOND, &["refuse", "hold"], "what happens beyond a table")
+            KeySpec::choice(BEYOND, &["refuse", "hold"], "temperatures beyond a table: refuse ends the run, hold keeps the properties of the nearest end")
                 .default_value("refuse"),
         ],
     }
@@ -88,7 +88,7 @@ pub fn read(case: &Params, scene: &Scene) -> Result<([Vec<Point>; 2], bool), Ref
         let (first, last) = (points[0].temperature, points[points.len() - 1].temperature);
         if !clamps && !(first..=last).contains(&initial) {
             return Err(refused(format!(
-                "is from {first} to {last} K, and the body begins at {initial} K"
+                "covers {first} to {last} K, and the body begins at {initial} K"
             )));
         }
     }

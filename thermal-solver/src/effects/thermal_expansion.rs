@@ -42,7 +42,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     };
     let height: f64 = (0..2).filter(|body| situation.speeds[*body] > 0.0).map(raised).sum();
     let share = height / situation.approach;
-    let why = "height by which heat raises the surfaces behind the contact, over the approach; about a third of it";
+    let why = "height by which heat raises the surfaces behind the contact, over the approach; the pressure changes by about a third of this ratio";
     let advice = Advice::new(NAME, why)
         .number("thermal rise over approach", share)
         .moves(MAX_PRESSURE, PRESSED * share);

@@ -60,7 +60,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     // Both bodies contribute equally to the compliance.
     let compliance = 0.5 * shares.iter().map(|[share, _]| share.recip()).sum::<f64>();
     let least = shares.iter().map(|[_, hot]| *hot).fold(1.0, f64::min);
-    let why = "Young's modulus at the initial temperature, and in a skin as deep as the heat at the surface's (EN 1993-1-2); needs a softening_table and explicit-fe";
+    let why = "Young's modulus at the initial temperature, and within the heated depth at the surface temperature (EN 1993-1-2); needs a softening_table and explicit-fe";
     Advice::new(NAME, why)
         .number("modulus lost at the surface", 1.0 - least)
         .moves(MAX_PRESSURE, compliance.powf(-HERTZ) - 1.0)

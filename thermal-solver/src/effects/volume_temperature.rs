@@ -49,7 +49,7 @@ pub fn spec() -> EffectSpec {
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let body = situation.hotter();
-    Advice::new(NAME, "written of the elements, and changes nothing in them")
+    Advice::new(NAME, "output of the temperatures of the elements; the solution does not change")
         .moves(situation.rise_of(body), 0.0)
         .with(format!("effects.{NAME}={{}}"))
 }

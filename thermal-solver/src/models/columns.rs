@@ -135,7 +135,7 @@ impl Conduction for Columns {
             Mode::Steady => Vec::new(),
             Mode::Transient => {
                 let count = History::expected_windows(frame.grid.ni);
-                vec![format!("memory is that of a history of {count} short windows")]
+                vec![format!("the memory covers a history of {count} short windows")]
             }
         }
     }

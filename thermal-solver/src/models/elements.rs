@@ -19,7 +19,7 @@ use proto::params::Params;
 const FIRST_LAYER: &str = "thermal.first_layer";
 const LAYER_RATIO: &str = "thermal.layer_ratio";
 const DEPTH: &str = "thermal.depth";
-/// Distance behind the middle of the contact down to which temperatures are computed [m].
+/// Key of the distance behind the middle of the contact up to which temperatures are computed [m].
 pub(super) const WAKE: &str = "thermal.wake";
 const SCHEME: &str = "thermal.scheme";
 const STEP: &str = "thermal.step";
@@ -40,19 +40,19 @@ const SCHEMES: [(&str, Scheme); 3] = [
 
 /// Returns the keys of the elements.
 pub(super) fn keys() -> Vec<KeySpec> {
-    let first = "thickness of the first layer of elements; absent: a twentieth of the depth to which heat \
-                 goes while the contact passes, an eighth of that while an element does, the smaller";
+    let first = "thickness of the first layer of elements; absent: the smaller of a twentieth of the \
+                 depth that heat reaches while the contact passes and an eighth of that while an element passes";
     vec![
         KeySpec::quantity(FIRST_LAYER, "m", first).above(0.0),
-        KeySpec::number(LAYER_RATIO, "thickness of a layer over that of the one above it")
+        KeySpec::number(LAYER_RATIO, "ratio of the thickness of a layer to that of the layer above")
             .at_least(1.0)
             .at_most(3.0)
             .default_value(RATIO),
-        KeySpec::quantity(DEPTH, "m", "depth of the elements; absent: as far as heat goes").above(0.0),
+        KeySpec::quantity(DEPTH, "m", "depth of the elements; absent: as deep as heat reaches").above(0.0),
         KeySpec::quantity(
             WAKE,
             "m",
-            "how far the elements go behind the contact; absent: five times half the length of the \
+            "extent of the elements behind the contact; absent: five times half the length of the \
              heat flux's grid",
         )
         .above(0.0),
@@ -66,7 +66,7 @@ pub(super) fn keys() -> Vec<KeySpec> {
         .above(0.0),
         KeySpec::integer(
             PASSAGES,
-            "passages through the contact of a body with a return_distance, this one included",
+            "number of passages through the contact of a body with a return_distance, this one included",
         )
         .at_least(1.0)
         .at_most(1e6)
@@ -74,22 +74,22 @@ pub(super) fn keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             &format!("bodies.*.{RETURNS}"),
             "m",
-            "way after which the same places of the body are in the contact again",
+            "distance after which the same places of the body return to the contact",
         )
         .above(0.0),
         KeySpec::quantity(
             &format!("bodies.*.{THICKNESS}"),
             "m",
-            "thickness of the body; absent: as deep as heat goes",
+            "thickness of the body; absent: as deep as heat reaches",
         )
         .above(0.0),
         KeySpec::choice(
             &format!("bodies.*.{BACK}"),
             &BACKS,
-            "what is behind a body of finite thickness: nothing that takes heat (absent: that), or something \
-             that keeps its initial temperature",
+            "back of a body of finite thickness: insulated, or fixed at the initial temperature; absent: \
+             insulated",
         ),
-        KeySpec::choice(SOLVER, &SOLVERS, "how the equations of the elements are solved")
+        KeySpec::choice(SOLVER, &SOLVERS, "solver of the equations of the elements")
             .default_value("auto"),
     ]
 }
@@ -162,12 +162,12 @@ fn sheet(case: &Params, names: &Bodies, body: usize) -> Result<Option<Sheet>, Re
         "fixed" => Back::Fixed,
         other => {
             let fix = format!("write one of {}", BACKS.join(", "));
-            return Err(Refusal::new(&back_key, format!("`{other}` is no back of a body"), fix));
+            return Err(Refusal::new(&back_key, format!("`{other}` is not a back of a body"), fix));
         }
     };
     let Some(thickness) = case.maybe_number(&key)? else {
         if case.has(&back_key) {
-            let reason = "a body without a thickness has no back: it is as deep as heat goes";
+            let reason = "a body without a thickness has no back: it is as deep as heat reaches";
             return Err(Refusal::new(&back_key, reason, format!("write {key}, or leave it out")));
         }
         return Ok(None);
@@ -248,14 +248,14 @@ fn check_passages(frame: &Frame) -> Result<(), Refusal> {
             return Err(Refusal::new(
                 &key,
                 reason,
-                "write the way of a turn, or to the next contact",
+                "write the distance of a turn, or to the next contact",
             ));
         }
-        let in_modes = frame.natures[body].is_constant() && elements.solver == Solver::Auto;
+        let in_modes = frame.body_properties[body].is_constant() && elements.solver == Solver::Auto;
         if frame.mode == Mode::Transient || !in_modes {
             return Err(Refusal::new(
                 "thermal.passages",
-                "earlier passages are known in steady cases of constant properties",
+                "earlier passages are supported only in steady cases with constant properties",
                 "write time.mode = \"steady\" without temperature_material, convection and radiation, \
                  or 1 passage",
             ));
@@ -271,7 +271,7 @@ fn check_sheets(frame: &Frame) -> Result<(), Refusal> {
         if insulated && frame.mode == Mode::Steady && frame.scene.at_rest[body] {
             return Err(Refusal::new(
                 &frame.scene.names.key(body, "back"),
-                "a sheet at rest that no heat leaves has no steady state",
+                "an insulated sheet at rest has no steady state",
                 "write \"fixed\", or time.mode = \"transient\"",
             ));
         }

@@ -11,8 +11,9 @@ const START: &str = "start_rise";
 
 /// Returns the keys of the rods.
 pub(super) fn keys() -> Vec<KeySpec> {
-    let length = "length of the rod, held at its far end; absent: it stays as warm as it is";
-    let start = "rise of the rod's end at the start, from which it falls evenly to the far end";
+    let length =
+        "length of the rod, whose far end is held; absent: the body keeps its initial temperature";
+    let start = "initial rise of the contact end, which falls linearly to the far end";
     vec![
         KeySpec::quantity(&format!("bodies.*.{LENGTH}"), "m", length).above(0.0),
         KeySpec::quantity(&format!("bodies.*.{START}"), "K", start)
@@ -45,7 +46,7 @@ impl Ends {
                 return Err(Refusal::new(&key(LENGTH), reason, "write a positive length"));
             }
             if length.is_none() && start != 0.0 {
-                let reason = "a body without a length stays as warm as it is";
+                let reason = "a body without a length keeps its initial temperature";
                 let fix = format!("add `{}`, or remove the key", key(LENGTH));
                 return Err(Refusal::new(&key(START), reason, fix));
             }

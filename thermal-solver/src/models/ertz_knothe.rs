@@ -61,13 +61,13 @@ pub fn spec() -> ModelSpec {
             simplifications: vec![
                 along_the_surface(),
                 Simplification::always(
-                    "a polynomial stands for the elliptic flux",
+                    "a polynomial approximates the elliptic flux",
                     0.005,
                     "Naeimi et al., eqs. 9-12, against the quadrature of the ellipse",
                 ),
                 Simplification::with(
                     "partial_slip",
-                    "the heat of a row comes from one ellipse, wherever it is set free",
+                    "the heat of a row comes from one ellipse, wherever it arises",
                     0.08,
                     "`coordinator cost cases/wheel-rail.toml`",
                 ),

@@ -123,7 +123,7 @@ fn expected_speed(frame: &Frame, body: usize) -> f64 {
 /// Returns true if both bodies are solved in the modes of their meshes.
 fn is_modal(frame: &Frame) -> bool {
     elements(frame, LOWER).solver == Solver::Auto
-        && frame.natures.iter().all(BodyProperties::is_constant)
+        && frame.body_properties.iter().all(BodyProperties::is_constant)
 }
 
 /// Returns the number of unknowns of both bodies.
@@ -153,7 +153,7 @@ impl Conduction for FiniteElements {
         if by_pressure && frame.mode == Mode::Transient {
             return Err(Refusal::new(
                 HARDNESS,
-                "finite elements in time find what flows by a constant conductance only",
+                "finite elements in time support only a constant conductance",
                 "remove the key, or write [thermal] model = \"moving-source\"",
             ));
         }
@@ -165,7 +165,7 @@ impl Conduction for FiniteElements {
 
     fn new(frame: &Frame) -> Self {
         let body = |body: usize| {
-            let (nature, speed) = (&frame.natures[body], expected_speed(frame, body));
+            let (nature, speed) = (&frame.body_properties[body], expected_speed(frame, body));
             let steady = frame.mode == Mode::Steady;
             Body::new(&frame.grid, nature, speed, &elements(frame, body), steady)
         };

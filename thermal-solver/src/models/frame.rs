@@ -38,7 +38,7 @@ pub struct Frame {
     /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
     pub section_y: f64,
     /// Properties of the upper and the lower body, with all effects.
-    pub natures: [BodyProperties; 2],
+    pub body_properties: [BodyProperties; 2],
     /// Settings of the elements in the upper and the lower body, if the model has elements.
     pub elements: Option<[Elements; 2]>,
     /// Earlier passages over both bodies, if `bulk_heating` is active.

@@ -50,7 +50,7 @@ fn refuse_rest(
         _ if speed < 0.0 => format!("is {speed} m/s: heat is carried downstream, towards -x"),
         Mode::Steady if !at_rest => {
             "is 0 m/s: one place of it is heated without end, and conduction normal \
-                         to the surface has no steady state under that; write \
+                         to the surface then has no steady state; write \
                          time.mode = \"transient\""
                 .to_owned()
         }

@@ -170,7 +170,7 @@ impl Interface {
             }
         }
         Err(StepError::NoSolution(format!(
-            "the heat that flows between the surfaces was not found in {MOST_CORRECTIONS} \
+            "the heat that flows between the surfaces did not converge in {MOST_CORRECTIONS} \
              corrections; write another effects.friction_heat.partition, effects.contact_conductance or thermal.resolution"
         )))
     }

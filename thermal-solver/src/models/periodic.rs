@@ -112,7 +112,7 @@ impl Conduction for Periodic {
         if frame.mode == Mode::Steady {
             return Err(Refusal::new(
                 "time.mode",
-                "surfaces that are rubbed all over warm without end: model `periodic` answers in time only",
+                "surfaces that are heated everywhere warm up without end: model `periodic` supports only transient cases",
                 "write mode = \"transient\", a window and an end",
             ));
         }
@@ -121,7 +121,7 @@ impl Conduction for Periodic {
             false => Err(Refusal::new(
                 "mech.resolution",
                 format!(
-                    "model `periodic` takes an even number of elements along x, not {}",
+                    "model `periodic` needs an even number of elements along x, not {}",
                     frame.grid.ni
                 ),
                 "write an even number",

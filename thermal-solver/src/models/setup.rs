@@ -7,12 +7,12 @@ use super::elements::WAKE;
 use super::ends::Ends;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
+use crate::effects::body_properties;
 use crate::effects::bulk_heating;
 use crate::effects::contact_conductance::Conductance;
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::integrated;
 use crate::effects::joule_heat;
-use crate::effects::natures;
 use crate::effects::phase_transformation;
 use crate::effects::volume_temperature::VOLUMES;
 use crate::scene::Scene;
@@ -34,8 +34,8 @@ const SECTION_Y: &str = "thermal.section_y";
 /// Returns the key for the lateral position of the sections.
 #[must_use]
 pub fn section_key() -> KeySpec {
-    let help = "lateral coordinate of the sections; absent: through the most heat expected (of several \
-                patches the one with the highest friction power), or 0, or the middle of a grid beside it";
+    let help = "lateral coordinate of the sections; absent: where most heat is expected (of several \
+                patches the one with the highest friction power), or 0, or the middle of a grid without y = 0";
     KeySpec::quantity(SECTION_Y, "m", help)
 }
 
@@ -62,16 +62,15 @@ pub fn resolution() -> KeySpec {
 /// Returns the key for elements that are not square.
 #[must_use]
 pub fn resolution_across() -> KeySpec {
-    let help =
-        "elements across the heat flux's grid; absent: as wide as they are long, or its grid";
+    let help = "elements across the heat flux's grid; absent: square elements, or its grid";
     KeySpec::integer(RESOLUTION_ACROSS, help).at_least(1.0).at_most(1e5)
 }
 
 /// Returns the key for the extent of the grid behind the contact.
 #[must_use]
 pub fn wake() -> KeySpec {
-    let help = "how far behind the middle of the contact temperatures are given; absent: as far as the heat \
-                flux's grid goes";
+    let help = "distance behind the middle of the contact up to which temperatures are given; absent: that of \
+                the heat flux's grid";
     KeySpec::quantity(WAKE, "m", help).above(0.0)
 }
 
@@ -83,7 +82,7 @@ pub fn configure<C: Conduction>(given: &Configuration) -> Result<Setup, Refusal>
     if given.mode == Mode::Transient && !C::TRANSIENT {
         return Err(Refusal::new(
             "time.mode",
-            format!("model `{}` answers steady cases only", given.model),
+            format!("model `{}` supports only steady cases", given.model),
             "write mode = \"steady\", or [thermal] model = \"columns\"",
         ));
     }
@@ -147,7 +146,7 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
     let elements = if C::ELEMENTS { Some(elements::read(&given.case, &scene)?) } else { None };
     let known = Frame {
         section_y: section_y(given, &grid)?,
-        natures: natures(given, &scene)?,
+        body_properties: body_properties(given, &scene)?,
         criterion: phase_transformation::read(given, &scene, C::REPEATS)?,
         current: joule_heat::read(given, &scene)?,
         ends: Ends::read(&given.case, &scene.names)?,
@@ -193,7 +192,7 @@ fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
         &scene.names.key(body, "surface_speed"),
         format!(
             "`{}` is at rest: one place of it is heated without end, and conduction normal to the \
-             surface has no steady state under that",
+             surface then has no steady state",
             scene.names.0[body]
         ),
         "write time.mode = \"transient\", or a speed above 0 m/s",
@@ -214,7 +213,7 @@ fn pressure(given: &Configuration, grid: &Structured) -> Result<Option<FieldOnGr
                 "no participant provides `{name}`, which contact_conductance, joule_heat and \
                  friction_heat.partition = \"continuity\" need"
             ),
-            "remove it, or name a model that does",
+            "remove it, or name a model that provides the pressure",
         ));
     };
     let arriving = input.grid.as_ref().and_then(|arriving| arriving.as_structured());
@@ -229,7 +228,7 @@ fn heat_grid(given: &Configuration) -> Result<Option<Structured>, Refusal> {
         return Err(Refusal::new(
             "effects.friction_heat",
             format!("no participant provides `{name}`"),
-            "name a model that does",
+            "name a model that provides the friction power",
         ));
     };
     let Some(grid) = &input.grid else { return Ok(None) };
@@ -279,7 +278,7 @@ fn with_wake(grid: Structured, wake: f64) -> Result<Structured, Refusal> {
         return Err(Refusal::new(
             WAKE,
             format!(
-                "{wake} m are {more} elements of {dx:.3e} m, and {MOST_COLUMNS} at most can be"
+                "{wake} m need {more} elements of {dx:.3e} m; at most {MOST_COLUMNS} are possible"
             ),
             "make it shorter, or elements longer with thermal.resolution",
         ));
@@ -315,8 +314,8 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
     let flows = frame.conductance.is_some() || frame.partition == Partition::Continuity;
     if upper != lower && !flows {
         layout.remarks.push(format!(
-            "the bodies begin at {upper} K and {lower} K: heat that flows between them for that is \
-             left out without effects.contact_conductance"
+            "the bodies begin at {upper} K and {lower} K: the heat that flows between them is \
+             neglected without effects.contact_conductance"
         ));
     }
     for body in [LOWER, UPPER] {
@@ -324,7 +323,7 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
             layout.fields.push(on(RISE_INTEGRALS[body], CONTACT));
             if C::KEEPS_WINDOWS && frame.mode == Mode::Transient && body == LOWER {
                 layout.remarks.push(
-                    "heat that raises surfaces keeps an influence of every window of the past, beyond the memory and time above"
+                    "rise integrals keep an influence of every past window, in addition to the memory and time above"
                         .to_owned(),
                 );
             }

@@ -1,4 +1,4 @@
-//! A model driven through the contract, as the participant loop drives it, and the paper's case.
+//! A model driven through the contract like in the participant loop, and the paper's case.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
 #![allow(dead_code, reason = "each test binary uses its own part")]
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use thermal_solver::ThermalSolver;
 use thermal_solver::effects::volume_temperature::VOLUMES;
 
-/// Rises over the depth of the upper and the lower body.
+/// Rise integrals of the upper and the lower body.
 pub(crate) const INTEGRALS: [&FieldSpec; 2] =
     [&field::UPPER_RISE_INTEGRAL, &field::LOWER_RISE_INTEGRAL];
 
@@ -42,8 +42,8 @@ pub(crate) fn steel() -> Value {
     })
 }
 
-/// A row of elements `semi_axis / per_semi_axis` long, centred on multiples of that, from
-/// `from` to `to` semi-axes.
+/// A row of elements of the length `semi_axis / per_semi_axis`, centred on multiples of this
+/// length, from `from` to `to` semi-axes.
 pub(crate) fn row(per_semi_axis: usize, from: f64, to: f64) -> Structured {
     let h = SEMI_AXIS / per_semi_axis as f64;
     let n = ((to - from) * per_semi_axis as f64).round() as usize + 1;
@@ -98,7 +98,7 @@ pub(crate) fn one_point() -> Grid {
     Grid::structured("surface", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 1, 1))
 }
 
-/// Inputs at hand.
+/// Inputs of a solve.
 pub(crate) struct Given {
     pub(crate) flux: Option<Vec<f64>>,
     pub(crate) pressure: Option<Vec<f64>>,
@@ -121,7 +121,7 @@ impl Inputs for Given {
     }
 }
 
-/// Outputs asked for, by name, poisoned until they are written.
+/// Requested outputs, by name, filled with NaN until they are written.
 #[derive(Default)]
 pub(crate) struct Wanted(pub(crate) Vec<(&'static str, Vec<f64>)>);
 
@@ -198,7 +198,7 @@ impl Run {
         self.given.flux = Some(flux.to_vec());
         let (start, end) = (self.time, self.time + duration);
         let step = Step { window: 0, iteration: 1, start, end };
-        // The models look at the duration only; keep it free of rounding.
+        // The models read only the duration; keep it free of rounding.
         let step = if step.duration() == duration {
             step
         } else {
@@ -227,7 +227,7 @@ impl Run {
         self.surfaces.of(&field::UPPER_TEMPERATURE)
     }
 
-    /// Observed sections (rail, wheel) of the accepted state.
+    /// Returns the observed sections (rail, wheel) of the accepted state.
     pub(crate) fn sections(&mut self) -> Wanted {
         let specs = [&field::LOWER_SECTION_TEMPERATURE, &field::UPPER_SECTION_TEMPERATURE];
         let place =
@@ -237,7 +237,7 @@ impl Run {
         wanted
     }
 
-    /// A number of the summary, under `temperature`.
+    /// Returns a number of the summary, under `temperature`.
     pub(crate) fn summary(&self, body: &str, key: &str) -> Option<f64> {
         self.model.summary()["temperature"][body][key].as_f64()
     }
@@ -247,7 +247,7 @@ impl Run {
     }
 }
 
-/// Element means of √(1 − ξ²) on a row, from its primitive.
+/// Returns element means of √(1 − ξ²) on a row, from its primitive.
 pub(crate) fn ellipse_means(grid: &Structured) -> Vec<f64> {
     let primitive = |x: f64| {
         let xi = (x / SEMI_AXIS).clamp(-1.0, 1.0);
@@ -256,15 +256,15 @@ pub(crate) fn ellipse_means(grid: &Structured) -> Vec<f64> {
     means(grid, primitive)
 }
 
-/// Element means from a primitive.
+/// Returns element means from a primitive.
 pub(crate) fn means(grid: &Structured, primitive: impl Fn(f64) -> f64) -> Vec<f64> {
     let h = grid.dx();
     let mean = |i: usize| (primitive(grid.x(i) + 0.5 * h) - primitive(grid.x(i) - 0.5 * h)) / h;
     (0..grid.ni).map(mean).collect()
 }
 
-/// Element means of friction power [W/m²] along the centre line of Carter's strip solution with
-/// the slip law `carter-pressure`, for a traction coefficient.
+/// Returns element means of friction power [W/m²] along the centre line of Carter's strip solution
+/// with the slip law `carter-pressure`, for a traction coefficient.
 pub(crate) fn carter_means(grid: &Structured, traction_coefficient: f64) -> Vec<f64> {
     let k = (1.0 - traction_coefficient / FRICTION).sqrt();
     let slip_per_xi = 2.0 * FRICTION * HERTZ_PRESSURE * COMPLIANCE;
@@ -281,7 +281,7 @@ pub(crate) fn carter_means(grid: &Structured, traction_coefficient: f64) -> Vec<
         if low >= high {
             return 0.0;
         }
-        // The substitution takes away the square roots at both ends.
+        // The substitution removes the square roots at both ends.
         let sum = integrate(0.0, 1.0, |t| {
             power(low + (high - low) * t * t * (3.0 - 2.0 * t)) * 6.0 * t * (1.0 - t)
         });
@@ -294,7 +294,7 @@ pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
 }
 
-/// Largest difference, relative to the largest value of the second.
+/// Returns the largest difference, relative to the largest value of the second.
 pub(crate) fn difference(a: &[f64], b: &[f64]) -> f64 {
     let apart = a.iter().zip(b).fold(0.0, |worst: f64, (a, b)| worst.max((a - b).abs()));
     apart / largest(b)

@@ -1,4 +1,4 @@
-//! The link to a server, over which the program there answers what the coordinator asks before a
+//! Connection to a server. Over it the remote program answers requests of the coordinator before a
 //! run.
 
 use super::files::send_files;
@@ -13,15 +13,15 @@ use std::io::Write;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// From one look at the link to the next.
+/// Interval between checks of the link.
 const LOOK: Duration = Duration::from_millis(50);
-/// Longest wait for the server to close the connection.
+/// Maximum wait for the server to close the connection.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-/// A membership that is left in order when the process ends.
+/// Membership in a run, left in order when the process ends.
 pub(super) type Membership = Arc<Mutex<Option<RunDir>>>;
 
-/// A link to a server; with it ends the process.
+/// Monitored connection to a server. Losing it ends the process.
 pub(super) struct Connection {
     pub(super) link: Link,
 }
@@ -44,14 +44,14 @@ impl Connection {
         Ok(Self { link: link.map_err(ClientError::of)? })
     }
 
-    /// The next message of the server; its last words are an error. That it comes, or the link is lost,
-    /// is the monitor's to see.
+    /// Returns the next message of the server; a final error message becomes an error. Waits
+    /// without limit: the monitor ends the process if the link is lost.
     pub(super) fn next(&self) -> Result<Vec<u8>, ClientError> {
         loop {
             let message = match self.link.within(LOOK) {
                 Ok(Some(message)) => message,
                 Ok(None) => continue,
-                // The monitor says why, and ends the process.
+                // The monitor reports the reason and ends the process.
                 Err(_) if self.link.lost().is_none() => {
                     std::thread::sleep(LOOK);
                     continue;
@@ -70,7 +70,7 @@ impl Connection {
         self.link.sending.send(frame).map_err(ClientError::of)
     }
 
-    /// Asks the program there; what it has written to its standard output.
+    /// Sends a request to the remote program and returns its standard output.
     pub(super) fn ask(&self, question: Question, input: &[u8]) -> Result<Vec<u8>, ClientError> {
         self.send(&Frame::Ask { question, input })?;
         let answer = self.next()?;
@@ -84,33 +84,33 @@ impl Connection {
         }
     }
 
-    /// Description of the program there.
+    /// Asks the remote program for its description.
     pub(super) fn description(&self) -> Result<Description, ClientError> {
         let said = self.ask(Question::Describe, &[])?;
         serde_json::from_slice(&said).map_err(|error| {
-            ClientError::of(format!("the description of the program there is not valid: {error}"))
+            ClientError::of(format!("the description of the remote program is not valid: {error}"))
         })
     }
 
-    /// Leaves, as was to be expected.
+    /// Closes the connection in order.
     pub(super) fn close(self) {
         self.link.close(FAREWELL);
     }
 }
 
-/// Ends the process, whatever its other threads do; the run's folder is left in order.
+/// Leaves the run in order and ends the process, whatever other threads do.
 pub(super) fn leave(membership: &Membership, code: u8) -> ! {
     drop(membership.lock().map(|mut run| run.take()));
     std::process::exit(code.into());
 }
 
-/// The server does not follow the conversation.
+/// Error for a message of the server that does not fit the protocol.
 pub(super) fn out_of_turn() -> ClientError {
-    ClientError::of("the server says something out of turn")
+    ClientError::of("the server sent an unexpected message")
 }
 
-/// A description without `reusable`: the link to the server closes with a run. What is none stays as it
-/// is.
+/// Removes `reusable` from a description, because the link to the server closes after a run.
+/// Invalid JSON is returned unchanged.
 pub(super) fn of_one_run(said: Vec<u8>) -> Vec<u8> {
     match serde_json::from_slice::<serde_json::Map<String, serde_json::Value>>(&said) {
         Ok(mut description) => {
@@ -121,10 +121,11 @@ pub(super) fn of_one_run(said: Vec<u8>) -> Vec<u8> {
     }
 }
 
-/// Asks the program at the server `--describe`, `--estimate` or `--advise`; what it says.
+/// Runs the remote program with `--describe`, `--estimate` or `--advise` and returns its standard
+/// output.
 ///
 /// # Errors
-/// The server is not reached or has another key; the program fails.
+/// Fails if the server cannot be reached or has a different key, or the program fails.
 pub fn ask(client: &Client, option: &str, input: &[u8]) -> Result<Vec<u8>, ClientError> {
     let connection = Connection::open(client, &Membership::default())?;
     let question = match option {

@@ -1,4 +1,4 @@
-//! Files that a case names travel with it, and no path does.
+//! Transfer of the files a case names. Paths are not transmitted.
 
 use super::ClientError;
 use crate::frame::Frame;
@@ -12,10 +12,11 @@ use std::path::Path;
 
 /// Bytes of a file in one message.
 const PIECE: usize = 1 << 20;
-/// Letters of the ending of a name that travel.
+/// Maximum length of a file extension that is transmitted.
 const ENDING: usize = 16;
 
-/// Sends the files that a configuration names. One that is none is the participant's to refuse.
+/// Sends the files named by a configuration. An invalid configuration is left for the participant
+/// to reject.
 pub(super) fn send_files(
     sending: &Sending,
     description: &Description,
@@ -34,7 +35,8 @@ pub(super) fn send_files(
     Ok(())
 }
 
-/// Gives a file away piece by piece, the last one marked.
+/// Reads a file in pieces and passes each to `give`, which also learns whether the piece is the
+/// last.
 pub(super) fn pieces<E: std::fmt::Display>(
     path: &Path,
     mut give: impl FnMut(&[u8], bool) -> Result<(), E>,

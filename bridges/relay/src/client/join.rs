@@ -1,4 +1,4 @@
-//! Taking part in a run in the place of the participant at the server.
+//! Takes part in a run on behalf of the remote participant.
 
 use super::connection::{Connection, Membership, leave, out_of_turn};
 use super::participant::LocalParticipant;
@@ -12,18 +12,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// From one look at the coordinator to the next.
+/// Interval between checks of the coordinator.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Takes part in a run.
+/// Takes part in a run until the run is finished.
 ///
 /// # Errors
-/// The run cannot be joined, the server not reached; or how the participant there has ended.
+/// Fails if the run cannot be joined, the server cannot be reached, or the remote participant
+/// fails.
 pub fn join(client: &Client, folder: &Path, role: &str) -> Result<(), ClientError> {
     let run = RunDir::join(folder, role).map_err(ClientError::of)?;
     let info = run.info().clone();
     let watch = run.watch().map_err(ClientError::of)?;
-    // Declared first: whatever ends the process, ports close before the run's folder is left.
+    // Declared first, so that ports close before the process leaves the folder of the run.
     let membership: Membership = Arc::new(Mutex::new(Some(run)));
     let finished = Arc::new(Mutex::new(false));
     follow(move || watch.is_alive(), Arc::clone(&membership), Arc::clone(&finished));
@@ -32,7 +33,7 @@ pub fn join(client: &Client, folder: &Path, role: &str) -> Result<(), ClientErro
     if description.role != role {
         let (name, plays) = (&description.name, &description.role);
         return Err(ClientError::of(format!(
-            "{}: the program there, `{name}`, plays `{plays}`, not `{role}`",
+            "{}: the remote program, `{name}`, plays `{plays}`, not `{role}`",
             client.address
         )));
     }
@@ -44,17 +45,17 @@ pub fn join(client: &Client, folder: &Path, role: &str) -> Result<(), ClientErro
     let (participant, heart) = LocalParticipant::open(&info, role).map_err(ClientError::of)?;
     connection.link.listen(Some(heart));
     let mut service = Service::new(participant, &connection, description, client.packing);
-    // The coordinator ends after the reply to `Finish`, which is no fault any more.
+    // The coordinator may end after the reply to `Finish`; this is no error.
     let served = service.serve(|| *finished.lock().unwrap_or_else(PoisonError::into_inner) = true);
     drop(service);
-    // Its ports belong to the node, which closes after them.
+    // Ports of the participant belong to its node and must close first.
     connection.link.listen(None);
     served?;
     connection.close();
     Ok(())
 }
 
-/// Ends the process when the coordinator is dead, whatever is waited for, until the run is finished.
+/// Ends the process if the coordinator dies before the run is finished.
 fn follow(
     is_alive: impl Fn() -> bool + Send + 'static,
     membership: Membership,
@@ -64,7 +65,7 @@ fn follow(
         while is_alive() {
             std::thread::sleep(LOOK);
         }
-        // Held until the process ends: the run is not finished meanwhile.
+        // Held until the process ends, so that the run cannot be marked as finished meanwhile.
         let finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
         if *finished {
             return;
@@ -78,7 +79,7 @@ fn follow(
 mod tests {
     use super::*;
 
-    /// For a run that is not finished this would end the process of the test.
+    /// If the run were not marked as finished, this would end the test process.
     #[test]
     fn a_coordinator_that_ends_after_the_run_is_no_fault() {
         let finished = Arc::new(Mutex::new(true));

@@ -1,4 +1,4 @@
-//! The place of the participant in the run: its ports, and the heart that beats as its own does.
+//! Local ports that represent the remote participant, and its relayed heartbeat.
 
 use crate::link::LivenessSink;
 use contract::message::{Command, ProgressReport, Reply};
@@ -10,21 +10,21 @@ use proto::transport::{
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What the participant does: the number of the last command that it has dealt with, or this.
+/// Activity of the participant: the number of the last completed command, or this value while busy.
 const BUSY: u64 = u64::MAX;
 
-/// The ports of a participant.
+/// Ports of the participant.
 pub(super) struct LocalParticipant {
     commands: Receiver<Command>,
     replies: Sender<Reply>,
     coordinator: Ringer,
     doorbell: Doorbell,
     activity: Arc<AtomicU64>,
-    // Last: ports close before the node that they belong to.
+    // Last field: ports must close before the node that owns them.
     pub(super) endpoint: Arc<Endpoint>,
 }
 
-/// Heart of the participant at the server, which beats for the coordinator here.
+/// Heartbeat of the remote participant, passed on to the coordinator.
 struct Heart {
     index: usize,
     coordinator: Ringer,
@@ -34,7 +34,8 @@ struct Heart {
 }
 
 impl LocalParticipant {
-    /// Joins, as the participant of this role; and who hears its signs of life.
+    /// Joins the run under this role. Also returns the receiver of the remote participant's
+    /// heartbeat.
     pub(super) fn open(
         run: &RunInfo,
         role: &str,
@@ -53,7 +54,7 @@ impl LocalParticipant {
         Ok((Self { commands, replies, coordinator, doorbell, activity, endpoint }, Box::new(heart)))
     }
 
-    /// The next command. That the coordinator dies ends the process.
+    /// Waits for the next command. The process ends if the coordinator dies.
     pub(super) fn command(&self) -> Result<Message<Command>, TransportError> {
         let command = self.doorbell.wait(|| self.commands.receive(), |_, _| ())?;
         self.activity.store(BUSY, Ordering::Release);
@@ -65,7 +66,7 @@ impl LocalParticipant {
         self.coordinator.ring()
     }
 
-    /// The command with this number has been dealt with.
+    /// Marks the command with this number as completed.
     pub(super) fn idle_after(&self, command: u64) {
         self.activity.store(command, Ordering::Release);
     }

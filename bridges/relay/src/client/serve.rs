@@ -1,4 +1,5 @@
-//! From command to reply: what belongs to it goes to the server, and what comes back enters the run.
+//! Relays commands: sends each command with its inputs and files to the server, and returns reply,
+//! outputs and files to the run.
 
 use super::ClientError;
 use super::connection::{Connection, of_one_run, out_of_turn};
@@ -16,19 +17,19 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The largest state that is written [byte].
+/// Maximum size of a state that is written [byte].
 const LARGEST_STATE: u64 = 64 << 30;
 
-/// What of the run is open.
+/// Open ports of the run.
 struct Ports {
     readers: Readers,
     writers: Writers,
     patience: Duration,
-    /// It answers every `Accept`.
+    /// True if the participant replies to every `Accept`, because it has grids that move.
     moves: bool,
 }
 
-/// A state on its way into a file.
+/// State file being written.
 struct Saving {
     path: PathBuf,
     partial: PathBuf,
@@ -37,13 +38,13 @@ struct Saving {
     fault: Option<String>,
 }
 
-/// How a command is dealt with.
+/// Outcome of a command.
 enum Dealt {
     Answered(Reply, Vec<u8>),
     Silently,
 }
 
-/// Answers commands in the place of the participant at the server.
+/// Answers commands on behalf of the remote participant.
 pub(super) struct Service<'a> {
     connection: &'a Connection,
     description: Description,
@@ -51,9 +52,9 @@ pub(super) struct Service<'a> {
     packing: Packing,
     ports: Option<Ports>,
     saving: Option<Saving>,
-    /// Commands that it has not seen, as they failed here.
+    /// Number of commands that failed here and were not sent to the server.
     kept_back: u64,
-    // Last: ports close before the node that they belong to.
+    // Last field: ports must close before the node that owns them.
     participant: LocalParticipant,
 }
 
@@ -77,7 +78,8 @@ impl<'a> Service<'a> {
         }
     }
 
-    /// Until the run is finished, which is told before the coordinator learns it.
+    /// Answers commands until the run is finished. Calls `finished` before the coordinator receives
+    /// the last reply.
     pub(super) fn serve(&mut self, finished: impl Fn()) -> Result<(), ClientError> {
         loop {
             let message = self.participant.command().map_err(ClientError::of)?;
@@ -144,8 +146,8 @@ impl<'a> Service<'a> {
         }
     }
 
-    /// What the server needs before a command, and its body as it goes there; within the result, why the
-    /// command fails here. Bodies that are none are the participant's to refuse.
+    /// Sends the data a command needs and returns the body to send. The inner error says why the
+    /// command fails here. An invalid body is left for the participant to reject.
     fn prepare(
         &mut self,
         kind: Option<CommandKind>,
@@ -203,7 +205,7 @@ impl<'a> Service<'a> {
         Ok(())
     }
 
-    /// Sends a state, and what was sent last, ahead of the command.
+    /// Sends the state and the saved outputs ahead of the command.
     fn send_state(&self, file: &StateFile) -> Result<(), String> {
         let all = std::iter::once(&file.path).chain(file.outputs.iter().map(|output| &output.path));
         for (part, path) in all.enumerate() {
@@ -216,7 +218,7 @@ impl<'a> Service<'a> {
         Ok(())
     }
 
-    /// The reply, and before it all that belongs to it.
+    /// Waits for the reply, and publishes the samples and the state that arrive before it.
     fn answer(&mut self) -> Result<(Reply, Vec<u8>), ClientError> {
         loop {
             let message = self.connection.next()?;
@@ -241,7 +243,7 @@ fn failed(command: &Command, error: String) -> Dealt {
     Dealt::Answered(Reply::new(Status::Failed, command.sequence), body)
 }
 
-/// The body of `Save` or `Restore` with the names and grids alone.
+/// Returns the body of `Save` or `Restore` without paths; names and grids remain.
 fn without_paths(file: StateFile) -> Vec<u8> {
     let name = |output: OutputFile| OutputFile { path: PathBuf::new(), ..output };
     let outputs = file.outputs.into_iter().map(name).collect();
@@ -267,7 +269,7 @@ impl Saving {
         self.bytes += bytes.len() as u64;
         if self.bytes > LARGEST_STATE {
             let most = LARGEST_STATE >> 30;
-            return Err(std::io::Error::other(format!("the server sends more than {most} GiB")));
+            return Err(std::io::Error::other(format!("the server sent more than {most} GiB")));
         }
         let file = match &mut self.file {
             Some(file) => file,

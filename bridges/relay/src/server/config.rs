@@ -1,23 +1,23 @@
-//! Settings that every conversation of a server shares.
+//! Settings shared by all conversations of a server.
 
 use crate::key::Key;
 use crate::routes::Components;
 use run::programs::Program;
 use std::time::Duration;
 
-/// Conversations at the same time: a run has one, `conform` and sweeps several.
+/// Maximum number of simultaneous conversations. A run has one; `conform` and sweeps have several.
 pub(super) const CONVERSATIONS: usize = 32;
 
-/// Program that a server offers, and the key of those who may use it.
+/// Program offered by a server, with the key required to use it.
 pub(super) struct ServerConfig {
-    /// The program that takes part.
+    /// Program that takes part, with its arguments.
     pub(super) program: Program,
-    /// The role that it plays.
+    /// Role of the program.
     pub(super) role: String,
-    /// Components of its fields.
+    /// Components of the program's fields.
     pub(super) components: Components,
-    /// The key that both ends have.
+    /// Key shared by both ends.
     pub(super) key: Key,
-    /// Without a sign of life for so long, the link is lost.
+    /// Silence of the client after which the link counts as lost.
     pub(super) silence: Duration,
 }

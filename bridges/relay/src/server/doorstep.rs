@@ -1,27 +1,28 @@
-//! Callers that have not proven the key yet: few, for a short time, and few of one address.
+//! Callers that have not yet proven the key. Their number, also per address, and their time are
+//! limited.
 //!
-//! Where there is no room the one that waits longest has to go: an honest caller proves the key within a
-//! round trip, and one that only waits can keep nobody out.
+//! If there is no room, the caller that has waited longest is dropped. An honest caller proves the
+//! key within a round trip, so that idle callers cannot keep others out.
 
 use std::collections::VecDeque;
 use std::net::{IpAddr, Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Longest wait for the proof.
+/// Maximum wait for the proof.
 pub(super) const PATIENCE: Duration = Duration::from_secs(5);
-/// Callers that wait, and those of one address.
+/// Maximum number of waiting callers, in total and from one address.
 const MOST: usize = 64;
 const MOST_OF_ONE: usize = 16;
 
-/// Who waits, the longest first.
+/// Waiting callers, longest wait first.
 #[derive(Clone, Default)]
 pub(super) struct Doorstep(Arc<Mutex<Callers>>);
 
 #[derive(Default)]
 struct Callers {
     waiting: VecDeque<Caller>,
-    /// How many have come.
+    /// Number of callers so far.
     count: u64,
 }
 
@@ -31,14 +32,14 @@ struct Caller {
     number: u64,
 }
 
-/// A caller's place, which is free again when it is dropped.
+/// Place of a waiting caller, freed on drop.
 pub(super) struct Waiting {
     doorstep: Doorstep,
     number: u64,
 }
 
 impl Doorstep {
-    /// Lets a caller wait; `None` if it has gone already.
+    /// Adds a caller; `None` if it has already disconnected.
     pub(super) fn enter(&self, stream: &TcpStream) -> Option<Waiting> {
         let address = stream.peer_addr().ok()?.ip();
         let stream = stream.try_clone().ok()?;

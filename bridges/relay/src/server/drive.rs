@@ -1,8 +1,8 @@
-//! The program as a participant of a run that exists here only: what the coordinator sends it reaches it through
-//! shared memory, as if the coordinator were here.
+//! Runs the program as a participant of a local run. Data from the remote coordinator reaches it
+//! through shared memory, as if the coordinator were on this machine.
 //!
-//! Nothing here has a deadline of its own but the start: the coordinator has them all, hears every heartbeat, and
-//! leaves when it does not want to wait any longer; with it goes the participant.
+//! Only the start has a deadline here. The coordinator receives every heartbeat, applies all other
+//! deadlines, and disconnects when one expires; the participant then ends.
 
 use super::config::ServerConfig;
 use super::place::Place;
@@ -17,7 +17,7 @@ use coupling::ParticipantIndex;
 use proto::transport::TransportError;
 use run::deadlines::Deadlines;
 use run::error::RunError;
-use run::peers::{COORDINATOR, EndsFirst, Peers, Phase, Seat, Stopped};
+use run::peers::{COORDINATOR, ParticipantSlot, Peers, Phase, ProcessGuard, Stopped};
 use run::progress::{Progress, Work};
 use run::supervise::Exit;
 use std::fs::File;
@@ -27,9 +27,9 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-/// The participant.
+/// Index of the only participant.
 const ONE: ParticipantIndex = ParticipantIndex::FIRST;
-/// Longer than any coordinator waits.
+/// Longer than the deadline of any coordinator.
 const FOR_EVER: Duration = Duration::from_secs(365 * 86_400);
 const DEADLINES: Deadlines = Deadlines {
     start: Duration::from_secs(300),
@@ -39,10 +39,10 @@ const DEADLINES: Deadlines = Deadlines {
 };
 /// Bytes of a state in one message.
 const PIECE: u64 = 1 << 20;
-/// Of an error of a process that has just ended.
+/// Time for a process to exit after its connection failed.
 const EXITS: Duration = Duration::from_millis(200);
 
-/// How a run ends early: the exit code and the last words of the client.
+/// Early end of a run: exit code and error message for the client.
 #[derive(Debug)]
 pub(super) struct Over {
     pub(super) code: u8,
@@ -54,7 +54,7 @@ impl Over {
         Self { code: 1, words: words.to_string() }
     }
 
-    /// A process has ended: its last words, or how.
+    /// Describes the exit of a process: its last words, or how it ended.
     fn exit(exit: &Exit) -> Self {
         let code =
             exit.status.and_then(|status| status.code()).and_then(|code| u8::try_from(code).ok());
@@ -83,7 +83,7 @@ macro_rules! over_of {
 }
 over_of!(Fault, TransportError, ForwardError, SampleError, RunError, std::io::Error);
 
-/// Long work is shown at the client.
+/// Shows the progress of long work at the client.
 struct ToClient(Sending);
 
 impl std::fmt::Debug for ToClient {
@@ -96,14 +96,14 @@ impl Progress for ToClient {
     fn window(&self, _done: u64, _reached: f64) {}
 
     fn working(&self, work: &Work<'_>) {
-        // A link that is lost is the monitor's to notice.
+        // The monitor notices a lost link.
         let _ = self.0.sign(&Frame::Progress(work.report));
     }
 
     fn finish(&self) {}
 }
 
-/// Takes part until the client finishes or leaves.
+/// Takes part in a run until the client finishes or leaves.
 pub(super) fn run(
     config: &ServerConfig,
     link: &Link,
@@ -111,7 +111,7 @@ pub(super) fn run(
     packing: Packing,
 ) -> Result<(), Over> {
     let ServerConfig { program, role, components, .. } = config;
-    let seat = Seat { role: role.clone(), program: program.clone(), attach: false };
+    let seat = ParticipantSlot { role: role.clone(), program: program.clone(), attach: false };
     let mut peers = Peers::start(&[seat], DEADLINES, None)?;
     processes.end_with(link, peers.end_first());
     peers.show_on(&(Rc::new(ToClient(link.sending.clone())) as Rc<dyn Progress>));
@@ -144,14 +144,14 @@ pub(super) fn run(
 }
 
 struct Run<'a> {
-    // Processes end first, ports close next, the run's folder goes last.
-    _ends_first: EndsFirst,
+    // Drop order: processes end first, then ports close, then the folder of the run is removed.
+    _ends_first: ProcessGuard,
     link: &'a Link,
     packing: Packing,
     components: Components,
     ports: Option<(Readers, Writers)>,
     place: Place,
-    /// It answers every `Accept`.
+    /// True if the participant replies to every `Accept`, because it has grids that move.
     moves: bool,
     peers: Peers,
 }
@@ -184,7 +184,7 @@ impl Run<'_> {
         }
     }
 
-    /// The next message of the client.
+    /// Waits for the next message of the client.
     fn next(&mut self) -> Result<Vec<u8>, Over> {
         let Self { peers, link, .. } = self;
         let found = || match link.poll() {
@@ -198,7 +198,7 @@ impl Run<'_> {
         next.map_err(|stopped| self.over(stopped))?
     }
 
-    /// Passes a command on, and sends back what comes of it; whether it was the last one.
+    /// Passes a command on and sends back its results. Returns true after the last command.
     fn command(&mut self, command: Command, body: &[u8]) -> Result<bool, Over> {
         let kind = CommandKind::from_number(command.kind);
         let (body, topics) = self.local(kind, body)?;
@@ -240,7 +240,8 @@ impl Run<'_> {
         Ok(done && kind == Some(CommandKind::Finish))
     }
 
-    /// The body of a command as it is here. One that is none is the participant's to refuse.
+    /// Converts the body of a command for this machine. An invalid body is left for the participant
+    /// to reject.
     fn local(
         &mut self,
         kind: Option<CommandKind>,
@@ -286,7 +287,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Sends the state that has just been saved.
+    /// Sends the state that was just saved.
     fn send_state(&self) -> Result<(), Over> {
         let path: PathBuf = self.place.part(0);
         let mut file = File::open(path)?;
@@ -302,7 +303,7 @@ impl Run<'_> {
         }
     }
 
-    /// Why a wait has ended, for the client.
+    /// Converts the reason why a wait has ended into an error for the client.
     fn over(&self, stopped: Stopped) -> Over {
         match stopped {
             Stopped::Interrupted(signal) => {
@@ -310,11 +311,13 @@ impl Run<'_> {
             }
             Stopped::Exited(exit) => Over::exit(&exit),
             Stopped::ReplyLost(_) => Over::of(
-                "at the server it has processed the last command, but its reply did not arrive",
+                "the participant at the server processed the last command, but its reply did not arrive",
             ),
             Stopped::Late(_, patience) => {
                 let seconds = patience.as_secs_f64();
-                Over::of(format!("at the server it did not join within {seconds:.0} s"))
+                Over::of(format!(
+                    "the participant at the server did not join within {seconds:.0} s"
+                ))
             }
             Stopped::Silent(..) | Stopped::Gone(_) => {
                 Over::of("the participant at the server is gone")
@@ -335,5 +338,5 @@ impl Run<'_> {
 }
 
 fn out_of_turn() -> Over {
-    Over::of("the client says something out of turn")
+    Over::of("the client sent an unexpected message")
 }

@@ -1,4 +1,4 @@
-//! Files of a conversation: those that the case names, and states. Their names are of this end's choice.
+//! Files of a conversation: files named by the case, and states. This end chooses all file names.
 
 use proto::recording::CaseFile;
 use run::record::portable_body;
@@ -9,15 +9,15 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// Files that a case may name, and the bytes of all of them.
+/// Maximum number and total size [byte] of the files named by a case.
 const FILES: usize = 256;
 const BYTES: u64 = 4 << 30;
-/// Parts of a state: itself, and what was sent last.
+/// Maximum number of parts of a state: the state itself and the saved outputs.
 const PARTS: u16 = 256;
 const LARGEST_STATE: u64 = 64 << 30;
 
-/// A folder that is removed when this is dropped, or if its process is killed with the run that it lies
-/// in, or by the next process.
+/// Folder removed on drop. If the process is killed, the folder is removed with its run, or by the
+/// next process.
 enum Folder {
     OfRun(TempDir),
     Own(Scratch),
@@ -32,19 +32,19 @@ impl Folder {
     }
 }
 
-/// A folder that goes with the conversation, and what is in it.
+/// Folder of a conversation, and its files.
 pub(super) struct Place {
     folder: Folder,
-    /// Files by the key of the case, with the path here.
+    /// Local path of each file, by its key in the case.
     files: BTreeMap<String, PathBuf>,
-    /// What is being written.
+    /// File being written.
     open: Option<(PathBuf, File)>,
     file_bytes: u64,
     state_bytes: u64,
 }
 
 impl Place {
-    /// In the folder of a run, or wherever the system has such folders.
+    /// Creates the folder within the folder of a run, or in the scratch space of the system.
     pub(super) fn new(within: Option<&Path>) -> io::Result<Self> {
         let folder = match within {
             Some(within) => {
@@ -56,7 +56,7 @@ impl Place {
         Ok(Self { folder, files, open: None, file_bytes: 0, state_bytes: 0 })
     }
 
-    /// A piece of the file under a key of the case.
+    /// Writes a piece of the file named under a key of the case.
     pub(super) fn file(
         &mut self,
         key: &str,
@@ -91,7 +91,7 @@ impl Place {
         self.piece(path, bytes, last)
     }
 
-    /// A piece of a part of a state.
+    /// Writes a piece of a part of a state.
     pub(super) fn state(&mut self, part: u16, bytes: &[u8], last: bool) -> io::Result<()> {
         self.state_bytes += bytes.len() as u64;
         if part >= PARTS || self.state_bytes > LARGEST_STATE {
@@ -113,12 +113,12 @@ impl Place {
         Ok(())
     }
 
-    /// Where a part of a state is.
+    /// Returns the path of a part of a state.
     pub(super) fn part(&self, part: u16) -> PathBuf {
         self.folder.path().join(format!("part-{part}"))
     }
 
-    /// The state has been dealt with.
+    /// Removes the files of a state.
     pub(super) fn clear_state(&mut self) {
         self.state_bytes = 0;
         for part in 0..PARTS {
@@ -128,7 +128,7 @@ impl Place {
         }
     }
 
-    /// A configuration with the paths here in the place of the client's.
+    /// Replaces the client's paths in a configuration by local ones.
     pub(super) fn configuration(&self, body: &[u8]) -> Vec<u8> {
         let file = |(key, path): (&String, &PathBuf)| CaseFile {
             key: key.clone(),

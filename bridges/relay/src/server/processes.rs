@@ -1,33 +1,33 @@
 //! Processes that end with a link.
 
 use crate::link::Link;
-use run::peers::EndsFirst;
+use run::peers::ProcessGuard;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The processes of a run, which end with the link.
+/// Processes of a run, ended with the link.
 #[derive(Clone, Default)]
-pub(super) struct Processes(Arc<Mutex<Option<EndsFirst>>>);
+pub(super) struct Processes(Arc<Mutex<Option<ProcessGuard>>>);
 
 impl Processes {
-    /// These end with the link.
-    pub(super) fn end_with(&self, link: &Link, processes: EndsFirst) {
+    /// Ends these processes when the link ends.
+    pub(super) fn end_with(&self, link: &Link, processes: ProcessGuard) {
         self.set(Some(processes));
         if link.lost().is_some() {
             self.set(None);
         }
     }
 
-    /// The run is over.
+    /// Releases the processes at the end of a run.
     pub(super) fn let_go(&self) {
         self.set(None);
     }
 
-    fn set(&self, processes: Option<EndsFirst>) {
+    fn set(&self, processes: Option<ProcessGuard>) {
         let before = {
             let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             std::mem::replace(&mut *held, processes)
         };
-        // Ends them, which takes a while.
+        // Ends the previous processes, which takes a while; the lock is free meanwhile.
         drop(before);
     }
 }

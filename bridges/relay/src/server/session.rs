@@ -1,4 +1,4 @@
-//! One conversation: questions, and perhaps a run.
+//! Conversation with one client: requests, and possibly a run.
 
 use super::config::{CONVERSATIONS, ServerConfig};
 use super::drive::{Over, run};
@@ -11,18 +11,19 @@ use contract::text::one_line;
 use run::signals;
 use std::time::{Duration, Instant};
 
-/// From one look at the line to the next.
+/// Interval between checks of the link.
 const LOOK: Duration = Duration::from_millis(50);
-/// Longest wait for an answer of the program; who asks has a deadline of his own, and leaves.
+/// Maximum wait for an answer of the program. The client has its own deadline, and disconnects when
+/// it expires.
 const ANSWER: Duration = Duration::from_secs(3600);
-/// Last words are read within this time.
+/// Maximum wait for the client to read the final message.
 const FAREWELL: Duration = Duration::from_secs(5);
 
-/// What ends a conversation early.
+/// Reason for the early end of a conversation.
 enum Ends {
-    /// There is nobody to say it to.
+    /// The link is lost, so that the client cannot be informed.
     Lost(String),
-    /// The client is told.
+    /// The client receives this exit code and message.
     Told { code: u8, words: String },
 }
 
@@ -43,12 +44,13 @@ fn told(words: impl std::fmt::Display) -> Ends {
     Ends::Told { code: 1, words: words.to_string() }
 }
 
-/// A runtime for questions.
+/// Runtime for requests.
 pub(super) fn runtime() -> std::io::Result<tokio::runtime::Runtime> {
     tokio::runtime::Builder::new_current_thread().enable_all().build()
 }
 
-/// Talks to a client until it leaves, if there is room for it; whether there was a run.
+/// Serves a client until it leaves, or refuses it if there is no room. Returns true if there was a
+/// run.
 pub(super) fn talk(sealed: Sealed, config: &ServerConfig, has_room: bool) -> bool {
     let processes = Processes::default();
     let ends = processes.clone();
@@ -63,10 +65,10 @@ pub(super) fn talk(sealed: Sealed, config: &ServerConfig, has_room: bool) -> boo
     let ended = match has_room {
         true => session.talk(),
         false => {
-            Err(told(format!("the server has {CONVERSATIONS} conversations, and takes no more")))
+            Err(told(format!("the server has {CONVERSATIONS} conversations, which is the maximum")))
         }
     };
-    // However the client leaves once it has all.
+    // After a finished run, the way in which the client leaves does not matter.
     if session.run == Some(Course::Finished) {
         tracing::info!("the run is finished");
         return true;
@@ -88,7 +90,7 @@ pub(super) fn talk(sealed: Sealed, config: &ServerConfig, has_room: bool) -> boo
     session.run.is_some()
 }
 
-/// How far a run is.
+/// Stage of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Course {
     Begun,
@@ -123,12 +125,12 @@ impl Session<'_> {
                     self.run = Some(Course::Finished);
                 }
                 Frame::Bye => return Ok(()),
-                _ => return Err(told("the client says something out of turn")),
+                _ => return Err(told("the client sent an unexpected message")),
             }
         }
     }
 
-    /// Asks the program, as long as the one who wants to know is there.
+    /// Runs the program for an answer, as long as the client stays connected.
     fn ask(&self, question: Question, input: &[u8], place: &Place) -> Result<(), Ends> {
         let input = match question {
             Question::Estimate => place.configuration(input),
@@ -147,7 +149,7 @@ impl Session<'_> {
             }
         });
         let Some(answered) = answered else {
-            return Err(Ends::Lost("nobody waits for the answer".to_owned()));
+            return Err(Ends::Lost("the client left before the answer".to_owned()));
         };
         let (code, said) = match answered {
             Ok(said) => (0, said),
@@ -156,10 +158,10 @@ impl Session<'_> {
         Ok(self.link.sending.send(&Frame::Answer { code, said: &said })?)
     }
 
-    /// Last words, and the time to read them.
+    /// Sends the final message and waits for the client to read it.
     fn tell(&self, code: u8, words: &str) {
         let words = one_line(words);
-        // To whoever waits for a message, and to the monitor of the link if nobody does.
+        // Sent twice: as a message for a waiting client, and as a sign for the monitor of its link.
         let ended = Frame::Ended { code, words: &words };
         if self.link.sending.send(&ended).is_ok() && self.link.sending.sign(&ended).is_ok() {
             let until = Instant::now() + FAREWELL;

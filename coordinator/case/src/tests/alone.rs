@@ -1,10 +1,10 @@
-//! What is judged without a description, and what is not.
+//! Checks without descriptions: the coordinator's keys are checked, the others are listed.
 
 use super::{GOOD, lines};
-use crate::{Alone, Problems, RawCase, Timing, judge_alone};
+use crate::{Problems, RawCase, StandaloneCheck, Timing, check_without_participants};
 
-fn alone(text: &str) -> Result<Alone, Problems> {
-    judge_alone(&RawCase::parse("case.toml", text)?)
+fn alone(text: &str) -> Result<StandaloneCheck, Problems> {
+    check_without_participants(&RawCase::parse("case.toml", text)?)
 }
 
 #[test]
@@ -47,7 +47,7 @@ fn own_keys_and_their_rules_are_judged() {
     assert!(nobody.contains("the case has no participant"), "{nobody}");
 }
 
-/// A section with a model alone may be a table that a participant reads: it is listed, not refused.
+/// A section with only a model may be a table that a participant reads: it is listed, not refused.
 #[test]
 fn what_only_a_participant_can_judge_is_listed() {
     let text = GOOD.replacen("[motion]", "[layer]\nmodel = \"thin\"\n[motion]", 1);

@@ -2,7 +2,7 @@
 
 use super::{GOOD, case, lines};
 
-/// A change of the good case, and the errors it must give: "line:column key: reason | fix".
+/// A change of the good case, and its expected errors: "line:column key: reason | fix".
 struct BadCase {
     replace: &'static str,
     by: &'static str,
@@ -19,7 +19,7 @@ fn every_error_names_its_place_and_its_fix() {
     }
 }
 
-/// Errors of different kinds are reported together, as a person sees them.
+/// Errors of different kinds are reported together, as the user sees them.
 #[test]
 fn all_errors_are_reported_at_once() {
     let bad = GOOD
@@ -43,7 +43,7 @@ const FIVE: &str = r#"error: case.toml:6:10: wheel.radius: unit `kN` cannot be c
     |          ^^^^^^^^
   fix: write a number in m or a text with a unit, for example "0.5 m"
 
-error: case.toml:16:1: motion.sped: unknown key; the coordinator, mech and thermal do not read it
+error: case.toml:16:1: motion.sped: unknown key; not read by the coordinator, mech and thermal
   16 | sped = "140 km/h"
      | ^^^^
   fix: write `motion.speed`
@@ -56,7 +56,7 @@ error: case.toml:17:24: motion.traction_coefficient: 0.62 is not below friction.
 error: case.toml:23:1: effects.partial_slp: unknown effect `partial_slp`; did you mean `partial_slip`?
   23 | [effects.partial_slp]
      | ^^^^^^^^^^^^^^^^^^^^^
-  fix: write [effects.partial_slip]; there are friction_heat (mech, thermal) and partial_slip (mech)
+  fix: write [effects.partial_slip]; available effects: friction_heat (mech, thermal) and partial_slip (mech)
 
 error: case.toml: load: missing section [load]
   fix: add [load] with `normal_force = "100 kN"`
@@ -69,21 +69,21 @@ const ROWS: &[BadCase] = &[
         replace: r#"speed = "140 km/h""#,
         by: r#"sped = "140 km/h""#,
         errors: &[
-            "16:1 motion.sped: unknown key; the coordinator, mech and thermal do not read it | write `motion.speed`",
+            "16:1 motion.sped: unknown key; not read by the coordinator, mech and thermal | write `motion.speed`",
         ],
     },
     BadCase {
         replace: "coefficient = 0.6\n",
         by: "coefficient = 0.6\ndecay_temperature = \"200 °C\"\n",
         errors: &[
-            r#"22:21 friction.decay_temperature: `200 °C` is a temperature, and a difference of temperatures is asked for; K can be both | write "200 K""#,
+            r#"22:21 friction.decay_temperature: `200 °C` is a temperature, but a temperature difference is expected | write "200 K""#,
         ],
     },
     BadCase {
         replace: "[wheel]",
         by: "[weel]",
         errors: &[
-            "5:1 weel: unknown section; the coordinator, mech and thermal do not read it | write [wheel]",
+            "5:1 weel: unknown section; not read by the coordinator, mech and thermal | write [wheel]",
         ],
     },
     BadCase {
@@ -224,21 +224,21 @@ const ROWS: &[BadCase] = &[
         replace: "density = 7850",
         by: "densty = 7850",
         errors: &[
-            "13:1 materials.steel.densty: unknown key; the coordinator, mech and thermal do not read it | write `materials.steel.density`",
+            "13:1 materials.steel.densty: unknown key; not read by the coordinator, mech and thermal | write `materials.steel.density`",
         ],
     },
     BadCase {
         replace: "[effects.partial_slip]",
         by: "[effects.partial_slp]",
         errors: &[
-            "25:1 effects.partial_slp: unknown effect `partial_slp`; did you mean `partial_slip`? | write [effects.partial_slip]; there are friction_heat (mech, thermal) and partial_slip (mech)",
+            "25:1 effects.partial_slp: unknown effect `partial_slp`; did you mean `partial_slip`? | write [effects.partial_slip]; available effects: friction_heat (mech, thermal) and partial_slip (mech)",
         ],
     },
     BadCase {
         replace: "[effects.partial_slip]",
         by: "[effects.magic]",
         errors: &[
-            "25:1 effects.magic: unknown effect `magic` | remove it; there are friction_heat (mech, thermal) and partial_slip (mech)",
+            "25:1 effects.magic: unknown effect `magic` | remove it; available effects: friction_heat (mech, thermal) and partial_slip (mech)",
         ],
     },
     BadCase {
@@ -280,7 +280,7 @@ const ROWS: &[BadCase] = &[
         replace: r#"model = "columns""#,
         by: r#"model = "moving-source""#,
         errors: &[
-            r#"31:9 thermal.model: model `moving-source` cannot answer a steady case | write "columns", or set time.mode to "transient""#,
+            r#"31:9 thermal.model: model `moving-source` does not support a steady case | write "columns", or set time.mode to "transient""#,
         ],
     },
     BadCase {
@@ -315,7 +315,7 @@ const ROWS: &[BadCase] = &[
         replace: r#"partition = "equal""#,
         by: r#"partiton = "equal""#,
         errors: &[
-            "24:1 effects.friction_heat.partiton: unknown key; the coordinator, mech and thermal do not read it | write `effects.friction_heat.partition`",
+            "24:1 effects.friction_heat.partiton: unknown key; not read by the coordinator, mech and thermal | write `effects.friction_heat.partition`",
         ],
     },
     BadCase {
@@ -404,7 +404,7 @@ const ROWS: &[BadCase] = &[
         replace: "[load]",
         by: "[track]\nmodel = \"x\"\n[load]",
         errors: &[
-            "18:1 track: unknown section: no participant of this name was asked | remove it; a participant of your own needs `track.command`",
+            "18:1 track: unknown section: no participant has this name | remove it; a participant of your own needs `track.command`",
         ],
     },
     BadCase {
@@ -496,7 +496,7 @@ const ROWS: &[BadCase] = &[
         replace: "[load]",
         by: "[materials.\"1.4301\"]\n[load]",
         errors: &[
-            "18:1 materials.1.4301: a name must not be empty or have a dot in it | write `1_4301`",
+            "18:1 materials.1.4301: a name must not be empty or contain a dot | write `1_4301`",
         ],
     },
     BadCase {
@@ -519,22 +519,22 @@ const ROWS: &[BadCase] = &[
         replace: "[case]",
         by: "speed = 3\n[case]",
         errors: &[
-            "1:1 speed: unknown key; the coordinator, mech and thermal do not read it | write `motion.speed`",
+            "1:1 speed: unknown key; not read by the coordinator, mech and thermal | write `motion.speed`",
         ],
     },
     BadCase {
         replace: "[case]",
         by: "zzz = 3\n[case]",
         errors: &[
-            "1:1 zzz: unknown key; the coordinator, mech and thermal do not read it | remove it",
+            "1:1 zzz: unknown key; not read by the coordinator, mech and thermal | remove it",
         ],
     },
     BadCase {
         replace: r#"normal_force = "134 kN""#,
         by: "normal_force = \"134 kN\"\nspeed = 3\nfriction_coefficient=3",
         errors: &[
-            "20:1 load.speed: unknown key; the coordinator, mech and thermal do not read it | write `motion.speed`",
-            "21:1 load.friction_coefficient: unknown key; the coordinator, mech and thermal do not read it | remove it, or write normal_force instead",
+            "20:1 load.speed: unknown key; not read by the coordinator, mech and thermal | write `motion.speed`",
+            "21:1 load.friction_coefficient: unknown key; not read by the coordinator, mech and thermal | remove it, or write normal_force instead",
         ],
     },
 ];

@@ -89,8 +89,8 @@ fn errors_of_options_name_the_option() {
     let rows = [
         (
             "motion.sped=3",
-            "--set motion.sped=3 motion.sped: unknown key; the coordinator, mech \
-          and thermal do not read it | write `motion.speed`",
+            "--set motion.sped=3 motion.sped: unknown key; not read by the coordinator, mech \
+          and thermal | write `motion.speed`",
         ),
         (
             "wheel.radius=5 kg",
@@ -105,7 +105,7 @@ fn errors_of_options_name_the_option() {
         (
             "effects.magic={}",
             "--set effects.magic={} effects.magic: unknown effect `magic` | \
-          remove it; there are friction_heat (mech, thermal) and partial_slip (mech)",
+          remove it; available effects: friction_heat (mech, thermal) and partial_slip (mech)",
         ),
         (
             "mech.model=half",
@@ -135,7 +135,7 @@ fn errors_of_options_name_the_option() {
         (
             "effects.a={",
             "--set effects.a={ effects.a: the value is not TOML: unclosed inline \
-          table, expected `}` | mind that the shell takes quotes away: --set 'key=\"value\"'",
+          table, expected `}` | the shell removes quotes; write --set 'key=\"value\"'",
         ),
     ];
     for (option, expected) in rows {
@@ -159,7 +159,7 @@ fn all_bad_options_are_reported_at_once() {
 #[test]
 fn the_text_gives_the_same_case_again() {
     let raw = RawCase::parse("case.toml", GOOD).unwrap();
-    assert_eq!(raw.text(), GOOD, "untouched: the very file");
+    assert_eq!(raw.text(), GOOD, "an unchanged case is the very text of the file");
     let options = [
         "effects.partial_slip={}",
         "motion.creepage={xi=-0.01}",

@@ -1,16 +1,16 @@
-//! Nothing that a user can write makes the front end panic, and no error is without a fix.
+//! No input makes the case crate panic, and every error has a fix.
 
 use super::{GOOD, descriptions};
-use crate::{Problems, RawCase, judge_alone, validate};
+use crate::{Problems, RawCase, check_without_participants, validate};
 use proptest::prelude::*;
 
-/// Validates whatever can be read, and shows the errors.
+/// Validates any readable input, and formats the errors.
 fn survive(bytes: &[u8], set: &[String]) -> Result<(), TestCaseError> {
     let checked = RawCase::parse_bytes("case.toml", bytes).and_then(|mut raw| {
         let applied = raw.apply(set, &[]);
         let roles = raw.participants().len();
         assert!(roles < 50);
-        if let Err(problems) = judge_alone(&raw) {
+        if let Err(problems) = check_without_participants(&raw) {
             assert!(!problems.list().is_empty());
         }
         let validated = validate(&raw, &descriptions(), &[]);
@@ -39,7 +39,7 @@ fn complete(problems: &Problems) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Pieces of cases, to be put where they do not belong.
+/// Fragments of cases, inserted at wrong places.
 const PIECES: &[&str] = &[
     "[",
     "]",
@@ -91,7 +91,7 @@ fn piece() -> impl Strategy<Value = String> {
     ]
 }
 
-/// The good case with some ranges replaced; a place is a share of the length.
+/// The good case with some ranges replaced; a position is a fraction of the length.
 fn mutated() -> impl Strategy<Value = String> {
     let edit = (0.0..1.0_f64, 0_usize..12, piece());
     proptest::collection::vec(edit, 1..6).prop_map(|edits| {
@@ -105,7 +105,7 @@ fn mutated() -> impl Strategy<Value = String> {
     })
 }
 
-/// Whole lines of the good case left out, doubled or swapped.
+/// The good case with whole lines removed, doubled or swapped.
 fn shuffled() -> impl Strategy<Value = String> {
     let count = GOOD.lines().count();
     proptest::collection::vec((0..count, 0..3_u8), 0..6).prop_map(|edits| {

@@ -1,4 +1,4 @@
-//! Text that is no case: broken TOML, duplicate keys, other bytes, deep nesting.
+//! Malformed text: broken TOML, duplicate keys, other bytes, deep nesting.
 
 use super::lines;
 use crate::{Place, RawCase};
@@ -33,7 +33,7 @@ fn a_file_that_is_not_there_is_named() {
     let problem = &error.list()[0];
     assert_eq!(problem.place, Place::Case { path: "no/such/case.toml".into() });
     assert!(problem.reason.starts_with("cannot be read: "), "{}", problem.reason);
-    assert!(RawCase::read(std::path::Path::new(".")).is_err(), "a folder is no case");
+    assert!(RawCase::read(std::path::Path::new(".")).is_err(), "a folder is not a case");
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn deep_nesting_is_an_error_and_no_overflow() {
         let value = text.split_once('=').map_or(text.as_str(), |(_, value)| value);
         let set = raw.set(&format!("x={value}"));
         match value {
-            // The depth of this one was in its key.
+            // The nesting of this assignment was in its key.
             " 1" => assert!(set.is_ok() && raw.text().contains("x = 1"), "{}", raw.text()),
             _ => assert!(set.is_err() && !raw.has("x"), "{value:.40}"),
         }

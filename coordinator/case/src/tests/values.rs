@@ -1,8 +1,8 @@
-//! What a good case becomes.
+//! Values of a valid case.
 
 use super::{GOOD, case, case_with, descriptions, effect, lines, mech, thermal};
 use crate::schema::{ROLE, own_keys};
-use crate::{Control, Limits, OutputFields, Place, RawCase, Timing, validate};
+use crate::{Control, Coupling, Limits, OutputFields, Place, RawCase, Timing, validate};
 use contract::description::KeySpec;
 use contract::field;
 use coupling::map::Method;
@@ -14,6 +14,7 @@ fn settings_have_their_values_and_defaults() {
     let plain = case(GOOD).unwrap();
     assert_eq!(plain.title.as_deref(), Some("A test"));
     assert_eq!(plain.timing, Timing::Steady);
+    assert_eq!(plain.coupling, Coupling::default(), "the schema has the defaults of the structure");
     assert_eq!(plain.coupling.scheme, Scheme::Auto);
     let deadlines = [
         plain.coupling.solve_deadline,
@@ -77,16 +78,16 @@ fn settings_of_an_implicit_scheme() {
 }
 
 #[test]
-fn methods_of_mapping_suit_the_field_unless_chosen() {
+fn methods_of_mapping_are_left_open_unless_chosen() {
     let [consistent, conservative] = [field::LOWER_TEMPERATURE, field::FRICTION_POWER];
     let methods = |sets: &[&str]| {
         let mappings = case_with(GOOD, sets).unwrap().mappings;
         [consistent, conservative].map(|field| mappings.method_of(&field.kind()))
     };
-    assert_eq!(methods(&[]), [Method::NearestProjection, Method::Intersection]);
-    assert_eq!(methods(&["mapping.method=radial-basis"]), [Method::RadialBasis; 2]);
+    assert_eq!(methods(&[]), [None; 2]);
+    assert_eq!(methods(&["mapping.method=radial-basis"]), [Some(Method::RadialBasis); 2]);
     let own = ["mapping.method=nearest-neighbour", "mapping.fields.friction_power.method=auto"];
-    assert_eq!(methods(&own), [Method::NearestNeighbour, Method::Intersection]);
+    assert_eq!(methods(&own), [Some(Method::NearestNeighbour), None]);
 }
 
 #[test]
@@ -161,7 +162,7 @@ fn a_refusal_of_a_participant_gets_its_place() {
     assert!(set.report(Vec::new()).is_none());
 }
 
-/// An effect whose keys use a wildcard in a group, a product and a name of their own.
+/// An effect whose keys use a wildcard in a group, a product and a name.
 #[test]
 fn groups_and_products_work_within_each_entry_of_a_table() {
     let mut descriptions = descriptions();
@@ -222,12 +223,13 @@ fn a_case_of_one_participant_of_ones_own() {
     let error = super::case(idle).unwrap_err();
     assert_eq!(
         lines(&error),
-        ["3:1 thermal: nothing would run: without an effect thermal has no part | add an effect, \
+        ["3:1 thermal: nothing would run: no active effect needs thermal | add an effect, \
           or another participant"]
     );
 }
 
-/// The thermal program of the case is a simpler one: what the usual one reads is no error.
+/// The case replaces the thermal program by a simpler one: keys of the default program are no
+/// error.
 #[test]
 fn keys_of_the_program_that_is_replaced_are_noted() {
     let usual = descriptions();
@@ -251,7 +253,8 @@ fn keys_of_the_program_that_is_replaced_are_noted() {
     let usual_name = format!("{} as thermal", usual[0].1.name);
     assert!(case.unread.iter().all(|unread| readers(unread) == [usual_name.as_str()]));
     assert!(!case.values.has("thermal.resolution"), "nobody has checked it");
-    // Without it, and for what it does not know either, as ever.
+    // Keys that neither program knows, and a case without the default program, give errors as
+    // usual.
     assert_eq!(validate(&raw, &descriptions, &[]).unwrap_err().list().len(), 2);
     raw.apply(&["thermal.resolutoin=3", "effects.radiation={}"], &[]).unwrap();
     let error = validate(&raw, &descriptions, &usual).unwrap_err();

@@ -1,39 +1,40 @@
-//! What a check can see of a participant, and what can be wrong with it.
+//! Findings of a check, and faults of a participant.
 
 use proto::transport::TransportError;
 
-/// What was seen of a participant that keeps the demand, or why there is nothing to keep.
+/// Finding of a check that did not fail: the participant meets the demand, or the demand does not
+/// apply.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Seen {
-    /// It keeps it.
+pub(super) enum Finding {
+    /// The participant meets the demand.
     Kept(String),
-    /// The demand does not concern it.
+    /// The demand does not concern the participant.
     Inapplicable(String),
 }
 
-impl Seen {
-    pub(super) fn kept(what: impl Into<String>) -> Result<Self, Fault> {
+impl Finding {
+    pub(super) fn kept(what: impl Into<String>) -> Result<Self, CheckFailure> {
         Ok(Self::Kept(what.into()))
     }
 
-    pub(super) fn inapplicable(why: impl Into<String>) -> Result<Self, Fault> {
+    pub(super) fn inapplicable(why: impl Into<String>) -> Result<Self, CheckFailure> {
         Ok(Self::Inapplicable(why.into()))
     }
 }
 
-/// Why a check did not go through.
+/// Reason why a check failed.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Fault {
+pub(super) enum CheckFailure {
     /// The participant violates the contract.
     Broken(String),
-    /// It took too long; or the machine is busy.
+    /// The participant took too long, or the machine is busy.
     Late(String),
-    /// The user wants to stop.
+    /// The user has interrupted the command.
     Interrupted(&'static str),
 }
 
-impl Fault {
-    /// The same, with where it happened before it.
+impl CheckFailure {
+    /// Prepends the place of the fault.
     pub(super) fn at(self, place: &str) -> Self {
         match self {
             Self::Broken(what) => Self::Broken(format!("{place}: {what}")),
@@ -43,29 +44,29 @@ impl Fault {
     }
 }
 
-/// The fault with these words.
-pub(super) fn broken<T>(what: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault::Broken(what.into()))
+/// Returns a fault of this description.
+pub(super) fn broken<T>(what: impl Into<String>) -> Result<T, CheckFailure> {
+    Err(CheckFailure::Broken(what.into()))
 }
 
-/// Too late, in these words.
-pub(super) fn late<T>(what: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault::Late(what.into()))
+/// Returns a delay of this description.
+pub(super) fn late<T>(what: impl Into<String>) -> Result<T, CheckFailure> {
+    Err(CheckFailure::Late(what.into()))
 }
 
-impl From<String> for Fault {
+impl From<String> for CheckFailure {
     fn from(what: String) -> Self {
         Self::Broken(what)
     }
 }
 
-impl From<TransportError> for Fault {
+impl From<TransportError> for CheckFailure {
     fn from(error: TransportError) -> Self {
         Self::Broken(error.to_string())
     }
 }
 
-impl From<std::io::Error> for Fault {
+impl From<std::io::Error> for CheckFailure {
     fn from(error: std::io::Error) -> Self {
         Self::Broken(error.to_string())
     }

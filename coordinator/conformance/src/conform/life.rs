@@ -1,78 +1,92 @@
-//! One life of the participant under test: a run of its own, with the other side in our hands.
+//! A process of the participant under test, in a run of its own, with the coordinator's side played
+//! by the checks.
 //!
-//! A [`run::session::Session`] hides what a participant must not do; a life does it: it sends any
-//! command, any sample, and looks at everything that comes back.
+//! A [`run::session::Session`] never violates the contract. A [`TestProcess`] can: it sends any
+//! command and any sample, and exposes every reply.
 
-mod answer;
-mod ending;
-
-pub(super) use answer::Answer;
-
-use super::fault::{Fault, broken, late};
-use super::given::Given;
+use super::fault::{CheckFailure, broken, late};
+use super::input::InputSource;
 use super::setting::Setting;
-use super::subject::Subject;
-use contract::configuration::{Configuration, Layout};
+use contract::configuration::{Configuration, Layout, Refusal};
 use contract::description::Description;
 use contract::grid::Grid;
 use contract::message::{
-    Command, CommandKind, FIGURES, FieldHeader, Finished, GeometryTopic, OBSERVE, Reply, STAY,
-    Status, Topic, Topics,
+    Command, CommandKind, FIGURES, Failure, FieldHeader, Finished, GeometryTopic, OBSERVE, Reply,
+    STAY, Status, Topic, Topics,
 };
 use coupling::ParticipantIndex;
-use ending::{Abandoned, nothing_left};
 use proto::model::{Step, first_non_finite};
+use proto::run_dir::{RunDir, RunInfo};
 use proto::transport::{FieldWriter, TransportError};
 use run::deadlines::Deadlines;
 use run::error::RunError;
-use run::peers::{COORDINATOR, EndsFirst, LEAVE, Peers, Seat, Stopped};
-use run::session::{MovingGrid, Tap, header, layout_fault};
-use run::supervise::Exit;
+use run::peers::{COORDINATOR, LEAVE, ParticipantSlot, Peers, ProcessGuard, Stopped};
+use run::programs::Program;
+use run::session::{FieldSubscription, MovingGrid, layout_fault};
+use run::supervise::{Exit, Supervisor};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// A participant may be silent while it is put through a check; its heartbeats have one of their own.
+/// The participant under test.
+#[derive(Clone)]
+pub(super) struct Subject {
+    /// Role of the participant.
+    pub(super) role: String,
+    /// Executable.
+    pub(super) program: Program,
+    /// Description in reply to the first question; empty without one.
+    pub(super) description: Description,
+    /// Longest wait for an answer.
+    pub(super) patience: Duration,
+}
+
+/// The usual check for heartbeats is off during the checks: a separate check covers them.
 const NEVER: Duration = Duration::MAX;
 
-/// The only participant of a run, and what it is connected to.
-pub(super) struct Life {
-    guard: EndsFirst,
-    outputs: Vec<Tap>,
-    observed: Vec<Tap>,
-    /// The volumes that observed fields are on.
-    volumes: Vec<MovingGrid>,
-    pub(super) inputs: Vec<Feed>,
-    /// When its heartbeats were received.
+/// The only participant of a run, with its connections.
+pub(super) struct TestProcess {
+    guard: ProcessGuard,
+    subject: Subject,
+    pub(super) ports: Ports,
+    /// Times at which heartbeats were received.
     pub(super) beats: Vec<Instant>,
-    role: String,
-    description: Description,
-    patience: Duration,
-    /// What was accepted last.
+    /// Last accepted step.
     accepted: Option<Step>,
     peers: Peers,
 }
 
-/// A solve that went through.
+/// The checks' ends of the topics of a run.
+#[derive(Default)]
+pub(super) struct Ports {
+    outputs: Vec<FieldSubscription>,
+    observed: Vec<FieldSubscription>,
+    /// Volumes of observed fields.
+    volumes: Vec<MovingGrid>,
+    pub(super) inputs: Vec<Feed>,
+}
+
+/// A successful solve.
 pub(super) struct Solved {
     pub(super) reply: Reply,
     pub(super) outputs: Values,
 }
 
-/// The values of several fields.
+/// Values of several fields.
 pub(super) type Values = Vec<(String, Vec<f64>)>;
 
-/// The topic of one input.
+/// Topic of an input.
 pub(super) struct Feed {
-    pub(super) given: Given,
+    pub(super) source: InputSource,
     pub(super) grid: Grid,
     pub(super) header: FieldHeader,
     writer: FieldWriter,
-    /// What was sent last.
+    /// Last values sent.
     pub(super) values: Vec<f64>,
 }
 
 impl Feed {
-    /// Sends values behind the label as it is, numbered after the last ones.
+    /// Sends values under the current label, with the next sequence number.
     pub(super) fn send(&mut self, values: &[f64], step: &Step) -> Result<(), TransportError> {
         self.header.sequence += 1;
         (self.header.window, self.header.iteration) = (step.window, step.iteration);
@@ -84,64 +98,58 @@ impl Feed {
     }
 }
 
-impl Life {
-    /// Starts the participant in a run of its own; it has not joined yet.
-    pub(super) fn start(subject: &Subject) -> Result<Self, Fault> {
+impl TestProcess {
+    /// Starts the participant in its own run, without waiting for it to join.
+    pub(super) fn start(subject: &Subject) -> Result<Self, CheckFailure> {
         Self::of_version(subject, contract::PROTOCOL_VERSION)
     }
 
-    /// Waits until it has joined.
-    pub(super) fn joined(mut self) -> Result<Self, Fault> {
-        let joined = self.peers.joined(ParticipantIndex::FIRST, self.patience);
+    /// Waits until the participant has joined.
+    pub(super) fn joined(mut self) -> Result<Self, CheckFailure> {
+        let joined = self.peers.joined(ParticipantIndex::FIRST, self.subject.patience);
         joined.map_err(|stopped| self.fault(stopped, "joining the run"))?;
         Ok(self)
     }
 
-    /// Starts the participant in a run of some version of the contract; it has not joined yet.
-    pub(super) fn of_version(subject: &Subject, protocol: u32) -> Result<Self, Fault> {
-        let (role, program) = (subject.role.clone(), subject.program.clone());
-        let seat = Seat { role: role.clone(), program, attach: false };
-        let patience = subject.patience;
+    /// Starts the participant in a run of this version of the contract, without waiting for it to
+    /// join.
+    pub(super) fn of_version(subject: &Subject, protocol: u32) -> Result<Self, CheckFailure> {
+        let Subject { role, program, patience, .. } = subject.clone();
+        let seat = ParticipantSlot { role, program, attach: false };
         let deadlines =
             Deadlines { start: patience, build: patience, solve: patience, heartbeat: NEVER };
         let started = Peers::start_version(protocol, &[seat], deadlines, None);
         let peers = started.map_err(|error| match error {
             RunError::Failed(failure) => {
-                Fault::Broken(format!("it does not start: {}", failure.what))
+                CheckFailure::Broken(format!("it does not start: {}", failure.what))
             }
-            other => Fault::Broken(other.to_string()),
+            other => CheckFailure::Broken(other.to_string()),
         })?;
-        let (outputs, observed, volumes, inputs, beats) = Default::default();
         Ok(Self {
             guard: peers.end_first(),
-            outputs,
-            observed,
-            volumes,
-            inputs,
-            beats,
-            role,
-            description: subject.description.clone(),
-            patience,
+            subject: subject.clone(),
+            ports: Ports::default(),
+            beats: Vec::new(),
             accepted: None,
             peers,
         })
     }
 
-    /// The run's folder.
+    /// Returns the folder of the run.
     pub(super) fn folder(&self) -> &Path {
         &self.peers.info().folder
     }
 
-    /// The participant's process has ended.
+    /// Returns the exit of the participant's process, if it has ended.
     pub(super) fn ended(&self) -> Option<Exit> {
         self.peers.supervisor().exits().pop()
     }
 
-    /// Why a wait has ended, as a fault of the participant.
-    fn fault(&self, stopped: Stopped, what: &str) -> Fault {
-        let broken = |how: String| Fault::Broken(format!("{what}: {how}"));
+    /// Returns the reason why a wait ended early as a fault of the participant.
+    fn fault(&self, stopped: Stopped, what: &str) -> CheckFailure {
+        let broken = |how: String| CheckFailure::Broken(format!("{what}: {how}"));
         match stopped {
-            Stopped::Interrupted(signal) => Fault::Interrupted(signal),
+            Stopped::Interrupted(signal) => CheckFailure::Interrupted(signal),
             Stopped::Exited(exit) => broken(format!("its process {exit}")),
             Stopped::Gone(_) => broken("its process is gone".to_owned()),
             Stopped::ReplyLost(_) => {
@@ -154,19 +162,20 @@ impl Life {
         }
     }
 
-    /// Sends a command; its number and the version are put in unless they are given.
-    pub(super) fn post(&mut self, command: Command, body: &[u8]) -> Result<(), Fault> {
+    /// Sends a command under the next sequence number.
+    pub(super) fn post(&mut self, command: Command, body: &[u8]) -> Result<(), CheckFailure> {
         let answered = command.kind != CommandKind::Accept as u32
             || command.flags != 0
-            || !self.volumes.is_empty();
+            || !self.ports.volumes.is_empty();
         self.peers.send(ParticipantIndex::FIRST, command, body, answered)?;
         Ok(())
     }
 
     /// Waits for the reply to the last command, and checks its label.
-    pub(super) fn answer(&mut self, what: &str) -> Result<Answer, Fault> {
-        let Self { peers, beats, patience, .. } = self;
-        let waited = peers.wait(ParticipantIndex::FIRST, *patience, || beats.push(Instant::now()));
+    pub(super) fn answer(&mut self, what: &str) -> Result<Answer, CheckFailure> {
+        let Self { peers, beats, subject, .. } = self;
+        let waited =
+            peers.wait(ParticipantIndex::FIRST, subject.patience, || beats.push(Instant::now()));
         let message = waited.map_err(|stopped| self.fault(stopped, what))?;
         let (reply, body) = (*message.header(), message.body().to_vec());
         drop(message);
@@ -185,42 +194,54 @@ impl Life {
     }
 
     /// Sends a command and waits for the reply.
-    pub(super) fn ask(&mut self, command: Command, body: &[u8]) -> Result<Answer, Fault> {
+    pub(super) fn ask(&mut self, command: Command, body: &[u8]) -> Result<Answer, CheckFailure> {
         let kind = CommandKind::from_number(command.kind);
         let what = kind.map_or_else(|| format!("command {}", command.kind), |k| format!("{k:?}"));
         self.post(command, body)?;
         self.answer(&what)
     }
 
-    /// `Configure`; a layout that fits the configuration.
-    pub(super) fn configure(&mut self, configuration: &Configuration) -> Result<Layout, Fault> {
-        let body = serde_json::to_vec(configuration).expect("a configuration is plain data");
-        let answer = self.ask(Command::new(CommandKind::Configure), &body)?.done()?;
+    /// Sends a command with its body as JSON, and waits for the reply.
+    pub(super) fn ask_with(
+        &mut self,
+        command: Command,
+        body: &impl serde::Serialize,
+    ) -> Result<Answer, CheckFailure> {
+        let body = serde_json::to_vec(body).expect("bodies of commands are plain data");
+        self.ask(command, &body)
+    }
+
+    /// Sends `Configure`, and returns the layout if it fits the configuration.
+    pub(super) fn configure(
+        &mut self,
+        configuration: &Configuration,
+    ) -> Result<Layout, CheckFailure> {
+        let command = Command::new(CommandKind::Configure);
+        let answer = self.ask_with(command, configuration)?.done()?;
         let layout: Layout = answer.json("a layout")?;
         match layout_fault(configuration, &layout) {
             None => Ok(layout),
-            Some(fault) => broken(format!("its layout cannot be: {fault}")),
+            Some(fault) => broken(format!("its layout is invalid: {fault}")),
         }
     }
 
-    /// `Configure`, `Connect` and `Initialise`; the first outputs.
-    pub(super) fn prepare(&mut self, setting: &Setting) -> Result<(Layout, Values), Fault> {
+    /// Sends `Configure`, `Connect` and `Initialise`, and returns the layout and the first outputs.
+    pub(super) fn prepare(&mut self, setting: &Setting) -> Result<(Layout, Values), CheckFailure> {
         let layout = self.configure(&setting.configuration)?;
         let first = self.initialise(setting, &layout)?;
         Ok((layout, first))
     }
 
-    /// `Connect`, with every topic open on our side, and `Initialise`.
+    /// Opens all topics, sends `Connect` and `Initialise`, and returns the first outputs.
     pub(super) fn initialise(
         &mut self,
         setting: &Setting,
         layout: &Layout,
-    ) -> Result<Values, Fault> {
+    ) -> Result<Values, CheckFailure> {
         let topics = self.open(setting, layout)?;
-        let body = serde_json::to_vec(&topics).expect("topics are plain data");
-        self.ask(Command::new(CommandKind::Connect), &body)?.done()?;
-        let deadline = Instant::now() + self.patience;
-        for feed in &self.inputs {
+        self.ask_with(Command::new(CommandKind::Connect), &topics)?.done()?;
+        let deadline = Instant::now() + self.subject.patience;
+        for feed in &self.ports.inputs {
             feed.writer.wait_for_subscribers(deadline)?;
         }
         self.none_of_outputs("Connect")?;
@@ -233,10 +254,10 @@ impl Life {
         self.collect(&before)
     }
 
-    fn open(&mut self, setting: &Setting, layout: &Layout) -> Result<Topics, Fault> {
+    fn open(&mut self, setting: &Setting, layout: &Layout) -> Result<Topics, CheckFailure> {
         let configuration = &setting.configuration;
         let mut topics = Topics {
-            deadline: self.patience.as_secs_f64(),
+            deadline: self.subject.patience.as_secs_f64(),
             interpolation: setting.interpolation,
             figures: setting.figures.clone(),
             ..Topics::default()
@@ -248,39 +269,39 @@ impl Life {
             subscribers: 1,
             geometry: grid.is_volume().then(|| MovingGrid::service(role, &grid.name)),
         };
-        let role = &self.role;
+        let role = &self.subject.role;
         for (list, names) in [
-            (&mut self.outputs, &configuration.outputs),
-            (&mut self.observed, &configuration.observed),
+            (&mut self.ports.outputs, &configuration.outputs),
+            (&mut self.ports.observed, &configuration.observed),
         ] {
             for name in names {
-                let Some(kind) = self.description.field_kind(name) else {
+                let Some(kind) = self.subject.description.field_kind(name) else {
                     return broken(format!("it provides `{name}`, which it does not describe"));
                 };
                 let grid = layout.grid_of(name).expect("the layout is checked");
                 let topic = topic(name, role, grid);
-                let known = self.volumes.iter().any(|volume| volume.grid().name == grid.name);
+                let known = self.ports.volumes.iter().any(|volume| volume.grid().name == grid.name);
                 if let Some(service) = topic.geometry.clone().filter(|_| !known) {
                     let owner = (ParticipantIndex::FIRST, role.as_str());
                     let volume = MovingGrid::open(self.peers.endpoint(), owner, grid, None)?;
-                    self.volumes.push(volume);
+                    self.ports.volumes.push(volume);
                     let grid = grid.name.clone();
                     topics.geometry.push(GeometryTopic { grid, service, subscribers: 1 });
                 }
                 let reader = self.peers.endpoint().field_reader(&topic.service)?;
-                list.push(Tap::of_role(role, kind, grid.clone(), reader));
+                list.push(FieldSubscription::of_role(role, kind, grid.clone(), reader));
                 topics.outputs.push(topic);
             }
         }
-        for (input, given) in configuration.inputs.iter().zip(&setting.given) {
+        for (input, source) in configuration.inputs.iter().zip(&setting.sources) {
             let wanted = layout.input_grid(&input.field.name).or(input.grid.as_ref());
             let grid = wanted.expect("every input of a setting has a grid").clone();
             let topic = topic(&input.field.name, COORDINATOR, &grid);
-            let length = grid.points() * given.kind.components as usize;
+            let length = grid.points() * source.kind.components as usize;
             let writer = self.peers.endpoint().field_writer(&topic.service, length, 1)?;
-            let header = header(&given.kind, &grid);
-            self.inputs.push(Feed {
-                given: given.clone(),
+            let header = FieldHeader::new(&source.kind, COORDINATOR, &grid);
+            self.ports.inputs.push(Feed {
+                source: source.clone(),
                 grid,
                 header,
                 writer,
@@ -292,36 +313,38 @@ impl Life {
         Ok(topics)
     }
 
-    /// `Finish`, after which it stays for another run; our ports close, as its own have.
-    pub(super) fn rest(&mut self) -> Result<(), Fault> {
+    /// Sends `Finish`, after which the process stays for another run, and closes the ports, as the
+    /// participant has done.
+    pub(super) fn rest(&mut self) -> Result<(), CheckFailure> {
         let finish = Command { flags: STAY, ..Command::new(CommandKind::Finish) };
         self.ask(finish, &[])?.done()?.json::<Finished>("a summary")?;
-        (self.outputs, self.observed, self.volumes, self.inputs) = Default::default();
+        self.ports = Ports::default();
         self.accepted = None;
         Ok(())
     }
 
-    /// What can be solved next: the window after the accepted one.
+    /// Returns the next step to solve: the window after the accepted one.
     pub(super) fn next(&self, setting: &Setting) -> Step {
         self.accepted.map_or_else(|| setting.step(0), |step| setting.after(&step))
     }
 
-    /// It has been restored to the state after this step.
-    pub(super) fn restored(&mut self, step: &Step) -> Result<(), Fault> {
+    /// Notes that the participant was restored to the state after this step.
+    pub(super) fn restored(&mut self, step: &Step) -> Result<(), CheckFailure> {
         self.accepted = Some(*step);
         self.take_geometry(step)
     }
 
-    /// The volumes that observed fields are on, as they are now.
+    /// Returns the current volumes of observed fields.
     pub(super) fn volumes(&self) -> impl Iterator<Item = &Grid> {
-        self.volumes.iter().map(MovingGrid::grid)
+        self.ports.volumes.iter().map(MovingGrid::grid)
     }
 
-    /// Receives the geometry of volumes; samples are on it from here on.
-    fn take_geometry(&mut self, step: &Step) -> Result<(), Fault> {
-        for volume in &mut self.volumes {
+    /// Receives the geometry of volumes; later samples are expected on it.
+    fn take_geometry(&mut self, step: &Step) -> Result<(), CheckFailure> {
+        for volume in &mut self.ports.volumes {
             while let Some(grid) = volume.take(step)? {
-                let on_it = self.observed.iter_mut().filter(|tap| tap.grid().name == grid.name);
+                let on_it =
+                    self.ports.observed.iter_mut().filter(|tap| tap.grid().name == grid.name);
                 on_it.for_each(|tap| tap.move_to(grid));
             }
         }
@@ -329,68 +352,81 @@ impl Life {
     }
 
     /// Sends every input, in a variation.
-    pub(super) fn feed(&mut self, step: &Step, variation: u32) -> Result<(), Fault> {
-        for feed in &mut self.inputs {
-            let values = feed.given.values(&feed.grid, variation);
+    pub(super) fn feed(&mut self, step: &Step, variation: u32) -> Result<(), CheckFailure> {
+        for feed in &mut self.ports.inputs {
+            let values = feed.source.values(&feed.grid, variation);
             feed.send(&values, step)?;
         }
         Ok(())
     }
 
-    /// `Solve` with what was sent last, not yet answered.
-    pub(super) fn post_solve(&mut self, step: &Step) -> Result<(), Fault> {
-        let mut command = Command::about(CommandKind::Solve, step);
-        for (slot, feed) in self.inputs.iter().enumerate() {
-            command.expected[slot] = feed.header.sequence;
-        }
-        self.post(command, &[])
+    /// Sends `Solve` with the newest inputs, without waiting for the reply.
+    pub(super) fn post_solve(&mut self, step: &Step) -> Result<(), CheckFailure> {
+        self.post(self.solve_command(step), &[])
     }
 
-    /// `Solve` with what was sent last.
-    pub(super) fn ask_solve(&mut self, step: &Step) -> Result<Answer, Fault> {
+    /// Returns `Solve` with the newest inputs.
+    pub(super) fn solve_command(&self, step: &Step) -> Command {
+        let mut command = Command::about(CommandKind::Solve, step);
+        for (slot, feed) in self.ports.inputs.iter().enumerate() {
+            command.expected[slot] = feed.header.sequence;
+        }
+        command
+    }
+
+    /// Sends `Solve` with the newest inputs, and waits for the reply.
+    pub(super) fn ask_solve(&mut self, step: &Step) -> Result<Answer, CheckFailure> {
         self.post_solve(step)?;
         self.answer("Solve")
     }
 
-    /// A solve that has to go through, with every output.
-    pub(super) fn solve(&mut self, step: &Step) -> Result<Solved, Fault> {
+    /// Solves a step, requires success, and receives every output.
+    pub(super) fn solve(&mut self, step: &Step) -> Result<Solved, CheckFailure> {
         let reply = self.ask_solve(step)?.done()?.reply;
         Ok(Solved { reply, outputs: self.collect(step)? })
     }
 
-    /// Inputs in a variation, and a solve with them.
-    pub(super) fn solve_with(&mut self, step: &Step, variation: u32) -> Result<Solved, Fault> {
+    /// Sends inputs in a variation, and solves with them.
+    pub(super) fn solve_with(
+        &mut self,
+        step: &Step,
+        variation: u32,
+    ) -> Result<Solved, CheckFailure> {
         self.feed(step, variation)?;
         self.solve(step)
     }
 
-    /// A window that is solved, with inputs in a variation, and accepted: its outputs, and the observed
-    /// fields.
-    pub(super) fn published(&mut self, step: &Step, variation: u32) -> Result<Values, Fault> {
+    /// Solves a window with inputs in a variation, and accepts it. Returns the outputs and the
+    /// observed fields.
+    pub(super) fn published(
+        &mut self,
+        step: &Step,
+        variation: u32,
+    ) -> Result<Values, CheckFailure> {
         let mut values = self.solve_with(step, variation)?.outputs;
         values.extend(self.accept(step, true)?);
         Ok(values)
     }
 
-    /// `Accept`; with the observed fields if asked for.
-    pub(super) fn accept(&mut self, step: &Step, observe: bool) -> Result<Values, Fault> {
+    /// Sends `Accept`, and returns the observed fields if requested.
+    pub(super) fn accept(&mut self, step: &Step, observe: bool) -> Result<Values, CheckFailure> {
         let mut command = Command::about(CommandKind::Accept, step);
         self.accepted = Some(*step);
-        if !observe && self.volumes.is_empty() {
+        if !observe && self.ports.volumes.is_empty() {
             self.post(command, &[])?;
             return Ok(Values::new());
         }
         command.flags = if observe { OBSERVE } else { 0 };
         self.ask(command, &[])?.done()?;
         self.none_of_outputs("Accept")?;
-        let observed = if observe { &mut self.observed[..] } else { &mut [] };
+        let observed = if observe { &mut self.ports.observed[..] } else { &mut [] };
         let values = collected(observed, step)?;
         self.take_geometry(step)?;
         Ok(values)
     }
 
-    /// `Accept`, with the figures that it was connected for.
-    pub(super) fn accept_with_figures(&mut self, step: &Step) -> Result<Vec<u8>, Fault> {
+    /// Sends `Accept`, and returns the figures that were named in `Connect`.
+    pub(super) fn accept_with_figures(&mut self, step: &Step) -> Result<Vec<u8>, CheckFailure> {
         self.accepted = Some(*step);
         let command = Command { flags: FIGURES, ..Command::about(CommandKind::Accept, step) };
         let body = self.ask(command, &[])?.done()?.body;
@@ -398,10 +434,10 @@ impl Life {
         Ok(body)
     }
 
-    /// Exactly one sample of every output, none of an observed field.
-    pub(super) fn collect(&mut self, step: &Step) -> Result<Values, Fault> {
-        let values = collected(&mut self.outputs, step)?;
-        for tap in &mut self.observed {
+    /// Receives exactly one sample of every output. Observed fields must not have been sent.
+    pub(super) fn collect(&mut self, step: &Step) -> Result<Values, CheckFailure> {
+        let values = collected(&mut self.ports.outputs, step)?;
+        for tap in &mut self.ports.observed {
             let name = tap.kind().name.clone();
             if tap.take(step)?.is_some() {
                 return broken(format!("it sends `{name}` without Accept and OBSERVE"));
@@ -410,9 +446,9 @@ impl Life {
         Ok(values)
     }
 
-    /// No output has come after something that is not to send any.
-    pub(super) fn none_of_outputs(&mut self, after: &str) -> Result<(), Fault> {
-        for tap in &mut self.outputs {
+    /// Requires that no output has been sent after a command that must not publish any.
+    pub(super) fn none_of_outputs(&mut self, after: &str) -> Result<(), CheckFailure> {
+        for tap in &mut self.ports.outputs {
             let name = tap.kind().name.clone();
             if !matches!(tap.take(&Step::STEADY), Ok(None)) {
                 return broken(format!("it sends `{name}` after {after}"));
@@ -421,22 +457,23 @@ impl Life {
         Ok(())
     }
 
-    /// Answers still, after what it has been through.
-    pub(super) fn lives_on(&mut self, after: &str) -> Result<(), Fault> {
+    /// Requires that the participant still replies after an incident.
+    pub(super) fn lives_on(&mut self, after: &str) -> Result<(), CheckFailure> {
         let answer = self.ask(Command::new(CommandKind::Describe), &[]);
         let answer = answer.and_then(Answer::done);
         answer.map(|_| ()).map_err(|fault| fault.at(&format!("after {after}")))
     }
 
     /// Receives heartbeats for a while.
-    pub(super) fn listen(&mut self, time: Duration) -> Result<(), Fault> {
+    pub(super) fn listen(&mut self, time: Duration) -> Result<(), CheckFailure> {
         let Self { peers, beats, .. } = self;
         let waited = peers.idle(time, || beats.push(Instant::now()));
         waited.map_err(|stopped| self.fault(stopped, "while idle"))
     }
 
-    /// It has been let go, or must go by itself: how it ended, and whether anything is left.
-    pub(super) fn leave(self, why: &str) -> Result<Exit, Fault> {
+    /// Waits for the process to end, after a command or an event that must end it. Requires that
+    /// nothing of the run is left, and returns the exit.
+    pub(super) fn leave(self, why: &str) -> Result<Exit, CheckFailure> {
         let gone = self.peers.supervisor().wait_for_exits(LEAVE);
         let (exit, info) = (self.ended(), self.peers.info().clone());
         drop(self);
@@ -446,17 +483,17 @@ impl Life {
         }
     }
 
-    /// As if the coordinator were killed: its locks are free, its ports and files stay as they are.
-    pub(super) fn abandon(self) -> Abandoned {
-        let Self { guard, outputs, observed, volumes, inputs, peers, .. } = self;
-        std::mem::forget((outputs, observed, volumes, inputs));
+    /// Ends like a killed coordinator: releases the locks, and leaves ports and files as they are.
+    pub(super) fn abandon(self) -> Orphan {
+        let Self { guard, ports, peers, .. } = self;
+        std::mem::forget(ports);
         let (supervisor, info) = peers.abandon(guard);
-        Abandoned { supervisor, info, since: Instant::now() }
+        Orphan { supervisor, info, since: Instant::now() }
     }
 }
 
-/// Exactly one sample of each, as labelled, with finite values.
-fn collected(taps: &mut [Tap], step: &Step) -> Result<Values, Fault> {
+/// Receives exactly one sample of each field, with a correct label and finite values.
+fn collected(taps: &mut [FieldSubscription], step: &Step) -> Result<Values, CheckFailure> {
     let mut all = Values::with_capacity(taps.len());
     for tap in taps {
         let name = tap.kind().name.clone();
@@ -474,11 +511,123 @@ fn collected(taps: &mut [Tap], step: &Step) -> Result<Values, Fault> {
     Ok(all)
 }
 
-/// The first value in which two sets of fields differ, in words.
+/// Describes the first value in which two sets of fields differ.
 pub(super) fn difference(found: &Values, expected: &Values) -> Option<String> {
     found.iter().zip(expected).find_map(|((name, now), (_, then))| {
         let differs = |(a, b): (&f64, &f64)| a.to_bits() != b.to_bits();
         let index = now.iter().zip(then).position(differs)?;
         Some(format!("`{name}`[{index}] is {:e} instead of {:e}", now[index], then[index]))
     })
+}
+
+/// Reply to a command.
+pub(super) struct Answer {
+    pub(super) reply: Reply,
+    pub(super) status: Status,
+    pub(super) body: Vec<u8>,
+    /// Name of the command.
+    pub(super) what: String,
+}
+
+impl Answer {
+    /// Requires that the command succeeded.
+    pub(super) fn done(self) -> Result<Self, CheckFailure> {
+        match self.status {
+            Status::Done => Ok(self),
+            _ => {
+                let what = self.what.clone();
+                broken(format!("{what} is not done: {}", self.reason()?))
+            }
+        }
+    }
+
+    /// Requires that the command failed or was refused, with a reason.
+    pub(super) fn not_done(self, because: &str) -> Result<String, CheckFailure> {
+        match self.status {
+            Status::Done => broken(format!("{} is done in spite of {because}", self.what)),
+            _ => self.reason(),
+        }
+    }
+
+    /// Requires that the command was refused, with key, reason and fix.
+    pub(super) fn refused(self, because: &str) -> Result<Refusal, CheckFailure> {
+        let what = self.what.clone();
+        match self.status {
+            Status::Refused => self.refusal(),
+            Status::Done => broken(format!("{what} is done in spite of {because}")),
+            Status::Failed => {
+                let reason = self.reason()?;
+                broken(format!("{what} fails with {because} ({reason}); it must be refused"))
+            }
+        }
+    }
+
+    fn refusal(&self) -> Result<Refusal, CheckFailure> {
+        let refusal: Refusal = self.json("a refusal")?;
+        if [&refusal.key, &refusal.reason, &refusal.fix].iter().any(|text| text.trim().is_empty()) {
+            return broken(format!("its refusal lacks key, reason or fix: {refusal:?}"));
+        }
+        Ok(refusal)
+    }
+
+    fn reason(&self) -> Result<String, CheckFailure> {
+        if self.status == Status::Refused {
+            return Ok(self.refusal()?.to_string());
+        }
+        let failure: Failure = self.json("a failure")?;
+        match failure.error.trim().is_empty() {
+            true => broken(format!("{} fails without saying why", self.what)),
+            false => Ok(failure.error),
+        }
+    }
+
+    /// Parses the body of the reply.
+    pub(super) fn json<T: serde::de::DeserializeOwned>(
+        &self,
+        what: &str,
+    ) -> Result<T, CheckFailure> {
+        serde_json::from_slice(&self.body).map_err(|error| {
+            CheckFailure::Broken(format!("the reply to {} is not {what}: {error}", self.what))
+        })
+    }
+}
+
+/// A participant whose coordinator has died.
+pub(super) struct Orphan {
+    pub(super) supervisor: Arc<Supervisor>,
+    pub(super) info: RunInfo,
+    pub(super) since: Instant,
+}
+
+impl Orphan {
+    /// Waits until the participant ends, in time and without leaving anything. Returns the
+    /// duration.
+    pub(super) fn ends(self) -> Result<Duration, CheckFailure> {
+        let gone = self.supervisor.wait_for_exits(LEAVE);
+        let took = self.since.elapsed();
+        drop(self.supervisor);
+        let left = nothing_left(&self.info);
+        if left.is_err() {
+            // Creating a run removes the remains of dead ones.
+            drop(RunDir::create(&[]));
+        }
+        match gone {
+            true => left.map(|()| took),
+            false => late(format!("it still runs {:.0} s later", LEAVE.as_secs_f64())),
+        }
+    }
+}
+
+/// Requires that no folder and no shared memory of the run is left.
+pub(super) fn nothing_left(info: &RunInfo) -> Result<(), CheckFailure> {
+    if info.folder.exists() {
+        return broken(format!("the run's folder {} is left behind", info.folder.display()));
+    }
+    let entries = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let left: Vec<String> = names.filter(|name| name.starts_with(&info.prefix)).collect();
+    match left.as_slice() {
+        [] => Ok(()),
+        names => broken(format!("left in /dev/shm: {}", names.join(", "))),
+    }
 }

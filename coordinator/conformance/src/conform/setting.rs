@@ -1,12 +1,11 @@
-//! What a participant is configured with: a case, planned for every model and mode that it offers.
+//! Configurations of a participant: a case, planned for every model and mode that it offers.
 //!
-//! The plan is made as for a run, with the case's other participants, so that case values, inputs,
-//! outputs and the grids of the inputs are those that it would meet there. None of the others runs.
+//! The case is planned as for a run, with its other participants. Thus case values, inputs, outputs
+//! and the grids of the inputs are the same as in that run. The other participants do not run.
 
-use super::given::{self, Given};
-use super::recorded::Recorded;
-use super::request::Request;
+use super::input::{self, InputSource, RecordedInputs};
 use case::RawCase;
+use console::case_arguments::Changes;
 use console::case_arguments::read_case;
 use console::scenes::{self, FIRST};
 use contract::configuration::{Configuration, Mode};
@@ -15,34 +14,58 @@ use contract::message::Interpolation;
 use contract::step::Step;
 use run::error::RunError;
 use run::plan::{Plan, plan};
+use run::programs::Program;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Participant to be checked, and the conditions of the checks.
+#[derive(Clone, Debug)]
+pub(crate) struct Request {
+    /// Role of the participant.
+    pub role: String,
+    /// Executable.
+    pub program: Program,
+    /// Case for the configurations; `None`: the scene wheel-rail.
+    pub case: Option<PathBuf>,
+    /// Changes of the case.
+    pub changes: Changes,
+    /// Recording whose inputs are used instead of artificial ones.
+    pub recording: Option<PathBuf>,
+    /// Names of the checks to make; all if empty.
+    pub only: Vec<String>,
+    /// Whether to check only the cheapest model and mode, on small grids.
+    pub quick: bool,
+    /// Longest wait for an answer.
+    pub patience: Duration,
+}
 
 /// Window of a transient setting whose case has none [s]: rolling over a fraction of the contact.
 const WINDOW: &str = "20 us";
-/// Its end, which no check reaches.
+/// End of a transient setting whose case has none. No check reaches it.
 const END: &str = "1 ms";
 
-/// A figure that nobody has.
+/// Key of a figure that no participant has.
 const UNKNOWN_FIGURE: &str = "no.such_figure";
 
-/// One model in one mode.
+/// A model in a mode.
 #[derive(Clone, Debug)]
 pub(super) struct Setting {
-    /// Its configuration; the grid of every input is known.
+    /// Configuration, with a known grid for every input.
     pub(super) configuration: Configuration,
-    /// What it will be given, in the order of the inputs.
-    pub(super) given: Vec<Given>,
+    /// Sources of the input values, in the order of the inputs.
+    pub(super) sources: Vec<InputSource>,
     pub(super) interpolation: Interpolation,
-    /// Its model can solve a window more than once.
+    /// Whether the model can solve a window more than once.
     pub(super) rewinds: bool,
-    /// Keys of the figures that it is asked for, one that there is not among them; none, if it describes
-    /// none.
+    /// Keys of the requested figures, including one that does not exist; empty if the participant
+    /// describes no figures.
     pub(super) figures: Vec<String>,
     /// Length of a window [s].
     window: f64,
 }
 
 impl Setting {
-    /// Model and mode.
+    /// Returns model and mode.
     pub(super) fn label(&self) -> String {
         let Configuration { model, mode, .. } = &self.configuration;
         label(model, *mode)
@@ -52,7 +75,7 @@ impl Setting {
         self.configuration.mode == Mode::Transient
     }
 
-    /// The first iteration of a window, from 0; a steady case has one window.
+    /// Returns the first iteration of a window, counted from 0; a steady case has one window.
     pub(super) fn step(&self, window: u64) -> Step {
         if !self.is_transient() {
             return Step::STEADY;
@@ -61,7 +84,7 @@ impl Setting {
         Step { window, iteration: 1, start: at(window), end: at(window + 1) }
     }
 
-    /// What is solved after a step has been accepted: the next window; in a steady case one more
+    /// Returns the step after an accepted one: the next window, or in a steady case a further
     /// iteration.
     pub(super) fn after(&self, step: &Step) -> Step {
         match self.is_transient() {
@@ -73,12 +96,12 @@ impl Setting {
         }
     }
 
-    /// The same with the inputs on grids of this many elements; `None` if no input has a grid that
-    /// can be resized.
+    /// Returns the setting with its inputs on grids of this many elements; `None` if no input has a
+    /// grid that can be resized.
     pub(super) fn resized(&self, elements: [usize; 2]) -> Option<Self> {
         let (mut setting, mut any) = (self.clone(), false);
         for input in &mut setting.configuration.inputs {
-            if let Some(grid) = input.grid.as_ref().and_then(|g| given::resized(g, elements)) {
+            if let Some(grid) = input.grid.as_ref().and_then(|g| input::resized(g, elements)) {
                 (input.grid, any) = (Some(grid), true);
             }
         }
@@ -86,7 +109,7 @@ impl Setting {
     }
 }
 
-/// A model that describes itself, in a mode that it offers.
+/// Returns the name of a model in a mode.
 fn label(model: &str, mode: Mode) -> String {
     let mode = match mode {
         Mode::Steady => "steady",
@@ -95,37 +118,37 @@ fn label(model: &str, mode: Mode) -> String {
     format!("{model}, {mode}")
 }
 
-/// What a case makes of all models and modes, each with its label.
+/// Settings that a case gives for all models and modes, and labels of all others.
 #[derive(Debug, Default)]
 pub(super) struct Settings {
     pub(super) settings: Vec<Setting>,
-    /// The case does not fit, or the participant refuses it.
+    /// Settings that do not fit the case, or that the participant refuses.
     pub(super) left_out: Vec<String>,
-    /// The participant, or one of its partners, failed while the case was planned.
+    /// Settings for which the participant, or a partner, failed while the case was planned.
     pub(super) misled: Vec<String>,
 }
 
 /// Plans the case for every model and mode.
 ///
 /// # Errors
-/// The case cannot be read or changed as asked, or the user wants to stop.
+/// The case cannot be read or changed as requested, or the user has interrupted the command.
 pub(super) fn all(
     request: &Request,
     description: &Description,
-    recorded: Option<&Recorded>,
+    recorded: Option<&RecordedInputs>,
 ) -> Result<Settings, RunError> {
     let mut raw = match &request.case {
         Some(file) => read_case(file)?,
         None => RawCase::parse(FIRST, scenes::text(FIRST).expect("it is built in"))?,
     };
-    raw.apply(&request.set, &request.unset)?;
+    raw.apply(&request.changes.set, &request.changes.unset)?;
     let mut all = Settings::default();
     let offered = description.models.iter().flat_map(|model| {
         let modes = [(model.steady, Mode::Steady), (model.transient, Mode::Transient)];
         modes.into_iter().filter(|(offered, _)| *offered).map(|(_, mode)| (&*model.name, mode))
     });
     let offered: Vec<(&str, Mode)> = offered.collect();
-    // Each plan starts programs, and waits for them.
+    // Plans are made in parallel, because each one starts programs and waits for them.
     let plans: Vec<Result<Setting, RunError>> = std::thread::scope(|scope| {
         let raw = &raw;
         let plan = |of| scope.spawn(move || one(request, raw, of, recorded));
@@ -163,7 +186,7 @@ fn one(
     request: &Request,
     raw: &RawCase,
     (model, mode): (&str, Mode),
-    recorded: Option<&Recorded>,
+    recorded: Option<&RecordedInputs>,
 ) -> Result<Setting, RunError> {
     let (role, mut raw) = (&request.role, raw.clone());
     let program = &request.program;
@@ -193,7 +216,7 @@ fn one(
         return Err(RunError::Usage("no active effect of the case needs it".to_owned()));
     };
     let mut configuration = participant.configuration.clone();
-    // A live value is held at its first one.
+    // A live value is held at its first value.
     if let Some(live) = configuration.histories.as_ref().and_then(|known| known.live.clone()) {
         configuration.inputs.retain(|input| !live.limits.contains_key(&input.field.name));
         configuration.histories = None;
@@ -205,29 +228,30 @@ fn one(
     Ok(Setting { figures, ..with_inputs(configuration, &plan, recorded) })
 }
 
-/// Places every input on a grid: as recorded, as its producer estimates, or made up.
+/// Places every input on a grid: the recorded one, the one its producer estimates, or a default
+/// one.
 fn with_inputs(
     mut configuration: Configuration,
     plan: &Plan,
-    recorded: Option<&Recorded>,
+    recorded: Option<&RecordedInputs>,
 ) -> Setting {
-    let mut all_given = Vec::new();
+    let mut sources = Vec::new();
     for index in 0..configuration.inputs.len() {
         let input = &configuration.inputs[index];
-        let mut given = Given::new(&input.field, &configuration);
+        let mut source = InputSource::new(&input.field, &configuration);
         let producer = plan.participants.iter().find(|p| p.role == input.producer);
         let estimate = producer.and_then(|producer| producer.estimate.as_ref());
         let estimated = estimate.and_then(|layout| layout.grid_of(&input.field.name)).cloned();
         let taken = recorded.and_then(|recorded| recorded.field(&input.field.name));
         let grid = match taken {
             Some((grid, values)) => {
-                given.recorded = Some(values.to_vec());
+                source.recorded = Some(values.to_vec());
                 grid.clone()
             }
-            None => estimated.unwrap_or_else(|| given::grid(&input.field)),
+            None => estimated.unwrap_or_else(|| input::default_grid(&input.field)),
         };
         configuration.inputs[index].grid = Some(grid);
-        all_given.push(given);
+        sources.push(source);
     }
     let window = match plan.windows {
         coupling::windows::Windows::Steady | coupling::windows::Windows::Sequence(_) => 0.0,
@@ -240,5 +264,5 @@ fn with_inputs(
         own.and_then(|p| p.description.models.iter().find(|m| m.name == configuration.model));
     let rewinds = model.is_none_or(|model| model.rewinds);
     let (figures, interpolation) = (Vec::new(), plan.interpolation);
-    Setting { configuration, given: all_given, interpolation, figures, rewinds, window }
+    Setting { configuration, sources, interpolation, figures, rewinds, window }
 }

@@ -1,43 +1,43 @@
-//! Save and Restore.
+//! Checks of `Save` and `Restore`.
 
-use super::bench::Bench;
+use super::bench::TestBench;
 use super::check::Check;
-use super::fault::{Fault, Seen};
-use super::life::{Life, Values};
+use super::fault::{CheckFailure, Finding};
+use super::life::{Answer, TestProcess, Values};
 use super::setting::Setting;
-use super::solving::{compared, same};
+use super::solve::{compared, same};
 use contract::message::{Command, CommandKind, OutputFile, StateFile, Status};
 use contract::step::Step;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub(super) const RESTORE: Check = Check {
     name: "restore",
     demand: "Save writes the accepted state to the file and changes nothing; a fresh process that \
-             restores it publishes the outputs that it is given and resumes bit-identically",
-    fix: "everything that the next solve reads belongs into the state",
+             restores it publishes the given outputs and resumes bit-identically",
+    fix: "everything that the next solve reads belongs in the state",
     run: restore,
 };
 
 pub(super) const DAMAGED_STATE: Check = Check {
     name: "damaged-state",
     demand: "a state file that is truncated or missing is refused with a reason; one with a \
-             changed byte ends no process (the coordinator's checkpoints have checksums); a whole \
-             one is taken afterwards",
+             changed byte ends no process (the coordinator's checkpoints have checksums); a complete \
+             one is accepted afterwards",
     fix: "check the length of the state against what the configuration needs, before using it",
     run: damaged,
 };
 
-/// A state saved between two windows, and how the solution continues from there.
-struct Saved {
+/// A state saved between two windows, and the continuation of the solution.
+struct SavedState {
     bytes: Vec<u8>,
-    /// The accepted step, and what was sent last.
+    /// Last accepted step. Its outputs are below.
     step: Step,
     outputs: Values,
     next: Step,
     continued: Values,
 }
 
-fn save(bench: &Bench, setting: &Setting) -> Result<Saved, Fault> {
+fn save(bench: &TestBench, setting: &Setting) -> Result<SavedState, CheckFailure> {
     let mut life = bench.between(setting)?;
     let (mut step, mut outputs) = (setting.step(0), Values::new());
     let windows = if setting.is_transient() { 3 } else { 1 };
@@ -47,24 +47,19 @@ fn save(bench: &Bench, setting: &Setting) -> Result<Saved, Fault> {
         life.accept(&step, false)?;
     }
     let path = life.folder().join("saved.state");
-    life.ask(Command::about(CommandKind::Save, &step), &body(&path, Vec::new()))?.done()?;
+    let file = StateFile { path: path.clone(), outputs: Vec::new(), geometry: Vec::new() };
+    life.ask_with(Command::about(CommandKind::Save, &step), &file)?.done()?;
     let bytes = std::fs::read(&path)
-        .map_err(|error| Fault::Broken(format!("Save is done, but the file: {error}")))?;
+        .map_err(|error| CheckFailure::Broken(format!("cannot read the file of Save: {error}")))?;
     let next = setting.after(&step);
     let continued = life.published(&next, 1)?;
     bench.keep(setting, life);
-    Ok(Saved { bytes, step, outputs, next, continued })
+    Ok(SavedState { bytes, step, outputs, next, continued })
 }
 
-fn body(path: &Path, outputs: Vec<OutputFile>) -> Vec<u8> {
-    let path = path.to_owned();
-    serde_json::to_vec(&StateFile { path, outputs, geometry: Vec::new() })
-        .expect("paths of a run are UTF-8")
-}
-
-impl Saved {
-    /// Asks to restore these bytes, with what was sent last.
-    fn give(&self, life: &mut Life, bytes: Option<&[u8]>) -> Result<super::life::Answer, Fault> {
+impl SavedState {
+    /// Asks the participant to restore these bytes, with the last outputs.
+    fn give(&self, life: &mut TestProcess, bytes: Option<&[u8]>) -> Result<Answer, CheckFailure> {
         let folder = life.folder().to_owned();
         let path = folder.join("given.state");
         match bytes {
@@ -74,18 +69,19 @@ impl Saved {
                 _ => Err(error),
             })?,
         }
-        let mut files = Vec::new();
+        let mut outputs = Vec::new();
         for (name, values) in &self.outputs {
             let path: PathBuf = folder.join(format!("{name}.values"));
             let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
             std::fs::write(&path, bytes)?;
-            files.push(OutputFile { field: name.clone(), path });
+            outputs.push(OutputFile { field: name.clone(), path });
         }
-        life.ask(Command::about(CommandKind::Restore, &self.step), &body(&path, files))
+        let file = StateFile { path, outputs, geometry: Vec::new() };
+        life.ask_with(Command::about(CommandKind::Restore, &self.step), &file)
     }
 
-    /// Restores the whole state and continues.
-    fn continue_in(&self, life: &mut Life) -> Result<(), Fault> {
+    /// Restores the complete state and continues.
+    fn continue_in(&self, life: &mut TestProcess) -> Result<(), CheckFailure> {
         self.give(life, Some(&self.bytes))?.done()?;
         life.restored(&self.step)?;
         same(&life.collect(&self.step)?, &self.outputs, "Restore publishes other values")?;
@@ -94,7 +90,7 @@ impl Saved {
     }
 }
 
-fn restore(bench: &Bench) -> Result<Seen, Fault> {
+fn restore(bench: &TestBench) -> Result<Finding, CheckFailure> {
     bench.each(|setting| {
         let saved = save(bench, setting)?;
         let mut life = bench.ready(setting)?;
@@ -103,16 +99,16 @@ fn restore(bench: &Bench) -> Result<Seen, Fault> {
     })
 }
 
-fn damaged(bench: &Bench) -> Result<Seen, Fault> {
+fn damaged(bench: &TestBench) -> Result<Finding, CheckFailure> {
     bench.each(|setting| {
         let saved = save(bench, setting)?;
         let mut life = bench.between(setting)?;
-        let missing = saved.give(&mut life, None)?.not_done("a state file that is not there")?;
+        let missing = saved.give(&mut life, None)?.not_done("a state file that does not exist")?;
         life.none_of_outputs("a Restore that failed")?;
         let length = saved.bytes.len();
         if length == 0 {
             saved.continue_in(&mut life)?;
-            return Seen::kept(format!("no state to truncate; a missing file: {missing}"));
+            return Finding::kept(format!("no state to truncate; a missing file: {missing}"));
         }
         for cut in [0, 1, length / 2, length - 1] {
             let what = format!("a state truncated to {cut} of {length} bytes");
@@ -132,8 +128,8 @@ fn damaged(bench: &Bench) -> Result<Seen, Fault> {
         }
         saved.continue_in(&mut life)?;
         bench.keep(setting, life);
-        Seen::kept(format!(
-            "truncations of {length} bytes refused; the whole state is taken afterwards"
+        Finding::kept(format!(
+            "truncations of {length} bytes refused; the complete state is accepted afterwards"
         ))
     })
 }

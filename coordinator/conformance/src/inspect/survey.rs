@@ -1,6 +1,5 @@
-//! One pass over a recording.
+//! One pass over a recording: its content, and the range of every field.
 
-use super::range::Range;
 use contract::bodies::Bodies;
 use contract::configuration::Configuration;
 use contract::grid::{Shape, Structured};
@@ -10,19 +9,19 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Read;
 
-/// What is looked at sample by sample.
+/// Parts of a recording to list one by one.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wanted {
-    /// Only samples of this field; a name, or the end of a topic's.
+pub struct ListFilter {
+    /// Only samples of this field: its name, or the end of the name of its topic.
     pub field: Option<String>,
     /// Only this window.
     pub window: Option<u64>,
-    /// All iterations, without samples unless those are asked for too.
+    /// All iterations. Samples are only listed if a field or window is given too.
     pub iterations: bool,
 }
 
-impl Wanted {
-    /// Samples and iterations are to be listed at all.
+impl ListFilter {
+    /// Returns whether iterations or samples are to be listed.
     #[must_use]
     pub fn anything(&self) -> bool {
         self.samples() || self.iterations
@@ -36,7 +35,8 @@ impl Wanted {
         self.window.is_none_or(|wanted| wanted == window)
     }
 
-    /// A field is named as the contract or as the case has it.
+    /// Returns whether a sample belongs to the wanted field, named as in the contract or in the
+    /// case.
     fn has_field(&self, service: &str, header: &FieldHeader, bodies: Option<&Bodies>) -> bool {
         self.field.as_deref().is_none_or(|wanted| {
             let named = bodies.map(|bodies| bodies.named(wanted));
@@ -46,52 +46,52 @@ impl Wanted {
     }
 }
 
-/// A recording in short.
+/// Summary of a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Survey {
+pub struct RecordingSummary {
     /// Short name of the case.
     pub case: String,
-    /// Name and version of the program that wrote it.
+    /// Name and version of the program that wrote the recording.
     pub writer: String,
-    /// Names of the upper and the lower body, as soon as a participant is given a case that has them.
+    /// Names of the upper and the lower body, from the first configuration that has bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bodies: Option<Bodies>,
     /// Coupling scheme.
     pub scheme: String,
-    /// How iterates were chosen.
+    /// Acceleration method.
     pub acceleration: String,
-    /// It has its index and footer; otherwise it was cut.
+    /// Whether the recording has its index and footer; otherwise it is truncated.
     pub complete: bool,
-    /// Why it could not be read to its end.
+    /// Reason why the recording could not be read to its end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<String>,
-    /// Bytes read.
+    /// Number of bytes read.
     pub bytes: u64,
-    /// From the first to the last message [s].
+    /// Time from the first to the last message [s].
     pub duration_s: f64,
-    /// What ended the run, if that was no success; absent too if the recording does not say.
+    /// Error that ended the run; also absent if the recording does not state it.
     pub error: Option<String>,
-    /// The participants.
+    /// Participants.
     pub participants: Vec<ParticipantSurvey>,
-    /// Windows with an iteration.
+    /// Number of windows with an iteration.
     pub windows: u64,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: u64,
-    /// Iterations of the window that took most.
+    /// Largest number of iterations in a window.
     pub max_iterations_in_window: u32,
-    /// Windows that were solved again with another end.
+    /// Number of windows that were solved again with another end.
     pub repeated_windows: u64,
-    /// Coupling time at the last iteration [s].
+    /// Simulated time at the last iteration [s].
     pub end_s: f64,
     /// Residuals of the last iteration, by field.
     pub final_residuals: Vec<(String, f64)>,
-    /// Largest relative difference of heat sent and received.
+    /// Largest relative difference between heat sent and received.
     pub energy_imbalance: Option<f64>,
-    /// Seconds in which no model computed.
+    /// Time in which no model computed [s].
     pub coupling_s: f64,
-    /// The topics.
+    /// Topics.
     pub fields: Vec<FieldSurvey>,
-    /// What was asked to be listed.
+    /// Requested iterations and samples.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub details: Option<Details>,
 }
@@ -99,36 +99,36 @@ pub struct Survey {
 /// A participant in a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ParticipantSurvey {
-    /// Role.
+    /// Role of the participant.
     pub role: String,
-    /// Program and its version.
+    /// Program, with its version.
     pub program: String,
-    /// Model, as it was configured.
+    /// Configured model.
     pub model: String,
-    /// Solves asked for.
+    /// Number of solves.
     pub solves: u64,
-    /// States written or read.
+    /// Number of states written or read.
     pub states: u64,
-    /// Seconds in its model.
+    /// Time spent in the model [s].
     pub model_s: f64,
 }
 
 /// A topic in a recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FieldSurvey {
-    /// Name of the service that it travelled on.
+    /// Name of the service.
     pub topic: String,
     /// SI unit.
     pub unit: String,
     /// Name of the grid.
     pub grid: String,
-    /// The grid at the start of the run, where it is made of equal elements.
+    /// Grid at the start of the run, if it has equal elements.
     pub geometry: Option<Structured>,
-    /// Values of the newest sample.
+    /// Number of values in the newest sample.
     pub values: u64,
-    /// Samples.
+    /// Number of samples.
     pub samples: u64,
-    /// Bytes of values.
+    /// Size of all values [byte].
     pub bytes: u64,
     /// Range over all samples.
     #[serde(flatten)]
@@ -137,12 +137,12 @@ pub struct FieldSurvey {
     pub non_finite_at: Option<(u64, u32)>,
 }
 
-/// Iterations and samples one by one.
+/// Requested iterations and samples.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Details {
-    /// Iterations of the windows asked for.
+    /// Iterations of the requested windows.
     pub iterations: Vec<IterationSurvey>,
-    /// Samples asked for.
+    /// Requested samples.
     pub samples: Vec<SampleSurvey>,
 }
 
@@ -152,24 +152,24 @@ pub(super) type IterationSurvey = Iteration;
 /// A sample.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SampleSurvey {
-    /// Name of the service that it travelled on.
+    /// Name of the service.
     pub topic: String,
     /// Number of the window.
     pub window: u64,
-    /// Iteration within it.
+    /// Iteration within the window.
     pub iteration: u32,
-    /// Sequence number on its topic.
+    /// Sequence number on the topic.
     pub sequence: u64,
-    /// Since the start of the recording [s].
+    /// Time since the start of the recording [s].
     pub at_s: f64,
-    /// Range of its values.
+    /// Range of the values.
     #[serde(flatten)]
     pub range: Range,
 }
 
-/// Reads a recording to its end, or to where it is damaged.
-pub fn survey<R: Read>(recording: &mut Recording<R>, wanted: &Wanted) -> Survey {
-    let mut taken = Taken::of(recording, wanted);
+/// Reads a recording to its end, or to the first damage.
+pub fn survey<R: Read>(recording: &mut Recording<R>, wanted: &ListFilter) -> RecordingSummary {
+    let mut taken = SurveyBuilder::of(recording, wanted);
     loop {
         let entry = match recording.read() {
             Ok(Some(entry)) => entry,
@@ -197,10 +197,10 @@ pub fn survey<R: Read>(recording: &mut Recording<R>, wanted: &Wanted) -> Survey 
     survey
 }
 
-/// A survey being made.
-struct Taken<'a> {
-    survey: Survey,
-    wanted: &'a Wanted,
+/// Builder of a survey.
+struct SurveyBuilder<'a> {
+    survey: RecordingSummary,
+    wanted: &'a ListFilter,
     /// Index of each topic.
     topics: BTreeMap<String, usize>,
     /// Grids of equal elements, by topic.
@@ -208,28 +208,28 @@ struct Taken<'a> {
     window: Option<u64>,
 }
 
-impl<'a> Taken<'a> {
-    fn of<R: Read>(recording: &Recording<R>, wanted: &'a Wanted) -> Self {
+impl<'a> SurveyBuilder<'a> {
+    fn of<R: Read>(recording: &Recording<R>, wanted: &'a ListFilter) -> Self {
         let head = recording.head();
         let participants = head.participants.iter().map(|p| ParticipantSurvey {
             role: p.role.clone(),
             program: format!("{} {}", p.description.name, p.description.version),
             ..ParticipantSurvey::default()
         });
-        let survey = Survey {
+        let survey = RecordingSummary {
             case: head.case.clone(),
             writer: head.writer.clone(),
             scheme: head.scheme.clone(),
             acceleration: head.acceleration.clone(),
             participants: participants.collect(),
             details: wanted.anything().then(Details::default),
-            ..Survey::default()
+            ..RecordingSummary::default()
         };
         Self { survey, wanted, topics: BTreeMap::new(), grids: BTreeMap::new(), window: None }
     }
 
     fn grids(&mut self, event: &Event) {
-        // Damage there is an error of the reader.
+        // The reader reports damaged topics itself.
         let Ok(Some((_, topics))) = event.topics() else { return };
         for topic in topics.inputs.into_iter().chain(topics.outputs) {
             if let Shape::Structured(plane) = topic.grid.shape {
@@ -245,7 +245,7 @@ impl<'a> Taken<'a> {
                 match CommandKind::from_number(command.kind) {
                     Some(CommandKind::Solve) => one.solves += 1,
                     Some(CommandKind::Configure) => {
-                        // What is damaged there is an error of the reader.
+                        // The reader reports a damaged configuration itself.
                         if let Ok(given) = serde_json::from_slice::<Configuration>(&body) {
                             one.model = given.model;
                             let bodies = || Bodies::read(&given.case).ok();
@@ -336,5 +336,117 @@ impl<'a> Taken<'a> {
         if let Some(one) = self.survey.participants.iter_mut().find(|p| p.role == role) {
             one.states += 1;
         }
+    }
+}
+
+/// Smallest, largest and mean value, and the index of the first one that is not finite.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Range {
+    /// Smallest finite value.
+    pub min: Option<f64>,
+    /// Largest finite value.
+    pub max: Option<f64>,
+    /// Mean of the finite values.
+    pub mean: Option<f64>,
+    /// Index of the first value that is not finite.
+    pub first_non_finite: Option<usize>,
+}
+
+impl Range {
+    /// Returns the range of a sample. Works in lanes, so that the compiler can vectorise it.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Self {
+        let first_non_finite = proto::model::first_non_finite(values);
+        let finite: Vec<f64>;
+        let values = match first_non_finite {
+            None => values,
+            Some(_) => {
+                finite = values.iter().copied().filter(|v| v.is_finite()).collect();
+                &finite
+            }
+        };
+        if values.is_empty() {
+            return Self { first_non_finite, ..Self::default() };
+        }
+        let (mut low, mut high) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
+        let chunks = values.chunks_exact(8);
+        let rest = chunks.remainder();
+        for chunk in chunks.chain(std::iter::once(rest)) {
+            for ((low, high), value) in low.iter_mut().zip(&mut high).zip(chunk) {
+                *low = if *value < *low { *value } else { *low };
+                *high = if *value > *high { *value } else { *high };
+            }
+        }
+        let sum = contract::grid::blocked_sum(values);
+        Self {
+            min: low.into_iter().reduce(f64::min),
+            max: high.into_iter().reduce(f64::max),
+            mean: Some(sum / values.len() as f64),
+            first_non_finite,
+        }
+    }
+
+    /// Returns the range with 0 for a value that is rounding relative to the larger bound.
+    #[must_use]
+    pub fn without_rounding(self) -> Self {
+        let size = |value: Option<f64>| value.unwrap_or(0.0).abs();
+        let least = f64::EPSILON * size(self.min).max(size(self.max));
+        let whole = |value: f64| if value.abs() < least { 0.0 } else { value };
+        Self {
+            min: self.min.map(whole),
+            max: self.max.map(whole),
+            mean: self.mean.map(whole),
+            ..self
+        }
+    }
+
+    /// Joins two ranges. The mean assumes equally many values in each sample.
+    #[must_use]
+    pub fn and(self, other: Self, samples_so_far: u64) -> Self {
+        let join = |a: Option<f64>, b: Option<f64>, of: fn(f64, f64) -> f64| match (a, b) {
+            (Some(a), Some(b)) => Some(of(a, b)),
+            (one, None) | (None, one) => one,
+        };
+        let n = samples_so_far as f64;
+        let mean = match (self.mean, other.mean) {
+            (Some(a), Some(b)) => Some(a + (b - a) / (n + 1.0)),
+            (one, None) | (None, one) => one,
+        };
+        Self {
+            min: join(self.min, other.min, f64::min),
+            max: join(self.max, other.max, f64::max),
+            mean,
+            first_non_finite: self.first_non_finite.or(other.first_non_finite),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_and_few_values() {
+        let values: Vec<f64> = (0..21).map(f64::from).collect();
+        let range = Range::of(&values);
+        assert_eq!((range.min, range.max, range.mean), (Some(0.0), Some(20.0), Some(10.0)));
+        assert_eq!(Range::of(&[]), Range::default());
+        let rise = Range::of(&[8.4948e-289, 1e-3, 226.0]).without_rounding();
+        assert_eq!((rise.min, rise.max), (Some(0.0), Some(226.0)));
+        let broken = Range::of(&[1.0, f64::NAN, -3.0]);
+        assert_eq!((broken.min, broken.max, broken.mean), (Some(-3.0), Some(1.0), Some(-1.0)));
+        assert_eq!(broken.first_non_finite, Some(1));
+    }
+
+    #[test]
+    fn joined_ranges_are_those_of_all_values() {
+        let parts = [[1.0, 5.0], [-2.0, 0.0], [3.0, 11.0]];
+        let joined = parts
+            .iter()
+            .enumerate()
+            .fold(Range::default(), |all, (n, part)| all.and(Range::of(part), n as u64));
+        let whole = Range::of(parts.as_flattened());
+        assert_eq!((joined.min, joined.max), (whole.min, whole.max));
+        assert!((joined.mean.unwrap() - whole.mean.unwrap()).abs() < 1e-15);
     }
 }

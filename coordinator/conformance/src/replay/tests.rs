@@ -1,11 +1,10 @@
-//! Recordings from elsewhere: whatever stands in one, `inspect`, `export` and `replay` come to an end
-//! with an answer or an error, and write nothing but files of plain names into the folder they are
-//! given.
+//! Recordings of unknown origin: `inspect`, `export` and `replay` end with a result or an error for
+//! any content. They only write files of plain names into the given folder.
 
-use super::told::Reconfiguration;
+use super::configuration::Reconfiguration;
 use super::*;
 use crate::export::{Target, export};
-use crate::inspect::{Wanted, survey, text};
+use crate::inspect::{ListFilter, survey, text as text_of};
 use contract::configuration::{Configuration, Mode};
 use contract::description::{Description, KeySpec, ModelSpec};
 use contract::grid::{Grid, Structured};
@@ -38,20 +37,13 @@ fn description() -> Description {
         version: "1".to_owned(),
         role: "thermal".to_owned(),
         standalone: true,
-        estimates: false,
-        advises: false,
         reusable: true,
         models: vec![model],
-        effects: Vec::new(),
-        keys: Vec::new(),
-        fields: Vec::new(),
-        figures: Vec::new(),
-        diagrams: Vec::new(),
-        renamed: Vec::new(),
+        ..Description::default()
     }
 }
 
-/// What may differ from a good recording of one participant with one output.
+/// Content that may differ from a good recording of one participant with one output.
 #[derive(Clone, Debug)]
 struct Content {
     role: String,
@@ -95,7 +87,7 @@ impl Content {
         }
     }
 
-    /// The topics, as JSON: counts may be any.
+    /// Returns the topics as JSON, with any counts.
     fn topics(&self) -> Vec<u8> {
         let [ni, nj] = self.counts.map(|count| usize::try_from(count).unwrap());
         let shape = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, ni, nj);
@@ -106,7 +98,7 @@ impl Content {
         serde_json::to_vec(&topics).unwrap()
     }
 
-    /// The bytes of the recording: described, configured, initialised, and two windows.
+    /// Returns the bytes of a recording: Describe, Configure, Connect, Initialise, and two windows.
     fn bytes(&self) -> Vec<u8> {
         self.written().map_or_else(|_| Vec::new(), |whole| edited(&whole, &self.edits))
     }
@@ -166,7 +158,7 @@ fn configuration() -> Vec<u8> {
     serde_json::to_vec(&configuration).unwrap()
 }
 
-/// Pieces of a file changed, left out or doubled.
+/// Changes, removes or inserts pieces of a file.
 fn edited(whole: &[u8], edits: &[(f64, usize, Vec<u8>)]) -> Vec<u8> {
     let mut bytes = whole.to_vec();
     for (share, length, piece) in edits {
@@ -191,14 +183,15 @@ fn request(recording: &Path, set: &[(&str, serde_json::Value)]) -> Request {
     }
 }
 
-/// Inspects, exports and goes through it as a replay does; what export wrote.
+/// Inspects and exports the recording, and reads it like a replay. Returns the files written by the
+/// export.
 fn survive(bytes: &[u8]) -> Result<Vec<String>, TestCaseError> {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("r.mcap");
     std::fs::write(&path, bytes).unwrap();
     let inspected = Recording::open(bytes).map(|mut recording| {
-        let wanted = Wanted { window: Some(0), ..Wanted::default() };
-        text(&survey(&mut recording, &wanted), &path)
+        let wanted = ListFilter { window: Some(0), ..ListFilter::default() };
+        text_of(&survey(&mut recording, &wanted), &path)
     });
     if let Ok(text) = inspected {
         prop_assert!(!text.contains(['\u{1b}', '\u{9b}', '\r']), "{text:?}");
@@ -225,7 +218,7 @@ fn survive(bytes: &[u8]) -> Result<Vec<String>, TestCaseError> {
     Ok(written)
 }
 
-/// What a replay makes of a recording before it starts a program.
+/// Reads a recording like a replay before it starts a program.
 fn replayed(path: &Path, bytes: &[u8]) {
     let _ = last_state_before(path, "thermal", 1);
     let Ok(mut recording) = Recording::open(bytes) else { return };
@@ -262,7 +255,7 @@ fn count() -> impl Strategy<Value = u64> {
     (0..known.len()).prop_map(move |at| known[at])
 }
 
-/// A good recording with one or two things changed.
+/// A good recording with some changes.
 fn content() -> impl Strategy<Value = Content> {
     let name = || proptest::option::weighted(0.15, name());
     let texts = [name(), name(), name(), name(), name(), name(), name(), name()];
@@ -309,7 +302,7 @@ fn a_good_recording_is_exported_whole() {
     }
 }
 
-/// A grid that cannot be, or that is not that of its values.
+/// An impossible grid, or a grid that does not fit its values.
 #[test]
 fn a_grid_that_does_not_fit_is_an_error_that_names_it() {
     let given = |counts: [u64; 2], label: (u32, u64)| {

@@ -1,53 +1,111 @@
-//! What every accelerator is.
+//! The trait of an accelerator, and the two accelerators without memory: none, and constant
+//! relaxation.
 
-use crate::state::{Reader, StateMismatch};
+use crate::vector::{StateMismatch, StateReader};
 
-/// Iterations without a better residual that an accelerator may need which remembers nothing.
+/// Iterations without a better residual that an accelerator without memory may take before it gives
+/// up.
 pub(super) const PATIENCE: u32 = 100;
 
-/// How an iterate was chosen.
+/// Describes how an iterate was chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StepTaken {
-    /// Relaxation ω, if it is one.
+pub struct AccelerationStats {
+    /// Relaxation factor ω, for an accelerator that relaxes.
     pub relaxation: Option<f64>,
-    /// Secant columns that took part.
+    /// Number of secant columns that were used.
     pub columns: Option<usize>,
-    /// Secant columns that were dropped because they held nothing new.
+    /// Number of secant columns that were dropped as linearly dependent.
     pub dropped: usize,
 }
 
-/// Chooses the next iterate. Sees slices only: one vector of all coupling data.
+/// Chooses the next iterate. The coupling data are one vector, passed as a slice.
 pub trait Accelerator {
-    /// Its word in the case file.
-    fn name(&self) -> &'static str;
-
-    /// Iterations without a better residual after which it will not find one.
+    /// Returns the number of iterations without a better residual after which the accelerator gives
+    /// up.
     fn patience(&self) -> u32 {
         PATIENCE
     }
 
-    /// Returns the change of the case that helps a window that does not converge.
+    /// Returns the change of the case to recommend for a window that does not converge.
     fn advice(&self) -> &'static str {
         "set coupling.acceleration to \"iqn-ils\""
     }
 
-    /// A window begins, or begins again: what its last attempt has taught, if it was not accepted,
-    /// is forgotten.
+    /// Begins a window, or repeats it. Discards secant data learned in a rejected attempt.
     fn begin_window(&mut self);
 
-    /// `sent` went into this iteration, `returned` came out of it; both have the same length. On
-    /// return `sent` holds what goes into the next iteration.
-    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> StepTaken;
+    /// Computes the next iterate. `sent` went into the last iteration and `returned` came out; both
+    /// have the same length. On return `sent` holds the next iterate.
+    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> AccelerationStats;
 
-    /// The window is done with this iteration; what was learned may serve the next one.
+    /// Ends the window with this iteration. Learned data may serve the next window.
     fn accept_window(&mut self, sent: &[f64], returned: &[f64]);
 
-    /// Writes what was learned in the windows accepted so far.
+    /// Writes the data learned in the windows accepted so far.
     fn save(&mut self, into: &mut Vec<u8>);
 
-    /// Reads what [`Accelerator::save`] of one with the same settings has written.
+    /// Restores data written by [`Accelerator::save`] of an accelerator with the same settings.
     ///
     /// # Errors
-    /// The state is that of other settings.
-    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateMismatch>;
+    /// The state comes from other settings.
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateMismatch>;
+}
+
+/// No acceleration: the next iterate is the vector that the participants returned.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unaccelerated;
+
+impl Accelerator for Unaccelerated {
+    fn begin_window(&mut self) {}
+
+    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> AccelerationStats {
+        sent.copy_from_slice(returned);
+        AccelerationStats::default()
+    }
+
+    fn accept_window(&mut self, _sent: &[f64], _returned: &[f64]) {}
+
+    fn save(&mut self, _into: &mut Vec<u8>) {}
+
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateMismatch> {
+        Ok(())
+    }
+}
+
+/// Relaxation x + ωr with a constant ω.
+#[derive(Clone, Copy, Debug)]
+pub struct Constant {
+    relaxation: f64,
+}
+
+impl Constant {
+    /// Creates an accelerator with the constant relaxation factor ω \[-\].
+    #[must_use]
+    pub fn new(relaxation: f64) -> Self {
+        Self { relaxation }
+    }
+}
+
+impl Accelerator for Constant {
+    fn begin_window(&mut self) {}
+
+    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> AccelerationStats {
+        relax(self.relaxation, sent, returned);
+        AccelerationStats { relaxation: Some(self.relaxation), ..AccelerationStats::default() }
+    }
+
+    fn accept_window(&mut self, _sent: &[f64], _returned: &[f64]) {}
+
+    fn save(&mut self, _into: &mut Vec<u8>) {}
+
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateMismatch> {
+        Ok(())
+    }
+}
+
+/// Replaces x by x + ω(x̃ − x).
+pub(super) fn relax(relaxation: f64, sent: &mut [f64], returned: &[f64]) {
+    for (sent, returned) in sent.iter_mut().zip(returned) {
+        *sent += relaxation * (returned - *sent);
+    }
 }

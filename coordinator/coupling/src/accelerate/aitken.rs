@@ -1,18 +1,18 @@
 //! Aitken's dynamic relaxation.
 //!
-//! x ↦ x + ω_k r_k with ω_k = −ω_{k−1} r_{k−1}ᵀ(r_k − r_{k−1})/‖r_k − r_{k−1}‖². The first ω of
-//! the run is `relaxation`; that of a later window keeps the sign of the last one, and is no larger
-//! than `relaxation`. Several fields enter the inner products with their weights. Source: Küttler &
-//! Wall, *Comput. Mech.* 43 (2008), section 3.1.
+//! x ↦ x + ω_k r_k with ω_k = −ω_{k−1} r_{k−1}ᵀ(r_k − r_{k−1})/‖r_k − r_{k−1}‖². The first ω of the
+//! run is `relaxation`. The first ω of a later window keeps the sign of the last one and is no
+//! larger than `relaxation`. Several fields enter the inner products with their weights. Source:
+//! Küttler & Wall, *Comput. Mech.* 43 (2008), section 3.1.
 
-use super::accelerator::{Accelerator, StepTaken};
-use super::relaxation::relax;
+use super::accelerator::relax;
+use super::accelerator::{AccelerationStats, Accelerator};
 use super::weights::Weights;
-use crate::part::{BLOCK, Part, blocks, dot};
 use crate::settings::Implicit;
-use crate::state::{Reader, StateMismatch};
+use crate::vector::{BLOCK, Part, blocks, dot};
+use crate::vector::{StateMismatch, StateReader};
 
-/// Relaxation that is estimated anew in every iteration.
+/// Relaxation with a factor that is estimated anew in every iteration.
 #[derive(Clone, Debug)]
 pub struct Aitken {
     parts: Vec<Part>,
@@ -21,7 +21,7 @@ pub struct Aitken {
     /// ω at the end of the last accepted window.
     accepted: f64,
     residual: Vec<f64>,
-    /// `residual` is of this window.
+    /// Whether `residual` belongs to this window.
     known: bool,
     weights: Weights,
     products: Vec<Products>,
@@ -41,7 +41,7 @@ struct Products {
 }
 
 impl Aitken {
-    /// Begins with `settings.relaxation`.
+    /// Creates an accelerator that begins with the factor `settings.relaxation`.
     #[must_use]
     pub fn new(settings: &Implicit, parts: &[Part]) -> Self {
         let length = parts.last().map_or(0, |part| part.range.end);
@@ -59,7 +59,8 @@ impl Aitken {
         }
     }
 
-    /// Inner products of this iteration's residual with the last one, which it replaces.
+    /// Computes the inner products of this residual with the previous one, then replaces the
+    /// previous one.
     fn measure(&mut self, sent: &[f64], returned: &[f64]) {
         let (mut now, mut change) = ([0.0; BLOCK], [0.0; BLOCK]);
         for (field, part) in self.parts.iter().enumerate() {
@@ -89,23 +90,19 @@ impl Aitken {
             self.products.iter().zip(squares).map(|(products, w)| w * of(products)).sum()
         };
         let ratio = weighed(|p| p.across) / weighed(|p| p.change);
-        // A residual that has not changed says nothing.
+        // An unchanged residual gives no information: keep the factor.
         if ratio.is_finite() { -self.relaxation * ratio } else { self.relaxation }
     }
 }
 
 impl Accelerator for Aitken {
-    fn name(&self) -> &'static str {
-        "aitken"
-    }
-
     fn begin_window(&mut self) {
         self.relaxation = self.accepted.abs().min(self.initial).copysign(self.accepted);
         self.known = false;
         self.weights.begin_window();
     }
 
-    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> StepTaken {
+    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> AccelerationStats {
         self.measure(sent, returned);
         self.weights.update(&self.residual_squares, &self.returned_squares);
         if self.known {
@@ -113,7 +110,7 @@ impl Accelerator for Aitken {
         }
         self.known = true;
         relax(self.relaxation, sent, returned);
-        StepTaken { relaxation: Some(self.relaxation), ..StepTaken::default() }
+        AccelerationStats { relaxation: Some(self.relaxation), ..AccelerationStats::default() }
     }
 
     fn accept_window(&mut self, _sent: &[f64], _returned: &[f64]) {
@@ -124,7 +121,7 @@ impl Accelerator for Aitken {
         into.extend(self.accepted.to_le_bytes());
     }
 
-    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateMismatch> {
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateMismatch> {
         self.accepted = from.f64()?;
         Ok(())
     }

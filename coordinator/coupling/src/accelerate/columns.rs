@@ -1,38 +1,37 @@
-//! What earlier iterations have changed: the secant columns ΔR and ΔX̃, and the inner products of
-//! ΔR. A secant column is the difference of two successive iterations of a window: Δr of the
-//! residuals, Δx̃ of what was returned. The columns stand in one piece of memory that is taken once
-//! and used as a ring: a new column takes the place of the oldest. Memory of columns never used is
-//! never touched.
+//! Secant columns ΔR and ΔX̃, and the inner products of ΔR. A secant column is the difference of
+//! two successive iterations of a window: Δr of the residuals, Δx̃ of the returned vectors. The
+//! columns share one allocation that is used as a ring: a new column replaces the oldest. Memory of
+//! unused columns is never touched.
 //!
-//! The Gram matrix ΔRᵀΔR is kept for every field by itself. A new column costs one pass over ΔR,
-//! which gives its row of the matrix and ΔRᵀr of the present residual together; that a column
-//! leaves, or that the weights of the fields change, costs no pass at all. A QR factorisation
-//! would take two to four passes a column, and a whole new one for every change of the weights.
-//! The price is the square of the condition number, which [`super::least_squares`] keeps in bounds.
+//! The Gram matrix ΔRᵀΔR is kept separately for every field. A new column costs one pass over ΔR,
+//! which gives both its row of the matrix and ΔRᵀr of the present residual. Removing a column or
+//! changing the weights of the fields costs no pass. A QR factorisation would take two to four
+//! passes a column, and a complete recomputation for every change of the weights. The price is the
+//! square of the condition number, which [`super::least_squares`] keeps in bounds.
 
 use super::kernels;
-use super::team::share;
-use crate::part::{Part, dot};
-use crate::state::{Reader, StateMismatch, put_f64s};
+use super::kernels::share;
+use crate::vector::{Part, dot};
+use crate::vector::{StateMismatch, StateReader, put_f64s};
 use std::ops::Range;
 
-/// Longest block in which the vectors are passed through \[doubles\]: what is made of the iterates
-/// stays in the second-level cache until it has met all columns, and a column's part of one is long
-/// enough for the memory to run ahead.
+/// Longest block in which the vectors are processed \[doubles\]. A block of the iterates stays in
+/// the second-level cache until all columns have used it, and the matching block of a column is
+/// long enough for hardware prefetching.
 const BLOCK: usize = 8 * 1024;
 
-/// A block of the vectors, and what it adds to the inner products.
+/// A block of the vectors and its contributions to the inner products.
 #[derive(Clone, Debug)]
 struct Block {
     field: usize,
     range: Range<usize>,
     /// rᵀr and x̃ᵀx̃.
     squares: [f64; 2],
-    /// Of each column, by age, with r and with the newest column.
+    /// Inner products of each column, by age, with r and with the newest column.
     columns: Vec<[f64; 2]>,
 }
 
-/// The secant columns, and what is known of them.
+/// Secant columns with their Gram matrix.
 #[derive(Clone, Debug)]
 pub(super) struct SecantColumns {
     fields: usize,
@@ -40,16 +39,16 @@ pub(super) struct SecantColumns {
     capacity: usize,
     threads: usize,
     blocks: Vec<Block>,
-    /// ΔR, a column after the other, by slot.
+    /// ΔR, one column after another, by slot.
     residuals: Vec<f64>,
-    /// ΔX̃, a column after the other, by slot.
+    /// ΔX̃, one column after another, by slot.
     images: Vec<f64>,
     /// The window in which a column was made, by slot.
     windows: Vec<u64>,
     /// Slots in use, the newest first.
     order: Vec<usize>,
     free: Vec<usize>,
-    /// The newest column has no row in the Gram matrix yet.
+    /// Whether the newest column still lacks its row in the Gram matrix.
     pending: bool,
     /// ΔRᵀΔR of every field, by slots.
     gram: Vec<f64>,
@@ -58,14 +57,14 @@ pub(super) struct SecantColumns {
     /// r and x̃ of the last iteration.
     residual: Vec<f64>,
     returned: Vec<f64>,
-    /// They are of this window.
+    /// Whether `residual` and `returned` belong to this window.
     known: bool,
     residual_squares: Vec<f64>,
     returned_squares: Vec<f64>,
 }
 
 impl SecantColumns {
-    /// Room for `most` columns, and no more than a column has values.
+    /// Allocates `most` columns, or fewer if a column has fewer values than that.
     pub(super) fn new(parts: &[Part], most: usize, threads: usize) -> Self {
         let length = parts.last().map_or(0, |part| part.range.end);
         let (fields, capacity) = (parts.len(), most.min(length).max(1));
@@ -105,12 +104,11 @@ impl SecantColumns {
         self.capacity
     }
 
-    /// Number of columns.
     pub(super) fn count(&self) -> usize {
         self.order.len()
     }
 
-    /// The window of a column, by age from the newest.
+    /// Returns the window in which a column was made; age 0 is the newest column.
     pub(super) fn window(&self, age: usize) -> u64 {
         self.windows[self.order[age]]
     }
@@ -120,26 +118,26 @@ impl SecantColumns {
         (&self.residual_squares, &self.returned_squares)
     }
 
-    /// Σ_f w_f² of an inner product of two columns, by age.
+    /// Returns Σ_f w_f² a_fᵀb_f of two columns a and b, given by age.
     pub(super) fn inner(&self, a: usize, b: usize, weights: &[f64]) -> f64 {
         let at = self.order[a] * self.capacity + self.order[b];
         let size = self.capacity * self.capacity;
         weights.iter().enumerate().map(|(field, w)| w * self.gram[field * size + at]).sum()
     }
 
-    /// Σ_f w_f² of the inner product of a column, by age, with the present residual.
+    /// Returns Σ_f w_f² a_fᵀr_f of a column a, given by age, with the present residual r.
     pub(super) fn product(&self, age: usize, weights: &[f64]) -> f64 {
         let at = self.order[age];
         let fields = weights.iter().enumerate();
         fields.map(|(field, w)| w * self.products[field * self.capacity + at]).sum()
     }
 
-    /// The next iteration belongs to no earlier one.
+    /// Marks the next iteration as the first of a series: no column is made from it.
     pub(super) fn interrupt(&mut self) {
         self.known = false;
     }
 
-    /// Keeps the columns, given by age and window, that `keep` wants.
+    /// Removes the columns for which `keep(age, window)` returns false.
     pub(super) fn retain(&mut self, mut keep: impl FnMut(usize, u64) -> bool) {
         let (free, windows, pending) = (&mut self.free, &self.windows, &mut self.pending);
         let mut age = 0;
@@ -154,8 +152,8 @@ impl SecantColumns {
         });
     }
 
-    /// Takes in an iteration: a new column, if it is not the first of its window, and the inner
-    /// products of all columns with its residual.
+    /// Takes in an iteration: adds a column, except in the first iteration of a window, and
+    /// computes the inner products of all columns with the residual.
     pub(super) fn learn(&mut self, sent: &[f64], returned: &[f64], window: u64) {
         let new = self.known;
         if new {
@@ -166,8 +164,8 @@ impl SecantColumns {
         self.known = true;
     }
 
-    /// Takes in the last iteration of a window, which no other one follows: a new column, whose row
-    /// of the Gram matrix is found in the next pass over the columns.
+    /// Takes in the last iteration of a window. The next pass over the columns computes the new
+    /// column's row of the Gram matrix.
     pub(super) fn learn_last(&mut self, sent: &[f64], returned: &[f64], window: u64) {
         if !std::mem::take(&mut self.known) {
             return;
@@ -182,7 +180,7 @@ impl SecantColumns {
         }
     }
 
-    /// Makes room for a new column, the newest.
+    /// Assigns a slot to the newest column.
     fn take_slot(&mut self, window: u64) {
         let oldest = if self.free.is_empty() { self.order.pop() } else { None };
         let slot = oldest.or_else(|| self.free.pop()).expect("there is room for a column");
@@ -191,8 +189,8 @@ impl SecantColumns {
         self.pending = true;
     }
 
-    /// Reads all columns once. r and x̃ take the place of the last ones, their changes go into the
-    /// newest column, if that is `new`, and each block finds its part of the inner products.
+    /// Reads all columns once. Stores r and x̃, writes their changes to the newest column if `new`,
+    /// and computes the contribution of each block to the inner products.
     fn pass(&mut self, sent: &[f64], returned: &[f64], new: bool) {
         let Self { blocks, residuals, images, residual, returned: last, order, length, .. } = self;
         let (length, count) = (*length, order.len());
@@ -215,7 +213,7 @@ impl SecantColumns {
         share(self.threads, 2 * length * count, pieces, |piece| piece.meet(&others, order, new));
     }
 
-    /// Adds up what the blocks have found, in their order.
+    /// Sums the contributions of the blocks in a fixed order.
     fn add_up(&mut self) {
         self.residual_squares.fill(0.0);
         self.returned_squares.fill(0.0);
@@ -231,7 +229,7 @@ impl SecantColumns {
         self.add_row();
     }
 
-    /// Adds up the row of the newest column in the Gram matrix, if it has none.
+    /// Sums the newest column's row of the Gram matrix, unless that row is known.
     fn add_row(&mut self) {
         if !std::mem::take(&mut self.pending) {
             return;
@@ -251,8 +249,8 @@ impl SecantColumns {
         }
     }
 
-    /// Finds the row of the newest column in the Gram matrix, if it has none, to the same bits as
-    /// the next pass would.
+    /// Computes the newest column's row of the Gram matrix if it is missing, bit-identical to the
+    /// result of the next pass.
     fn complete(&mut self) {
         let Self { blocks, residuals, order, length, .. } = self;
         if self.pending {
@@ -266,8 +264,8 @@ impl SecantColumns {
         self.add_row();
     }
 
-    /// x̃ + ΔX̃c of the last iteration, with the coefficients c by age. With `mixing` β the part of
-    /// the residual that the columns cannot explain enters by β: x̃ + ΔX̃c − (1 − β)(r + ΔRc).
+    /// Computes x̃ + ΔX̃c of the last iteration, with the coefficients c by age. `mixing` is the
+    /// factor β of the residual that the columns cannot explain: x̃ + ΔX̃c − (1 − β)(r + ΔRc).
     pub(super) fn combine(&self, coefficients: &[f64], mixing: f64, mut next: &mut [f64]) {
         let Self { order, residual, returned, length, .. } = self;
         let rest = 1.0 - mixing;
@@ -302,15 +300,17 @@ impl SecantColumns {
         }
     }
 
-    pub(super) fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateMismatch> {
+    pub(super) fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateMismatch> {
         let mut sizes = [0.0; 3];
         from.f64s(&mut sizes)?;
         if sizes != [self.fields as f64, self.length as f64, self.capacity as f64] {
-            return Err(StateMismatch("fields or secant columns have another size"));
+            return Err(StateMismatch("the sizes of fields or secant columns differ"));
         }
         let count = usize::try_from(from.u64()?).unwrap_or(usize::MAX);
         if count > self.capacity {
-            return Err(StateMismatch("there are more secant columns than fit"));
+            return Err(StateMismatch(
+                "the state has more secant columns than `max_columns` allows",
+            ));
         }
         self.order = (0..count).collect();
         self.free = (count..self.capacity).rev().collect();
@@ -330,20 +330,20 @@ impl SecantColumns {
     }
 }
 
-/// A block of the vectors, on its way through a pass.
+/// A block of the vectors as a pass processes it.
 struct Piece<'a> {
     sent: &'a [f64],
     returned: &'a [f64],
     residual: &'a mut [f64],
     last: &'a mut [f64],
-    /// The newest column, and its image; empty if its row of the Gram matrix is known.
+    /// The newest column and its image; empty if its row of the Gram matrix is known.
     column: &'a mut [f64],
     image: &'a mut [f64],
     block: &'a mut Block,
 }
 
 impl Piece<'_> {
-    /// Meets all columns, those of these slots.
+    /// Computes the inner products of this block with the columns in `slots`.
     fn meet(self, others: &Others<'_>, slots: &[usize], new: bool) {
         let Self { sent, returned, residual, last, column, image, block } = self;
         for i in 0..if new { sent.len() } else { 0 } {
@@ -366,7 +366,7 @@ impl Piece<'_> {
     }
 }
 
-/// All columns but one.
+/// All columns except the newest.
 struct Others<'a> {
     before: &'a [f64],
     after: &'a [f64],
@@ -374,7 +374,7 @@ struct Others<'a> {
 }
 
 impl<'a> Others<'a> {
-    /// The columns but the one in this slot, and that one.
+    /// Splits the columns into the one in this slot and all others.
     fn apart(all: &'a mut [f64], slot: Option<usize>, length: usize) -> (Self, &'a mut [f64]) {
         let at = slot.map_or(all.len(), |slot| slot * length);
         let (before, rest) = all.split_at_mut(at);
@@ -382,7 +382,7 @@ impl<'a> Others<'a> {
         (Self { before, after, length }, one)
     }
 
-    /// A block of the column in a slot.
+    /// Returns a block of the column in a slot.
     fn piece(&self, slot: usize, range: &Range<usize>) -> &'a [f64] {
         let at = slot * self.length;
         let column = match at.checked_sub(self.before.len() + self.length) {
@@ -393,14 +393,14 @@ impl<'a> Others<'a> {
     }
 }
 
-/// Blocks of nearly equal length.
+/// Splits a range into blocks of nearly equal length.
 fn even(range: &Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
     let (start, length) = (range.start, range.len());
     let count = length.div_ceil(BLOCK);
     (0..count).map(move |i| start + i * length / count..start + (i + 1) * length / count)
 }
 
-/// Takes the first values of a slice from it; none, if there are fewer.
+/// Takes the first `count` values off a slice; returns an empty slice if there are fewer.
 fn front<'a>(rest: &mut &'a mut [f64], count: usize) -> &'a mut [f64] {
     let (first, others) = std::mem::take(rest).split_at_mut_checked(count).unwrap_or_default();
     *rest = others;

@@ -1,17 +1,24 @@
-//! Inner products with columns, and combinations of columns: each column is read once, several of
-//! them at a time, in the widest registers that the processor has. Sums run over [`LANES`] lanes
-//! whatever the registers, and nothing is contracted, so that every processor gives the same bits.
+//! Inner products with columns, and linear combinations of columns. Each column is read once,
+//! several columns at a time, in the widest registers of the processor. Sums always run over
+//! [`LANES`] lanes and nothing is contracted, so every processor gives the same bits.
+//!
+//! [`share`] distributes pieces of a long vector over threads. Pieces are independent, so results
+//! are bit-identical for any number of threads and any assignment. Threads live for one pass only,
+//! so a pass starts no more threads than it has [`WORTH`] operations for each. On one thread
+//! nothing is allocated.
 
 use pulp::{Arch, NullaryFnOnce};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 /// Partial sums of an inner product.
 const LANES: usize = 4;
-/// Columns that are read at a time.
+/// Number of columns read at a time.
 const GROUP: usize = 4;
 
 type Lanes = [f64; LANES];
 
-/// Inner products of two vectors with each of some columns, given by slot.
+/// Computes the inner products of two vectors with each of the columns in these slots.
 pub(super) fn products<'a>(
     vectors: [&[f64]; 2],
     slots: &[usize],
@@ -89,7 +96,7 @@ fn multiply(sums: &mut [Lanes; 2], [r, d]: [&Lanes; 2], column: &Lanes) {
     }
 }
 
-/// Adds the lanes, and what is over at the ends.
+/// Sums the lanes and adds the remainder at the end.
 #[inline(always)]
 fn add_up(sums: [Lanes; 2], [r, d]: [&[f64]; 2], column: &[f64]) -> [f64; 2] {
     let end = column.as_chunks::<LANES>().1;
@@ -101,7 +108,7 @@ fn add_up(sums: [Lanes; 2], [r, d]: [&[f64]; 2], column: &[f64]) -> [f64; 2] {
     [(a + b) + (c + d0) + over(r), (e + f) + (g + h) + over(d)]
 }
 
-/// Adds the columns of these slots, each times its coefficient and the common factor.
+/// Adds the columns in these slots, each times its coefficient and the common factor.
 pub(super) fn combine<'a>(
     into: &mut [f64],
     slots: &[usize],
@@ -140,4 +147,35 @@ impl<'a, C: Fn(usize) -> &'a [f64]> NullaryFnOnce for Combine<'_, C> {
             into.iter_mut().zip(column(slot)).for_each(|(into, w)| *into += a * w);
         }
     }
+}
+
+/// Multiply-adds that justify another thread: more than 1 ms of reading memory, so that a thread
+/// that starts late on a busy machine loses less than it gains. Data that fit into caches are
+/// processed before a second thread has started.
+const WORTH: usize = 4_000_000;
+
+/// Processes all pieces, about `operations` multiply-adds in total, on at most `threads` threads.
+pub(super) fn share<T: Send>(
+    threads: usize,
+    operations: usize,
+    pieces: impl Iterator<Item = T> + Send,
+    work: impl Fn(T) + Sync,
+) {
+    let threads = threads.min(operations / WORTH);
+    if threads < 2 {
+        return pieces.for_each(work);
+    }
+    let pieces = Mutex::new(pieces);
+    let next = || pieces.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let take = || {
+        while let Some(piece) = next() {
+            work(piece);
+        }
+    };
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            scope.spawn(take);
+        }
+        take();
+    });
 }

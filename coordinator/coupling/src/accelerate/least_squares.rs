@@ -1,24 +1,24 @@
 //! Least squares over the secant columns, from their Gram matrix.
 //!
-//! Wanted is the c that minimises ‖r + ΔRc‖. With D the diagonal of the columns' norms, LLᵀ is the
-//! Cholesky factorisation of D⁻¹ΔRᵀΔRD⁻¹, columns from the newest to the oldest, so that L is the
-//! transpose of the R that a QR factorisation of the scaled columns would give, and
-//! c = −D⁻¹L⁻ᵀL⁻¹D⁻¹ΔRᵀr. A diagonal entry of L is the part of its column that the newer ones do
-//! not hold; a column where it is below `filter` is dropped, the oldest therefore first. This is
-//! the filter QR2 of Haelterman, Bogaers, Scheufele, Uekermann & Mehl, *Comput. Struct.* 171 (2016),
-//! without the QR: the new part stands in the matrix squared, so that `filter` cannot be below
-//! 10⁻⁷, and the residual of the minimum is exact to about 10⁻¹⁶/`filter` of ‖r‖.
+//! The coefficients c minimise ‖r + ΔRc‖. With D the diagonal of the columns' norms, LLᵀ is the
+//! Cholesky factorisation of D⁻¹ΔRᵀΔRD⁻¹, columns from the newest to the oldest. L is therefore the
+//! transpose of the R of a QR factorisation of the scaled columns, and c = −D⁻¹L⁻ᵀL⁻¹D⁻¹ΔRᵀr. A
+//! diagonal entry of L is the part of its column that is orthogonal to the newer ones. A column
+//! with an entry below `filter` is dropped, the oldest therefore first. This is the filter QR2 of
+//! Haelterman, Bogaers, Scheufele, Uekermann & Mehl, *Comput. Struct.* 171 (2016), without the QR.
+//! The matrix holds the orthogonal part squared, so `filter` cannot be below 10⁻⁷, and the residual
+//! of the minimum is exact to about 10⁻¹⁶/`filter` of ‖r‖.
 //!
-//! The multi-vector rule takes the columns of each window by themselves, the newest first, and
-//! lets each explain what the newer ones have left: with V_w, W_w the columns of a window and J₀ = 0
-//! the inverse Jacobian J_w = J_{w−1} + (W_w − J_{w−1}V_w)(V_wᵀV_w)⁻¹V_wᵀ, applied to a residual, is
-//! J_w r = W_w a + J_{w−1}(r − V_w a) with a = (V_wᵀV_w)⁻¹V_wᵀr. No Jacobian is ever stored, and
-//! windows that are forgotten leave no trace: J begins after them. Source: Lindner, Mehl, Scheufele
-//! & Uekermann, *A comparison of various quasi-Newton schemes for partitioned FSI* (2015).
+//! The multi-vector rule takes the columns of each window separately, the newest window first. Each
+//! window explains what the newer ones have left. With V_w, W_w the columns of a window and J₀ = 0,
+//! the inverse Jacobian J_w = J_{w−1} + (W_w − J_{w−1}V_w)(V_wᵀV_w)⁻¹V_wᵀ, applied to a residual,
+//! is J_w r = W_w a + J_{w−1}(r − V_w a) with a = (V_wᵀV_w)⁻¹V_wᵀr. No Jacobian is stored.
+//! Discarded windows have no influence: J begins after them. Source: Lindner, Mehl, Scheufele &
+//! Uekermann, *A comparison of various quasi-Newton schemes for partitioned FSI* (2015).
 
 use super::columns::SecantColumns;
 use super::kernels;
-use crate::part::dot;
+use crate::vector::dot;
 use std::ops::Range;
 
 /// Working memory, and the last solution.
@@ -26,14 +26,14 @@ use std::ops::Range;
 pub(super) struct LeastSquares {
     filter: f64,
     capacity: usize,
-    /// Lᵀ, a row for every column, and −L⁻¹D⁻¹ΔRᵀr behind the last entry of it; rows of columns that
-    /// are dropped hold nothing.
+    /// Lᵀ, one row for every column, followed by the entry of −L⁻¹D⁻¹ΔRᵀr. Rows of dropped columns
+    /// are unused.
     factor: Vec<f64>,
     /// D⁻¹; 0 for a column without a norm.
     scales: Vec<f64>,
-    /// Rows of the columns that are kept.
+    /// Rows of the columns that were kept.
     kept: Vec<usize>,
-    /// What the rows above have in a column.
+    /// Scratch buffer: the entries of the rows above in one column.
     above: Vec<f64>,
     solution: Vec<f64>,
     coefficients: Vec<f64>,
@@ -55,12 +55,12 @@ impl LeastSquares {
         }
     }
 
-    /// The coefficients by age; those of columns that are dropped are 0.
+    /// Returns the coefficients by age; 0 for a dropped column.
     pub(super) fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
 
-    /// The column of this age was kept.
+    /// Returns whether the column of this age was kept.
     pub(super) fn holds(&self, age: usize) -> bool {
         self.holds[age]
     }
@@ -91,7 +91,7 @@ impl LeastSquares {
         self.holds.fill(false);
     }
 
-    /// Solves for the columns of some ages; those of newer ones have their coefficients.
+    /// Solves for the columns of a range of ages. Coefficients of newer columns are already known.
     fn solve_block(&mut self, columns: &SecantColumns, weights: &[f64], ages: Range<usize>) {
         let (first, count) = (ages.start, ages.len());
         self.kept.clear();
@@ -114,7 +114,7 @@ impl LeastSquares {
         }
     }
 
-    /// Fills in a row of the scaled Gram matrix from its diagonal on, and the right side behind it.
+    /// Fills a row of the scaled Gram matrix, from the diagonal on, and its right-hand side.
     fn fill(
         &mut self,
         columns: &SecantColumns,
@@ -129,14 +129,14 @@ impl LeastSquares {
         let factor = &mut self.factor[row * (self.capacity + 1)..][..=count];
         for (other, entry) in factor[..count].iter_mut().enumerate().skip(row) {
             let scales = scale * self.scales[other];
-            // What has no norm may be no number.
+            // A column without a norm may hold NaN.
             let inner = || columns.inner(age, first + other, weights) * scales;
             *entry = if scales == 0.0 { 0.0 } else { inner() };
         }
         factor[count] = -rest * scale;
     }
 
-    /// Subtracts from a row what the rows above it hold; it is kept if enough of it is left.
+    /// Subtracts the projections of the rows above, and keeps the row if enough of it is left.
     fn eliminate(&mut self, row: usize, count: usize) {
         let width = self.capacity + 1;
         let (done, new) = self.factor.split_at_mut(row * width);

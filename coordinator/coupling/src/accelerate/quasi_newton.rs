@@ -1,32 +1,31 @@
-//! Interface quasi-Newton methods and Anderson mixing.
-//! With the secant columns ΔR, ΔX̃ of earlier iterations, the next iterate is
+//! Interface quasi-Newton methods and Anderson mixing. With the secant columns ΔR, ΔX̃ of earlier
+//! iterations, the next iterate is
 //!
 //! x ↦ x̃ + ΔX̃c, r + ΔRc ≈ 0.
 //!
-//! - `iqn-ils`: c minimises ‖r + ΔRc‖ over the columns of this window and of `reuse_windows` before
-//!   (Degroote, Bathe & Vierendeels, *Comput. Struct.* 87 (2009)).
+//! - `iqn-ils`: c minimises ‖r + ΔRc‖ over the columns of this window and of the `reuse_windows`
+//!   windows before (Degroote, Bathe & Vierendeels, *Comput. Struct.* 87 (2009)).
 //! - `iqn-imvj`: each window's columns correct the inverse Jacobian of the window before
 //!   ([`super::least_squares`]).
-//! - `anderson`: c as in `iqn-ils`, over this window alone; what the columns cannot explain enters
-//!   by the factor β = `relaxation` (Walker & Ni, *SIAM J. Numer. Anal.* 49 (2011)): with β = 1 it is
-//!   `iqn-ils` without reuse.
+//! - `anderson`: c as in `iqn-ils`, over this window alone. The part of the residual that the
+//!   columns cannot explain enters with the factor β = `relaxation` (Walker & Ni, *SIAM J. Numer.
+//!   Anal.* 49 (2011)). With β = 1 the method is `iqn-ils` without reuse.
 //!
-//! The first iteration of a window uses the columns of earlier windows, if there are any, and a
-//! relaxation by `relaxation` if there are none. The last iteration of a window, which is not
-//! followed by another one, gives a column too.
+//! The first iteration of a window uses the columns of earlier windows. Without such columns the
+//! step is a relaxation by `relaxation`. The last iteration of a window also gives a column.
 
+use super::accelerator::AccelerationStats;
 use super::accelerator::Accelerator;
 use super::accelerator::PATIENCE;
-use super::accelerator::StepTaken;
+use super::accelerator::relax;
 use super::columns::SecantColumns;
 use super::least_squares::LeastSquares;
-use super::relaxation::relax;
 use super::weights::Weights;
-use crate::part::Part;
 use crate::settings::{Acceleration, Implicit};
-use crate::state::{Reader, StateMismatch};
+use crate::vector::Part;
+use crate::vector::{StateMismatch, StateReader};
 
-/// How the columns are used.
+/// Rule that turns secant columns into the next iterate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// `anderson`.
@@ -38,7 +37,8 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// Returns the rule of an acceleration that keeps secant columns; `None` for one that keeps none.
+    /// Returns the rule of an acceleration that keeps secant columns; `None` for one that keeps
+    /// none.
     #[must_use]
     pub fn of(acceleration: Acceleration) -> Option<Self> {
         match acceleration {
@@ -50,7 +50,7 @@ impl Rule {
     }
 }
 
-/// An accelerator that learns how the participants answer.
+/// Accelerator that approximates the inverse Jacobian from secant columns.
 #[derive(Clone, Debug)]
 pub struct QuasiNewton {
     rule: Rule,
@@ -65,7 +65,7 @@ pub struct QuasiNewton {
 }
 
 impl QuasiNewton {
-    /// With the settings of a case, for these fields. All memory is taken here.
+    /// Creates the accelerator for these fields. Allocates all memory.
     #[must_use]
     pub fn new(rule: Rule, settings: &Implicit, parts: &[Part]) -> Self {
         let columns = SecantColumns::new(parts, settings.max_columns, settings.threads);
@@ -82,7 +82,8 @@ impl QuasiNewton {
         }
     }
 
-    /// Finds the coefficients and drops what holds nothing new; the number of columns dropped.
+    /// Computes the coefficients, drops linearly dependent columns and returns the number of
+    /// dropped columns.
     fn solve(&mut self) -> usize {
         let Self { columns, least_squares, weights, .. } = self;
         match self.rule {
@@ -96,14 +97,6 @@ impl QuasiNewton {
 }
 
 impl Accelerator for QuasiNewton {
-    fn name(&self) -> &'static str {
-        match self.rule {
-            Rule::Anderson => "anderson",
-            Rule::LeastSquares => "iqn-ils",
-            Rule::MultiVector => "iqn-imvj",
-        }
-    }
-
     fn patience(&self) -> u32 {
         let columns = u32::try_from(self.columns.capacity()).unwrap_or(u32::MAX);
         columns.saturating_mul(2).max(PATIENCE)
@@ -120,7 +113,7 @@ impl Accelerator for QuasiNewton {
         self.weights.begin_window();
     }
 
-    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> StepTaken {
+    fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> AccelerationStats {
         self.columns.learn(sent, returned, self.window);
         let (residual, values) = self.columns.squares();
         self.weights.update(residual, values);
@@ -135,7 +128,7 @@ impl Accelerator for QuasiNewton {
         if dropped > 0 {
             self.columns.retain(|age, _| self.least_squares.holds(age));
         }
-        StepTaken { relaxation, columns: Some(columns), dropped }
+        AccelerationStats { relaxation, columns: Some(columns), dropped }
     }
 
     fn accept_window(&mut self, sent: &[f64], returned: &[f64]) {
@@ -153,7 +146,7 @@ impl Accelerator for QuasiNewton {
         self.columns.save(into);
     }
 
-    fn restore(&mut self, from: &mut Reader<'_>) -> Result<(), StateMismatch> {
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateMismatch> {
         self.window = from.u64()?;
         self.columns.restore(from)
     }

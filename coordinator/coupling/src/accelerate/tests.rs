@@ -1,21 +1,21 @@
 //! Accelerators against closed forms and independent linear algebra.
 
 use super::*;
-use crate::part::parts;
 use crate::settings::{Implicit, Preconditioner};
+use crate::vector::parts;
 
-/// Settings with the defaults of a case.
+/// Returns the settings of a case with default values.
 pub(crate) fn settings(acceleration: Acceleration) -> Implicit {
     Implicit { acceleration, ..Implicit::default() }
 }
 
-/// Numbers in [-1, 1) without pattern.
+/// Returns a pseudo-random number in [-1, 1).
 fn random(seed: &mut u64) -> f64 {
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// x̃ = Ax + b of size n.
+/// The map x̃ = Ax + b of size n.
 struct Affine {
     matrix: Vec<f64>,
     right: Vec<f64>,
@@ -43,7 +43,7 @@ fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// The iterates and answers of one window, the last answer included.
+/// Returns the pairs (sent, returned) of one window, the last iteration included.
 fn window(
     accelerator: &mut dyn Accelerator,
     problem: impl Fn(&[f64]) -> Vec<f64>,
@@ -65,7 +65,8 @@ fn window(
     all
 }
 
-/// Coefficients that minimise ‖r + Vc‖, by twice repeated Gram-Schmidt: a QR factorisation.
+/// Returns the coefficients that minimise ‖r + Vc‖, by QR with Gram-Schmidt orthogonalisation done
+/// twice.
 fn least_squares(columns: &[Vec<f64>], r: &[f64]) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let k = columns.len();
@@ -90,7 +91,7 @@ fn least_squares(columns: &[Vec<f64>], r: &[f64]) -> Vec<f64> {
     c
 }
 
-/// x̃ + Wc for the columns between these iterations, the newest first.
+/// Returns x̃ + Wc for the columns between these iterations, the newest first.
 fn by_qr(all: &[(Vec<f64>, Vec<f64>)], most: usize) -> Vec<f64> {
     let residual = |i: usize| minus(&all[i].1, &all[i].0);
     let last = all.len() - 1;
@@ -116,7 +117,7 @@ fn the_gram_matrix_gives_the_least_squares_of_a_qr_factorisation() {
         for k in 2..all.len() {
             let expected = by_qr(&all[..k], most);
             let error = norm(&minus(&all[k].0, &expected)) / norm(&expected);
-            // 10⁻¹⁶ times the condition of the columns, which is some thousands here.
+            // Tolerance: 10⁻¹⁶ times the condition number of the columns, here some thousands.
             assert!(error < 1e-11, "{most} columns, iteration {k}: {error:e}");
         }
     }
@@ -131,7 +132,7 @@ fn a_linear_problem_of_n_unknowns_ends_after_n_plus_two_iterations() {
         let all = window(&mut *accelerator, |x| problem.apply(x), &vec![0.0; n], n + 2);
         let (sent, returned) = all.last().unwrap();
         let residual = norm(&minus(returned, sent)) / norm(returned);
-        // What rounding leaves of the last of n steps.
+        // Tolerance: rounding after n steps.
         assert!(residual < 1e-9, "{acceleration:?}: {residual:e}");
     }
 }
@@ -161,7 +162,7 @@ fn anderson_with_mixing_one_is_quasi_newton_without_reuse() {
     }
 }
 
-/// The inverse Jacobian as a full matrix, as the method is published.
+/// Reference: the inverse Jacobian as a full matrix, as published.
 #[test]
 fn multi_vector_updates_equal_the_stored_jacobian() {
     let n = 10;
@@ -191,7 +192,7 @@ fn multi_vector_updates_equal_the_stored_jacobian() {
             new
         };
         for k in 1..iterations {
-            // The very first step has nothing to go by.
+            // The very first step has no columns.
             if start == 0.0 && k == 1 {
                 continue;
             }
@@ -215,7 +216,7 @@ fn a_column_that_holds_nothing_new_is_dropped_and_counted() {
     };
     take([0.0; 3], [1.0, 0.0, 0.0]);
     assert_eq!(take([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]).columns, Some(1));
-    // Δr is minus the first, then something new, then nothing at all.
+    // The second Δr is minus the first; the third adds a direction; the fourth is zero.
     let back = take([0.0; 3], [1.0, 0.0, 0.0]);
     assert_eq!((back.columns, back.dropped), (Some(1), 1));
     let new = take([0.0, 0.0, 1.0], [1.0, 0.0, 5.0]);
@@ -247,8 +248,8 @@ fn aitken_is_the_secant_of_one_unknown_and_the_formula_of_many() {
     }
 }
 
-/// What is a metre in one case and a micrometre in another converges alike. The shares of
-/// `residual-sum` add up fields of different units, so that only its order of magnitude is kept.
+/// A change of unit, metre to micrometre, leaves the iterates unchanged. `residual-sum` is left
+/// out: its shares add up fields of different units.
 #[test]
 fn units_of_the_fields_do_not_matter() {
     let problem = Affine::new(16, 0.4);
@@ -265,7 +266,8 @@ fn units_of_the_fields_do_not_matter() {
                 scaled(&all[6].0, 1.0 / unit)
             };
             let error = norm(&minus(&run(1.0), &run(2.0_f64.powi(20)))) / norm(&run(1.0));
-            // Powers of two scale without rounding; the weights round, times the condition.
+            // Powers of two scale without rounding. The weights round, amplified by the condition
+            // number.
             assert!(error < 1e-9, "{preconditioner:?} {acceleration:?}: {error:e}");
         }
     }

@@ -1,14 +1,14 @@
 //! Weights that make fields of different units and sizes comparable.
 //!
-//! An inner product over several fields is Σ_f w_f² a_fᵀb_f. With x̃ what was returned and r the
+//! An inner product over several fields is Σ_f w_f² a_fᵀb_f. With x̃ the returned vector and r the
 //! residual of an iteration, the weight w_f of a field is 1/‖x̃_f‖ (`value`), 1/‖r_f‖ (`residual`),
-//! or 1 over the sum of its shares ‖r_f‖/‖r‖ in the iterations of the window (`residual-sum`).
-//! A field whose norm is 0 has the weight 1; a single field needs none. Source: Uekermann,
-//! *Partitioned Fluid-Structure Interaction on Massively Parallel Systems* (2016), section 3.2.
+//! or 1 over the sum of its shares ‖r_f‖/‖r‖ in the iterations of the window (`residual-sum`). A
+//! field of norm 0, and a single field, have the weight 1. Source: Uekermann, *Partitioned
+//! Fluid-Structure Interaction on Massively Parallel Systems* (2016), section 3.2.
 
 use crate::settings::Preconditioner;
 
-/// The weights of the fields, which change from iteration to iteration.
+/// Weights of the fields, updated in every iteration.
 #[derive(Clone, Debug)]
 pub(super) struct Weights {
     kind: Preconditioner,
@@ -16,7 +16,7 @@ pub(super) struct Weights {
     squares: Vec<f64>,
 }
 
-/// w², for a field that has this norm.
+/// Returns w² of a field with this norm.
 fn square(norm: f64) -> f64 {
     let square = (norm * norm).recip();
     if square.is_finite() && square > 0.0 { square } else { 1.0 }
@@ -31,7 +31,7 @@ impl Weights {
         self.shares.fill(0.0);
     }
 
-    /// Takes in an iteration: rᵀr and x̃ᵀx̃ of every field.
+    /// Updates the weights from rᵀr and x̃ᵀx̃ of every field in an iteration.
     pub(super) fn update(&mut self, residual: &[f64], returned: &[f64]) {
         if self.squares.len() < 2 {
             return;
@@ -49,7 +49,7 @@ impl Weights {
         }
     }
 
-    /// w_f² of every field.
+    /// Returns w_f² of every field.
     pub(super) fn squares(&self) -> &[f64] {
         &self.squares
     }

@@ -1,13 +1,10 @@
-//! Coupling of participants that live in the test.
+//! Coupling of participants implemented in the test.
 
 use super::*;
 use crate::accelerate::tests::settings;
-use crate::index::ParticipantIndex;
-use crate::part::parts;
 use crate::settings::Acceleration;
-use std::convert::Infallible;
 
-/// How one participant answers the other.
+/// Response of one participant to the other.
 type Answer = fn(f64) -> f64;
 
 /// Two participants with one number each: a = f(b), b = g(a).
@@ -21,7 +18,7 @@ struct Pair {
 }
 
 impl Pair {
-    /// The coupling data: b alone in a serial scheme, both in a parallel one.
+    /// Creates a pair. The coupling data are b alone in a serial scheme, a and b in a parallel one.
     fn new(f: Answer, g: Answer, fields: &[&str]) -> Self {
         let coupling_data = parts(fields.iter().map(|name| (*name, 1)));
         Self { f, g, values: [0.0; 2], received: [0.0; 2], coupling_data, solves: 0 }
@@ -41,7 +38,7 @@ impl Exchange for Pair {
 
     fn solve(&mut self, participants: &[ParticipantIndex], _step: &Step) -> Result<(), Infallible> {
         let [a, b] = self.values;
-        // Without feedback a receives what b has sent last.
+        // No feedback: a receives the last value of b.
         let inputs = match self.coupling_data.as_slice() {
             [] => [b, a],
             [_] => [self.received[0], a],
@@ -75,12 +72,12 @@ fn window(index: u64) -> Step {
 
 #[test]
 fn serial_and_parallel_find_the_fixed_point_of_a_loop_that_diverges_by_itself() {
-    // a = cos b, b = 1 - 3a: the gain of the loop is about 2.6.
+    // The map a = cos b, b = 1 - 3a has a loop gain of about 2.6.
     let (f, g): (Answer, Answer) = (f64::cos, |a| 1.0 - 3.0 * a);
     for acceleration in [Acceleration::Aitken, Acceleration::IqnIls, Acceleration::IqnImvj] {
         for fields in [&["b"][..], &["a", "b"]] {
             if acceleration == Acceleration::Aitken && fields.len() == 2 {
-                continue; // One factor does not suit two fields that turn into each other.
+                continue; // A single factor cannot converge two fields that rotate into each other.
             }
             let mut pair = Pair::new(f, g, fields);
             let mut settings = settings(acceleration);
@@ -110,7 +107,11 @@ fn explicit_schemes_pass_once_with_what_they_have() {
     for index in 0..3 {
         parallel.solve_window(&mut pair, &window(index)).unwrap();
     }
-    assert_eq!(pair.values, [11.0, 10.0], "each receives what was there before: 1,0 then 1,10");
+    assert_eq!(
+        pair.values,
+        [11.0, 10.0],
+        "each receives the values before the pass: 1,0 then 1,10"
+    );
 }
 
 #[test]
@@ -122,11 +123,11 @@ fn what_does_not_converge_is_named_and_ends_the_window() {
         coupling.solve_window(&mut pair, &window(4)).unwrap().not_converged.unwrap()
     };
     let growing = run(|a| -2.0 * a + 1.0, 1000);
-    assert_eq!((growing.why, growing.window, growing.iteration), (Why::Diverged, 4, 21));
+    assert_eq!((growing.why, growing.window, growing.iteration), (NonConvergence::Diverged, 4, 21));
     let slow = run(|a| 0.999 * a + 1.0, 7);
-    assert_eq!((slow.why, slow.iteration), (Why::OutOfIterations, 7));
+    assert_eq!((slow.why, slow.iteration), (NonConvergence::OutOfIterations, 7));
     let noisy = run(|a| if a == 0.0 { 1.0 } else { 1.0 + 1e-3 * (1e9 * a).sin() }, 1000);
-    assert_eq!(noisy.why, Why::Stagnated);
+    assert_eq!(noisy.why, NonConvergence::Stagnated);
     let text = noisy.to_string();
     assert!(text.starts_with("the coupling stagnated in window 4, iteration "), "{text}");
 }
@@ -139,7 +140,7 @@ fn nothing_that_is_no_number_converges() {
         let mut coupling = Coupling::implicit(&settings(Acceleration::None), false, &pair);
         coupling.begin_window(&window(0));
         let verdict = coupling.iterate(&mut pair).unwrap();
-        assert_eq!(verdict, Verdict::NotConverged(Why::Diverged), "{value} went in");
+        assert_eq!(verdict, Verdict::NotConverged(NonConvergence::Diverged), "{value} went in");
     }
 }
 
@@ -179,7 +180,7 @@ fn a_restored_coupling_continues_bit_identically() {
         whole.save(&mut state);
         let mut other = Pair::new(f, g, &["b"]);
         let mut resumed = Coupling::implicit(&settings, false, &other);
-        resumed.restore(&mut Reader(&state)).unwrap();
+        resumed.restore(&mut StateReader(&state)).unwrap();
         assert_eq!(
             whole.solve_window(&mut pair, &window(3)).unwrap(),
             resumed.solve_window(&mut other, &window(3)).unwrap(),
@@ -187,7 +188,7 @@ fn a_restored_coupling_continues_bit_identically() {
         );
         assert_eq!(pair.values.map(f64::to_bits), other.values.map(f64::to_bits), "{word}");
         let mut wrong = Coupling::implicit(&settings, true, &Pair::new(f, g, &["a", "b"]));
-        assert!(wrong.restore(&mut Reader(&state)).is_err(), "{word}");
-        assert!(resumed.restore(&mut Reader(&state[..state.len() - 1])).is_err(), "{word}");
+        assert!(wrong.restore(&mut StateReader(&state)).is_err(), "{word}");
+        assert!(resumed.restore(&mut StateReader(&state[..state.len() - 1])).is_err(), "{word}");
     }
 }

@@ -1,25 +1,24 @@
-//! Intersection of elements: the weight of source element s in target element t is the area |t ∩ s|
-//! of their intersection, projected onto the plane of t.
+//! Mapping by intersection of elements: the weight of source element s in target element t is the
+//! area |t ∩ s| of their intersection, projected onto the plane of t.
 //!
-//! Elements are convex, so that the intersection is found by cutting t with the four sides of s in
-//! turn (I. E. Sutherland, G. W. Hodgman, *Commun. ACM* 17 (1974) 32–42). In a common plane the
-//! areas are exact; on curved surfaces they are as exact as the elements are plane, while constants
-//! and integrals are kept all the same. A target that intersects no source element takes the
-//! nearest element, or the mean of several at the same place.
+//! Elements are convex, so t is clipped by the four sides of s in turn (I. E. Sutherland, G. W.
+//! Hodgman, *Commun. ACM* 17 (1974) 32–42). In a common plane the areas are exact. On curved
+//! surfaces they are as exact as the elements are plane; constants and integrals are kept exactly
+//! there too. A target that intersects no source element takes the value of the nearest element, or
+//! the mean of several at the same distance.
 
-use super::operator::Row;
+use super::nodes::{MappingWeights, Nodes, Target};
+use super::patch::{Row, Vector};
 use super::surface::Surface;
-use super::vector::Vector;
-use super::weigh::{Target, Weigh};
 use rstar::AABB;
 
-/// Areas below this fraction of the smaller element come from the rounding of coordinates.
+/// Fraction of the smaller element below which an area is rounding of coordinates.
 const SLIVER: f64 = 1e-10;
 
-/// A point of the target's plane.
+/// A point in the plane of the target.
 type Plane = [f64; 2];
 
-/// Intersections of two surfaces.
+/// Intersections of the elements of two surfaces.
 pub(super) struct Intersection<'a> {
     source: &'a Surface,
     target: &'a Surface,
@@ -32,7 +31,7 @@ impl<'a> Intersection<'a> {
         Self { source, target, polygon: Vec::new(), cut: Vec::new() }
     }
 
-    /// Area that two plane quadrilaterals have in common.
+    /// Returns the area common to two plane quadrilaterals.
     fn common(&mut self, target: [Plane; 4], source: [Plane; 4]) -> f64 {
         self.polygon.clear();
         self.polygon.extend(target);
@@ -58,14 +57,14 @@ impl<'a> Intersection<'a> {
     }
 }
 
-impl Weigh for Intersection<'_> {
+impl MappingWeights for Intersection<'_> {
     const OF_POINTS: bool = false;
 
     fn weigh(&mut self, target: &Target, row: &mut Row) {
         let corners = self.target.corners(target.index);
-        let frame = Frame::of(&corners, target.centre);
+        let frame = Frame::of(&corners, target.place);
         let shape = corners.map(|corner| frame.place(corner));
-        let reach = frame.normal.dot(&(target.foot.point - target.centre)).abs();
+        let reach = frame.normal.dot(&(target.foot.point - target.place)).abs();
         let reach = Vector::repeat(reach + SLIVER * self.target.size(target.index));
         let low = corners.iter().fold(corners[0], |low, corner| low.inf(corner)) - reach;
         let high = corners.iter().fold(corners[0], |high, corner| high.sup(corner)) + reach;
@@ -117,7 +116,7 @@ fn cross(a: Plane, b: Plane) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// Area of a polygon, positive if it turns to the left.
+/// Returns the area of a polygon, positive if its corners run anticlockwise.
 fn area(polygon: &[Plane]) -> f64 {
     let sides = (0..polygon.len()).map(|n| (polygon[n], polygon[(n + 1) % polygon.len()]));
     0.5 * sides.map(|(a, b)| cross(a, b)).sum::<f64>()

@@ -1,48 +1,54 @@
-//! A mapping between two grids as they are now.
+//! Mappings between two grids: a sparse matrix in compressed rows for fixed grids, and a mapping
+//! that follows moving grids.
 
-use super::method::Method;
-use super::operator::{Row, SparseOperator};
-use super::surface::Surface;
-use super::vector::COINCIDENT;
-use super::weigh::{Target, Weigh};
-use super::{intersection, nearest, projection, radial};
+use super::nodes::{MappingWeights, Nodes, Target};
+use super::patch::{COINCIDENT, Row};
+use super::prepared::Prepared;
+use super::{intersection, nearest, radial};
+use crate::settings::Method;
 use contract::field::Mapping;
 use contract::grid::{Grid, pairwise_sum};
 
-/// Why there is no mapping.
+/// Reason why a mapping cannot be built.
 #[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
 pub enum MapError {
-    /// A grid is not what [`Grid::check`] lets pass.
+    /// The grid fails [`Grid::check`].
     #[error("no mapping from or to an invalid grid: {0}")]
     Grid(String),
-    /// Fields on volumes are only written out.
-    #[error("no mapping from or to `{0}`, which is a volume")]
-    Volume(String),
-    /// Columns and vertices are counted with 32 bits.
+    /// The grid is a volume, or of points in blocks; fields there are only written to files.
+    #[error("no mapping from or to `{0}`: fields on volumes and at points are only written out")]
+    OnlyWritten(String),
+    /// Elements of a grid of vertices cannot be intersected.
+    #[error(
+        "no mapping by intersection from or to `{0}`: values belong to its vertices, not to elements; \
+         use another method, or \"auto\""
+    )]
+    NoElements(String),
+    /// The grid has more points than 32-bit indices can count.
     #[error("no mapping for grid `{grid}`: {points} points are more than 32 bits can count")]
     Size {
         /// Name of the grid.
         grid: String,
-        /// Its points.
+        /// Number of points.
         points: usize,
     },
 }
 
-/// How far the elements that ask lie on the surface that answers: target elements on the source's
-/// for a consistent mapping, source elements on the target's for a conservative one.
+/// Position of the elements of one grid on the surface of the other. These are target elements on
+/// the source for a consistent mapping, and source elements on the target for a conservative one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coverage {
-    /// Elements that ask.
+    /// Number of elements.
     pub elements: usize,
-    /// Those of them whose centres lie beyond the border of the other surface.
+    /// Number of elements whose centres lie beyond the border of the other surface.
     pub outside: usize,
     /// Largest distance of such a centre from the border, along the surface [m].
     pub farthest: f64,
 }
 
 impl Coverage {
-    /// More than one element in a hundred lies beyond the border: what is there is not mapped but
-    /// taken to the border, or from it.
+    /// Returns whether more than one element in a hundred lies beyond the border. Their values are
+    /// not mapped but moved to the border, or taken from it.
     #[must_use]
     pub fn is_poor(&self) -> bool {
         100 * self.outside > self.elements
@@ -64,55 +70,81 @@ impl std::fmt::Display for Coverage {
     }
 }
 
-/// A mapping between two grids as they are now.
+/// A mapping between two fixed grids.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridMapping {
     operator: SparseOperator,
     source_areas: Vec<f64>,
     target_areas: Vec<f64>,
     coverage: Coverage,
+    conserves: bool,
 }
 
 impl GridMapping {
-    /// The mapping from a source grid to a target grid.
+    /// Builds the mapping from a source grid to a target grid. Between grids of the same geometry
+    /// it copies. A field that cannot be conserved because one of the grids has no areas is mapped
+    /// consistently, see [`GridMapping::conserves`].
     ///
     /// # Errors
-    /// A grid that does not pass its check, is a volume, or has more than 2³¹ points.
+    /// A grid fails its check, is a volume or of points in blocks, or has more than 2³¹ points; or
+    /// the method is the intersection and a grid is of vertices.
     pub fn between(
         source: &Grid,
         target: &Grid,
         method: Method,
         preserves: Mapping,
     ) -> Result<Self, MapError> {
-        let [from, to] = [surface_of(source)?, surface_of(target)?];
-        let (operator, coverage) = match preserves {
-            Mapping::Consistent => consistent(&from, &to, method),
-            Mapping::Conservative => {
-                let (opposite, coverage) = consistent(&to, &from, method);
-                (opposite.transposed(&from.areas, &to.areas), coverage)
+        let conserves =
+            preserves == Mapping::Conservative && source.has_areas() && target.has_areas();
+        let (source_areas, target_areas) = (checked_areas(source)?, checked_areas(target)?);
+        if source.shape == target.shape {
+            let operator = SparseOperator::identity(source.points());
+            let coverage = Coverage { elements: source.points(), ..Coverage::default() };
+            return Ok(Self { operator, source_areas, target_areas, coverage, conserves });
+        }
+        let (operator, coverage) = match conserves {
+            false => consistent(source, target, method)?,
+            true => {
+                let (opposite, coverage) = consistent(target, source, method)?;
+                (opposite.transposed(&source_areas, &target_areas), coverage)
             }
         };
-        Ok(Self { operator, source_areas: from.areas, target_areas: to.areas, coverage })
+        Ok(Self { operator, source_areas, target_areas, coverage, conserves })
     }
 
-    /// Maps a field, component after component; values are in component-major order. Allocates
+    /// Returns whether the mapping keeps the integral of a field: it is conservative, and both
+    /// grids have areas.
+    #[must_use]
+    pub fn conserves(&self) -> bool {
+        self.conserves
+    }
+
+    /// Maps a field, one component after another; values are in component-major order. Allocates
     /// nothing.
     ///
     /// # Panics
-    /// If the fields do not have the same number of components on their grids.
+    /// The two fields differ in their number of components.
     pub fn apply(&self, source: &[f64], target: &mut [f64]) {
         let (columns, rows) = (self.source_areas.len(), self.target_areas.len());
         let components = source.len() / columns;
-        assert_eq!(source.len(), components * columns, "the source has whole components");
-        assert_eq!(target.len(), components * rows, "the target has the source's components");
+        assert_eq!(
+            source.len(),
+            components * columns,
+            "the length of the source field is a multiple of its points"
+        );
+        assert_eq!(
+            target.len(),
+            components * rows,
+            "source and target have the same number of components"
+        );
         for (from, to) in source.chunks_exact(columns).zip(target.chunks_exact_mut(rows)) {
             self.operator.apply(from, to);
         }
     }
 
-    /// Audit of a mapped field: the largest |∫ target − ∫ source| / ∫ |source| of its components
-    /// [-], which a conservative mapping keeps at rounding; infinite where something came of
-    /// nothing. Allocates nothing.
+    /// Returns the imbalance of a mapped field [-]: the largest |∫ target − ∫ source| / ∫ |source|
+    /// of its components. A conservative mapping keeps it at rounding. The value is infinite where
+    /// a zero source gives a nonzero target. Allocates nothing.
     #[must_use]
     pub fn imbalance(&self, source: &[f64], target: &[f64]) -> f64 {
         let (from, to) = (&self.source_areas, &self.target_areas);
@@ -120,33 +152,41 @@ impl GridMapping {
         fields.map(|(s, t)| imbalance(from, s, to, t)).fold(0.0, f64::max)
     }
 
-    /// What lies beyond the other surface's border.
+    /// Returns how far the elements of one surface lie within the other.
     #[must_use]
     pub fn coverage(&self) -> Coverage {
         self.coverage
     }
 
-    /// Number of weights, the memory of which is 12 bytes each.
+    /// Returns the number of weights; each takes 12 bytes of memory.
     #[must_use]
     pub fn weights(&self) -> usize {
         self.operator.len()
     }
 }
 
-fn surface_of(grid: &Grid) -> Result<Surface, MapError> {
+/// Checks a grid, and returns its areas.
+fn checked_areas(grid: &Grid) -> Result<Vec<f64>, MapError> {
+    if grid.only_written() {
+        return Err(MapError::OnlyWritten(grid.name.clone()));
+    }
     grid.check().map_err(MapError::Grid)?;
     let points = grid.points();
     if points > 1 << 31 {
         return Err(MapError::Size { grid: grid.name.clone(), points });
     }
-    Surface::of(grid).ok_or_else(|| MapError::Volume(grid.name.clone()))
+    Ok(grid.areas())
+}
+
+fn prepared(grid: &Grid) -> Result<Prepared, MapError> {
+    Prepared::new(grid).ok_or_else(|| MapError::OnlyWritten(grid.name.clone()))
 }
 
 fn imbalance(from: &[f64], source: &[f64], to: &[f64], target: &[f64]) -> f64 {
     let sent = pairwise_sum(0..from.len(), &|s| from[s] * source[s]);
     let received = pairwise_sum(0..to.len(), &|t| to[t] * target[t]);
     let scale = pairwise_sum(0..from.len(), &|s| from[s] * source[s].abs());
-    // A mapped NaN must not pass for a balance: `max` would drop it.
+    // A mapped NaN must not pass as a balance: `max` would drop it.
     match (received - sent).abs() {
         0.0 => 0.0,
         difference if difference.is_nan() => f64::INFINITY,
@@ -154,38 +194,195 @@ fn imbalance(from: &[f64], source: &[f64], to: &[f64], target: &[f64]) -> f64 {
     }
 }
 
-/// C for all elements of `to`, and how they lie on `from`.
-fn consistent(from: &Surface, to: &Surface, method: Method) -> (SparseOperator, Coverage) {
-    match method {
-        Method::NearestNeighbour => rows(from, to, nearest::Nearest::new(from)),
-        Method::NearestProjection => rows(from, to, projection::Projection::new(from)),
-        Method::RadialBasis => rows(from, to, radial::RadialBasis::new(from)),
-        Method::Intersection => rows(from, to, intersection::Intersection::new(from, to)),
-    }
+/// Builds C for all values of `target`, and their coverage by `source`.
+fn consistent(
+    source: &Grid,
+    target: &Grid,
+    method: Method,
+) -> Result<(SparseOperator, Coverage), MapError> {
+    let [from, to] = [prepared(source)?, prepared(target)?];
+    let nodes = (from.nodes(), to.nodes());
+    let by_nearest = || rows(nodes.0, nodes.1, nearest::Nearest::new(nodes.0));
+    Ok(match (method, &from, &to) {
+        (Method::NearestNeighbour, ..) => by_nearest(),
+        (Method::NearestProjection, ..) => match nearest::Projection::new(nodes.0) {
+            Some(projection) => rows(nodes.0, nodes.1, projection),
+            None => by_nearest(),
+        },
+        (Method::RadialBasis, ..) => rows(nodes.0, nodes.1, radial::RadialBasis::new(nodes.0)),
+        (Method::Intersection, Prepared::Surface(from), Prepared::Surface(to)) => {
+            rows(from, to, intersection::Intersection::new(from, to))
+        }
+        (Method::Intersection, Prepared::Cloud(_), _) => {
+            return Err(MapError::NoElements(source.name.clone()));
+        }
+        (Method::Intersection, ..) => return Err(MapError::NoElements(target.name.clone())),
+    })
 }
 
-fn rows<M: Weigh>(from: &Surface, to: &Surface, mut method: M) -> (SparseOperator, Coverage) {
-    let mut coverage = Coverage { elements: to.centres.len(), ..Coverage::default() };
-    let mut operator = SparseOperator::with_rows(to.centres.len());
+fn rows<M: MappingWeights>(
+    from: &dyn Nodes,
+    to: &dyn Nodes,
+    mut method: M,
+) -> (SparseOperator, Coverage) {
+    let mut coverage = Coverage { elements: to.places().len(), ..Coverage::default() };
+    let mut operator = SparseOperator::with_rows(to.places().len());
     let mut row = Row::new();
-    for (index, &centre) in to.centres.iter().enumerate() {
-        let foot = from.foot(centre);
-        let size = from.size(foot.element);
+    for (index, &place) in to.places().iter().enumerate() {
+        let foot = from.foot(place);
+        let size = from.size(foot.node);
         if foot.outside > COINCIDENT * size {
             coverage.outside += 1;
             coverage.farthest = coverage.farthest.max(foot.outside);
         }
         row.clear();
-        let offset = (foot.point - from.centres[foot.element]).norm();
+        let offset = (foot.point - from.places()[foot.node]).norm();
         if M::OF_POINTS && offset <= COINCIDENT * size {
-            row.push((foot.element as u32, 1.0));
+            row.push((foot.node as u32, 1.0));
         } else {
-            method.weigh(&Target { index, centre, foot }, &mut row);
+            method.weigh(&Target { index, place, foot }, &mut row);
         }
         if row.is_empty() {
-            row.push((foot.element as u32, 1.0));
+            row.push((foot.node as u32, 1.0));
         }
         operator.push(&mut row);
     }
     (operator, coverage)
+}
+
+/// Matrix in compressed rows.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SparseOperator {
+    /// Row r has the entries `starts[r]..starts[r + 1]`.
+    starts: Vec<usize>,
+    columns: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+impl SparseOperator {
+    /// Creates an empty matrix with room for `rows` rows.
+    pub(super) fn with_rows(rows: usize) -> Self {
+        let mut starts = Vec::with_capacity(rows + 1);
+        starts.push(0);
+        Self { starts, columns: Vec::new(), weights: Vec::new() }
+    }
+
+    /// Creates the matrix that copies `rows` values.
+    fn identity(rows: usize) -> Self {
+        let mut operator = Self::with_rows(rows);
+        let mut row = Row::new();
+        for column in 0..rows as u32 {
+            row.clear();
+            row.push((column, 1.0));
+            operator.push(&mut row);
+        }
+        operator
+    }
+
+    /// Adds a row, scaled so that it sums to one, and sorts its columns.
+    pub(super) fn push(&mut self, row: &mut Row) {
+        row.sort_unstable_by_key(|(column, _)| *column);
+        let sum: f64 = row.iter().map(|(_, weight)| weight).sum();
+        let start = self.columns.len();
+        for &(column, weight) in row.iter() {
+            if self.columns.len() > start && self.columns.last() == Some(&column) {
+                *self.weights.last_mut().expect("a weight for every column") += weight / sum;
+            } else {
+                self.columns.push(column);
+                self.weights.push(weight / sum);
+            }
+        }
+        self.starts.push(self.columns.len());
+    }
+
+    /// Number of entries.
+    pub(super) fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Iterates over the rows as slices of columns and weights.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&[u32], &[f64])> {
+        self.starts.windows(2).map(|ends| {
+            let range = ends[0]..ends[1];
+            (&self.columns[range.clone()], &self.weights[range])
+        })
+    }
+
+    /// target = W source.
+    pub(super) fn apply(&self, source: &[f64], target: &mut [f64]) {
+        for ((columns, weights), value) in self.rows().zip(target) {
+            let terms = columns.iter().zip(weights).map(|(c, weight)| weight * source[*c as usize]);
+            *value = terms.sum();
+        }
+    }
+
+    /// Returns W_ts = A_s C_st / A_t of this matrix C, with the areas of its rows (s) and columns
+    /// (t).
+    pub(super) fn transposed(&self, row_areas: &[f64], column_areas: &[f64]) -> Self {
+        let mut starts = vec![0; column_areas.len() + 1];
+        for column in &self.columns {
+            starts[*column as usize + 1] += 1;
+        }
+        for column in 0..column_areas.len() {
+            starts[column + 1] += starts[column];
+        }
+        let mut next = starts.clone();
+        let (mut columns, mut weights) = (vec![0; self.len()], vec![0.0; self.len()]);
+        for (row, (old_columns, old_weights)) in self.rows().enumerate() {
+            for (column, weight) in old_columns.iter().map(|c| *c as usize).zip(old_weights) {
+                columns[next[column]] = row as u32;
+                weights[next[column]] = weight * (row_areas[row] / column_areas[column]);
+                next[column] += 1;
+            }
+        }
+        Self { starts, columns, weights }
+    }
+}
+
+/// A mapping that follows its grids: rebuilt only when the revision of a grid changes.
+#[derive(Clone, Debug)]
+pub struct CurrentMapping {
+    method: Option<Method>,
+    preserves: Mapping,
+    /// Revisions of source and target, and the mapping between them.
+    made: Option<([u64; 2], GridMapping)>,
+    builds: u64,
+}
+
+impl CurrentMapping {
+    /// Creates an empty mapping; the first request builds it. Without a method the one suited to
+    /// the grids is used, see [`Method::suited_to`].
+    #[must_use]
+    pub fn new(method: Option<Method>, preserves: Mapping) -> Self {
+        Self { method, preserves, made: None, builds: 0 }
+    }
+
+    /// Returns the mapping between the grids as they are now. Every call must pass the same two
+    /// grids: only their revisions are compared.
+    ///
+    /// # Errors
+    /// See [`GridMapping::between`]. The old mapping is then kept but not returned.
+    pub fn between(&mut self, source: &Grid, target: &Grid) -> Result<&GridMapping, MapError> {
+        let revisions = [source.revision, target.revision];
+        if self.made.as_ref().is_none_or(|(made_for, _)| *made_for != revisions) {
+            let suited = || Method::suited_to(self.preserves, source, target);
+            let method = self.method.unwrap_or_else(suited);
+            let mapping = GridMapping::between(source, target, method, self.preserves)?;
+            self.made = Some((revisions, mapping));
+            self.builds += 1;
+        }
+        Ok(&self.made.as_ref().expect("it was there or has just been made").1)
+    }
+
+    /// Returns the coverage of the current mapping; `None` before the first build.
+    #[must_use]
+    pub fn coverage(&self) -> Option<Coverage> {
+        self.made.as_ref().map(|(_, mapping)| mapping.coverage())
+    }
+
+    /// Returns how often the mapping was built.
+    #[must_use]
+    pub fn builds(&self) -> u64 {
+        self.builds
+    }
 }

@@ -1,28 +1,40 @@
 //! Nearest points on points, segments, triangles, bilinear patches and fans.
 //!
-//! A patch is spanned by n corners in order round it: for n = 4 the bilinear surface
-//! x(ξ, η) = a + ξ(b − a) + η(d − a) + ξη(a − b + c − d) on the unit square; for n ≥ 5 the triangles
-//! from its sides to the mean of its corners; for fewer the point, segment or triangle itself. All of
-//! them reproduce linear functions of the corners' plane, with weights that are ≥ 0 and sum to one.
+//! A patch is spanned by n corners in order around it. For n = 4 it is the bilinear surface
+//! x(ξ, η) = a + ξ(b − a) + η(d − a) + ξη(a − b + c − d) on the unit square. For n ≥ 5 it consists
+//! of the triangles from its sides to the mean of its corners. For n < 4 it is the point, segment
+//! or triangle itself. All patches reproduce linear functions in the plane of the corners, with
+//! weights that are ≥ 0 and sum to one.
 
-use super::vector::Vector;
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
-/// Steps until the foot on a bilinear patch: one on a parallelogram, quadratic on a plane one.
+/// A point or a vector in space [m].
+pub(super) type Vector = nalgebra::Vector3<f64>;
+
+/// Fraction of an element's size below which a distance counts as zero: coordinates [m] in double
+/// precision are exact to some 1e-12 of an element.
+pub(super) const COINCIDENT: f64 = 1e-10;
+
+/// Columns and weights of one row; a column may occur several times.
+pub(super) type Row = Vec<(u32, f64)>;
+
+/// Largest number of Gauss–Newton steps to the foot on a bilinear patch: a parallelogram takes one,
+/// and convergence on a plane patch is quadratic.
 const STEPS: usize = 20;
 
-/// Change of ξ and η that counts as none.
+/// Change of ξ and η below which the iteration has converged.
 const CONVERGED: f64 = 1e-14;
 
-/// Squared distances below this fraction of a patch's squared size are those of a point on it.
+/// Fraction of a patch's squared size below which a squared distance counts as zero.
 const ON_SURFACE: f64 = 1e-24;
 
-/// A patch, and what it belongs to.
+/// A patch with the indices of its nodes.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
     /// Corners [m], in order.
     corners: Box<[Vector]>,
-    /// Whose values stand at the corners, or what the patch is; up to its user.
+    /// Indices whose meaning the user of the patch defines: the element at each corner, or the
+    /// patch itself.
     pub(super) nodes: Box<[u32]>,
     bounds: AABB<[f64; 3]>,
 }
@@ -30,11 +42,11 @@ pub(super) struct Patch {
 /// The nearest point of a patch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Nearest {
-    /// Where it is [m].
+    /// The point [m].
     pub(super) point: Vector,
-    /// Squared distance to it [m²].
+    /// Squared distance to the point [m²].
     pub(super) distance_2: f64,
-    /// Corners and their weights; unused ones have the weight 0.
+    /// Corners and their weights; unused entries have the weight 0.
     pub(super) weights: [(usize, f64); 4],
     /// Weight of the mean of all corners.
     pub(super) mean: f64,
@@ -51,14 +63,14 @@ impl Nearest {
 }
 
 impl Patch {
-    /// The patch with these corners [m], at least one.
+    /// Creates the patch with these corners [m], at least one.
     pub(super) fn new(corners: Box<[Vector]>, nodes: Box<[u32]>) -> Self {
         let low = corners.iter().fold(corners[0], |low, corner| low.inf(corner));
         let high = corners.iter().fold(corners[0], |high, corner| high.sup(corner));
         Self { corners, nodes, bounds: AABB::from_corners(low.into(), high.into()) }
     }
 
-    /// The point of the patch nearest to another.
+    /// Returns the point of the patch nearest to `from`.
     pub(super) fn nearest(&self, from: Vector) -> Nearest {
         let corners = &self.corners;
         match corners.len() {
@@ -70,8 +82,8 @@ impl Patch {
         }
     }
 
-    /// Adds the node weights of a nearest point.
-    pub(super) fn weigh(&self, nearest: &Nearest, row: &mut super::operator::Row) {
+    /// Adds the node weights of a nearest point to a row.
+    pub(super) fn weigh(&self, nearest: &Nearest, row: &mut Row) {
         let corners = nearest.weights.iter().filter(|(_, weight)| *weight > 0.0);
         row.extend(corners.map(|&(corner, weight)| (self.nodes[corner], weight)));
         if nearest.mean > 0.0 {
@@ -80,7 +92,7 @@ impl Patch {
         }
     }
 
-    /// Gauss–Newton for ξ and η, from the middle. `None` if the foot is not within the patch.
+    /// Finds ξ and η by Gauss–Newton from the middle. `None` if the foot is outside the patch.
     fn bilinear(&self, from: Vector) -> Option<Nearest> {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.corners[k]);
         let (along, up, twist) = (b - a, d - a, (a - b) + (c - d));
@@ -135,10 +147,10 @@ impl Patch {
     }
 }
 
-/// The patch of a tree nearest to a point, and where; `None` if there are no patches.
+/// Returns the patch of a tree nearest to a point, and the nearest point; `None` without patches.
 ///
-/// Most points lie on the surface: one of the few patches whose boxes hold the point then has it, and
-/// the search in order of distance, many times as slow, is spared.
+/// Most points lie on the surface. One of the few patches whose boxes contain the point then has
+/// it, which saves the much slower search in order of distance.
 pub(super) fn nearest_of(tree: &RTree<Patch>, from: Vector) -> Option<(&Patch, Nearest)> {
     let reached = |patch: &Patch, nearest: &Nearest| {
         let across = patch.corners[patch.corners.len() / 2] - patch.corners[0];
@@ -164,7 +176,7 @@ impl PointDistance for Patch {
     }
 }
 
-/// s and t that bring s u + t v nearest to w; `None` if u and v are parallel.
+/// Returns s and t that bring s u + t v nearest to w; `None` if u and v are parallel.
 fn least_squares(u: Vector, v: Vector, w: Vector) -> Option<[f64; 2]> {
     let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
     let determinant = uu * vv - uv * uv;

@@ -1,81 +1,87 @@
 //! Radial basis functions of compact support, with a linear polynomial.
 //!
-//! Round the target's foot x on the source the stencil x₁ … x_m is taken: the element with the foot
-//! (all of them, if it is on a side or vertex) and [`RINGS`] rings of elements that share a vertex,
-//! 25 elements in the inside of a structured grid. The interpolant
-//! u(x) = Σ_i c_i φ(|x − x_i|/R) + b·p(x), with Σ_i c_i p(x_i) = 0 and p = (1, ξ, η), has the value
-//! Σ_i w_i u(x_i), whose weights solve the symmetric system
+//! The stencil x₁ … x_m surrounds the target's foot x on the source. It consists of the element
+//! with the foot (all of them, if the foot is on a side or vertex) and [`RINGS`] rings of elements
+//! that share a vertex: 25 elements inside a structured grid. On vertices it consists of the
+//! corners of the triangle or edge with the foot and two rings of their neighbours or, without
+//! connectivity, of the 25 nearest points. The interpolant u(x) = Σ_i c_i φ(|x − x_i|/R) + b·p(x),
+//! with Σ_i c_i p(x_i) = 0 and p = (1, ξ, η), has the value Σ_i w_i u(x_i), whose weights solve the
+//! symmetric system
 //!
 //! Σ_j φ(|x_i − x_j|/R) w_j + p(x_i)·μ = φ(|x − x_i|/R),   Σ_j p(x_j) w_j = p(x)
 //!
 //! with Wendland's φ(r) = (1 − r)⁴₊ (4r + 1), twice differentiable and positive definite in space.
 //! Coordinates ξ and η are along the stencil's principal axes, each scaled by the stencil's extent
-//! along it: elements may be as long and thin as they like, and x needs to be on the surface only
-//! about. A stencil in a line has ξ only, and one of a single element the weight 1.
+//! along it. Elements may therefore have any aspect ratio, and x needs to be only near the surface.
+//! A stencil on a line has ξ only, and a single element has the weight 1. A stencil of points in
+//! space has a third coordinate ζ. [`Span`] says which extents count as zero: the polynomial has
+//! only the directions that the stencil spans.
 //!
-//! The support radius R is [`SUPPORT`] times the stencil's largest distance. Larger ones gain
+//! The support radius R is [`SUPPORT`] times the stencil's largest distance. Larger radii gain
 //! nothing and cost digits; see the figures in `docs/theory/mapping.md`. The foot is within the
-//! source's elements, so nothing is extrapolated by more than half an element.
+//! source's elements, so extrapolation is at most half an element. Among vertices a point beyond
+//! the stencil's box along the principal axes takes the value at the box.
 
-use super::operator::Row;
-use super::surface::Surface;
-use super::vector::Vector;
-use super::weigh::{Target, Weigh};
+use super::nodes::{MappingWeights, Nodes, Span, Target};
+use super::patch::{Row, Vector};
 use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, SymmetricEigen};
 
-/// Rings of elements round that of the foot.
+/// Number of rings of elements around the element with the foot.
 const RINGS: usize = 2;
 
 /// Support radius over the stencil's largest distance from its mean.
 const SUPPORT: f64 = 4.0;
 
-/// Extents below this fraction of the largest are taken for none.
-const FLAT: f64 = 1e-6;
-
-/// The interpolants on one surface.
+/// Interpolants on one grid.
 pub(super) struct RadialBasis<'a> {
-    surface: &'a Surface,
-    /// The last target whose stencil holds an element, counted from 1.
+    nodes: &'a dyn Nodes,
+    /// For each node, the last target whose stencil contains the node, counted from 1.
     seen: Vec<u32>,
     count: u32,
     stencil: Vec<u32>,
-    /// The newest interpolant and its stencil: neighbouring targets often share it.
+    ring: Vec<u32>,
+    /// The stencil of the newest interpolant: neighbouring targets often share it.
     fitted: Vec<u32>,
     fit: Option<Fit>,
 }
 
 impl<'a> RadialBasis<'a> {
-    pub(super) fn new(surface: &'a Surface) -> Self {
-        let seen = vec![0; surface.centres.len()];
-        Self { surface, seen, count: 0, stencil: Vec::new(), fitted: Vec::new(), fit: None }
+    pub(super) fn new(nodes: &'a dyn Nodes) -> Self {
+        let (seen, ring) = (vec![0; nodes.places().len()], Vec::new());
+        Self { nodes, seen, count: 0, stencil: Vec::new(), ring, fitted: Vec::new(), fit: None }
     }
 
     fn gather(&mut self, target: &Target) {
         self.count += 1;
         self.stencil.clear();
-        let mut enter = |element: u32, stencil: &mut Vec<u32>| {
-            if std::mem::replace(&mut self.seen[element as usize], self.count) != self.count {
-                stencil.push(element);
-            }
-        };
-        let at_foot = self.surface.at(&target.foot);
-        at_foot.for_each(|element| enter(element, &mut self.stencil));
+        self.ring.clear();
+        self.nodes.seeds(&target.foot, &mut self.ring);
+        self.enter_ring();
         let mut done = 0;
         for _ in 0..RINGS {
             for n in std::mem::replace(&mut done, self.stencil.len())..self.stencil.len() {
-                let around = self.surface.around(self.stencil[n]);
-                around.for_each(|element| enter(element, &mut self.stencil));
+                self.nodes.ring(self.stencil[n], &mut self.ring);
+                self.enter_ring();
+            }
+        }
+    }
+
+    /// Moves the nodes of the ring that are new into the stencil.
+    fn enter_ring(&mut self) {
+        for node in self.ring.drain(..) {
+            if std::mem::replace(&mut self.seen[node as usize], self.count) != self.count {
+                self.stencil.push(node);
             }
         }
     }
 }
 
-impl Weigh for RadialBasis<'_> {
+impl MappingWeights for RadialBasis<'_> {
     fn weigh(&mut self, target: &Target, row: &mut Row) {
         self.gather(target);
         if self.stencil != self.fitted {
-            let centre = |element: &u32| self.surface.centres[*element as usize];
-            self.fit = Some(Fit::of(self.stencil.iter().map(centre)));
+            let place = |node: &u32| self.nodes.places()[*node as usize];
+            self.fit = Some(Fit::of(self.stencil.iter().map(place), self.nodes.span()));
             self.fitted.clone_from(&self.stencil);
         }
         if let Some(weights) = self.fit.as_ref().and_then(|fit| fit.weights(target.foot.point)) {
@@ -87,16 +93,21 @@ impl Weigh for RadialBasis<'_> {
 /// The interpolant through the values on one stencil.
 struct Fit {
     axes: Axes,
-    places: Vec<[f64; 2]>,
+    places: Vec<Place>,
+    /// Lower and upper corner of the box within which the interpolant is evaluated.
+    bounds: Option<[Place; 2]>,
     support: f64,
     system: LU<f64, Dyn, Dyn>,
 }
 
+/// Coordinates along the principal axes of a stencil.
+type Place = [f64; 3];
+
 impl Fit {
-    fn of(stencil: impl ExactSizeIterator<Item = Vector> + Clone) -> Self {
-        let axes = Axes::of(stencil.clone());
-        let places: Vec<[f64; 2]> = stencil.map(|point| axes.place(point)).collect();
-        let radius = places.iter().map(|place| distance(*place, [0.0; 2])).fold(0.0, f64::max);
+    fn of(stencil: impl ExactSizeIterator<Item = Vector> + Clone, span: Span) -> Self {
+        let axes = Axes::of(stencil.clone(), span);
+        let places: Vec<Place> = stencil.map(|point| axes.place(point)).collect();
+        let radius = places.iter().map(|place| distance(*place, [0.0; 3])).fold(0.0, f64::max);
         let support = if radius > 0.0 { SUPPORT * radius } else { 1.0 };
         let (points, size) = (places.len(), places.len() + 1 + axes.count);
         let matrix = DMatrix::from_fn(size, size, |m, n| match (m < points, n < points) {
@@ -104,42 +115,52 @@ impl Fit {
             (false, true) => entry(&places, support, places[n], m),
             (false, false) => 0.0,
         });
-        Self { axes, places, support, system: matrix.lu() }
+        let bounds = span.bounded.then(|| {
+            let corner = |pick: fn(f64, f64) -> f64| -> Place {
+                std::array::from_fn(|k| places.iter().map(|p| p[k]).fold(places[0][k], pick))
+            };
+            [corner(f64::min), corner(f64::max)]
+        });
+        Self { axes, places, bounds, support, system: matrix.lu() }
     }
 
-    /// Weights of the stencil's values at a point; `None` if the stencil does not determine them.
+    /// Returns the weights of the stencil's values at a point; `None` if the system is singular.
     fn weights(&self, point: Vector) -> Option<DVector<f64>> {
-        let at = self.axes.place(point);
+        let mut at = self.axes.place(point);
+        if let Some([low, high]) = self.bounds {
+            at = std::array::from_fn(|k| at[k].clamp(low[k], high[k]));
+        }
         let (points, size) = (self.places.len(), self.places.len() + 1 + self.axes.count);
         let right = DVector::from_fn(size, |n, _| entry(&self.places, self.support, at, n));
         let weights = self.system.solve(&right)?.remove_rows(points, 1 + self.axes.count);
-        // Two elements in one place, seen along the stencil's normal, leave it undetermined.
+        // Two nodes that coincide along the stencil's normal make the system singular.
         let sound = (weights.sum() - 1.0).abs() < 1e-6 && weights.amax() < 1e3;
         sound.then_some(weights)
     }
 }
 
-/// What the n-th function, radial or of the polynomial, is at a place.
-fn entry(places: &[[f64; 2]], support: f64, at: [f64; 2], n: usize) -> f64 {
+/// Returns the value of the n-th function, radial or polynomial, at a point.
+fn entry(places: &[Place], support: f64, at: Place, n: usize) -> f64 {
     match n.checked_sub(places.len()) {
         None => wendland(distance(at, places[n]) / support),
-        Some(k) => [1.0, at[0], at[1]][k],
+        Some(0) => 1.0,
+        Some(k) => at[k - 1],
     }
 }
 
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt()
+fn distance(a: Place, b: Place) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Principal axes of a stencil, scaled by its extents.
 struct Axes {
     mean: Vector,
-    axes: [Vector; 2],
+    axes: [Vector; 3],
     count: usize,
 }
 
 impl Axes {
-    fn of(points: impl ExactSizeIterator<Item = Vector> + Clone) -> Self {
+    fn of(points: impl ExactSizeIterator<Item = Vector> + Clone, span: Span) -> Self {
         let count = points.len() as f64;
         let mean = points.clone().sum::<Vector>() / count;
         let spread = |p: Vector| (p - mean) * (p - mean).transpose() / count;
@@ -147,21 +168,21 @@ impl Axes {
         let mut order = [0, 1, 2];
         order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
         let extents = order.map(|k| eigen.eigenvalues[k].max(0.0).sqrt());
-        let flat = |extent: &f64| *extent <= FLAT * extents[0];
-        let axis = |n: usize| match extents[n] {
-            extent if flat(&extent) => Vector::zeros(),
-            extent => eigen.eigenvectors.column(order[n]) / extent,
+        let spanned = |n: usize| n < span.directions && extents[n] > span.flat * extents[0];
+        let axis = |n: usize| match spanned(n) {
+            true => eigen.eigenvectors.column(order[n]) / extents[n],
+            false => Vector::zeros(),
         };
-        let axes = [axis(0), axis(1)];
-        Self { mean, axes, count: extents[..2].iter().filter(|extent| !flat(extent)).count() }
+        let axes = [axis(0), axis(1), axis(2)];
+        Self { mean, axes, count: (0..3).filter(|n| spanned(*n)).count() }
     }
 
-    fn place(&self, point: Vector) -> [f64; 2] {
+    fn place(&self, point: Vector) -> Place {
         self.axes.map(|axis| axis.dot(&(point - self.mean)))
     }
 }
 
-/// Wendland's function of smoothness C2.
+/// Wendland's C2 function.
 fn wendland(r: f64) -> f64 {
     let beyond = (1.0 - r).max(0.0);
     beyond.powi(4) * (4.0 * r + 1.0)

@@ -1,27 +1,31 @@
-//! A grid as a surface: elements, their neighbours, and the point nearest to another.
+//! A grid as a surface: elements, their neighbours, and the nearest point to a given point.
 //!
-//! Two elements are neighbours across a side if they, and nobody else, have both its ends. A side
-//! without a neighbour is part of the border. The surface through the element centres is the dual
-//! mesh: round every vertex in the inside a patch whose corners are the centres of the elements
-//! there; where the grid is but one element wide, the segments between neighbours' centres; of an
-//! element without neighbours its centre.
+//! Two elements are neighbours across a side if they, and no third element, have both of its ends.
+//! A side without a neighbour is part of the border. The surface through the element centres is the
+//! dual mesh. It has a patch around every inner vertex, with the centres of the elements there as
+//! corners. Where the grid is only one element wide, it consists of the segments between
+//! neighbouring centres. An element without neighbours is represented by its centre.
 
-use super::patch::{Patch, nearest_of};
-use super::vector::{COINCIDENT, Vector};
+use super::nodes::{Foot, Nodes, Span};
+use super::patch::{COINCIDENT, Patch, Vector, nearest_of};
 use contract::grid::{Grid, Quadrilaterals, Shape};
 use rstar::RTree;
 
-/// Stands for no neighbour.
+/// Fraction of the largest extent of a stencil below which an extent counts as zero: elements may
+/// have any aspect ratio.
+const FLAT: f64 = 1e-6;
+
+/// Marks a missing neighbour.
 const NONE: u32 = u32::MAX;
 
-/// A grid with what mappings ask of it.
+/// Elements prepared for mappings.
 #[derive(Debug)]
 pub(super) struct Surface {
     /// Element centres [m].
     pub(super) centres: Vec<Vector>,
     /// Element areas [m²].
     pub(super) areas: Vec<f64>,
-    /// Elements by place.
+    /// Search tree of the elements.
     pub(super) tree: RTree<Patch>,
     shape: Quadrilaterals,
     /// The element across each side, from corner k to k + 1.
@@ -31,24 +35,14 @@ pub(super) struct Surface {
     starts: Vec<usize>,
 }
 
-/// The place on a surface nearest to a point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
-    /// Element on which it lies.
-    pub(super) element: usize,
-    /// Where it is [m].
-    pub(super) point: Vector,
-    /// How far the point lies beyond the border, along the surface; 0 if it does not [m].
-    pub(super) outside: f64,
-}
-
 impl Surface {
-    /// The surface of a grid that has passed its check; `None` for a volume and for points.
+    /// Creates the surface of a grid that has passed its check; `None` for all
+    /// other grids.
     pub(super) fn of(grid: &Grid) -> Option<Self> {
         let shape = match &grid.shape {
             Shape::Structured(structured) => Quadrilaterals::from(structured),
             Shape::Quadrilaterals(shape) => shape.clone(),
-            Shape::Volume(_) | Shape::Points(_) => return None,
+            Shape::Vertices(_) | Shape::Volume(_) | Shape::Points(_) => return None,
         };
         let count = grid.points();
         let patch = |element: usize| {
@@ -58,7 +52,7 @@ impl Surface {
         let (starts, at_vertex) = elements_at_vertices(&shape);
         Some(Self {
             centres: (0..count).map(|n| grid.centre(n).into()).collect(),
-            areas: (0..count).map(|n| grid.area(n)).collect(),
+            areas: grid.areas(),
             tree,
             neighbours: neighbours(&shape.elements),
             at_vertex,
@@ -72,38 +66,11 @@ impl Surface {
         self.shape.corners(element).map(Vector::from)
     }
 
-    /// Length that is typical of an element [m].
-    pub(super) fn size(&self, element: usize) -> f64 {
-        self.areas[element].sqrt()
-    }
-
-    /// The place nearest to a point.
-    pub(super) fn foot(&self, from: Vector) -> Foot {
-        let (patch, nearest) = nearest_of(&self.tree, from).expect("a checked grid has elements");
-        let element = patch.nodes[0] as usize;
-        let [a, b, c, d] = self.corners(element);
-        let normal = (c - a).cross(&(d - b)).normalize();
-        let offset = from - nearest.point;
-        let tangential = (offset - offset.dot(&normal) * normal).norm();
-        // The foot is on side k, from corner k to k + 1, if the other two corners weigh nothing.
-        let mut weights = [0.0; 4];
-        nearest.weights.iter().for_each(|(corner, weight)| weights[*corner] += weight);
-        let on_side = |k: usize| weights[(k + 2) % 4] + weights[(k + 3) % 4] < 1e-9;
-        let border = (0..4).any(|k| on_side(k) && self.neighbours[element][k] == NONE);
-        Foot { element, point: nearest.point, outside: if border { tangential } else { 0.0 } }
-    }
-
-    /// Elements at a foot: several where it is on a side or a vertex.
+    /// Returns the elements at a foot: several where the foot is on a side or a vertex.
     pub(super) fn at(&self, foot: &Foot) -> impl Iterator<Item = u32> {
-        let reach = COINCIDENT * self.size(foot.element);
+        let reach = COINCIDENT * self.size(foot.node);
         let here = self.tree.locate_within_distance(foot.point.into(), reach * reach);
         here.map(|patch| patch.nodes[0])
-    }
-
-    /// Elements that share a vertex with this one, which comes too; some come twice.
-    pub(super) fn around(&self, element: u32) -> impl Iterator<Item = u32> {
-        let vertices = self.shape.elements[element as usize];
-        vertices.into_iter().flat_map(|v| self.at_vertex(v)).copied()
     }
 
     fn at_vertex(&self, vertex: u32) -> &[u32] {
@@ -111,8 +78,70 @@ impl Surface {
         &self.at_vertex[self.starts[vertex]..self.starts[vertex + 1]]
     }
 
-    /// Patches of the dual mesh, with elements as nodes.
-    pub(super) fn dual(&self) -> Vec<Patch> {
+    /// Returns the elements around a vertex, in order; `None` on the border.
+    fn round(&self, vertex: u32) -> Option<Vec<u32>> {
+        let &first = self.at_vertex(vertex).first()?;
+        let mut round = vec![first];
+        let mut element = first;
+        let mut before = NONE;
+        loop {
+            let corner = self.shape.elements[element as usize].iter().position(|v| *v == vertex)?;
+            let sides = [corner, (corner + 3) % 4];
+            let [one, other] = sides.map(|side| self.neighbours[element as usize][side]);
+            let next = if one == before { other } else { one };
+            if one == NONE || other == NONE || round.len() > self.at_vertex(vertex).len() {
+                return None;
+            }
+            if next == first && round.len() > 1 {
+                return (round.len() > 2).then_some(round);
+            }
+            round.push(next);
+            (before, element) = (element, next);
+        }
+    }
+}
+
+impl Nodes for Surface {
+    fn places(&self) -> &[Vector] {
+        &self.centres
+    }
+
+    fn size(&self, element: usize) -> f64 {
+        self.areas[element].sqrt()
+    }
+
+    fn foot(&self, from: Vector) -> Foot {
+        let (patch, nearest) = nearest_of(&self.tree, from).expect("a checked grid has elements");
+        let element = patch.nodes[0] as usize;
+        let [a, b, c, d] = self.corners(element);
+        let normal = (c - a).cross(&(d - b)).normalize();
+        let offset = from - nearest.point;
+        let tangential = (offset - offset.dot(&normal) * normal).norm();
+        // The foot is on side k, from corner k to k + 1, if the other two corners have no weight.
+        let mut weights = [0.0; 4];
+        nearest.weights.iter().for_each(|(corner, weight)| weights[*corner] += weight);
+        let on_side = |k: usize| weights[(k + 2) % 4] + weights[(k + 3) % 4] < 1e-9;
+        let border = (0..4).any(|k| on_side(k) && self.neighbours[element][k] == NONE);
+        let outside = if border { tangential } else { 0.0 };
+        Foot { node: element, point: nearest.point, outside }
+    }
+
+    fn seeds(&self, foot: &Foot, stencil: &mut Vec<u32>) {
+        stencil.extend(self.at(foot));
+    }
+
+    /// Adds the elements that share a vertex with this one.
+    fn ring(&self, element: u32, ring: &mut Vec<u32>) {
+        let vertices = self.shape.elements[element as usize];
+        vertices.into_iter().for_each(|vertex| ring.extend(self.at_vertex(vertex)));
+    }
+
+    fn span(&self) -> Span {
+        Span { directions: 2, flat: FLAT, bounded: false }
+    }
+
+    /// Returns the patches of the dual mesh.
+    fn patches(&self) -> Option<Vec<Patch>> {
         let patch = |nodes: Vec<u32>| {
             let corners = nodes.iter().map(|node| self.centres[*node as usize]).collect();
             Patch::new(corners, nodes.into())
@@ -137,33 +166,11 @@ impl Surface {
                 }
             }
         }
-        patches
-    }
-
-    /// Elements round a vertex, in order; `None` on the border.
-    fn round(&self, vertex: u32) -> Option<Vec<u32>> {
-        let &first = self.at_vertex(vertex).first()?;
-        let mut round = vec![first];
-        let mut element = first;
-        let mut before = NONE;
-        loop {
-            let corner = self.shape.elements[element as usize].iter().position(|v| *v == vertex)?;
-            let sides = [corner, (corner + 3) % 4];
-            let [one, other] = sides.map(|side| self.neighbours[element as usize][side]);
-            let next = if one == before { other } else { one };
-            if one == NONE || other == NONE || round.len() > self.at_vertex(vertex).len() {
-                return None;
-            }
-            if next == first && round.len() > 1 {
-                return (round.len() > 2).then_some(round);
-            }
-            round.push(next);
-            (before, element) = (element, next);
-        }
+        Some(patches)
     }
 }
 
-/// The element across each side.
+/// Finds the element across each side.
 fn neighbours(elements: &[[u32; 4]]) -> Vec<[u32; 4]> {
     let mut sides: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(4 * elements.len());
     for (element, vertices) in elements.iter().enumerate() {

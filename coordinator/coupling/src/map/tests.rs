@@ -1,8 +1,9 @@
-//! Mappings against what they promise; grids and fields that the tests share.
+//! Properties of mappings, with shared grids and fields.
 
 mod conservation;
 mod invariants;
 mod orders;
+mod vertices;
 
 use super::{Coverage, GridMapping, Method};
 use contract::field::Mapping;
@@ -20,12 +21,12 @@ fn rectangle(low: [f64; 2], high: [f64; 2], nx: usize, ny: usize) -> Grid {
     Grid::structured("square", Structured::contact_plane(x0, y0, dx, dy, nx, ny))
 }
 
-/// The unit square cut into 2 n² triangles, each of them into three quadrilaterals round its
-/// centroid: three, four and six elements meet at vertices of the inside.
+/// The unit square cut into 2 n² triangles, each split into three quadrilaterals around its
+/// centroid. Three, four and six elements meet at inner vertices.
 fn unstructured(n: usize) -> Grid {
     let mut points: Vec<[f64; 3]> = Vec::new();
     let mut known = HashMap::new();
-    // Coordinates are multiples of 1/6n, but for rounding.
+    // Coordinates are multiples of 1/6n, up to rounding.
     let mut index = |point: [f64; 2]| {
         *known.entry(point.map(|v| (6.0 * v).round() as u32)).or_insert_with(|| {
             points.push([point[0] / n as f64, point[1] / n as f64, 0.0]);
@@ -74,15 +75,15 @@ fn franke([x, y, _]: [f64; 3]) -> f64 {
         - 0.2 * hump(x - 4.0, y - 7.0)
 }
 
-/// Eggholder of (x, y), each in -512 to 512: D. Whitley et al., *Artif. Intell.* 85 (1996) 245–276.
-/// √|·| makes it a cusp along the lines x/2 + y + 47 = 0 and x − y − 47 = 0.
+/// Eggholder function of (x, y), each from -512 to 512: D. Whitley et al., *Artif. Intell.* 85
+/// (1996) 245–276. √|·| makes a cusp along the lines x/2 + y + 47 = 0 and x − y − 47 = 0.
 fn eggholder(x: f64, y: f64) -> f64 {
     let y = y + 47.0;
     -y * (0.5 * x + y).abs().sqrt().sin() - x * (x - y).abs().sqrt().sin()
 }
 
-/// A surface of nx × ny elements whose vertices are moved by up to a fifth of an element, tilted
-/// and shifted; `seed` chooses how.
+/// A surface of nx × ny elements, tilted and shifted, whose vertices are moved by up to a fifth of
+/// an element. `seed` selects the random displacement.
 fn jittered(nx: usize, ny: usize, size: [f64; 2], tilt: f64, seed: u64) -> Grid {
     let plane = rectangle([0.0, 0.0], size, nx, ny);
     let mut surface = Quadrilaterals::from(plane.as_structured().unwrap());
@@ -97,7 +98,7 @@ fn jittered(nx: usize, ny: usize, size: [f64; 2], tilt: f64, seed: u64) -> Grid 
     grid
 }
 
-/// Numbers between -1 and 1 (a linear congruence, its upper bits).
+/// Pseudo-random numbers between -1 and 1 (the upper bits of a linear congruential generator).
 fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     move || {
@@ -125,5 +126,5 @@ fn coverage_is_poor_beyond_one_in_a_hundred() {
     assert_eq!(coverage(11).to_string(), text);
     let all = "all of 1000 elements lie within the other grid's border";
     assert_eq!(coverage(0).to_string(), all);
-    assert!(Method::ALL.iter().all(|method| Method::from_name(method.name()) == Some(*method)));
+    assert!(Method::ALL.iter().all(|method| Method::from_word(method.word()) == Some(*method)));
 }

@@ -1,31 +1,32 @@
-//! How long the next window is.
+//! Control of the window length.
 //!
-//! A window is accepted if it has converged, if no participant wants a shorter one, and if its
+//! A window is accepted if it has converged, if no participant requests a shorter one, and if its
 //! local error e ([`super::LocalError`]) is at most 4ε² with ε the tolerance. A first-order method
-//! whose windows have a local error of order ε² has a global error of order ε, so that the
-//! tolerance is proportional to the error (G. Söderlind & L. Wang, *J. Comput. Appl. Math.* 185
-//! (2006), on tolerance proportionality). The factor is that of the step response 1 − e^{−t}: with
-//! the local error δ² in every window of length √2 δ e^{t/2} the global error is
-//! √2 δ(e^{−t/2} − e^{−t}), at most δ/√8, which is 0.7ε for δ = 2ε. A window that is not accepted is solved again from its
-//! start, half as long if it has not converged, at most half as long if its error was too large,
-//! as long as wanted if a participant wants less. The shortest window is accepted whatever its
-//! error: something has jumped within, and the estimate starts again. The beginning of a run is such
-//! a jump, from nothing to all that is exchanged: nothing before it says how long a window may be, and
-//! the run begins with the shortest.
+//! whose windows have a local error of order ε² has a global error of order ε, so that the error is
+//! proportional to the tolerance (G. Söderlind & L. Wang, *J. Comput. Appl. Math.* 185 (2006), on
+//! tolerance proportionality). The factor is that of the step response 1 − e^{−t}. With the local
+//! error δ² in every window of length √2 δ e^{t/2} the global error is √2 δ(e^{−t/2} − e^{−t}), at
+//! most δ/√8, which is 0.7ε for δ = 2ε.
+//!
+//! A rejected window is solved again from its start: half as long if it has not converged, at most
+//! half as long if its error was too large, or as long as a participant requests. The shortest
+//! window is accepted with any error: a jump must lie within, and the estimate starts again. The
+//! beginning of a run is such a jump, from nothing to all exchanged values. It gives no estimate of
+//! a length, so the run begins with the shortest window.
 //!
 //! After a window of length Δt the next one has the length
 //!
 //! Δt · 0.9 (4ε²/eₙ)^(0.7/2) (eₙ₋₁/4ε²)^(0.4/2), between 0.2 and 4 times Δt,
 //!
-//! the PI controller of K. Gustafsson, *ACM Trans. Math. Softw.* 17 (1991) 533, with the exponents of
-//! E. Hairer & G. Wanner, *Solving Ordinary Differential Equations II*, section IV.2; not longer
-//! than Δt after a window that was repeated, nor than a participant has wanted.
+//! the PI controller of K. Gustafsson, *ACM Trans. Math. Softw.* 17 (1991) 533, with the exponents
+//! of E. Hairer & G. Wanner, *Solving Ordinary Differential Equations II*, section IV.2. The length
+//! is at most Δt after a repeated window, and at most the length that a participant requests.
 
 use super::{LocalError, ROUNDING, Windows};
 use contract::step::Step;
 use serde::{Deserialize, Serialize};
 
-/// Part of the length that the estimate allows.
+/// Fraction of the estimated length that is used.
 const SAFETY: f64 = 0.9;
 /// Exponents of the controller, over the order 2 of the local error.
 const INTEGRAL: f64 = 0.7 / 2.0;
@@ -35,23 +36,23 @@ const CHANGE: (f64, f64) = (0.2, 4.0);
 /// Bounds on the change when a window is repeated because of its error.
 const REPEAT: (f64, f64) = (0.1, 0.5);
 
-/// Whether a window that has been solved is accepted.
+/// Decision on a solved window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Acceptance {
-    /// It is.
+    /// The window is accepted.
     Accept,
-    /// It is solved again, with the length that [`Controller::window`] now gives.
+    /// The window is solved again, with the length that [`Controller::window`] now gives.
     Repeat(Cause),
 }
 
-/// Why a window is solved again.
+/// Reason why a window is solved again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
-    /// It has not converged.
+    /// The window has not converged.
     NotConverged,
-    /// Its relative local error \[-\].
+    /// The relative local error \[-\] is too large.
     Error(f64),
-    /// A participant wants a window of this length \[s\].
+    /// A participant requests a window of this length \[s\].
     Wanted(f64),
 }
 
@@ -65,26 +66,26 @@ impl std::fmt::Display for Cause {
     }
 }
 
-/// Where a run is in time, and what the next window depends on.
+/// Position of a run in time, and the data that determine the next window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WindowState {
     /// Number of the next window, from 0.
     pub index: u64,
-    /// Its start [s].
+    /// Start of the next window [s].
     pub start: f64,
-    /// Windows solved again, each time.
+    /// Number of repetitions of windows.
     pub repeated: u64,
-    /// Shortest and longest window accepted [s].
+    /// Shortest and longest accepted window [s].
     pub lengths: Option<(f64, f64)>,
     length: f64,
-    /// This window has been solved before.
+    /// Whether the next window is a repetition.
     again: bool,
     /// Error of the last window over its bound.
     last_error: Option<f64>,
     local: LocalError,
 }
 
-/// Decides window by window.
+/// Controls the windows of a run.
 #[derive(Clone, Debug)]
 pub struct Controller {
     windows: Windows,
@@ -92,7 +93,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// At time 0.
+    /// Creates a controller at time 0.
     #[must_use]
     pub fn new(windows: Windows) -> Self {
         let length = match &windows {
@@ -114,25 +115,25 @@ impl Controller {
         Self { windows, state }
     }
 
-    /// Goes on from a state that [`Controller::state`] gave, of the same windows.
+    /// Continues from a state given by [`Controller::state`] of the same windows.
     #[must_use]
     pub fn resume(windows: Windows, state: WindowState) -> Self {
         Self { windows, state }
     }
 
-    /// What the next window depends on.
+    /// Returns the data that determine the next window.
     #[must_use]
     pub fn state(&self) -> &WindowState {
         &self.state
     }
 
-    /// The windows are adaptive.
+    /// Returns whether the windows are adaptive.
     #[must_use]
     pub fn is_adaptive(&self) -> bool {
         matches!(self.windows, Windows::Adaptive { .. })
     }
 
-    /// The next window; `None` when the end is reached.
+    /// Returns the next window; `None` at the end of the run.
     #[must_use]
     pub fn window(&self) -> Option<Step> {
         let WindowState { index, start, length, .. } = self.state;
@@ -147,15 +148,15 @@ impl Controller {
         (!over).then_some(Step { window: index, iteration: 0, start, end })
     }
 
-    /// Passes over the window `step`, which has no answer.
+    /// Skips the window `step`, which has no result.
     pub fn pass_over(&mut self, step: &Step) {
         self.state.index += 1;
         self.state.start = step.end;
     }
 
-    /// Judges the window `step`, which has been solved: it converged or not, a participant may want
-    /// a shorter one \[s\], and what is exchanged has these values at its end. Moves on if it is
-    /// accepted.
+    /// Judges the solved window `step` and moves on if it is accepted. `wanted` is a shorter length
+    /// \[s\] that a participant requests; `fields` are the exchanged values at the end of the
+    /// window.
     pub fn judge<'a>(
         &mut self,
         step: &Step,
@@ -192,7 +193,7 @@ impl Controller {
         Acceptance::Accept
     }
 
-    /// The length after a window of this duration with this error over its bound.
+    /// Sets the next length, after a window of this duration with this error over its bound.
     fn plan_next(&mut self, duration: f64, wanted: Option<f64>, error: Option<f64>) {
         let state = &mut self.state;
         let jumped = error.is_some_and(is_too_large);
@@ -214,12 +215,12 @@ impl Controller {
     }
 }
 
-/// An error over its bound; not a number is no small one.
+/// Returns whether an error over its bound is too large; NaN counts as too large.
 fn is_too_large(error: f64) -> bool {
     error > 1.0 || error.is_nan()
 }
 
-/// Why, and to which length, a window has to be shortened, if it has; `error` is over its bound.
+/// Returns why and to which length a window must be shortened, if so; `error` is over its bound.
 fn shorter(
     duration: f64,
     converged: bool,
@@ -245,7 +246,8 @@ mod tests {
     const SETTINGS: Windows =
         Windows::Adaptive { tolerance: 1e-2, shortest: 1e-5, longest: 2.0, end: 10.0 };
 
-    /// Backward Euler on y′ = f(t) − y from 0, window by window; accepted ends, and solves.
+    /// Solves y′ = f(t) − y from y = 0 by backward Euler, window by window. Returns the accepted
+    /// ends and the number of solves.
     fn march(windows: Windows, f: impl Fn(f64) -> f64) -> (Vec<(f64, f64)>, u64) {
         let mut controller = Controller::new(windows);
         let (mut y, mut ends, mut solves) = (0.0, vec![(0.0, 0.0)], 0);
@@ -266,7 +268,7 @@ mod tests {
         ends.iter().map(|(t, y)| (y - exact(*t)).abs()).fold(0.0, f64::max)
     }
 
-    /// A step response keeps the tolerance, and the error is proportional to it.
+    /// The error of a step response is within the tolerance and proportional to it.
     #[test]
     fn the_error_follows_the_tolerance_and_the_windows_grow() {
         let exact = |t: f64| 1.0 - (-t).exp();
@@ -289,15 +291,16 @@ mod tests {
         }
     }
 
-    /// Heat that begins at once on a cold half-space warms it as √t, and falls with its temperature:
-    /// T(t) = ∫ q ds/(2√(t − s)), q = 1 − cT, so that q = e^{γ²t} erfc(γ√t) with γ = c√π/2 by Laplace's transform. Within a
-    /// window q is what the temperature at its end makes of it. The work up to the end keeps the tolerance and
-    /// falls with it, though what the case calls a window is long enough for q to fall by a fifth in it.
+    /// A cold half-space heated from t = 0 by a flux q that falls with its temperature: T(t) = ∫ q
+    /// ds/(2√(t − s)), q = 1 − cT, so that q = e^{γ²t} erfc(γ√t) with γ = c√π/2 by Laplace's
+    /// transform. Within a window q is the flux at the temperature of its end. The work up to the
+    /// end keeps the tolerance and its error falls with it, though q falls by a fifth within one
+    /// window of the case.
     #[test]
     fn the_first_windows_keep_the_tolerance() {
         const FALLS: f64 = 1.3;
         let gamma = 0.5 * FALLS * std::f64::consts::PI.sqrt();
-        // ∫ q dt = Σ (−γ)ⁿ/Γ(n/2 + 2) to the time 1.
+        // ∫ q dt = Σ (−γ)ⁿ/Γ(n/2 + 2) up to the time 1.
         let mut halves = [1.0, 0.75 * std::f64::consts::PI.sqrt()];
         let mut exact = 0.0;
         for n in 0..80 {
@@ -337,7 +340,7 @@ mod tests {
         assert!(errors.windows(2).all(|pair| pair[1] < 0.2 * pair[0]), "{errors:?}");
     }
 
-    /// A step in the middle: windows shrink to the shortest at it and grow again behind it.
+    /// At a step in the middle, windows shrink to the shortest and grow again behind it.
     #[test]
     fn a_jump_is_found_and_left_behind() {
         let jump = |t: f64| if t > std::f64::consts::PI { 2.0 } else { 1.0 };
@@ -351,11 +354,12 @@ mod tests {
         let at = ends.iter().position(|(t, _)| *t > std::f64::consts::PI).unwrap();
         let before = lengths[..at - 1].iter().copied().fold(0.0, f64::max);
         assert!(lengths[at - 1] < 0.1 * before, "{} after {before}", lengths[at - 1]);
-        assert!(*lengths.last().unwrap() > 0.1, "long at the end");
+        assert!(*lengths.last().unwrap() > 0.1, "windows are long at the end");
         assert!(solves < 400, "{solves}");
     }
 
-    /// One that has accepted windows without an error until the next one has this length or more.
+    /// Returns a controller that has accepted windows without an error until the next one has at
+    /// least this length.
     fn grown(length: f64) -> Controller {
         let mut controller = Controller::new(SETTINGS);
         while let Some(step) = controller.window().filter(|step| step.duration() < length) {
@@ -403,7 +407,7 @@ mod tests {
             let verdict = controller.judge(&step, true, Some(0.004), [[0.0].as_slice()]);
             assert_eq!(verdict, Acceptance::Accept);
         }
-        // Without a wish, and without an error, they grow, by no more than four a window.
+        // No request and no error: windows grow by at most a factor of four.
         let step = controller.window().unwrap();
         controller.judge(&step, true, None, [[0.0].as_slice()]);
         let next = controller.window().unwrap();

@@ -1,26 +1,26 @@
-//! The local error of a window, estimated from a straight line.
+//! Local error of a window, estimated from a straight line.
 //!
-//! What is exchanged is constant, or a line, within a window, so that the coupling is of first
+//! Exchanged values are constant, or linear, within a window, so that the coupling is of first
 //! order: with windows of length Δt the values y at their ends have the local error ½Δt²y″. The
-//! line through the ends of the two windows before, y^P = yₙ + (Δt/Δt′)(yₙ − yₙ₋₁), misses them by
+//! line through the ends of the two windows before, y^P = yₙ + (Δt/Δt′)(yₙ − yₙ₋₁), has the error
 //! −½Δt(Δt + Δt′)y″. Milne's device takes the error from the difference of the two:
 //!
 //! e = Δt/(2Δt + Δt′) · ‖y − y^P‖ / Y,
 //!
-//! in two-norms, with Y the largest norm of the field so far in the run; of several fields the
-//! largest e counts. No solve is made for the estimate. Source: E. Hairer, S. P. Nørsett &
-//! G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. (1993), section III.7, for
-//! Milne's device; here over the windows of a coupling, whose participants may be more exact than
-//! that within.
+//! in two-norms, with Y the largest norm of the field so far in the run. The largest e of all
+//! fields counts. The estimate needs no extra solve. Source: E. Hairer, S. P. Nørsett & G. Wanner,
+//! *Solving Ordinary Differential Equations I*, 2nd ed. (1993), section III.7, for Milne's device.
+//! Deviation: the device is applied to the windows of a coupling, whose participants may be more
+//! exact than first order within.
 //!
-//! A field that jumps lies on no line: there is no estimate before two ends on the same branch are
-//! known, at the beginning of a run and after [`LocalError::forget`]. A field whose number of values
-//! changes, as on a grid that grows, begins a branch of its own; until it has two ends the others are
-//! judged without it.
+//! A field that jumps lies on no line. There is no estimate before two ends on the same branch are
+//! known, at the beginning of a run and after [`LocalError::forget`]. A field whose number of
+//! values changes, as on a grid that grows, begins a branch of its own. Until it has two ends, only
+//! the other fields are judged.
 
 use serde::{Deserialize, Serialize};
 
-/// Remembers the ends of the last windows, and how fast the fields change.
+/// Estimator of the local error, from the ends of the last windows and the rates of change.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LocalError {
     fields: Vec<Line>,
@@ -28,7 +28,7 @@ pub struct LocalError {
     duration: f64,
 }
 
-/// One field.
+/// Straight line through the values of one field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Line {
     last: Vec<f64>,
@@ -36,14 +36,14 @@ struct Line {
     slope: Vec<f64>,
     /// Largest two-norm so far.
     largest: f64,
-    /// Ends known on the present branch; more than two count as two.
+    /// Number of ends known on the present branch; more than two count as two.
     ends: u32,
 }
 
 impl LocalError {
-    /// The relative local error of a window of this duration \[s\] that ends with these values, field
-    /// by field in a steady order; `None` if no field has a line yet of as many values. Not a number
-    /// if a value is none.
+    /// Returns the relative local error of a window of this duration \[s\] that ends with these
+    /// values, field by field in a fixed order. `None` if no field has a line with as many values.
+    /// NaN if a value is NaN.
     #[must_use]
     pub fn estimate<'a>(
         &self,
@@ -61,11 +61,11 @@ impl LocalError {
             let apart = norm(apart);
             if apart == 0.0 { 0.0 } else { milne * apart / scale }
         });
-        // `f64::max` would lose a NaN.
+        // `f64::max` would drop a NaN.
         errors.reduce(|a, b| if a >= b || a.is_nan() { a } else { b })
     }
 
-    /// A window of this duration \[s\] was accepted with these values at its end.
+    /// Takes in the values at the end of an accepted window of this duration \[s\].
     pub fn accept<'a>(&mut self, duration: f64, fields: impl IntoIterator<Item = &'a [f64]>) {
         for (index, values) in fields.into_iter().enumerate() {
             if self.fields.len() == index {
@@ -78,7 +78,7 @@ impl LocalError {
             }
             let line = &mut self.fields[index];
             if line.last.len() != values.len() {
-                // Another number of elements: another branch.
+                // The number of values has changed: begin a new branch.
                 (line.last, line.slope) = (values.to_vec(), vec![0.0; values.len()]);
                 line.ends = 0;
             }
@@ -93,7 +93,7 @@ impl LocalError {
         self.duration = duration;
     }
 
-    /// What was known belongs to another branch: something has jumped.
+    /// Begins a new branch for every field, after a jump.
     pub fn forget(&mut self) {
         self.fields.iter_mut().for_each(|line| line.ends = 0);
     }
@@ -107,7 +107,7 @@ fn norm(values: impl Iterator<Item = f64>) -> f64 {
 mod tests {
     use super::*;
 
-    /// A grid that grows begins a new line; one that moves does not.
+    /// A grid that grows begins a new line; a grid that moves does not.
     #[test]
     fn another_number_of_values_is_another_branch() {
         let mut local = LocalError::default();
@@ -120,8 +120,8 @@ mod tests {
         assert_eq!(ends, [None, None, Some(0.0), None, None, Some(0.0)]);
     }
 
-    /// A field on a grid that grows in every window never has a line; the one that keeps its grid is
-    /// judged nevertheless, or the windows would stay as they are for ever.
+    /// A field on a grid that grows in every window never has a line. The field with a constant
+    /// grid is judged nevertheless; otherwise the windows would never change.
     #[test]
     fn a_field_that_grows_does_not_hide_the_others() {
         let mut local = LocalError::default();
@@ -133,11 +133,12 @@ mod tests {
             error
         };
         assert_eq!([of(0, 1.0), of(1, 1.0), of(2, 1.0)], [None, None, Some(0.0)]);
-        // A third of what the line misses, over the largest value.
+        // A third of the deviation from the line, over the largest value.
         assert_eq!(of(3, 4.0), Some(3.0 / 4.0 / 3.0));
     }
 
-    /// The estimate for the window [t, t + h] of y, after windows of these lengths before t.
+    /// Returns the estimate for the window [t, t + h] of y, after windows of these lengths before
+    /// t.
     fn estimated(y: impl Fn(f64) -> f64, t: f64, before: [f64; 2], h: f64) -> f64 {
         let mut local = LocalError::default();
         let mut at = t - before[0] - before[1];
@@ -148,9 +149,9 @@ mod tests {
         local.estimate(h, [[y(t + h)].as_slice()]).unwrap()
     }
 
-    /// Backward Euler of y′ = −y over one window from an exact start: the estimate from its result
-    /// and exact ends before has the limit of its true local error ½h². What is left is of higher
-    /// order in h: the ratio tends to 1 at first order.
+    /// One window of backward Euler for y′ = −y from an exact start. The estimate from its result
+    /// and exact earlier ends tends to the true local error ½h². The rest is of higher order in h:
+    /// the ratio tends to 1 at first order.
     #[test]
     fn the_estimate_is_the_local_error_of_a_first_order_window() {
         let exact = |t: f64| (-t).exp();
@@ -159,7 +160,7 @@ mod tests {
             let euler = |t: f64| if t > 1.0 + 0.5 * h { exact(1.0) / (1.0 + h) } else { exact(t) };
             let estimate = estimated(euler, 1.0, before, h) * exact(1.0 - before[1]);
             let truth = exact(1.0) / (1.0 + h) - exact(1.0 + h);
-            // The history here is exact, and its slope lies half a window back.
+            // The history is exact here, and its slope lies half a window back.
             estimate / truth - 1.0
         };
         let errors: Vec<f64> = [0.1, 0.05, 0.025, 0.0125].iter().map(|h| off(*h).abs()).collect();
@@ -178,7 +179,7 @@ mod tests {
         let mut local = LocalError::default();
         assert_eq!(local.estimate(1.0, [[1.0].as_slice()]), None);
         local.accept(1.0, [[1.0].as_slice()]);
-        assert_eq!(local.estimate(1.0, [[1.0].as_slice()]), None, "the start is on no branch");
+        assert_eq!(local.estimate(1.0, [[1.0].as_slice()]), None, "the start is not on a branch");
         local.accept(1.0, [[1.0].as_slice()]);
         assert_eq!(local.estimate(1.0, [[4.0].as_slice()]), Some(3.0 / 4.0 / 3.0));
         local.forget();

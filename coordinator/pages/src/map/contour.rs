@@ -1,20 +1,20 @@
-//! Lines of equal value through the middles of cells, by marching squares.
+//! Contour lines through the centres of cells, by marching squares.
 //!
-//! Lorensen and Cline 1987, in two dimensions: between two neighbours of which one is above the level
-//! and one is not, the line crosses where linear interpolation has the level. A square whose corners
-//! alternate is cut so that the corners above the level are apart. Squares with a corner that is not
-//! finite have no line.
+//! Two-dimensional form of Lorensen and Cline 1987. Between two neighbouring cells, one above and
+//! one below the level, the line crosses where linear interpolation gives the level. If the corners
+//! of a square alternate, the line separates the corners above the level. Squares with a corner
+//! that is not finite have no line.
 
 use std::collections::HashMap;
 
-/// A line through places; the first and the last are the same where it is closed.
+/// A line through points; first and last point coincide if the line is closed.
 pub type Polyline = Vec<[f64; 2]>;
 
-/// A side between two neighbouring cells, by their indices.
+/// Side between two neighbouring cells, given by their indices.
 type Side = (usize, usize);
 
-/// The lines at a level over cells in rows of `columns`; places count cells, (0, 0) is the middle of the
-/// first one.
+/// Contour lines of a level over cells in rows of `columns`. Coordinates count cells; (0, 0) is the
+/// centre of the first cell.
 #[must_use]
 pub fn contours(values: &[f64], columns: usize, level: f64) -> Vec<Polyline> {
     let rows = values.len() / columns;
@@ -37,13 +37,15 @@ pub fn contours(values: &[f64], columns: usize, level: f64) -> Vec<Polyline> {
     joined.map(|line| line.into_iter().map(cross).collect()).collect()
 }
 
-/// The pieces of line through a square, counted from its lower left corner against the clock.
+/// Pieces of the line through a square, whose corners are numbered counter-clockwise from the lower
+/// left.
 fn cut(square: [usize; 4], above: [bool; 4]) -> impl Iterator<Item = [Side; 2]> {
     let side = move |n: usize| {
         let (a, b) = (square[n % 4], square[(n + 1) % 4]);
         (a.min(b), a.max(b))
     };
-    // Round each corner that is above and whose neighbour before it is not, to the end of its group.
+    // Start at each corner above the level whose predecessor is below, and end at the last corner
+    // of its group.
     let begins = (0..4).filter(move |&n| above[n] && !above[(n + 3) % 4]);
     begins.map(move |n| {
         let end = (n..n + 4).find(|m| !above[(m + 1) % 4]).unwrap_or(n);
@@ -51,7 +53,7 @@ fn cut(square: [usize; 4], above: [bool; 4]) -> impl Iterator<Item = [Side; 2]> 
     })
 }
 
-/// Pieces with common ends as lines.
+/// Joins pieces with common ends into lines.
 fn join(pieces: &[[Side; 2]]) -> Vec<Vec<Side>> {
     let mut at: HashMap<Side, Vec<usize>> = HashMap::new();
     for (n, piece) in pieces.iter().enumerate() {
@@ -59,7 +61,7 @@ fn join(pieces: &[[Side; 2]]) -> Vec<Vec<Side>> {
     }
     let mut used = vec![false; pieces.len()];
     let mut lines = Vec::new();
-    // Open lines from one of their ends, closed ones from anywhere.
+    // Follow open lines from one of their ends, closed lines from any point.
     let is_end = |n: &usize| pieces[*n].iter().any(|side| at[side].len() == 1);
     let ends = (0..pieces.len()).filter(is_end).collect::<Vec<_>>();
     for first in ends.into_iter().chain(0..pieces.len()) {
@@ -105,7 +107,7 @@ mod tests {
         assert_eq!(lines.len(), 1);
         assert_eq!(lines[0].first(), lines[0].last());
         for [x, y] in &lines[0] {
-            // Linear interpolation of a cone: 1/(8 r) of a cell.
+            // Error of the linear interpolation of a cone: 1/(8 r) of a cell.
             assert!(((x - 20.0).hypot(y - 20.0) - 12.5).abs() < 0.011, "{x} {y}");
         }
     }

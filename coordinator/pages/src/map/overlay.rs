@@ -1,40 +1,41 @@
-//! What lies over the colours of a map: lines of equal value, edges, arrows, the place of the largest value.
+//! Overlays on the colours of a map: contour lines, edges, arrows and the mark of the largest
+//! value.
 
 use super::contour::Polyline;
 use crate::axis::Axis;
 use std::fmt::Write as _;
 
-/// Arrows along the longer side of a map at most.
+/// Maximum number of arrows along the longer side of a map.
 const ARROWS: usize = 17;
-/// Shortest arrow that is drawn, in units of the paper.
+/// Length of the shortest drawn arrow, in drawing units.
 const SHORTEST: f64 = 2.0;
-/// Number of kinds of edges that are told apart.
+/// Number of distinct styles of edges.
 const EDGES: usize = 2;
 
-/// A line that maps of one surface have in common.
+/// A line common to all maps of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edge {
-    /// What it is.
+    /// Name in the legend.
     pub name: String,
-    /// Its lines, in the units of the map's axes.
+    /// Lines in the units of the map's axes.
     pub lines: Vec<Polyline>,
 }
 
-/// Vectors at the middles of cells, row by row from below.
+/// Vectors at the centres of cells, row by row from below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arrows {
-    /// Components to the right.
+    /// Horizontal components.
     pub x: Vec<f64>,
-    /// Components upward.
+    /// Vertical components.
     pub y: Vec<f64>,
 }
 
-/// Class of the n-th edge.
+/// Class of the n-th edge in the style sheet.
 pub(super) fn edge_class(n: usize) -> String {
     format!("edge{}", n % EDGES)
 }
 
-/// Lines of the paper as the data of a path; what is outside the axes is left out.
+/// Path data of lines; parts outside the axes are omitted.
 pub(super) fn path(lines: &[Polyline], x: &Axis, y: &Axis) -> String {
     let mut path = String::new();
     for line in lines {
@@ -52,13 +53,13 @@ pub(super) fn path(lines: &[Polyline], x: &Axis, y: &Axis) -> String {
     path
 }
 
-/// The place on the paper of a value that lies within the axis.
+/// Position of a value in the drawing; `None` outside the axis.
 fn within(axis: &Axis, value: f64) -> Option<f64> {
     let [low, high] = axis.range;
     (low <= value && value <= high).then(|| axis.place(value)).flatten()
 }
 
-/// Edges, each light on dark, so that they are seen on every colour.
+/// Draws edges as light lines on a dark casing, visible on every colour.
 pub(super) fn edges(all: &[Edge], x: &Axis, y: &Axis) -> String {
     let mut svg = String::new();
     for (n, edge) in all.iter().enumerate() {
@@ -72,8 +73,8 @@ pub(super) fn edges(all: &[Edge], x: &Axis, y: &Axis) -> String {
     svg
 }
 
-/// Arrows, one for each block of cells, half of it on either side of the block's middle; the longest is
-/// as long as the blocks are apart.
+/// Draws one arrow for each block of cells, centred on the block. The longest arrow is as long as
+/// the distance between blocks.
 pub(super) fn arrows(of: &Arrows, columns: usize, x: &Axis, y: &Axis) -> String {
     let rows = of.x.len() / columns;
     let every = columns.max(rows).div_ceil(ARROWS);
@@ -99,7 +100,7 @@ pub(super) fn arrows(of: &Arrows, columns: usize, x: &Axis, y: &Axis) -> String 
             x.paper[0] + (place.0 as f64 + 0.5) * cell[0],
             y.paper[0] + (place.1 as f64 + 0.5) * cell[1],
         ];
-        // Upward is to smaller numbers on the paper.
+        // The vertical coordinate of an SVG points downwards.
         let along = [u / size, -v / size];
         let end = |side: f64| [0, 1].map(|n| middle[n] + 0.5 * side * size * along[n]);
         let (from, to) = (end(-1.0), end(1.0));
@@ -123,7 +124,7 @@ pub(super) fn arrows(of: &Arrows, columns: usize, x: &Axis, y: &Axis) -> String 
     }
 }
 
-/// A cross.
+/// Draws a cross.
 pub(super) fn peak([x, y]: [f64; 2]) -> String {
     let [left, right, top, bottom] = [x - 5.0, x + 5.0, y - 5.0, y + 5.0];
     let path = format!(

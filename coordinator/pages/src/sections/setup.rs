@@ -1,4 +1,4 @@
-//! What ran: effects, plan, versions, the case, and what the processes complained of.
+//! Sections about the setup of a run: warnings, effects, the plan, versions, the case, and the log.
 
 use crate::page::{Block, Section};
 use crate::source::Results;
@@ -7,7 +7,14 @@ use run::format::{Scale, counted};
 use run::plan_file::{EffectPlan, PlanFile};
 use run::warnings::{Warning, of_summary};
 
-/// Effects on and off, and the plan as it was printed.
+/// Warnings about implausible values and figures.
+pub(super) fn warnings(results: &Results) -> Option<Section> {
+    let warnings = of_summary(&results.summary);
+    let blocks = warnings.iter().map(|warning| Block::Text(warning.to_string())).collect();
+    Section::of("Warnings", blocks)
+}
+
+/// Active and inactive effects, and the plan as printed.
 pub(super) fn plan(results: &Results) -> Option<Section> {
     let PlanFile { effects, text, .. } = results.plan.as_ref()?;
     let (on, off): (Vec<&EffectPlan>, Vec<&EffectPlan>) =
@@ -21,10 +28,13 @@ pub(super) fn plan(results: &Results) -> Option<Section> {
     if !off.is_empty() {
         let mut table = Table::new(["effect", "law"], 9);
         off.iter().for_each(|effect| table.row([effect.name.clone(), effect.law.clone()]));
-        let title = format!("{} off, not named in the case", counted(off.len() as u64, "effect"));
+        let title = format!(
+            "{} off, because the case does not name them",
+            counted(off.len() as u64, "effect")
+        );
         blocks.push(Block::Folded(title, table));
     }
-    let title = "Scheme, processes, fields and bytes as planned".to_owned();
+    let title = "Planned scheme, processes, fields and bytes".to_owned();
     blocks.push(Block::Verbatim(title, text.trim_end().to_owned()));
     Section::of("Plan", blocks)
 }
@@ -42,7 +52,6 @@ pub(super) fn versions(results: &Results) -> Option<Section> {
     Section::of("Versions", vec![Block::Table(table)])
 }
 
-/// The case as it was run.
 pub(super) fn case(results: &Results) -> Option<Section> {
     let blocks = match results.case.trim_end() {
         "" => Vec::new(),
@@ -51,13 +60,14 @@ pub(super) fn case(results: &Results) -> Option<Section> {
     Section::of("Case as run", blocks)
 }
 
-/// Recordings, warnings and errors, and what could not be read.
+/// Recordings, warnings, errors and unreadable files.
 pub(super) fn log(results: &Results) -> Option<Section> {
     let mut blocks = Vec::new();
     for (name, bytes) in &results.recordings {
         let size = Scale::of("byte", *bytes as f64).show(*bytes as f64, 3);
         blocks.push(Block::Text(format!(
-            "{name} ({size}) holds every exchange: coordinator inspect, replay and export read it."
+            "{name} ({size}) holds all exchanged data; read it with coordinator inspect, replay or \
+             export."
         )));
     }
     let mut table = Table::new(["level", "source", "message"], 9);

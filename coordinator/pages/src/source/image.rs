@@ -1,18 +1,18 @@
-//! Fields on the cells of a plane, as the report draws them.
+//! Fields on a plane of cells, as the report draws them.
 
 use run::results::cells::Cells;
 use run::results::last::LastField;
 
-/// Cells of a box with fields on them.
+/// A box of cells with fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// The corner of the box with the smallest coordinates \[m\].
+    /// Corner of the box with the smallest coordinates \[m\].
     pub corner: [f64; 3],
-    /// Lengths of a cell \[m\].
+    /// Side lengths of a cell \[m\].
     pub spacing: [f64; 3],
-    /// Cells along x, y, z; 0 along the axis on which the plane stands.
+    /// Number of cells along x, y, z; 0 along the normal of the plane.
     pub cells: [usize; 3],
-    /// The fields.
+    /// Fields on the cells.
     pub fields: Vec<Field>,
 }
 
@@ -21,18 +21,19 @@ pub struct Image {
 pub struct Field {
     /// Name of the field.
     pub name: String,
-    /// Its SI unit.
+    /// SI unit.
     pub unit: String,
-    /// One line for people.
+    /// Short description.
     pub meaning: String,
-    /// Components of a vector; 1 for a scalar.
+    /// Number of vector components; 1 for a scalar.
     pub components: usize,
-    /// Values, cell by cell, x fastest; the components of a cell next to each other.
+    /// Values cell by cell, x fastest; the components of a cell are adjacent.
     pub values: Vec<f64>,
 }
 
 impl Image {
-    /// Fields of one grid; `None` without a field, and on a grid whose steps are not along axes.
+    /// Collects the fields of one grid; `None` without a field, or if the grid is not aligned with
+    /// the axes.
     #[must_use]
     pub fn of<'a>(fields: impl Iterator<Item = &'a LastField<'a>>) -> Option<Self> {
         let mut fields = fields.peekable();
@@ -41,13 +42,13 @@ impl Image {
         Some(Self { corner, spacing, cells: counts, fields })
     }
 
-    /// The field of this name.
+    /// Looks up a field by name.
     #[must_use]
     pub fn field(&self, name: &str) -> Option<&Field> {
         self.fields.iter().find(|field| field.name == name)
     }
 
-    /// The two axes of the plane in which the cells lie, in the order of x, y, z.
+    /// The two axes of the plane of cells, in the order x, y, z.
     #[must_use]
     pub fn plane(&self) -> Option<[usize; 2]> {
         let axes: Vec<usize> = (0..3).filter(|&axis| self.cells[axis] > 0).collect();
@@ -61,14 +62,14 @@ impl Image {
         [low, low + self.cells[axis] as f64 * self.spacing[axis]]
     }
 
-    /// Middle of the n-th cell along an axis \[m\].
+    /// Centre of the n-th cell along an axis \[m\].
     #[must_use]
     pub fn middle(&self, axis: usize, n: usize) -> f64 {
         self.corner[axis] + (n as f64 + 0.5) * self.spacing[axis]
     }
 
-    /// The column of cells that holds the largest value of a field: its place along the plane's
-    /// first axis \[m\], and distance from the other axis' origin \[m\] and value of each cell.
+    /// Column of cells through the largest value of a field: its position along the first axis of
+    /// the plane \[m\]; distance from the origin of the second axis \[m\] and value for each cell.
     #[must_use]
     pub fn through_largest(&self, field: &Field) -> Option<(f64, Vec<[f64; 2]>)> {
         let [along, upright] = self.plane()?;
@@ -84,8 +85,8 @@ impl Image {
         Some((self.middle(along, column), points))
     }
 
-    /// The row of cells nearest to the origin of the plane's second axis, the surface of a section: place \[m\] and
-    /// value of each cell.
+    /// Row of cells nearest to the origin of the second axis of the plane, which is the surface of
+    /// a section: position \[m\] and value for each cell.
     #[must_use]
     pub fn along_surface(&self, field: &Field) -> Option<Vec<[f64; 2]>> {
         let [along, upright] = self.plane()?;
@@ -100,7 +101,7 @@ impl Image {
 }
 
 impl Field {
-    /// A field with its cells in this order.
+    /// Copies a field with its cells in this order.
     fn of(field: &LastField<'_>, order: &[usize]) -> Self {
         let components = field.kind.components as usize;
         let of = |&at: &usize| (0..components).map(move |component| component * order.len() + at);
@@ -113,7 +114,7 @@ impl Field {
         }
     }
 
-    /// One number a cell: the value, or the length of the vector.
+    /// One number per cell: the value, or the length of the vector.
     #[must_use]
     pub fn magnitudes(&self) -> Vec<f64> {
         let length = |cell: &[f64]| match cell {
@@ -129,7 +130,7 @@ mod tests {
     use super::*;
     use contract::field::{PRESSURE, TRACTION};
     use contract::grid::Structured;
-    use run::results::vtk::ShownKind;
+    use run::results::vtk::FieldLabel;
     use std::borrow::Cow;
 
     #[test]
@@ -146,8 +147,9 @@ mod tests {
             LastField { series: String::new(), grid, kind, values }
         };
         let scalar =
-            field(ShownKind::of(&PRESSURE.kind(), None), vec![1.0, 2.0, 3.0, 4.0, 9.0, 6.0]);
-        let vector = field(ShownKind::of(&TRACTION.kind(), None), (0..12).map(f64::from).collect());
+            field(FieldLabel::of(&PRESSURE.kind(), None), vec![1.0, 2.0, 3.0, 4.0, 9.0, 6.0]);
+        let vector =
+            field(FieldLabel::of(&TRACTION.kind(), None), (0..12).map(f64::from).collect());
         let image = Image::of([&scalar, &vector].into_iter()).unwrap();
         assert_eq!((image.plane(), image.cells), (Some([0, 2]), [3, 0, 2]));
         assert_eq!((image.borders(0), image.borders(2)), ([-0.5, 1.0], [-3.0, -1.0]));

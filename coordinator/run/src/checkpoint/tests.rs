@@ -1,4 +1,5 @@
 use super::*;
+use crate::sealed::sum;
 
 fn state(next: u64) -> CoordinatorState {
     let mut controller =
@@ -49,7 +50,7 @@ fn the_last_two_are_kept_and_read_back_to_the_bit() {
     assert_eq!(fs::read(newest.folder.join("mech.state")).unwrap(), [9; 100]);
 }
 
-/// Whatever is cut off or damaged, in whichever file, is found, and the one before is used.
+/// A file that is cut off or damaged at any byte is detected, and the checkpoint before is used.
 #[test]
 fn what_is_torn_is_named_and_the_one_before_used() {
     for file in ["mech.state", OWN] {
@@ -73,7 +74,7 @@ fn what_is_torn_is_named_and_the_one_before_used() {
     }
 }
 
-/// Only files of the checkpoint itself are read, whatever its own part names.
+/// Reads only files of the checkpoint itself, whatever names its own part holds.
 #[test]
 fn a_part_that_is_no_file_of_the_checkpoint_is_refused() {
     let (place, checkpoints) = written(&[3, 6]);
@@ -100,7 +101,7 @@ fn a_draft_is_no_checkpoint_and_goes_with_the_others() {
     assert!(checkpoints.newest().0.is_none());
 }
 
-/// Windows beyond 999999 sort behind those before.
+/// Windows beyond 999999 sort after all windows before.
 #[test]
 fn long_numbers_are_later() {
     let (_place, checkpoints) = written(&[4]);
@@ -114,7 +115,7 @@ fn long_numbers_are_later() {
 proptest::proptest! {
     #![proptest_config(crate::fuzz_config())]
 
-    /// Bytes with the right head and sum, so that they reach the decoder.
+    /// Bytes with a valid head and checksum reach the decoder.
     #[test]
     fn bytes_that_look_like_a_checkpoint_are_refused_in_peace(
         content in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..300),

@@ -1,19 +1,20 @@
-//! How far a participant is with the command that it works on, by its own count.
+//! Progress of a participant with its current command, as counted by the participant.
 
 use contract::message::ProgressReport;
 use std::time::{Duration, Instant};
 
-/// Its newest report, and the pace since it began to count.
+/// Newest progress report, with the pace since the count began.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Advance {
     newest: ProgressReport,
     at: Instant,
-    /// What was done when it began to count this, and when that was.
+    /// Count and time of the first report on this work.
     first: (u64, Instant),
 }
 
 impl Advance {
-    /// The first report on a command, or one after another; `None` if it says nothing new.
+    /// Returns the progress after a report; `None` if the report is not new. Work under a new label
+    /// or with a new total starts a new pace.
     pub(super) fn after(before: Option<Self>, newest: ProgressReport, at: Instant) -> Option<Self> {
         match before {
             Some(before) if before.newest == newest => None,
@@ -26,12 +27,11 @@ impl Advance {
         }
     }
 
-    /// The newest report.
     pub(super) fn newest(&self) -> ProgressReport {
         self.newest
     }
 
-    /// What is left at the pace so far.
+    /// Returns the remaining time at the pace so far.
     pub(super) fn left(&self) -> Option<Duration> {
         let (before, since) = self.first;
         let left = self.newest.of.checked_sub(self.newest.done)?;

@@ -1,16 +1,16 @@
-//! How long a wait has lasted, by the time in which the waiting process itself ran.
+//! Duration of a wait, measured in time during which the waiting process itself ran.
 //!
-//! A run may be frozen as a whole and thawed later (a container's pause, a suspended machine, a
-//! debugger). The clock goes on meanwhile, but nobody was silent and nobody was late: a gap between
-//! two looks that is longer than [`LOOK`] counts as [`LOOK`].
+//! A whole run may be frozen and thawed later (a paused container, a suspended machine, a
+//! debugger). The clock goes on meanwhile, although no participant was silent or late. Therefore a
+//! gap between two looks that is longer than [`LOOK`] counts as [`LOOK`].
 
 use proto::transport::Doorbell;
 use std::time::{Duration, Instant};
 
-/// Most that the time between two looks counts. A waiting process looks every [`Doorbell::NAP`].
+/// Longest time that counts between two looks. A waiting process looks every [`Doorbell::NAP`].
 const LOOK: Duration = Doorbell::NAP.saturating_mul(5);
 
-/// The time a wait has lasted; looked at on every poll.
+/// Duration of a wait, updated at every poll.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patience {
     waited: Duration,
@@ -18,12 +18,12 @@ pub(super) struct Patience {
 }
 
 impl Patience {
-    /// A wait that begins now.
+    /// Starts a wait.
     pub(super) fn new() -> Self {
         Self { waited: Duration::ZERO, looked: Instant::now() }
     }
 
-    /// How long the wait has lasted.
+    /// Returns the duration of the wait so far.
     pub(super) fn waited(&mut self) -> Duration {
         self.waited_until(Instant::now())
     }

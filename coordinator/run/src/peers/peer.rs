@@ -1,4 +1,4 @@
-//! One participant, as the coordinator talks with it: commands go out, replies and heartbeats come in.
+//! A participant as seen by the coordinator: commands go out, replies and heartbeats come in.
 
 use super::advance::Advance;
 use super::patience::Patience;
@@ -9,8 +9,7 @@ use proto::transport::{Beat, Endpoint, Message, Receiver, Ringer, Sender, Transp
 use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
-/// Two heartbeats that are further apart than this were rung one after the other, the second one
-/// after the first had been received.
+/// Time between two heartbeats from which on the second was rung after the first had been received.
 const APART: Duration = Duration::from_millis(10);
 
 /// A participant of a run.
@@ -21,21 +20,23 @@ pub struct Peer {
     attached: bool,
     commands: Sender<Command>,
     replies: Receiver<Reply>,
-    /// Reports of progress; opened at the first heartbeat that comes while a command is worked on.
+    /// Progress reports; opened at the first heartbeat that arrives while a command is being worked
+    /// on.
     reports: Option<Receiver<ProgressReport>>,
     ringer: Ringer,
     sequence: u64,
-    /// A reply to the last command is still to come.
+    /// Whether the reply to the last command is still to come.
     owing: Cell<bool>,
-    /// A failed reply that came while another participant's was waited for.
+    /// A failed reply that arrived during a wait for another participant.
     early: RefCell<Option<Message<Reply>>>,
     silence: Patience,
-    /// Heartbeats that say that the last command has been dealt with, and the last one of them.
+    /// Number of heartbeats that say that the last command has been dealt with, and time of the
+    /// last of them.
     dealt_with: u32,
     last_dealt_with: Option<Instant>,
-    /// A heartbeat has come since the reports were looked at.
+    /// Whether a heartbeat has arrived since the progress reports were read.
     has_beaten: bool,
-    /// How far it is with the last command, if it says so.
+    /// Progress with the last command, if the participant reports it.
     advance: Option<Advance>,
 }
 
@@ -66,31 +67,31 @@ impl Peer {
         }
     }
 
-    /// The role it plays.
+    /// Returns the role that the participant plays.
     #[must_use]
     pub fn role(&self) -> &str {
         &self.role
     }
 
-    /// It was started by hand.
+    /// Returns whether the participant was started by hand.
     #[must_use]
     pub fn is_attached(&self) -> bool {
         self.attached
     }
 
-    /// Role and program, for messages.
+    /// Returns role and program, for messages.
     #[must_use]
     pub fn who(&self) -> String {
         format!("{} ({})", self.role, self.program)
     }
 
-    /// The participant has joined.
+    /// Returns whether the participant has joined.
     pub(super) fn is_up(&self) -> bool {
         self.commands.is_heard() && self.replies.is_served()
     }
 
-    /// Sends a command, and gives it back with its number; `ring` only when an answer is wanted
-    /// soon.
+    /// Sends a command and returns it with its sequence number. `ring` wakes the participant; set
+    /// it only when a reply is wanted soon.
     pub(super) fn post(
         &mut self,
         mut command: Command,
@@ -100,7 +101,7 @@ impl Peer {
         self.sequence += 1;
         command.sequence = self.sequence;
         self.commands.send(&command, body)?;
-        // Silence counts from here: heartbeats are only received while waiting.
+        // Silence counts from here: heartbeats are only received during a wait.
         self.silence = Patience::new();
         self.owing.set(ring);
         (self.dealt_with, self.last_dealt_with, self.advance) = (0, None, None);
@@ -111,7 +112,7 @@ impl Peer {
         Ok(command)
     }
 
-    /// Sequence number of the last command.
+    /// Returns the sequence number of the last command.
     #[must_use]
     pub fn sequence(&self) -> u64 {
         self.sequence
@@ -126,8 +127,8 @@ impl Peer {
         Ok(message)
     }
 
-    /// A reply that is owed has come already, and says that the command has failed; a good one is
-    /// kept until it is asked for.
+    /// Returns whether a reply that is due has arrived and reports a failure. A reply that reports
+    /// success is stored for [`Peer::receive`].
     pub(super) fn has_failed(&self) -> Result<bool, TransportError> {
         let mut early = self.early.borrow_mut();
         if self.owing.get() && early.is_none() {
@@ -137,7 +138,7 @@ impl Peer {
         Ok(early.as_ref().is_some_and(failed))
     }
 
-    /// A heartbeat has come.
+    /// Notes a heartbeat.
     pub(super) fn beat_received(&mut self, beat: Beat) {
         self.silence = Patience::new();
         self.has_beaten = true;
@@ -149,8 +150,8 @@ impl Peer {
         }
     }
 
-    /// Returns true if a heartbeat has brought a report of progress with the last command. A topic
-    /// that cannot be opened, for lack of shared memory, is tried again at the next heartbeat.
+    /// Returns whether a heartbeat has brought a progress report on the last command. If the topic
+    /// cannot be opened, for lack of shared memory, the next heartbeat tries again.
     pub(super) fn has_advanced(&mut self, endpoint: &Endpoint) -> Result<bool, TransportError> {
         if !std::mem::take(&mut self.has_beaten) {
             return Ok(false);
@@ -169,25 +170,28 @@ impl Peer {
         Ok(next.is_some())
     }
 
-    /// How far it is with the last command, and what is left; `None` if it does not say.
+    /// Returns the progress with the last command and the remaining time; `None` without a report.
     pub(super) fn advance(&self) -> Option<(ProgressReport, Option<Duration>)> {
         self.advance.map(|advance| (advance.newest(), advance.left()))
     }
 
-    /// The participant says that it has dealt with the last command. Two such heartbeats may still
-    /// speak of an earlier command whose number looks alike: one that was rung before and not
-    /// received, and one that its heart had in hand when the processor was taken from it. The third
-    /// one was made after the second had been received.
+    /// Returns whether the participant has dealt with the last command, according to three
+    /// heartbeats.
+    ///
+    /// Two such heartbeats may still refer to an earlier command with a similar number: one that
+    /// was rung before and not yet received, and one that was being made when the thread lost the
+    /// processor. The third one was made after the second had been received.
     pub(super) fn has_dealt_with_it(&self) -> bool {
         self.dealt_with >= 3
     }
 
-    /// Time since the last sign of life, as far as this process ran.
+    /// Returns the time since the last sign of life, not counting time in which this process did
+    /// not run.
     pub(super) fn silence(&mut self) -> Duration {
         self.silence.waited()
     }
 
-    /// The error for a refused case.
+    /// Returns the error for a refused case.
     pub(super) fn refused(&self, body: &[u8]) -> RunError {
         let refusal = serde_json::from_slice(body).unwrap_or_else(|_| {
             Refusal::new(&self.role, "refused without a reason", "ask the program's author")
@@ -196,7 +200,7 @@ impl Peer {
     }
 }
 
-/// What a failed reply says.
+/// Returns the reason in a failed reply.
 pub(super) fn failure_text(body: &[u8]) -> String {
     serde_json::from_slice::<Failure>(body)
         .map_or_else(|_| "it failed without saying why".to_owned(), |failure| failure.error)

@@ -1,9 +1,9 @@
-//! What is going on in a run, for messages.
+//! Phase of a run, for messages.
 
 use contract::message::{Command, CommandKind};
 use contract::step::Step;
 
-/// What is going on, for messages.
+/// Phase of a run, for messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
     /// Processes start and join.
@@ -43,7 +43,7 @@ impl std::fmt::Display for Phase {
 }
 
 impl Phase {
-    /// What a participant does meanwhile, in a word.
+    /// Returns the activity of a participant in this phase, in one word.
     #[must_use]
     pub fn doing(self) -> &'static str {
         match self {
@@ -59,7 +59,7 @@ impl Phase {
         }
     }
 
-    /// What a command is called in messages.
+    /// Returns the phase in which a command is sent.
     #[must_use]
     pub fn of(command: &Command) -> Self {
         let step = command.step();

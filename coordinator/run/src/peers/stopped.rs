@@ -1,4 +1,4 @@
-//! Why a wait for a participant has ended without what was waited for.
+//! Reasons why a wait for a participant ended early.
 
 use super::peer::Peer;
 use super::phase::Phase;
@@ -10,22 +10,23 @@ use proto::transport::TransportError;
 use std::time::Duration;
 use typed_index_collections::TiSlice;
 
-/// The reason; numbers are those of participants.
+/// Reason why a wait ended early.
 #[derive(Debug)]
 pub enum Stopped {
-    /// The user wants to stop: name of the signal.
+    /// The user has interrupted the run with this signal.
     Interrupted(&'static str),
     /// A process has ended.
     Exited(Exit),
-    /// A participant that was started by hand is gone.
+    /// A participant that was started by hand has ended.
     Gone(ParticipantIndex),
-    /// It has dealt with the command, and the reply is not there.
+    /// The participant has dealt with the command, but its reply is missing.
     ReplyLost(ParticipantIndex),
-    /// No heartbeat for so long.
+    /// No heartbeat of the participant for this long.
     Silent(ParticipantIndex, Duration),
-    /// No answer and no progress for so long, although its heartbeat is received.
+    /// No answer and no progress of the participant for this long, although its heartbeat is
+    /// received.
     Late(ParticipantIndex, Duration),
-    /// The exchange with it failed.
+    /// The exchange with the participant failed.
     Transport(ParticipantIndex, TransportError),
     /// The coordinator's own doorbell failed.
     Doorbell(TransportError),
@@ -38,7 +39,7 @@ impl From<TransportError> for Stopped {
 }
 
 impl Stopped {
-    /// As the end of a run.
+    /// Returns the reason as the error of a run.
     pub(super) fn error(self, peers: &TiSlice<ParticipantIndex, Peer>, phase: Phase) -> RunError {
         let (when, failed) =
             (phase.to_string(), |one: ParticipantIndex, what: String, fix: &str| {
@@ -51,7 +52,7 @@ impl Stopped {
             Self::Gone(one) => failed(
                 one,
                 "its process is gone".to_owned(),
-                "see what it wrote where it was started",
+                "see its messages in the terminal that started it",
             ),
             Self::ReplyLost(one) => failed(
                 one,
@@ -82,7 +83,7 @@ impl Stopped {
     }
 }
 
-/// What and fix for a participant that is alive but has not answered in time.
+/// Returns description and fix for a participant that is alive but has not answered in time.
 fn late(phase: Phase, patience: Duration, reached: Option<ProgressReport>) -> (String, String) {
     let seconds = patience.as_secs_f64();
     let (what, key) = match phase {

@@ -1,8 +1,7 @@
-//! A run that is driven from outside: its windows, one by one, with the values that hold in each, and its
-//! states, which are kept and returned to.
+//! A run driven from outside: the driver requests each window with its values, saves states and
+//! returns to them.
 
-use super::branch::Branch;
-use super::march::{Attempt, March, Missed};
+use super::time_loop::{AcceptedWindow, RejectedWindow, TimeLoop};
 use crate::error::{RunError, file_failure};
 use crate::plan::{Participant, Plan};
 use crate::results::summary::Counts;
@@ -14,34 +13,35 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// An end this close to a window of the case, relative to its length, is that of the window.
+/// Tolerance of window ends, relative to the window length: an end this close to a window of the
+/// case is that of the window.
 const ROUNDING: f64 = 1e-9;
 
-/// More states than this are not kept: each takes shared memory, and files.
+/// Largest number of saved states: each takes shared memory and files.
 const MOST_STATES: usize = 4096;
 
-/// What drives a run.
+/// The driver of a run.
 pub trait Driver {
-    /// Drives it to its end.
+    /// Drives a run to its end.
     ///
     /// # Errors
-    /// What has ended it otherwise.
+    /// The error that ended the run.
     fn drive(&mut self, run: &mut Driven<'_, '_>) -> Result<(), RunError>;
 }
 
-/// Why a run did not do what it was asked for.
+/// The reason why a run did not do what its driver asked for.
 #[derive(Debug)]
-pub enum Fault {
-    /// It cannot be asked for, and nothing has changed; in words.
+pub enum DriverError {
+    /// The request is invalid for this reason; nothing has changed.
     Refused(String),
-    /// The window has no answer. The run is where it was before.
+    /// The window has no answer. The run is in the state before the request.
     NoAnswer(RunError),
-    /// The run is over.
+    /// The run has ended with this error.
     Ended(RunError),
 }
 
-impl Fault {
-    /// The end of a run.
+impl DriverError {
+    /// Returns the fault as the error of a run.
     #[must_use]
     pub fn into_error(self) -> RunError {
         match self {
@@ -51,27 +51,27 @@ impl Fault {
     }
 }
 
-impl From<RunError> for Fault {
+impl From<RunError> for DriverError {
     fn from(error: RunError) -> Self {
         Self::Ended(error)
     }
 }
 
-/// A window that was accepted.
+/// An accepted window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accepted {
     /// The window.
     pub step: Step,
-    /// How it has ended, as `history.csv` says it.
+    /// Status of the window, as in `history.csv`.
     pub status: &'static str,
-    /// Iterations that it took.
+    /// Number of iterations.
     pub iterations: u32,
-    /// The figures of `history.csv`, in the order of its columns; `None` where there is none.
+    /// Figures of `history.csv`, in the order of its columns; `None` for a missing one.
     pub figures: Vec<Option<f64>>,
 }
 
-/// A state that is kept.
-struct Kept {
+/// A saved state of the run.
+struct SavedState {
     folder: PathBuf,
     step: Step,
     given: Vec<(String, f64)>,
@@ -80,112 +80,112 @@ struct Kept {
     time: WindowState,
     counts: Counts,
     /// The tables `iterations.csv` and `history.csv`.
-    tables: [Branch; 2],
+    tables: [TableState; 2],
     series: Vec<FileSeries>,
 }
 
-/// A run on its way, in the hands of who drives it.
+/// A run in progress, as its driver sees it.
 pub struct Driven<'m, 'a> {
-    march: &'m mut March<'a>,
-    kept: BTreeMap<u64, Kept>,
+    time_loop: &'m mut TimeLoop<'a>,
+    kept: BTreeMap<u64, SavedState>,
     last: u64,
-    /// The state to return to before anything else is done.
+    /// State to restore before the next request is served.
     back_to: Option<u64>,
-    /// Not everybody is at the same window: only an earlier state helps.
+    /// The participants disagree on the window. Only restoring a saved state can continue.
     torn: bool,
 }
 
 impl<'m, 'a> Driven<'m, 'a> {
-    pub(super) fn new(march: &'m mut March<'a>) -> Self {
-        Self { march, kept: BTreeMap::new(), last: 0, back_to: None, torn: false }
+    pub(super) fn new(time_loop: &'m mut TimeLoop<'a>) -> Self {
+        Self { time_loop, kept: BTreeMap::new(), last: 0, back_to: None, torn: false }
     }
 
-    /// What runs.
+    /// The plan of the run.
     #[must_use]
     pub fn plan(&self) -> &'a Plan {
-        self.march.plan
+        self.time_loop.plan
     }
 
-    /// The keys of the figures of an accepted window, in order.
+    /// Returns the keys of the figures of an accepted window, in order.
     pub fn figures(&self) -> impl Iterator<Item = &str> {
-        self.march.tables.history.keys()
+        self.time_loop.tables.history.keys()
     }
 
-    /// Why no state of this run can be returned to, if none can.
+    /// Returns the reason why this run cannot return to a state; `None` if it can.
     #[must_use]
     pub fn one_way(&self) -> Option<String> {
         let once = |p: &&Participant| {
             let model = p.description.models.iter().find(|m| m.name == p.configuration.model);
             model.is_some_and(|model| !model.rewinds)
         };
-        if let Some(one) = self.march.plan.participants.iter().find(once) {
-            return Some(format!("{} can solve a window once only", one.role));
+        if let Some(one) = self.time_loop.plan.participants.iter().find(once) {
+            return Some(format!("{} can solve a window only once", one.role));
         }
-        let moves = self.march.session.has_moving_grid();
+        let moves = self.time_loop.session.has_moving_grid();
         moves.then(|| "a grid of the run moves, and cannot move back".to_owned())
     }
 
-    /// Lets time pass, with an eye on processes and signals.
+    /// Lets time pass while watching processes and signals.
     ///
     /// # Errors
-    /// A process has ended; the user wants to stop.
+    /// A process has ended, or the user has interrupted the run.
     pub fn idle(&mut self, time: Duration) -> Result<(), RunError> {
-        self.march.session.idle(time)
+        self.time_loop.session.idle(time)
     }
 
-    /// Gives values of live keys, from the next window on: all of them, or none.
+    /// Sets live keys from the next window on: all of them, or none.
     ///
     /// # Errors
-    /// No such key, a value beyond its limits, named with the window.
-    pub fn give(&mut self, values: &BTreeMap<String, f64>) -> Result<(), Fault> {
+    /// A key does not exist, or a value is beyond its limits. The message names the window.
+    pub fn give(&mut self, values: &BTreeMap<String, f64>) -> Result<(), DriverError> {
         self.settle()?;
-        let window = self.march.time.state().index;
-        let session = &mut *self.march.session;
+        let window = self.time_loop.time.state().index;
+        let session = &mut *self.time_loop.session;
         let judged =
             values.iter().try_for_each(|(key, value)| session.judge(key, *value).map(drop));
         let given = judged
             .and_then(|()| values.iter().try_for_each(|(key, value)| session.give(key, *value)));
-        given.map_err(|reason| Fault::Refused(format!("window {window}: {reason}")))
+        given.map_err(|reason| DriverError::Refused(format!("window {window}: {reason}")))
     }
 
-    /// Solves the next window, with these values of live keys, and accepts it. It ends at a time [s], or
-    /// is as long as the case says; of a steady case it is a row at this time. `observe` writes its fields.
+    /// Solves the next window with these values of live keys, and accepts it. The window ends at
+    /// `end` \[s\], or has the length given in the case; in a steady case it is a row at this time.
+    /// `observe` writes the fields of the window.
     ///
     /// # Errors
-    /// An end before the start, a value that cannot be given: nothing has changed then; a window without
-    /// an answer; the end of the run.
+    /// An end before the start, or an invalid value: nothing has changed. A window without an
+    /// answer. An error that ends the run.
     pub fn step(
         &mut self,
         values: &BTreeMap<String, f64>,
         end: Option<f64>,
         observe: bool,
-    ) -> Result<Accepted, Fault> {
+    ) -> Result<Accepted, DriverError> {
         self.settle()?;
         if self.torn {
-            let reason =
-                "the last window has no answer that everybody could accept: restore a state";
-            return Err(Fault::Refused(reason.to_owned()));
+            let reason = "the participants disagree on the last window: restore a state";
+            return Err(DriverError::Refused(reason.to_owned()));
         }
         let step = self.next(end)?;
         self.give(values)?;
-        match self.march.attempt(&step, observe) {
-            Ok(Attempt { status, iterations }) => {
-                let given = self.march.session.figures();
-                let figures = self.march.tables.history.values(given);
+        match self.time_loop.attempt(&step, observe) {
+            Ok(AcceptedWindow { status, iterations }) => {
+                let given = self.time_loop.session.figures();
+                let figures = self.time_loop.tables.history.values(given);
                 Ok(Accepted { step, status, iterations, figures })
             }
-            Err(Missed { error, ended: true, .. }) => Err(Fault::Ended(error)),
-            Err(Missed { error, torn, .. }) => {
+            Err(RejectedWindow { error, ended: true, .. }) => Err(DriverError::Ended(error)),
+            Err(RejectedWindow { error, torn, .. }) => {
                 self.torn = torn;
-                Err(Fault::NoAnswer(error))
+                Err(DriverError::NoAnswer(error))
             }
         }
     }
 
-    /// The next window, up to this end.
-    fn next(&self, end: Option<f64>) -> Result<Step, Fault> {
-        let WindowState { index, start, .. } = *self.march.time.state();
-        let Windows::Open { window } = self.march.plan.windows else {
+    /// Returns the next window, up to this end.
+    fn next(&self, end: Option<f64>) -> Result<Step, DriverError> {
+        let WindowState { index, start, .. } = *self.time_loop.time.state();
+        let Windows::Open { window } = self.time_loop.plan.windows else {
             unreachable!("a run that is driven has open windows")
         };
         let end = match (window, end) {
@@ -203,56 +203,62 @@ impl<'m, 'a> Driven<'m, 'a> {
         if fits {
             return Ok(Step { window: index, iteration: 0, start, end });
         }
-        let start = self.march.time.state().start;
-        Err(Fault::Refused(format!("window {index} begins at {start} s and cannot end at {end} s")))
+        let start = self.time_loop.time.state().start;
+        Err(DriverError::Refused(format!(
+            "window {index} begins at {start} s and cannot end at {end} s"
+        )))
     }
 
-    /// Keeps the state after the last window that was accepted; its number.
+    /// Saves the state after the last accepted window, and returns its number.
     ///
     /// # Errors
-    /// There is none, or it cannot be returned to; the end of the run.
-    pub fn save(&mut self) -> Result<u64, Fault> {
+    /// No window has been accepted, the run cannot return to a state, or too many states are kept.
+    /// An error that ends the run.
+    pub fn save(&mut self) -> Result<u64, DriverError> {
         self.settle()?;
         if let Some(why) = self.one_way() {
-            return Err(Fault::Refused(format!("no state can be kept: {why}")));
+            return Err(DriverError::Refused(format!("no state can be saved: {why}")));
         }
-        if self.march.counts.windows == 0 {
-            let reason = "there is no state before the first window: start the run again";
-            return Err(Fault::Refused(reason.to_owned()));
+        if self.time_loop.counts.windows == 0 {
+            let reason = "there is no state before the first window: to return to the beginning, start the run again";
+            return Err(DriverError::Refused(reason.to_owned()));
         }
         if self.torn {
-            return Err(Fault::Refused("the last window has no answer to keep".to_owned()));
+            return Err(DriverError::Refused(
+                "the last window has no answer, and no state to save".to_owned(),
+            ));
         }
         if self.kept.len() == MOST_STATES {
-            let reason = format!("{MOST_STATES} states are kept, and no more can be: free one");
-            return Err(Fault::Refused(reason));
+            let reason = format!("the limit of {MOST_STATES} saved states is reached: free one");
+            return Err(DriverError::Refused(reason));
         }
         self.last += 1;
-        let folder = self.march.session.folder().join(format!("state-{}", self.last));
+        let folder = self.time_loop.session.folder().join(format!("state-{}", self.last));
         fs::create_dir(&folder).map_err(|error| file_failure(&folder, &error))?;
-        let kept = self.march.keep(folder)?;
+        let kept = self.time_loop.keep(folder)?;
         self.kept.insert(self.last, kept);
         Ok(self.last)
     }
 
-    /// Returns to a state that is kept, which stays.
+    /// Returns to a saved state, which stays saved.
     ///
     /// # Errors
-    /// There is none of this number.
-    pub fn restore(&mut self, state: u64) -> Result<(), Fault> {
+    /// No state has this number.
+    pub fn restore(&mut self, state: u64) -> Result<(), DriverError> {
         if !self.kept.contains_key(&state) {
-            return Err(Fault::Refused(format!("there is no state {state}")));
+            return Err(DriverError::Refused(format!("there is no state {state}")));
         }
-        // Only when something follows: of two states in a row nobody sees the first one.
+        // Restoring waits for the next request: of two restorations in a row, only the last one
+        // matters.
         self.back_to = Some(state);
         Ok(())
     }
 
-    /// Forgets a state.
+    /// Discards a saved state.
     ///
     /// # Errors
-    /// There is none of this number; the end of the run.
-    pub fn free(&mut self, state: u64) -> Result<(), Fault> {
+    /// No state has this number. An error that ends the run.
+    pub fn free(&mut self, state: u64) -> Result<(), DriverError> {
         if self.back_to == Some(state) {
             self.settle()?;
         }
@@ -262,28 +268,26 @@ impl<'m, 'a> Driven<'m, 'a> {
                     .map_err(|error| file_failure(&kept.folder, &error))?;
                 Ok(())
             }
-            None => Err(Fault::Refused(format!("there is no state {state}"))),
+            None => Err(DriverError::Refused(format!("there is no state {state}"))),
         }
     }
 
-    /// Goes back, if that is due.
+    /// Carries out a pending [`Driven::restore`], if there is one.
     ///
     /// # Errors
-    /// The end of the run.
-    pub fn settle(&mut self) -> Result<(), Fault> {
+    /// An error that ends the run.
+    pub fn settle(&mut self) -> Result<(), DriverError> {
         let Some(state) = self.back_to.take() else { return Ok(()) };
-        self.march.back_to(&self.kept[&state])?;
+        self.time_loop.back_to(&self.kept[&state])?;
         self.tables_back_to(state)?;
         self.torn = false;
         Ok(())
     }
-}
 
-impl Driven<'_, '_> {
-    /// The tables hold what they held at a state; what is cut is kept for the other states.
+    /// Returns the tables to a state. Rows that are cut stay available to the other states.
     fn tables_back_to(&mut self, state: u64) -> Result<(), RunError> {
         let [iterations, history] = self.kept[&state].tables.clone();
-        let tables = &mut *self.march.tables;
+        let tables = &mut *self.time_loop.tables;
         let (at, then) = (iterations.start(), history.start());
         let cut = [tables.iterations.cut(at)?, tables.history.cut(then)?];
         for kept in self.kept.values_mut() {
@@ -295,15 +299,15 @@ impl Driven<'_, '_> {
     }
 }
 
-impl March<'_> {
-    /// Writes the state after the last window into a folder.
-    fn keep(&mut self, folder: PathBuf) -> Result<Kept, RunError> {
+impl TimeLoop<'_> {
+    /// Saves the state after the last window into a folder.
+    fn keep(&mut self, folder: PathBuf) -> Result<SavedState, RunError> {
         let step = *self.coupling.step();
         self.session.save(&step, &folder)?;
         let mut coupling = Vec::new();
         self.coupling.save(&mut coupling);
         let given = self.session.given().map(|(key, value)| (key.to_owned(), value)).collect();
-        Ok(Kept {
+        Ok(SavedState {
             folder,
             step,
             given,
@@ -312,14 +316,15 @@ impl March<'_> {
             time: self.time.state().clone(),
             counts: *self.counts,
             tables: [
-                Branch::at(self.tables.iterations.mark()?),
-                Branch::at(self.tables.history.mark()?),
+                TableState::at(self.tables.iterations.mark()?),
+                TableState::at(self.tables.history.mark()?),
             ],
             series: self.fields.series().to_vec(),
         })
     }
 
-    fn back_to(&mut self, kept: &Kept) -> Result<(), RunError> {
+    /// Returns the run to a saved state.
+    fn back_to(&mut self, kept: &SavedState) -> Result<(), RunError> {
         self.go_to(&kept.step, &kept.folder, (&kept.iterate, &kept.coupling, &kept.time))?;
         for (key, value) in &kept.given {
             self.session.give(key, *value).map_err(RunError::Usage)?;
@@ -328,5 +333,71 @@ impl March<'_> {
         *self.counts = Counts { bytes_exchanged, ..kept.counts };
         self.fields.resume(kept.series.clone());
         Ok(())
+    }
+}
+
+/// Content of a table at a saved state, without a full copy: a length, up to which the content is
+/// still in the file, and the rows behind it that have been cut since.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct TableState {
+    start: u64,
+    rest: Vec<u8>,
+}
+
+impl TableState {
+    /// Returns the state of a table that now has this length \[byte\].
+    fn at(length: u64) -> Self {
+        Self { start: length, rest: Vec::new() }
+    }
+
+    /// Returns the length to which the table is cut \[byte\]; [`TableState::rest`] then follows.
+    fn start(&self) -> u64 {
+        self.start
+    }
+
+    /// Returns the rows behind the start.
+    fn rest(&self) -> &[u8] {
+        &self.rest
+    }
+
+    /// Notes that the table has been cut to this length, and that these rows were behind the cut.
+    fn cut(&mut self, length: u64, rows: &[u8]) {
+        if self.start > length {
+            let own = usize::try_from(self.start - length).unwrap_or(usize::MAX).min(rows.len());
+            self.rest.splice(0..0, rows[..own].iter().copied());
+            self.start = length;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Cuts and extends a table at will, and checks that every state returns to its content.
+    fn play(moves: &[(bool, u8)]) {
+        let mut table: Vec<u8> = Vec::new();
+        let mut kept: Vec<(TableState, Vec<u8>)> = Vec::new();
+        for (number, (back, which)) in moves.iter().enumerate() {
+            if *back && !kept.is_empty() {
+                let place = usize::from(*which) % kept.len();
+                let (start, rest) = (kept[place].0.start(), kept[place].0.rest().to_vec());
+                let cut = table.split_off(start as usize);
+                kept.iter_mut().for_each(|(branch, _)| branch.cut(start, &cut));
+                table.extend(rest);
+                assert_eq!(table, kept[place].1);
+            } else {
+                table.extend(vec![number as u8; usize::from(*which % 5)]);
+                kept.push((TableState::at(table.len() as u64), table.clone()));
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn every_state_has_what_it_held(moves in prop::collection::vec(any::<(bool, u8)>(), 0..60)) {
+            play(&moves);
+        }
     }
 }

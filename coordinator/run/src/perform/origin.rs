@@ -1,9 +1,10 @@
-//! What a run was made from, and whether a resumed run is made from the same.
+//! Origin of a run, and the check that a resumed run has the same origin.
 
-use crate::checkpoint::{Origin, sum};
+use crate::checkpoint::Origin;
 use crate::error::RunError;
 use crate::identity::{Identity, keys};
 use crate::plan::{Participant, Planned};
+use crate::sealed::sum;
 use contract::configuration::Configuration;
 use coupling::ParticipantIndex;
 use serde_json::json;
@@ -13,7 +14,7 @@ fn numbers(of: &[ParticipantIndex]) -> Vec<usize> {
     of.iter().map(|&one| one.into()).collect()
 }
 
-/// What a planned run is made from.
+/// Returns the origin of a planned run.
 ///
 /// # Errors
 /// A file that the case names cannot be read.
@@ -48,8 +49,9 @@ pub fn origin(planned: &Planned) -> Result<Origin, RunError> {
     })
 }
 
-/// What a participant is and is given: its description, its version within, its configuration, and
-/// the grids that it makes of it. Results do not depend on the number of threads.
+/// Returns the checksum of a participant, used to check that a run can be resumed. It covers the
+/// description with its version, the configuration, and the grids of the estimate. The number of
+/// threads does not count, because results do not depend on it.
 fn identity(participant: &Participant) -> u64 {
     let layout = participant
         .estimate
@@ -60,10 +62,10 @@ fn identity(participant: &Participant) -> u64 {
     sum(all.to_string().as_bytes())
 }
 
-/// Demands that a run is made from what its checkpoint says.
+/// Checks that a run has the same origin as its checkpoint.
 ///
 /// # Errors
-/// [`RunError::Usage`] that says what is different.
+/// [`RunError::Usage`] names the first difference.
 pub fn check_origin(expected: &Origin, found: &Origin) -> Result<(), RunError> {
     let refuse = |what: String| {
         Err(RunError::Usage(format!(
@@ -85,9 +87,9 @@ pub fn check_origin(expected: &Origin, found: &Origin) -> Result<(), RunError> {
     let differs = |(part, now): &(&(String, u64), &(String, u64))| part != now;
     let mut parts = expected.plan.iter().zip(&found.plan);
     match parts.find(differs) {
-        Some(((name, _), _)) => refuse(format!("{name} differs from what it was then")),
+        Some(((name, _), _)) => refuse(format!("{name} differs from its state at the checkpoint")),
         None if expected.plan.len() != found.plan.len() => {
-            refuse("it has other participants than then".to_owned())
+            refuse("it has other participants than at the checkpoint".to_owned())
         }
         None => Ok(()),
     }

@@ -1,4 +1,4 @@
-//! The tables that grow as a run goes.
+//! Tables that grow during a run.
 
 use crate::checkpoint::Checkpoint;
 use crate::error::RunError;
@@ -11,20 +11,21 @@ use contract::history::Histories;
 use contract::step::Step;
 use std::collections::BTreeSet;
 
-/// All of them.
+/// All tables of a run.
 pub(super) struct Tables {
     pub(super) iterations: IterationTable,
     pub(super) history: HistoryTable,
 }
 
-/// The keys of a case that vary as a run goes, with the numbers that they have.
+/// Keys of a case that vary during a run, with their tables.
 pub(super) struct Inputs<'a> {
     keys: Vec<&'a str>,
     tables: Vec<&'a Histories>,
 }
 
 impl<'a> Inputs<'a> {
-    /// Input keys that any participant reads: from tables, from outside, and from another participant.
+    /// Collects the input keys that any participant reads: from tables, from outside, or from
+    /// another participant.
     pub(super) fn of(plan: &'a Plan) -> Self {
         let read = plan.participants.iter().filter_map(|p| p.configuration.histories.as_ref());
         let tables: Vec<&Histories> = read.filter(|histories| histories.live.is_none()).collect();
@@ -34,7 +35,7 @@ impl<'a> Inputs<'a> {
         Self { keys: keys.into_iter().collect(), tables }
     }
 
-    /// Heads of their columns: keys with SI units.
+    /// Returns the heads of the columns: keys with SI units.
     fn heads(&self, plan: &Plan) -> Vec<String> {
         let head = |key: &&str| {
             let described = plan.participants.iter().find_map(|p| p.description.key(key));
@@ -46,7 +47,7 @@ impl<'a> Inputs<'a> {
         self.keys.iter().map(head).collect()
     }
 
-    /// Their values in a window.
+    /// Returns the values of the inputs in a window.
     pub(super) fn values(&self, session: &Session, step: &Step) -> Vec<Option<f64>> {
         let value = |key: &&str| {
             let live = session.given().find(|(live, _)| live == key).map(|(_, value)| value);
@@ -58,7 +59,7 @@ impl<'a> Inputs<'a> {
 }
 
 impl Tables {
-    /// Those of a run, from its beginning or from a checkpoint.
+    /// Opens the tables of a run, from its beginning or from a checkpoint.
     pub(super) fn open(
         plan: &Plan,
         folder: &ResultFolder,
@@ -84,7 +85,7 @@ impl Tables {
         })
     }
 
-    /// Writes what is not in the files yet.
+    /// Writes all buffered rows to the files.
     pub(super) fn flush(&mut self) -> Result<(), RunError> {
         self.iterations.flush()?;
         self.history.flush()

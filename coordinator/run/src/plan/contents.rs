@@ -1,4 +1,4 @@
-//! What a plan says.
+//! Content of a plan.
 
 use crate::deadlines::Deadlines;
 use crate::programs::Program;
@@ -20,52 +20,52 @@ use coupling::windows::Windows;
 use proto::transport::FIELD_SLOTS;
 use typed_index_collections::TiVec;
 
-/// What will run.
+/// Everything that a run needs to know before it starts.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Short name of the case.
     pub name: String,
-    /// One line for people.
+    /// Title of the case, in one line.
     pub title: Option<String>,
-    /// The bodies in contact, where a participant asks for them.
+    /// The bodies in contact, if a participant needs them.
     pub bodies: Option<Bodies>,
     /// Steady or transient.
     pub mode: Mode,
     /// Windows in time.
     pub windows: Windows,
-    /// A window without an answer is passed over; otherwise it ends the run.
+    /// Whether a window without an answer is skipped; otherwise it ends the run.
     pub skips: bool,
-    /// Coupling scheme, and why this one.
+    /// Coupling scheme, and the reason for the choice.
     pub scheme: SchemeChoice,
-    /// How an implicit scheme iterates.
+    /// Settings of an implicit scheme.
     pub implicit: Implicit,
-    /// How inputs vary within a window.
+    /// Variation of the inputs within a window.
     pub interpolation: Interpolation,
     /// Participants that run, in the order in which data flows.
     pub participants: TiVec<ParticipantIndex, Participant>,
-    /// Participants that the case has but that do not run, and why.
+    /// Participants of the case that do not run, with the reason.
     pub idle: Vec<(String, String)>,
     /// Fields that exist at run time.
     pub fields: Vec<Field>,
-    /// Values of the case that are given as the run goes.
+    /// Values of the case that are given during the run.
     pub live: Vec<LiveValue>,
-    /// The figures of the summary, with the names of the bodies.
+    /// Figures of the summary, with the names of the bodies.
     pub figures: Vec<FigureSpec>,
-    /// Diagrams of them.
+    /// Diagrams of the figures.
     pub diagrams: Vec<Diagram>,
-    /// Fields that are mapped, as far as their grids are known.
+    /// Fields that are mapped, where both grids are known.
     pub mappings: Vec<PlannedMapping>,
     /// Warnings about the case and its plan.
     pub warnings: Vec<Warning>,
     /// Every effect that some participant offers.
     pub effects: Vec<Effect>,
-    /// Windows between outputs; `None` for the last window only.
+    /// Windows between outputs; `None` writes only the last window.
     pub output_every: Option<u64>,
-    /// Windows between checkpoints; `None` for none.
+    /// Windows between checkpoints; `None` writes no checkpoint.
     pub checkpoint_every: Option<u64>,
     /// Limits of the waits.
     pub deadlines: Deadlines,
-    /// Most shared memory that the run may take [byte].
+    /// Largest shared memory that the run may take [byte].
     pub shared_memory_limit: Option<u64>,
 }
 
@@ -74,32 +74,34 @@ pub struct Plan {
 pub struct SchemeChoice {
     /// The scheme; never `Auto`.
     pub scheme: Scheme,
-    /// Why it was chosen.
+    /// Reason for the choice.
     pub reason: String,
 }
 
-/// One participant of the run.
+/// A participant of the run.
 #[derive(Clone, Debug)]
 pub struct Participant {
     /// Role it plays.
     pub role: String,
-    /// What is started.
+    /// Program that is started.
     pub program: Program,
-    /// Started by hand, and waited for.
+    /// The participant is started by hand; the run waits for it.
     pub attach: bool,
-    /// What it says of itself.
+    /// Description given by the program.
     pub description: Description,
-    /// Its configuration; the grids of the inputs are filled in as they become known.
+    /// Configuration sent to the participant; the grids of the inputs are filled in as they become
+    /// known.
     pub configuration: Configuration,
-    /// Keys of the figures that it is asked for whenever a window is accepted.
+    /// Keys of the figures that the participant is asked for after each accepted window.
     pub figures: Vec<String>,
-    /// What it expects, if it estimates.
+    /// Estimate of the run, if the participant gives one.
     pub estimate: Option<Layout>,
 }
 
 impl Participant {
-    /// Processor seconds that it expects of a run over these windows, each solved so many times; one that
-    /// expects nothing counts as 0, and windows that nobody can count as one.
+    /// Returns the processor seconds that the participant expects for a run over these windows,
+    /// each solved `solves` times. The result is 0 without an estimate. An unknown number of
+    /// windows counts as one.
     #[must_use]
     pub fn expected_seconds(&self, windows: &Windows, solves: f64) -> f64 {
         self.estimate.as_ref().map_or(0.0, |layout| {
@@ -109,26 +111,27 @@ impl Participant {
     }
 }
 
-/// One field that exists at run time.
+/// A field that exists at run time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// Kind of the field.
     pub kind: FieldKind,
-    /// Index of the participant that sends it.
+    /// Index of the participant that sends the field.
     pub producer: ParticipantIndex,
-    /// Indices of the participants that consume it; empty for a field that is only observed.
+    /// Indices of the consumers; empty for a field that is only observed.
     pub consumers: Vec<ParticipantIndex>,
-    /// Those of the consumers that subscribe to the coordinator's iterate of it, not to the
-    /// producer.
+    /// Consumers that subscribe to the coordinator's iterate of the field, not to the producer.
     pub fed_back: Vec<ParticipantIndex>,
-    /// How it is mapped for those of the consumers whose grid does not match the producer's.
-    pub method: Method,
-    /// The case wants it written out.
+    /// Mapping method for consumers whose grid does not match the producer's.
+    /// `None` for the one suited to the grids.
+    pub method: Option<Method>,
+    /// Whether the case wants the field written.
     pub wanted: bool,
 }
 
 impl Field {
-    /// Nobody consumes it: it is published only for accepted windows that are written out.
+    /// Returns whether the field has no consumer. Such a field is published only for accepted
+    /// windows that are written.
     #[must_use]
     pub fn observed_only(&self) -> bool {
         self.consumers.is_empty()
@@ -138,28 +141,30 @@ impl Field {
 /// A field that is mapped for one of its consumers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedMapping {
-    /// Index among the fields of the plan.
+    /// Index of the field in the plan.
     pub field: usize,
-    /// The participant that it is mapped for.
+    /// Participant for which the field is mapped.
     pub consumer: ParticipantIndex,
-    /// Elements of the producer's and of the consumer's grid.
+    /// Number of elements of the producer's grid and of the consumer's.
     pub elements: [usize; 2],
-    /// Coverage of the grids by each other, or the reason why they cannot be mapped.
+    /// Mapping method between them.
+    pub method: Method,
+    /// Coverage of each grid by the other, or the reason why they cannot be mapped.
     pub coverage: Result<Coverage, MapError>,
 }
 
-/// A value of the case that is given from outside as the run goes.
+/// A value of the case that is given during the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveValue {
-    /// The field as which it travels, named like its dotted key.
+    /// Field that carries the value, named like its dotted key.
     pub kind: FieldKind,
-    /// Its first value, in SI units.
+    /// First value, in SI units.
     pub first: f64,
-    /// Least and largest value, in SI units.
+    /// Lower and upper limit, in SI units.
     pub limits: [f64; 2],
-    /// The participant that sends it, among the fields of the run; absent: the coordinator does.
+    /// Participant that sends the value as a field of the run; `None`: the coordinator sends it.
     pub provider: Option<ParticipantIndex>,
-    /// Indices of the participants that read it.
+    /// Indices of the participants that read the value.
     pub readers: Vec<ParticipantIndex>,
 }
 
@@ -168,22 +173,22 @@ pub struct LiveValue {
 pub struct Effect {
     /// Name in the case file.
     pub name: String,
-    /// Named in the case.
+    /// Whether the case names the effect.
     pub active: bool,
-    /// The participants in it.
+    /// Roles of the participants in the effect.
     pub roles: Vec<String>,
-    /// The law.
+    /// Law of the effect.
     pub law: String,
 }
 
 impl Plan {
-    /// What a person reads for the name of a field or grid.
+    /// Returns the name of a field or grid for display.
     #[must_use]
     pub fn shown(&self, name: &str) -> String {
         self.bodies.as_ref().map_or_else(|| name.to_owned(), |bodies| bodies.shown(name))
     }
 
-    /// How the next iterate is chosen.
+    /// Returns the acceleration method; [`Acceleration::None`] for an explicit scheme.
     #[must_use]
     pub fn acceleration(&self) -> Acceleration {
         match self.scheme.scheme.is_implicit() {
@@ -192,8 +197,9 @@ impl Plan {
         }
     }
 
-    /// The secant columns that the acceleration of an implicit scheme may keep; `None` for one that
-    /// keeps none, or if a grid of the coupling data is not known.
+    /// Returns the size of the secant columns that the acceleration of an implicit scheme may
+    /// store. Returns `None` if the method stores none, or if a grid of the coupling data is
+    /// unknown.
     #[must_use]
     pub fn accelerator_history(&self) -> Option<History> {
         let fed_back = self.fields.iter().filter(|field| !field.fed_back.is_empty());
@@ -203,8 +209,8 @@ impl Plan {
         Rule::of(self.acceleration()).map(|_| History { columns, length })
     }
 
-    /// The grids of a participant's layout that a field of the run is on, or is wanted on, and whose
-    /// geometry travels.
+    /// Returns the grids of a participant's layout whose geometry is sent and that a field of the
+    /// run uses, either as it is sent or as it is wanted.
     pub fn travelling<'a>(
         &'a self,
         one: ParticipantIndex,
@@ -221,7 +227,7 @@ impl Plan {
         layout.grids.iter().filter(move |grid| layout.moves(grid) && is_used(grid))
     }
 
-    /// Bytes of one sample of a field, as far as its grid is known.
+    /// Returns the size of a sample of a field [byte], if its grid is known.
     #[must_use]
     pub fn sample_bytes(&self, field: &Field) -> Option<u64> {
         let layout = self.participants[field.producer].estimate.as_ref()?;
@@ -230,37 +236,37 @@ impl Plan {
     }
 }
 
-/// What an accelerator remembers: two vectors for each secant column, of all coupling data.
+/// Memory of an accelerator: two vectors of all coupling data for each secant column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct History {
     /// Largest number of secant columns.
     pub columns: u64,
-    /// Values of a vector.
+    /// Number of values in a vector.
     pub length: u64,
 }
 
 impl History {
-    /// Memory of the columns [byte].
+    /// Returns the memory of the columns [byte].
     #[must_use]
     pub fn bytes(&self) -> u64 {
         2 * 8 * self.columns * self.length
     }
 }
 
-/// Bytes of one sample.
+/// Returns the size of a sample [byte].
 #[must_use]
 pub fn sample_bytes(points: usize, components: u32) -> u64 {
     points as u64 * u64::from(components) * 8
 }
 
-/// Bytes of the geometry of a grid.
+/// Returns the size of the geometry of a grid [byte].
 #[must_use]
 pub fn geometry_bytes(grid: &Grid) -> u64 {
     sample_bytes(grid.geometry_points(), GEOMETRY.components)
 }
 
-/// Shared memory that one field's topic takes [byte]: its slots, each with headers, and what the
-/// service and its ports need.
+/// Returns the shared memory of the topic of one field [byte]: slots with their headers, the
+/// service and its ports.
 #[must_use]
 pub fn topic_bytes(sample: u64) -> u64 {
     const PER_SLOT: u64 = 512;
@@ -268,10 +274,10 @@ pub fn topic_bytes(sample: u64) -> u64 {
     FIELD_SLOTS * (sample + PER_SLOT) + PER_TOPIC
 }
 
-/// The case and its plan, as most commands need them together.
+/// A case and its plan.
 #[derive(Debug)]
 pub struct Planned {
-    /// The case as validated.
+    /// The validated case.
     pub case: Case,
     /// The plan.
     pub plan: Plan,

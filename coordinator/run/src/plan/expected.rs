@@ -1,5 +1,5 @@
-//! Warnings of a case: values beyond what is expected of them, keys without effect, and keys that an
-//! option has replaced.
+//! Warnings about a case: implausible values, keys without effect, and keys that an option has
+//! replaced.
 
 use super::contents::Participant;
 use crate::warnings::{Implausible, Warning};
@@ -14,10 +14,11 @@ use contract::table::{Column, Reading, Table};
 use serde_json::Value;
 use std::path::Path;
 
-/// Larger tables are not looked at [byte].
+/// Largest table that is checked [byte].
 const MOST_BYTES: u64 = 1 << 30;
 
-/// The implausible ones among the values that participants read, in the case and in its tables.
+/// Returns a warning for each implausible value that participants read, in the case and in its
+/// tables.
 pub(super) fn warnings<'a>(
     case: &Case,
     participants: impl Iterator<Item = &'a Participant>,
@@ -44,7 +45,7 @@ pub(super) fn warnings<'a>(
     warnings
 }
 
-/// Warnings about the numbers of a key, and about the rows of those that vary.
+/// Returns warnings about the numbers of a key, and about the rows of a key that varies.
 fn of_numbers<'a>(
     case: &'a Case,
     spec: &'a KeySpec,
@@ -70,7 +71,7 @@ fn of_numbers<'a>(
     })
 }
 
-/// Warnings about the columns of the table that a key names.
+/// Returns warnings about the columns of the table that a key names.
 fn of_tables<'a>(
     case: &'a Case,
     spec: &'a KeySpec,
@@ -78,7 +79,7 @@ fn of_tables<'a>(
 ) -> impl Iterator<Item = Warning> {
     let keys = if spec.columns.is_empty() { Vec::new() } else { instances(values, &spec.path) };
     keys.into_iter().flat_map(move |(key, path)| {
-        // Participants have refused tables that cannot be read.
+        // Participants have already refused tables that cannot be read.
         let table =
             path.as_str().map(|path| Table::read(Path::new(path), MOST_BYTES, Reading::NUMBERS));
         let table = table.and_then(Result::ok);
@@ -91,7 +92,7 @@ fn of_tables<'a>(
             let quantity = Some(format!("{} in line {line}", column.names[0]));
             implausible(case, &key, quantity, values[row], &column.unit, expected)
         };
-        // One of a table is enough.
+        // One warning for each table is enough.
         columns.filter_map(of).take(1).collect::<Vec<_>>()
     })
 }
@@ -112,11 +113,12 @@ fn implausible(
     Some(warning)
 }
 
-/// A model that leaves out more is no model of the scene. What models say here is an upper bound.
+/// Largest relative error of a model without a warning. The estimates of the models are upper
+/// bounds.
 const MOST_LEFT_OUT: f64 = 0.15;
 
-/// The warnings of participants that have looked at the case, and what models leave out in this scene, as they
-/// estimate it, if it is much.
+/// Returns the warnings of participants about the case, and warnings about models whose estimated
+/// error in this scene is large.
 pub(super) fn estimated<'a>(
     case: &Case,
     participants: impl Iterator<Item = &'a Participant>,
@@ -146,10 +148,10 @@ pub(super) fn estimated<'a>(
     participants.flat_map(of).collect()
 }
 
-/// Most words that say what would read a key.
+/// Largest number of readers that a message names.
 const MOST_READERS: usize = 4;
 
-/// One warning of all keys of the case that have no effect, but for those that are usual.
+/// Returns one warning about all keys without effect, except the usual ones.
 pub(super) fn unread(case: &Case) -> Option<Warning> {
     let unusual: Vec<&Unread> = case.unread.iter().filter(|unread| !unread.is_usual).collect();
     let keys: Vec<&str> = unusual.iter().map(|unread| unread.key.as_str()).collect();
@@ -187,7 +189,7 @@ fn reading(readers: &[String], keys: &[&str], alone: bool) -> String {
     }
 }
 
-/// The keys of the file that options have replaced.
+/// Returns warnings about the keys of the file that options have replaced.
 pub(super) fn replaced(case: &Case) -> impl Iterator<Item = Warning> {
     case.replaced.iter().map(|Replaced { option, keys }| {
         let (reason, fix) = match keys.as_slice() {
@@ -200,7 +202,7 @@ pub(super) fn replaced(case: &Case) -> impl Iterator<Item = Warning> {
     })
 }
 
-/// The values of a case under a path in which `*` stands for any one name.
+/// Returns the values of a case under a path in which `*` stands for any one name.
 fn instances<'a>(case: &'a Params, path: &str) -> Vec<(String, &'a Value)> {
     let mut found = vec![(String::new(), &case.0)];
     for part in path.split('.') {

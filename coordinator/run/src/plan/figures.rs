@@ -1,13 +1,14 @@
-//! The figures of a run: those that its participants describe, for the bodies of its case.
+//! Figures of a run: the figures that its participants describe, for the bodies of its case.
 
 use super::contents::Participant;
 use contract::bodies::{Bodies, LOWER, UPPER};
 use contract::figure::FigureSpec;
 use std::collections::BTreeSet;
 
-/// Takes the figures of all participants and of their active effects, in the plan's order, with the names of the bodies; each
-/// participant is asked for those that it gives. Of two figures of the same key the first counts, as in
-/// the summary. Ranks are places in one list.
+/// Collects the figures of all participants and of their active effects in the order of the plan,
+/// with the names of the bodies. Each participant is asked for the figures that it provides. If two
+/// figures have the same key, the first one counts, as in the summary. Ranks become places in one
+/// list.
 pub(super) fn gather<'a>(
     participants: impl Iterator<Item = &'a mut Participant>,
     bodies: Option<&Bodies>,
@@ -29,7 +30,8 @@ pub(super) fn gather<'a>(
     all.into_iter().map(|(_, figure)| figure).collect()
 }
 
-/// The figure of each body, the lower one first; itself, if it is of no body.
+/// Returns the figure of each body, the lower one first, or the figure itself if it belongs to no
+/// body.
 fn of_bodies(figure: &FigureSpec, bodies: Option<&Bodies>) -> Vec<(bool, FigureSpec)> {
     if !figure.is_of_a_body() {
         return vec![(false, figure.clone())];
@@ -38,7 +40,7 @@ fn of_bodies(figure: &FigureSpec, bodies: Option<&Bodies>) -> Vec<(bool, FigureS
     [LOWER, UPPER].map(|body| (body == UPPER, figure.of_body(&names[body]))).to_vec()
 }
 
-/// Figures of the upper body come after all others.
+/// Sorts the ranked figures of the upper body behind all others.
 fn rank(figures: &mut [(bool, FigureSpec)]) {
     let ranked = |(_, (upper, figure)): (usize, &(bool, FigureSpec))| Some((*upper, figure.rank?));
     let key = |index: usize| ranked((index, &figures[index]));

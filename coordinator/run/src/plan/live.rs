@@ -1,4 +1,4 @@
-//! Live values: who gives them, who reads them, and what is wrong with who says that it does.
+//! Live values: their providers and readers, and errors in their fields.
 
 use super::contents::{Field, LiveValue};
 use super::route::Candidate;
@@ -10,7 +10,7 @@ use contract::live::Live;
 use coupling::ParticipantIndex;
 use typed_index_collections::TiSlice;
 
-/// The live values of a case that anybody reads.
+/// Returns the live values of a case that any participant reads.
 pub(super) fn values(
     case: &Case,
     running: &TiSlice<ParticipantIndex, Candidate>,
@@ -33,7 +33,8 @@ pub(super) fn values(
     case.live.iter().map(value).filter(|live| !live.readers.is_empty()).collect()
 }
 
-/// Live values that a participant provides otherwise than as one number in the unit of the key.
+/// Returns a problem for each live value whose provider does not send one number in the unit of the
+/// key.
 pub(super) fn misfits(case: &Case, fields: &[Field]) -> Vec<Problem> {
     let problem = |live: &LiveKey| {
         let found = &fields.iter().find(|field| field.kind.name == live.field.name)?.kind;
@@ -42,7 +43,7 @@ pub(super) fn misfits(case: &Case, fields: &[Field]) -> Vec<Problem> {
             && found.mapping == Mapping::Consistent;
         let (unit, components) = (&found.unit, found.components);
         let reason = format!(
-            "comes as a field in {unit} with {components} component(s), and is one number in {}",
+            "comes as a field in {unit} with {components} component(s), but must be one number in {}",
             live.field.unit
         );
         let fix =
@@ -52,7 +53,7 @@ pub(super) fn misfits(case: &Case, fields: &[Field]) -> Vec<Problem> {
     case.live.iter().filter_map(problem).collect()
 }
 
-/// What a participant receives of them from the coordinator.
+/// Returns the inputs of a participant that the coordinator sends.
 pub(super) fn inputs(live: &[LiveValue], one: ParticipantIndex) -> impl Iterator<Item = Input> {
     let own =
         live.iter().filter(move |live| live.provider.is_none() && live.readers.contains(&one));

@@ -1,18 +1,19 @@
-//! Making a plan: describe, validate, route, estimate.
+//! Planning: describes, validates, routes and estimates.
 
 use super::contents::{Field, LiveValue, Participant, Plan, Planned, SchemeChoice};
 use super::expected;
 use super::figures;
 use super::live;
 use super::mapping;
-use super::rewind::{cannot_rewind, cannot_vary};
 use super::route::{self, Candidate};
+use super::route::{cannot_rewind, cannot_vary};
 use super::threads;
 use super::volume;
 use crate::crew;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
-use crate::peers::{COORDINATOR, Seat};
+use crate::linked::LinkedSolvers;
+use crate::peers::{COORDINATOR, ParticipantSlot};
 use crate::programs::Program;
 use crate::warnings::Warning;
 use case::schema::WELL_KNOWN_ROLES;
@@ -28,52 +29,62 @@ use coupling::windows::Windows;
 use std::time::Duration;
 use typed_index_collections::{TiSlice, TiVec};
 
-/// Words that stand beside `ROLE_s` in the summary's cost, and the coordinator's own name.
+/// Keys in the cost section of the summary that `ROLE_s` must not equal, and the coordinator's own
+/// name.
 const RESERVED_ROLES: &[&str] =
     &["coordinator", "wall", "coupling", "output", "plan", "start", "finish"];
-/// More windows than this are a slip of the pen.
+/// Largest number of windows; more are taken for an error of input.
 const MOST_WINDOWS: f64 = 1e9;
 
-/// How long a program may take to say what it is.
+/// Longest time that a program may take to describe itself or to estimate.
 const ANSWER: Duration = Duration::from_secs(30);
 
-/// Plans a case; every error of the case is reported at once.
+/// Plans a case. Errors of the case are collected and reported together.
 pub fn plan(raw: RawCase) -> Result<Planned, RunError> {
-    crew::start(&seats(&raw), ANSWER);
+    plan_with(raw, &LinkedSolvers::default())
+}
+
+/// Plans a case with solvers that are linked into this program.
+///
+/// # Errors
+/// The case is invalid, a program fails, or a participant refuses the case.
+pub fn plan_with(raw: RawCase, solvers: &LinkedSolvers) -> Result<Planned, RunError> {
+    crew::start(&seats(&raw, solvers), ANSWER);
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()
         .map_err(|e| crate::error::file_failure(std::path::Path::new("tokio"), &e))?;
-    runtime.block_on(plan_async(raw))
+    runtime.block_on(plan_async(raw, solvers))
 }
 
-/// Participants that the case probably has; none if their roles are not valid.
-fn seats(raw: &RawCase) -> Vec<Seat> {
+/// Returns the participants that the case probably has; empty if there are too many or a role is
+/// invalid.
+fn seats(raw: &RawCase, solvers: &LinkedSolvers) -> Vec<ParticipantSlot> {
     let is_participant = |section: &RawParticipant| {
         section.command.is_some() || WELL_KNOWN_ROLES.contains(&section.role.as_str())
     };
-    let seat = |section: RawParticipant| Seat {
-        program: Program::of_role(&section.role, section.command.as_deref()),
+    let seat = |section: RawParticipant| ParticipantSlot {
+        program: Program::of_role_or_linked(&section.role, section.command.as_deref(), solvers),
         role: section.role,
         attach: section.attach,
     };
-    let is_valid = |seat: &Seat| {
+    let is_valid = |seat: &ParticipantSlot| {
         check_name("role", &seat.role).is_ok() && !RESERVED_ROLES.contains(&seat.role.as_str())
     };
-    let seats: Vec<Seat> =
+    let seats: Vec<ParticipantSlot> =
         raw.participants().into_iter().filter(is_participant).map(seat).collect();
     if seats.len() <= MOST_PARTICIPANTS && seats.iter().all(is_valid) { seats } else { Vec::new() }
 }
 
-async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {
+async fn plan_async(raw: RawCase, solvers: &LinkedSolvers) -> Result<Planned, RunError> {
     let sections = raw.participants();
     let mut described = Vec::new();
-    for (section, description) in describe(&raw, &sections).await? {
+    for (section, description) in describe(&raw, &sections, solvers).await? {
         described.push((section.role.clone(), description));
     }
-    described.extend(describe_absent(&sections).await);
+    described.extend(describe_absent(&sections, solvers).await);
     let case = validate(&raw, &described, &describe_replaced(&sections).await)?;
-    let mut plan = route_case(&case, &described)?;
+    let mut plan = route_case(&case, &described, solvers)?;
     estimate(&case, &mut plan).await?;
     plan.mappings = mapping::planned(&plan);
     let estimated = expected::estimated(&case, plan.participants.iter());
@@ -82,14 +93,16 @@ async fn plan_async(raw: RawCase) -> Result<Planned, RunError> {
     Ok(Planned { case, plan })
 }
 
-/// Asks all programs at the same time.
+/// Asks all programs for their descriptions at the same time.
 async fn describe<'a>(
     raw: &RawCase,
     sections: &'a [RawParticipant],
+    solvers: &LinkedSolvers,
 ) -> Result<Vec<(&'a RawParticipant, Description)>, RunError> {
     let mut asked = tokio::task::JoinSet::new();
     for (index, section) in sections.iter().enumerate() {
-        let program = Program::of_role(&section.role, section.command.as_deref());
+        let program =
+            Program::of_role_or_linked(&section.role, section.command.as_deref(), solvers);
         let role = section.role.clone();
         asked.spawn(async move { (index, program.known(&role, ANSWER).await) });
     }
@@ -116,7 +129,7 @@ async fn describe<'a>(
             Ok(description) => {
                 described.push((section, description));
             }
-            // A section with a model and nothing else may be a table that a participant reads.
+            // A section with only a model may be a table that a participant reads.
             Err(RunError::NoProgram { role, .. })
                 if section.command.is_none() && !WELL_KNOWN_ROLES.contains(&role.as_str()) => {}
             Err(RunError::NoProgram { program, role }) => {
@@ -133,12 +146,13 @@ async fn describe<'a>(
     raw.report(problems).map_or(Ok(described), |problems| Err(problems.into()))
 }
 
-/// Refuses the case if there are problems.
+/// Returns an error if there are problems.
 fn refuse(case: &Case, problems: Vec<Problem>) -> Result<(), RunError> {
     case.report(problems).map_or(Ok(()), |problems| Err(problems.into()))
 }
 
-/// Roles become names of services, files and keys of the summary.
+/// Checks the roles, which become names of services, files and keys of the summary. Also checks the
+/// number of windows.
 fn check_roles(case: &Case, described: &[(String, Description)]) -> Result<(), RunError> {
     let mut problems = Vec::new();
     let mut problem = |role: &str, reason: String, fix: &str| {
@@ -150,7 +164,7 @@ fn check_roles(case: &Case, described: &[(String, Description)]) -> Result<(), R
             problem(role, reason, "choose another name for this section");
         }
         if RESERVED_ROLES.contains(&role) {
-            problem(role, format!("`{role}` is a word of the summary"), "choose another name");
+            problem(role, format!("`{role}` is reserved for the summary"), "choose another name");
         }
         if index == MOST_PARTICIPANTS {
             problem(role, format!("more than {MOST_PARTICIPANTS} participants"), "use fewer");
@@ -175,13 +189,17 @@ fn check_roles(case: &Case, described: &[(String, Description)]) -> Result<(), R
     refuse(case, problems)
 }
 
-/// The well-known programs that the case has no section for: what they would read is no error, so
-/// that a participant can be taken out of a case by removing its section alone.
-async fn describe_absent(sections: &[RawParticipant]) -> Vec<(String, Description)> {
+/// Describes the well-known programs for which the case has no section. The case may hold keys for
+/// them, so that removing a section is enough to take a participant out of a case.
+async fn describe_absent(
+    sections: &[RawParticipant],
+    solvers: &LinkedSolvers,
+) -> Vec<(String, Description)> {
     let mut described = Vec::new();
     for role in WELL_KNOWN_ROLES {
         if sections.iter().all(|section| section.role != *role)
-            && let Ok(description) = Program::of_role(role, None).known(role, ANSWER).await
+            && let Ok(description) =
+                Program::of_role_or_linked(role, None, solvers).known(role, ANSWER).await
         {
             described.push(((*role).to_owned(), description));
         }
@@ -189,7 +207,8 @@ async fn describe_absent(sections: &[RawParticipant]) -> Vec<(String, Descriptio
     described
 }
 
-/// The usual programs of roles that others play by a `command`: what they read is known, if not used.
+/// Describes the default programs of roles that a `command` gives to another program. Their keys
+/// are known, but not used.
 async fn describe_replaced(sections: &[RawParticipant]) -> Vec<(String, Description)> {
     let mut described = Vec::new();
     for RawParticipant { role, command, .. } in sections {
@@ -204,7 +223,11 @@ async fn describe_replaced(sections: &[RawParticipant]) -> Vec<(String, Descript
     described
 }
 
-fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, RunError> {
+fn route_case(
+    case: &Case,
+    described: &[(String, Description)],
+    solvers: &LinkedSolvers,
+) -> Result<Plan, RunError> {
     let candidates = case.participants.iter().filter_map(|p| {
         let description = &described.iter().find(|(role, _)| *role == p.role)?.1;
         let model = description.models.iter().find(|m| m.name == p.model)?;
@@ -249,7 +272,7 @@ fn route_case(case: &Case, described: &[(String, Description)]) -> Result<Plan, 
         (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
     });
     let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
-    let mut participants = participants(case, &running, (&fields, &live), scheme.scheme)?;
+    let mut participants = participants(case, &running, (&fields, &live), scheme.scheme, solvers)?;
     let figures = figures::gather(participants.iter_mut(), case.bodies.as_ref());
     let diagrams = participants.iter().flat_map(|p| p.description.diagrams.clone()).collect();
     Ok(Plan {
@@ -312,10 +335,10 @@ fn scheme(
             (Scheme::SerialImplicit, format!("`{name}` from `{producer}` closes a loop"))
         }
         (Scheme::SerialImplicit, None) => {
-            (Scheme::SerialExplicit, "nothing closes a loop: one pass is enough".to_owned())
+            (Scheme::SerialExplicit, "no field closes a loop: one pass is enough".to_owned())
         }
         (Scheme::ParallelImplicit, _) if fields.iter().all(Field::observed_only) => {
-            (Scheme::SerialExplicit, "nothing is exchanged: one pass is enough".to_owned())
+            (Scheme::SerialExplicit, "no field is exchanged: one pass is enough".to_owned())
         }
         (asked, _) => (asked, "the case asks for it".to_owned()),
     };
@@ -340,8 +363,8 @@ pub(super) fn windows(timing: Timing, histories: Option<&Histories>) -> Windows 
     }
 }
 
-/// Adaptive windows in a scheme whose participants receive a field one window late: a window that
-/// is solved again would begin with what its first attempt has sent.
+/// Finds adaptive windows in a scheme whose participants receive a field one window late. A
+/// repeated window would start with the values that its first attempt has sent.
 fn cannot_go_back(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem> {
     let adaptive =
         matches!(case.timing, Timing::Transient { control: Control::Adaptive { .. }, .. });
@@ -360,7 +383,7 @@ fn cannot_go_back(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem>
     problem.into_iter().collect()
 }
 
-/// Tolerances of fields that have no residual.
+/// Finds tolerances of fields without a residual.
 fn unused_tolerances(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem> {
     let fed_back =
         |name: &str| fields.iter().any(|f| f.kind.name == name && !f.fed_back.is_empty());
@@ -377,6 +400,7 @@ fn participants(
     running: &TiSlice<ParticipantIndex, Candidate>,
     (fields, live): (&[Field], &[LiveValue]),
     scheme: Scheme,
+    solvers: &LinkedSolvers,
 ) -> Result<TiVec<ParticipantIndex, Participant>, RunError> {
     let threads = threads::of_participants(case.limits.threads, scheme, running.len());
     let mut participants = TiVec::new();
@@ -398,7 +422,7 @@ fn participants(
         if inputs.len() > MAX_INPUTS {
             let reason = format!("it would have {} inputs, {MAX_INPUTS} at most", inputs.len());
             let problem = case.problem_at(one.role, reason, "use fewer effects");
-            return Err(case.report(vec![problem]).expect("there is a problem").into());
+            return Err(case.fail(problem).into());
         }
         let own = |observed: bool| {
             let sent = fields.iter().filter(move |f| f.producer == index);
@@ -409,7 +433,7 @@ fn participants(
         let values = case.values_for(one.description, &one.model.name);
         participants.push(Participant {
             role: one.role.to_owned(),
-            program: Program::of_role(one.role, command),
+            program: Program::of_role_or_linked(one.role, command, solvers),
             attach: settings.is_some_and(|p| p.attach),
             description: one.description.clone(),
             configuration: Configuration {
@@ -430,14 +454,14 @@ fn participants(
     Ok(participants)
 }
 
-/// Asks every participant what it makes of the case, along the flow of data; and once more those
-/// which have an input whose grid moves, as turned out only after they had been asked.
+/// Asks every participant for its estimate, along the flow of data. Participants with an input on a
+/// moving grid are asked again, if the grid was found to move only after they had been asked.
 async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
     for index in plan.participants.keys() {
         fill_input_grids(plan, index);
         fill_input_moves(plan, index);
         estimate_one(case, plan, index).await?;
-        // Before a consumer is asked what it makes of such a grid.
+        // Refuses such a field before its consumer is asked for an estimate.
         refuse(case, volume::consumed(case, plan, index))?;
     }
     for index in plan.participants.keys() {
@@ -469,20 +493,20 @@ async fn estimate_one(
             Ok(())
         }
         Estimate::Refused(refusal) => {
-            // An unexpected value may be the reason why the case is impossible.
+            // An implausible value may be the reason why the case is impossible.
             let unexpected = plan.warnings.iter().filter_map(|warning| match warning {
                 Warning::Value(implausible) => Some(implausible.to_string()),
                 Warning::Remark(_) => None,
             });
             let fix = std::iter::once(refusal.fix).chain(unexpected).collect::<Vec<_>>().join("; ");
             let problem = case.problem_at(&refusal.key, refusal.reason, fix);
-            Err(case.report(vec![problem]).expect("there is a problem").into())
+            Err(case.fail(problem).into())
         }
     }
 }
 
-/// Which grids of a participant's inputs may move, as far as their estimates say; whether that is
-/// news.
+/// Notes which input grids of a participant may move, according to the estimates. Returns whether
+/// this has changed.
 fn fill_input_moves(plan: &mut Plan, index: ParticipantIndex) -> bool {
     let moves = |plan: &Plan, input: &Input| {
         let producer = plan.participants.iter().find(|p| p.role == input.producer);

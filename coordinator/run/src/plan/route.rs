@@ -1,43 +1,44 @@
-//! Routing: which participants run, which fields exist, which participant sends them to which, and
-//! in which order.
+//! Routing: the participants that run, their order, and the fields with their producers and
+//! consumers. Also finds participants that cannot solve the resulting windows.
 
 use super::contents::{Effect, Field};
-use case::{Case, OutputFields};
+use case::{Case, Control, OutputFields, Problem, Timing};
 use contract::description::{Description, EffectSpec, ModelSpec};
 use coupling::ParticipantIndex;
 use coupling::settings::Scheme;
+use coupling::windows::Windows;
 use typed_index_collections::TiSlice;
 
-/// A participant while routing: what it could exchange.
+/// A participant during routing, with the fields that it could exchange.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate<'a> {
     pub(super) role: &'a str,
     pub(super) model: &'a ModelSpec,
     pub(super) description: &'a Description,
-    /// Live values of the case that it reads.
+    /// Live values of the case that the participant reads.
     pub(super) live: Vec<&'a str>,
-    /// Fields that values of its keys ask for, each with the key.
+    /// Fields that values of keys require, each with its key.
     pub(super) by_keys: Vec<(&'a str, &'a str)>,
 }
 
-/// A field that is needed and that nobody provides.
+/// A required field that no participant provides.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Unprovided {
     pub(super) field: String,
     pub(super) consumer: String,
     pub(super) because: String,
-    /// Key of the case that asks for it.
+    /// Key of the case that requires the field.
     pub(super) key: String,
 }
 
 impl<'a> Candidate<'a> {
-    /// The active effects that it claims.
+    /// Returns the active effects of the participant.
     fn effects(&self, case: &Case) -> impl Iterator<Item = &'a EffectSpec> {
         let active = case.effects.clone();
         self.description.effects.iter().filter(move |e| active.contains(&e.name))
     }
 
-    /// What it consumes, why, and the key that asks for it.
+    /// Returns the consumed fields, each with the reason and the key that requires it.
     fn consumes(&self, case: &Case) -> Vec<(&'a str, String, String)> {
         let model = self.model.consumes.iter().map(|field| {
             let why = format!("model `{}`", self.model.name);
@@ -65,7 +66,8 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// Candidates in the order in which data flows; those in a loop keep the order of the case.
+/// Sorts candidates in the order in which data flows. Candidates in a loop keep the order of the
+/// case.
 pub(super) fn order<'a>(mut waiting: Vec<Candidate<'a>>, case: &Case) -> Vec<Candidate<'a>> {
     let mut ordered = Vec::with_capacity(waiting.len());
     while !waiting.is_empty() {
@@ -81,7 +83,7 @@ pub(super) fn order<'a>(mut waiting: Vec<Candidate<'a>>, case: &Case) -> Vec<Can
     ordered
 }
 
-/// The fields that exist at run time: everything that is consumed, and what is to be written out.
+/// Returns the fields that exist at run time: all consumed fields, and fields to be written.
 pub(super) fn fields(
     participants: &TiSlice<ParticipantIndex, Candidate>,
     case: &Case,
@@ -112,7 +114,7 @@ pub(super) fn fields(
             match fields.iter_mut().find(from_other) {
                 Some(field) if field.consumers.contains(&consumer) => {}
                 Some(field) => field.consumers.push(consumer),
-                // The coordinator gives it.
+                // The coordinator provides this field.
                 None if one.live.contains(&name) => {}
                 None => unprovided.push(Unprovided {
                     field: name.to_owned(),
@@ -135,7 +137,7 @@ fn wanted(selection: &OutputFields, name: &str) -> bool {
     }
 }
 
-/// Fields that two participants provide, with both roles.
+/// Returns the fields that two participants provide, with both roles.
 pub(super) fn provided_twice(
     participants: &TiSlice<ParticipantIndex, Candidate>,
     case: &Case,
@@ -152,13 +154,14 @@ pub(super) fn provided_twice(
     twice
 }
 
-/// The fields that close a loop: a participant that solves earlier needs them from a later one.
+/// Returns the fields that close a loop: a participant needs the field of a later one.
 pub(super) fn feedback(fields: &[Field]) -> Vec<&Field> {
     fields.iter().filter(|f| f.consumers.iter().any(|&c| c <= f.producer)).collect()
 }
 
-/// Settles which consumers receive the coordinator's iterates: with an implicit scheme those which
-/// solve before, or at the same time as, the producer; with an explicit one nobody.
+/// Determines which consumers receive the coordinator's iterates. With an implicit scheme these are
+/// the consumers that solve before, or at the same time as, the producer. An explicit scheme has
+/// none.
 pub(super) fn feed_back(fields: &mut [Field], scheme: Scheme) {
     for field in fields.iter_mut().filter(|_| scheme.is_implicit()) {
         let late = |c: &&ParticipantIndex| scheme.is_parallel() || **c <= field.producer;
@@ -166,7 +169,7 @@ pub(super) fn feed_back(fields: &mut [Field], scheme: Scheme) {
     }
 }
 
-/// Every effect that a participant offers, with the participants that it concerns.
+/// Returns every effect that a participant offers, with the roles of its participants.
 pub(super) fn effects(offers: &[(&str, &Description)], case: &Case) -> Vec<Effect> {
     let mut effects: Vec<Effect> = Vec::new();
     for (role, description) in offers {
@@ -184,4 +187,59 @@ pub(super) fn effects(offers: &[(&str, &Description)], case: &Case) -> Vec<Effec
         }
     }
     effects
+}
+
+/// Returns a problem for every participant that would have to solve a window more than once, but
+/// cannot.
+pub(super) fn cannot_rewind<'a>(
+    case: &Case,
+    running: impl Iterator<Item = &'a Candidate<'a>>,
+    scheme: Scheme,
+) -> Vec<Problem> {
+    let adaptive =
+        matches!(case.timing, Timing::Transient { control: Control::Adaptive { .. }, .. });
+    let (what, fix) = match scheme.is_implicit() {
+        true => (
+            format!("{} solves a window until it has converged", scheme.word()),
+            "set coupling.scheme to \"serial-explicit\"",
+        ),
+        false if adaptive => (
+            "adaptive windows are repeated if their error is too large".to_owned(),
+            "remove time.control",
+        ),
+        false => return Vec::new(),
+    };
+    let problem = |one: &Candidate<'_>| {
+        let (key, model) = (format!("{}.model", one.role), &one.model.name);
+        let reason = format!("`{model}` can solve a window only once, and {what}");
+        case.problem_at(&key, reason, format!("{fix}, or choose a model that can go back"))
+    };
+    running.filter(|one| !one.model.rewinds).map(problem).collect()
+}
+
+/// Returns a problem for every participant that needs windows of equal length, but would get
+/// others.
+pub(super) fn cannot_vary<'a>(
+    case: &Case,
+    running: impl Iterator<Item = &'a Candidate<'a>>,
+    windows: &Windows,
+) -> Vec<Problem> {
+    let (key, what, fix) = match windows {
+        Windows::Adaptive { .. } => {
+            ("time.control", "the lengths of adaptive windows differ", "remove time.control")
+        }
+        fixed if !fixed.are_equal() => (
+            "time.end",
+            "the last window is cut at time.end",
+            "let time.end be a multiple of time.window",
+        ),
+        _ => return Vec::new(),
+    };
+    let problem = |one: &Candidate<'_>| {
+        let (role, model) = (&one.role, &one.model.name);
+        let reason =
+            format!("{role}.model `{model}` solves windows of one length only, and {what}");
+        case.problem_at(key, reason, format!("{fix}, or choose another model"))
+    };
+    running.filter(|one| !one.model.varies_step).map(problem).collect()
 }

@@ -1,26 +1,30 @@
-//! The plan as a person reads it.
+//! Text of a plan, and of a case that was checked without starting a program.
 
 use super::contents::{Effect, LiveValue, Participant, Plan, geometry_bytes};
-use crate::format::{bytes, counted, seconds};
+use super::make::windows;
+use crate::format::{bytes, counted, duration, seconds};
+use crate::programs::Program;
 use crate::wrap;
+use case::{RawParticipant, StandaloneCheck};
 use coupling::ParticipantIndex;
 use coupling::settings::Implicit;
 use coupling::windows::Windows;
 use std::fmt::{Display, Formatter, Result, Write};
 
-/// Smaller relative errors of a model are not listed.
+/// Smallest relative error of a model that is listed.
 const SHOWN: f64 = 5e-5;
 
+/// The alternate form, `{:#}`, has the laws of the effects that are off, too.
 impl Display for Plan {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let mut text = String::new();
-        self.write(&mut text)?;
+        self.write(&mut text, f.alternate())?;
         f.write_str(&wrap::columns(&text))
     }
 }
 
 impl Plan {
-    fn write(&self, f: &mut String) -> Result {
+    fn write(&self, f: &mut String, all_laws: bool) -> Result {
         write!(f, "{}", self.name)?;
         if let Some(title) = &self.title {
             write!(f, " · {title}")?;
@@ -31,7 +35,7 @@ impl Plan {
         }
         self.show_time(f)?;
         self.show_processes(f)?;
-        self.show_effects(f)?;
+        self.show_effects(f, all_laws)?;
         self.show_fields(f)?;
         self.show_live(f)?;
         self.show_mappings(f)?;
@@ -82,7 +86,7 @@ impl Plan {
         Ok(())
     }
 
-    /// What a model leaves out with these effects, and in this very case, with its size.
+    /// Writes the simplifications of a model in this case, with their errors.
     fn show_left_out(&self, p: &Participant, f: &mut String) -> Result {
         let active = |name: &str| self.effects.iter().any(|e| e.active && e.name == name);
         let models = p.description.models.iter();
@@ -97,7 +101,7 @@ impl Plan {
         Ok(())
     }
 
-    fn show_effects(&self, f: &mut String) -> Result {
+    fn show_effects(&self, f: &mut String, all_laws: bool) -> Result {
         let mut head = "effects";
         writeln!(f)?;
         let (on, off): (Vec<&Effect>, Vec<_>) = self.effects.iter().partition(|e| e.active);
@@ -108,9 +112,16 @@ impl Plan {
             head = "";
         }
         let names: Vec<&str> = off.iter().map(|effect| effect.name.as_str()).collect();
-        if !names.is_empty() {
+        if names.is_empty() {
+            return Ok(());
+        }
+        if !all_laws {
             let count = counted(names.len() as u64, "effect");
-            writeln!(f, "{head:10} off {count}  {}", names.join(", "))?;
+            return writeln!(f, "{head:10} off {count}  {}", names.join(", "));
+        }
+        for effect in off {
+            writeln!(f, "{head:10} off {:22} {}", effect.name, effect.law)?;
+            head = "";
         }
         Ok(())
     }
@@ -139,7 +150,7 @@ impl Plan {
         }
     }
 
-    /// The values that are given as the run goes.
+    /// Writes the values that are given during the run.
     fn show_live(&self, f: &mut String) -> Result {
         let role = |index: ParticipantIndex| self.participants[index].role.as_str();
         let mut head = "live";
@@ -148,7 +159,7 @@ impl Plan {
             let from = provider.map_or("coordinator", role);
             let held = match provider {
                 Some(_) => String::new(),
-                None => format!(", {} in a run that nobody drives", si(*first, &kind.unit)),
+                None => format!(", {} unless the run is driven", si(*first, &kind.unit)),
             };
             writeln!(
                 f,
@@ -163,7 +174,7 @@ impl Plan {
         Ok(())
     }
 
-    /// The grids that move, and the volumes.
+    /// Writes the grids that move, and the volumes.
     fn show_grids(&self, f: &mut String) -> Result {
         for (one, p) in self.participants.iter_enumerated() {
             let Some(layout) = &p.estimate else { continue };
@@ -212,12 +223,12 @@ impl Plan {
     }
 }
 
-/// A value with its unit; a plain number has none.
+/// Formats a value with its SI unit.
 fn si(value: f64, unit: &str) -> String {
     if unit == "1" { format!("{value}") } else { format!("{value} {unit}") }
 }
 
-/// The windows of a run, in words.
+/// Describes the windows of a run.
 pub(super) fn in_time(windows: &Windows) -> String {
     match windows {
         Windows::Steady => "steady: one window without duration".to_owned(),
@@ -227,20 +238,54 @@ pub(super) fn in_time(windows: &Windows) -> String {
         }
         Windows::Fixed { window, end } => {
             let count = windows.count().unwrap_or(0);
-            format!("transient: {count} windows of {} to {}", seconds(*window), seconds(*end))
+            format!("transient: {count} windows of {} to {}", duration(*window), duration(*end))
         }
         Windows::Open { window: None } => {
-            "steady: a row for every window that is asked for".to_owned()
+            "steady: one row for each window that is requested".to_owned()
         }
         Windows::Open { window: Some(window) } => {
-            format!("transient: windows of {}, as they are asked for", seconds(*window))
+            format!("transient: windows of {}, as requested", duration(*window))
         }
         Windows::Adaptive { tolerance, shortest, longest, end } => format!(
             "transient: adaptive windows of {} to {}, the shortest first, to {}; tolerance \
              {tolerance:e}",
-            seconds(*shortest),
-            seconds(*longest),
-            seconds(*end)
+            duration(*shortest),
+            duration(*longest),
+            duration(*end)
         ),
+    }
+}
+
+/// Text of a case that was checked without starting a program.
+#[derive(Clone, Copy, Debug)]
+pub struct CaseOverview<'a>(pub &'a StandaloneCheck);
+
+impl Display for CaseOverview<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self(alone) = self;
+        let title = alone.title.as_ref().map(|title| format!(" · {title}")).unwrap_or_default();
+        writeln!(f, "{}{title}", alone.name)?;
+        writeln!(f, "\ntime       {}", in_time(&windows(alone.timing, None)))?;
+        writeln!(f, "scheme     {}", alone.coupling.scheme.word())?;
+        writeln!(f, "\nprocesses  coordinator")?;
+        for one in &alone.participants {
+            let model = one.model.as_deref().unwrap_or("?");
+            writeln!(f, "           {:10} {model:14} {}", one.role, how(one))?;
+        }
+        write!(f, "\n{}", alone.not_judged_text())
+    }
+}
+
+/// Describes how a participant would join the run.
+fn how(one: &RawParticipant) -> String {
+    let program = Program::of_role(&one.role, one.command.as_deref());
+    let line = match &one.command {
+        Some(words) => words.join(" "),
+        None => program.name(),
+    };
+    match (one.attach, &one.command) {
+        (true, _) => "would be started by hand".to_owned(),
+        (false, Some(_)) => format!("would start, as the case says: {line}"),
+        (false, None) => format!("would start: {line}"),
     }
 }

@@ -1,12 +1,12 @@
-//! How many threads each participant may compute on: those that compute at the same time share what
-//! there is. The coordinator computes while they all wait.
+//! Number of threads of each participant. Participants that compute at the same time share the
+//! cores. The coordinator computes while all participants wait.
 
 use coupling::settings::Scheme;
 use std::num::NonZero;
 
-/// The threads of each of `count` participants. Of `limit` threads, or as many as the machine has
-/// cores: all to each where one computes after the other; where all compute at once, equal parts, what
-/// is over to the first ones, and one at least.
+/// Returns the number of threads of each of `count` participants, from `limit` threads or all cores
+/// of the machine. In a serial scheme each participant gets all of them. In a parallel scheme each
+/// gets an equal part, at least one; the first ones get the remainder.
 pub(super) fn of_participants(limit: Option<usize>, scheme: Scheme, count: usize) -> Vec<usize> {
     let limit = of_coordinator(limit);
     let share = |index| limit / count + usize::from(index < limit % count);
@@ -14,7 +14,8 @@ pub(super) fn of_participants(limit: Option<usize>, scheme: Scheme, count: usize
     (0..count).map(threads).collect()
 }
 
-/// The threads of what computes by itself: `limit`, or as many as the machine has cores.
+/// Returns the number of threads of a process that computes alone: `limit`, or all cores of the
+/// machine.
 pub(super) fn of_coordinator(limit: Option<usize>) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, NonZero::get);
     limit.unwrap_or_else(cores)

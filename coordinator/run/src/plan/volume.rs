@@ -1,10 +1,12 @@
-//! Fields on volumes and at points are only written out: a case in which a participant consumes one is refused.
+//! Check of fields on volumes and at points: they can be written, but a case in which a participant
+//! consumes one is refused.
 
 use super::contents::{Participant, Plan};
 use case::{Case, Problem};
 use coupling::ParticipantIndex;
 
-/// The fields of a participant that are on a volume or at points, as its estimate says, and that others consume.
+/// Returns a problem for each consumed field of a participant that is on a volume or at points,
+/// according to its estimate.
 pub(super) fn consumed(case: &Case, plan: &Plan, producer: ParticipantIndex) -> Vec<Problem> {
     let Participant { role, estimate: Some(layout), .. } = &plan.participants[producer] else {
         return Vec::new();
@@ -28,7 +30,7 @@ pub(super) fn consumed(case: &Case, plan: &Plan, producer: ParticipantIndex) -> 
                 );
                 let fix = format!(
                     "choose a model of `{role}` that provides `{name}` on a surface, or one of `{}` \
-                     that does without",
+                     that does not need it",
                     consumer.role
                 );
                 case.problem_at(&asking(case, consumer, name), reason, fix)
@@ -38,7 +40,7 @@ pub(super) fn consumed(case: &Case, plan: &Plan, producer: ParticipantIndex) -> 
     problems.collect()
 }
 
-/// The key of the case by which a participant consumes a field: an effect, or its model.
+/// Returns the key of the case that makes a participant consume a field: an effect, or its model.
 fn asking(case: &Case, consumer: &Participant, field: &str) -> String {
     let effects = &consumer.description.effects;
     let mut active = effects.iter().filter(|effect| case.effects.contains(&effect.name));

@@ -1,5 +1,4 @@
-//! What a recording says is the same on every machine: files that the case names travel with it,
-//! and no path does.
+//! Recordings without paths of this machine: the recording contains the files that the case names.
 
 use crate::error::{RunError, input_failure};
 use crate::plan::Plan;
@@ -11,10 +10,10 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Larger files are refused [byte].
+/// Largest file that is recorded [byte].
 const MOST_BYTES: u64 = 4 << 30;
 
-/// The files that a plan's configurations name, with their contents.
+/// Returns the files named by the configurations of a plan, with their contents.
 ///
 /// # Errors
 /// A file cannot be read.
@@ -33,7 +32,7 @@ pub fn case_files(plan: &Plan) -> Result<Vec<(CaseFile, Vec<u8>)>, RunError> {
     named.into_iter().map(read).collect()
 }
 
-/// The files that a configuration's case names, by their dotted keys: those of keys that are files.
+/// Returns the files named by a configuration's case, by dotted key.
 #[must_use]
 pub fn named_files(participant: &Description, case: &Value) -> BTreeMap<String, PathBuf> {
     let mut named = BTreeMap::new();
@@ -45,7 +44,7 @@ pub fn named_files(participant: &Description, case: &Value) -> BTreeMap<String, 
     named
 }
 
-/// Every text of a tree with its key.
+/// Calls `seen` with every text of a tree and its key.
 fn texts<'a>(tree: &'a Value, key: &mut Vec<&'a str>, seen: &mut impl FnMut(&[&str], &str)) {
     match tree {
         Value::String(text) => seen(key, text),
@@ -60,7 +59,7 @@ fn texts<'a>(tree: &'a Value, key: &mut Vec<&'a str>, seen: &mut impl FnMut(&[&s
     }
 }
 
-/// Some key of the participant that is a file has this path.
+/// Returns whether the participant describes this key as a file.
 fn names_file(participant: &Description, key: &[&str]) -> bool {
     let models = participant.models.iter().flat_map(|model| &model.keys);
     let effects = participant.effects.iter().flat_map(|effect| &effect.keys);
@@ -68,7 +67,7 @@ fn names_file(participant: &Description, key: &[&str]) -> bool {
     all.any(|spec| spec.kind == KeyKind::File && fits(&spec.path, key))
 }
 
-/// A dotted path in which `*` stands for any one name fits a key.
+/// Returns whether a key matches a dotted path in which `*` stands for any one name.
 #[must_use]
 pub fn fits(path: &str, key: &[&str]) -> bool {
     let parts = path.split('.');
@@ -76,8 +75,8 @@ pub fn fits(path: &str, key: &[&str]) -> bool {
         && parts.zip(key).all(|(part, name)| part == "*" || part == *name)
 }
 
-/// The body of `Configure` with the names of attachments in the place of paths; one that is no
-/// configuration as it is.
+/// Returns the body of `Configure` with names of attachments instead of paths. A body that is no
+/// configuration is returned unchanged.
 #[must_use]
 pub fn portable_body(body: &[u8], files: &[CaseFile]) -> Vec<u8> {
     if files.is_empty() {
@@ -94,26 +93,26 @@ pub fn portable_body(body: &[u8], files: &[CaseFile]) -> Vec<u8> {
     serde_json::to_vec(&configuration).expect("a configuration is plain data")
 }
 
-/// The body of `Restore` with the grids alone.
+/// Returns the body of `Restore` with only its grids.
 pub(super) fn without_files(body: &[u8]) -> Vec<u8> {
     let file: StateFile = serde_json::from_slice(body).expect("we have written it ourselves");
     let file = StateFile { path: PathBuf::new(), outputs: Vec::new(), ..file };
     serde_json::to_vec(&file).expect("grids are plain data")
 }
 
-/// A dotted key as a JSON pointer.
+/// Returns a dotted key as a JSON pointer.
 fn pointer(key: &str) -> String {
     key.split('.').map(|part| format!("/{part}")).collect()
 }
 
-/// A text with every absolute path cut down to its last part.
+/// Returns the text with every absolute path cut to its last part.
 #[must_use]
 pub fn without_paths(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     let mut before = ' ';
     while let Some(c) = rest.chars().next() {
-        // A path in quotes may hold anything else.
+        // A quoted path may contain any other character.
         let quoted = matches!(before, '"' | '\'' | '`').then(|| rest.find(before)).flatten();
         let end = quoted.or_else(|| rest.find(ends_a_path)).unwrap_or(rest.len());
         if c == '/' && end > 1 && (begins_a_word(before) || ends_in_an_option(&out)) {
@@ -134,7 +133,8 @@ fn begins_a_word(before: char) -> bool {
     !before.is_alphanumeric() && !matches!(before, '/' | '.' | '_' | '-' | ')' | ']' | '~')
 }
 
-/// `-I`, behind which a path may follow at once.
+/// Returns whether the text ends in an option such as `-I`, which a path may follow without a
+/// space.
 fn ends_in_an_option(text: &str) -> bool {
     let mut last = text.chars().rev();
     let letter = last.next().is_some_and(|c| c.is_ascii_alphabetic());
@@ -145,7 +145,7 @@ fn ends_a_path(c: char) -> bool {
     c.is_whitespace() || matches!(c, '"' | '\'' | '`' | ',' | ';' | ')' | ']' | '}' | '<' | '>')
 }
 
-/// The name of a file of the case in a recording.
+/// Returns the name of a case file in a recording.
 fn attachment_name(key: &str) -> String {
     format!("{FILES}{key}")
 }

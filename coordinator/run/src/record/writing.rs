@@ -1,4 +1,4 @@
-//! The thread that writes.
+//! Thread that writes a recording.
 
 use proto::recording::{Event, RecordingError, RecordingWriter};
 use proto::transport::FieldReader;
@@ -6,27 +6,27 @@ use std::fs::File;
 use std::sync::mpsc::Receiver;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// How far the writing thread has come.
+/// Progress of the writing thread.
 #[derive(Debug, Default)]
 pub(super) struct Progress {
-    /// Iterations written.
+    /// Number of iterations written.
     pub(super) done: u64,
-    /// Every listener has been closed.
+    /// Whether every listener has been closed.
     pub(super) closed: bool,
-    /// The thread has failed; everything after is dropped.
+    /// Failure of the thread; all later notes are dropped.
     pub(super) failed: Option<String>,
-    /// The failure of the recorder has ended the run.
+    /// Whether the failure has been reported as the error of the run.
     pub(super) reported: bool,
 }
 
-/// What the coupling loop has noted.
+/// A note of the coupling loop.
 #[derive(Debug)]
 pub(super) enum Job {
     Listen(Listener),
-    /// Every writer is there.
+    /// Every writer exists.
     Connect,
     Event(Event),
-    /// The sample of this sequence number waits in the queue of a topic.
+    /// The sample of this sequence number is in the queue of a topic.
     Sample {
         topic: usize,
         sequence: u64,
@@ -37,13 +37,13 @@ pub(super) enum Job {
     },
     /// All samples of an iteration have been noted.
     IterationEnds,
-    /// No more samples will be taken.
+    /// No further samples will be taken.
     CloseAll,
-    /// Nothing follows.
+    /// No further notes follow.
     Finish,
 }
 
-/// A topic that is recorded.
+/// A recorded topic.
 #[derive(Debug)]
 pub(super) struct Listener {
     service: String,
@@ -63,12 +63,12 @@ impl Listener {
         self.reader.connect().map_err(|error| self.lost(&error.to_string()))
     }
 
-    /// Takes samples up to this sequence number and writes them, each read in place.
+    /// Takes samples up to this sequence number and writes them. Each sample is read in place.
     fn write(&self, into: &mut RecordingWriter<File>, sequence: u64) -> Result<(), RecordingError> {
         loop {
             let sample = self.reader.receive().map_err(|error| self.lost(&error.to_string()))?;
             let Some(sample) = sample else {
-                return Err(self.lost(&format!("sample {sequence} has not come")));
+                return Err(self.lost(&format!("sample {sequence} did not arrive")));
             };
             into.sample(&self.service, sample.header(), sample.values())?;
             if sample.header().sequence >= sequence {
@@ -78,8 +78,8 @@ impl Listener {
     }
 }
 
-/// Does what has been noted until there is no more; tells how far it has come. After a failure
-/// everything is dropped, so that nobody waits for what will never come.
+/// Carries out the notes until the last one, and publishes the progress. After a failure all
+/// further notes are dropped, so that no other thread waits forever.
 pub(super) fn write_all(
     writer: RecordingWriter<File>,
     batches: &Receiver<Vec<Job>>,
@@ -100,7 +100,7 @@ pub(super) fn write_all(
                 progress.failed.get_or_insert_with(|| error.to_string());
             }
             drop(progress);
-            // After that is known: whoever sends notices that the topics are left.
+            // The failure is published first: unsubscribing makes the next sender on a topic fail.
             if outcome.is_err() {
                 writing.topics.clear();
                 writing.writer = None;
@@ -115,7 +115,7 @@ pub(super) fn write_all(
     }
 }
 
-/// Nobody waits for a thread that has panicked.
+/// Publishes a panic of the thread, so that no other thread waits for it.
 struct OnPanic<'a>(&'a Mutex<Progress>, &'a Condvar);
 
 impl Drop for OnPanic<'_> {
@@ -128,7 +128,7 @@ impl Drop for OnPanic<'_> {
     }
 }
 
-/// The file, until writing it fails, and the topics listened to.
+/// The file, until writing fails, and the recorded topics.
 struct Writing {
     writer: Option<RecordingWriter<File>>,
     topics: Vec<Listener>,

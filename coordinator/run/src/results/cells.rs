@@ -1,4 +1,4 @@
-//! A structured grid as cells of a box, the way in which images have them.
+//! A structured grid as cells of a box, the form of VTK images.
 
 use contract::grid::Structured;
 
@@ -9,14 +9,15 @@ pub struct Cells {
     pub corner: [f64; 3],
     /// Lengths of a cell [m].
     pub spacing: [f64; 3],
-    /// Cells along x, y, z; 0 along the axis on which the plane stands.
+    /// Number of cells along x, y, z; 0 along the normal of the plane.
     pub counts: [usize; 3],
-    /// The grid's own index of the n-th cell, x fastest, then y.
+    /// Index in the grid of the n-th cell, with x running fastest, then y.
     pub order: Vec<usize>,
 }
 
 impl Cells {
-    /// `None` if a step is not along one axis, or both are along the same.
+    /// Returns the cells of a grid. Returns `None` if a step is oblique, or if both steps are along
+    /// the same axis.
     #[must_use]
     pub fn of(grid: &Structured) -> Option<Self> {
         let axis = |step: &[f64; 3]| {

@@ -1,64 +1,64 @@
-//! Whose a folder of results is, and which process may write into it.
+//! Ownership of a result folder, and the lock of the process that may write into it.
 //!
-//! A file of its own, [`MARKER`], says that a folder holds results, and of what. Nothing in a folder
-//! without it is ever replaced. It also carries the lock: a process that writes into the folder holds it
-//! until it ends.
+//! The file [`MARKER`] states that a folder holds results, and their kind. Files in a folder
+//! without the marker are never replaced. The marker also carries the lock: a process that writes
+//! into the folder holds it until it ends.
 
 use super::dir::Dir;
 use crate::error::{RunError, file_failure};
-use rustix::fs::{FlockOperation, OFlags, flock};
-use rustix::io::Errno;
-use std::fs::{self, File};
+use proto::lock_file::LockFile;
+use rustix::fs::OFlags;
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// The file that says what a folder is.
+/// File that marks a result folder.
 pub const MARKER: &str = ".cosim-results";
 
-/// What the marker of a run says.
+/// Kind of results in the marker of a run.
 pub const A_RUN: &str = "a run";
 
-/// What becomes of results that are there already.
+/// Treatment of existing results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Existing {
-    /// They stay, and the folder is refused.
+    /// Existing results stay, and the folder is refused.
     Refuse,
-    /// They are replaced.
+    /// Existing results are replaced.
     Replace,
 }
 
 impl Existing {
-    /// As the option `--replace` says.
+    /// Returns the treatment chosen by the option `--replace`.
     #[must_use]
     pub fn option(replace: bool) -> Self {
         if replace { Self::Replace } else { Self::Refuse }
     }
 }
 
-/// A folder that only this process writes into.
+/// A folder into which only this process writes.
 #[derive(Debug)]
 pub struct Claim {
     dir: Dir,
-    /// Holds the lock.
-    _marker: File,
+    /// Carries the lock.
+    _marker: LockFile,
 }
 
-/// What is in a folder.
+/// Content of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
     Nothing,
-    /// Results of the kind asked for.
+    /// Results of the requested kind.
     Results,
     Foreign,
 }
 
 impl Claim {
-    /// Takes the folder at this path, which is made if it is not there, for results `of` a run or a
-    /// study.
+    /// Takes the folder at this path for results `of` a run or a study. A missing folder is
+    /// created.
     ///
     /// # Errors
-    /// [`RunError::Usage`] if it is a file, holds what is not such results, holds some that are to stay,
-    /// or is used by another process.
+    /// [`RunError::Usage`] if the path is a file, the folder holds other files, holds results that
+    /// are to stay, or is used by another process.
     pub fn take(path: &Path, of: &str, existing: Existing) -> Result<Self, RunError> {
         create(path)?;
         let dir = Dir::open(path).map_err(|error| file_failure(path, &error))?;
@@ -69,19 +69,19 @@ impl Claim {
             ));
         }
         let marker = lock(&dir)?;
-        // Now that nobody else writes.
+        // The check is final only under the lock.
         if content(&dir, of)? == Content::Results && existing == Existing::Refuse {
-            let fix = "--replace replaces them, or give another folder with --out";
-            return Err(refuse(&dir, &format!("holds results of {of} already; {fix}")));
+            let fix = "replace them with --replace, or give another folder with --out";
+            return Err(refuse(&dir, &format!("already holds results of {of}; {fix}")));
         }
         mark(&marker, of).map_err(|error| file_failure(&dir.path().join(MARKER), &error))?;
         Ok(Self { dir, _marker: marker })
     }
 
-    /// Takes a folder that holds results `of` a run or a study, to go on with them.
+    /// Takes a folder that holds results `of` a run or a study, to continue them.
     ///
     /// # Errors
-    /// [`RunError::Usage`] if it holds none, or is used by another process.
+    /// [`RunError::Usage`] if the folder holds no such results, or is used by another process.
     pub fn again(path: &Path, of: &str) -> Result<Self, RunError> {
         match Dir::open(path) {
             Ok(dir) if is_marked(&dir, of) => Ok(Self { _marker: lock(&dir)?, dir }),
@@ -99,7 +99,7 @@ impl Claim {
     }
 }
 
-/// The folder at this path holds results `of` a run or a study.
+/// Returns whether the folder at this path holds results `of` a run or a study.
 #[must_use]
 pub fn holds_results(path: &Path, of: &str) -> bool {
     Dir::open(path).is_ok_and(|dir| is_marked(&dir, of))
@@ -109,7 +109,7 @@ fn refuse(dir: &Dir, what: &str) -> RunError {
     RunError::Usage(format!("{} {what}", dir.shown().display()))
 }
 
-/// Makes the folder, and those that it lies in.
+/// Creates the folder and its parents.
 pub(super) fn create(path: &Path) -> Result<(), RunError> {
     match fs::create_dir_all(path) {
         Ok(()) => Ok(()),
@@ -124,7 +124,7 @@ pub(super) fn create(path: &Path) -> Result<(), RunError> {
 
 fn content(dir: &Dir, of: &str) -> Result<Content, RunError> {
     let names = dir.names().map_err(|error| file_failure(&dir.path(), &error))?;
-    // A marker alone is what a process leaves that was killed at once.
+    // A marker alone is left by a process that was killed at once.
     Ok(match names.iter().all(|name| name == MARKER) {
         true if !dir.path().join(MARKER).is_symlink() => Content::Nothing,
         false if is_marked(dir, of) => Content::Results,
@@ -139,27 +139,30 @@ fn is_marked(dir: &Dir, of: &str) -> bool {
     read.is_ok() && found == expected.as_bytes()
 }
 
-/// What a marker begins with.
+/// Returns the beginning of a marker.
 fn head(of: &str) -> String {
     format!("results of {of};")
 }
 
 fn mark(mut marker: &File, of: &str) -> io::Result<()> {
-    let text = format!("{} --replace may replace what is in this folder\n", head(of));
+    let text = format!("{} --replace may replace the content of this folder\n", head(of));
     marker.set_len(0).and_then(|()| marker.write_all(text.as_bytes()))
 }
 
-/// Takes the marker for this process.
-fn lock(dir: &Dir) -> Result<File, RunError> {
+/// Locks the marker for this process.
+fn lock(dir: &Dir) -> Result<LockFile, RunError> {
     let marker = dir.file(MARKER, OFlags::RDWR | OFlags::CREATE | OFlags::APPEND);
     let marker = marker.map_err(|error| file_failure(&dir.path().join(MARKER), &error))?;
-    match flock(&marker, FlockOperation::NonBlockingLockExclusive) {
-        Err(Errno::WOULDBLOCK) => {
+    let marker = LockFile::from(marker);
+    match marker.try_lock() {
+        Err(TryLockError::WouldBlock) => {
             let fix = "wait for its end, or give another folder with --out";
             return Err(refuse(dir, &format!("is used by another run; {fix}")));
         }
-        // Some network file systems know no locks.
-        Err(error) => tracing::warn!(%error, "the result folder cannot be locked"),
+        // Some network file systems have no locks.
+        Err(TryLockError::Error(error)) => {
+            tracing::warn!(%error, "the result folder cannot be locked")
+        }
         Ok(()) => {}
     }
     Ok(marker)

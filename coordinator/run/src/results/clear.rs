@@ -1,4 +1,5 @@
-//! What a run writes into its folder, by name, and how it is removed again: nothing else ever is.
+//! Names of the files that a run writes into its folder, and their removal. No other file is
+//! removed.
 
 use super::claim::{A_RUN, MARKER, holds_results};
 use super::dir::{Dir, shown};
@@ -16,15 +17,15 @@ use std::path::Path;
 pub(super) const LOG: &str = "log.jsonl";
 /// The summary.
 pub(super) const SUMMARY: &str = "summary.json";
-/// Space kept for the summary.
+/// File that reserves space for the summary.
 pub(super) const RESERVE: &str = ".summary";
-/// The folder of the field files.
-pub(super) const FIELDS: &str = "fields";
-/// The folder of a better answer while it is computed.
+/// Folder of the field files.
+const FIELDS: &str = "fields";
+/// Folder of a refined result while it is computed.
 pub(super) const REFINED: &str = "refined";
 
-/// Files that a run writes besides the fields and recordings with a number; the summary first, for
-/// without it a run has not come to its end.
+/// Files that a run writes besides fields and numbered recordings. The summary comes first, because
+/// a run without one counts as unfinished.
 pub(super) const FILES: [&str; 10] = [
     SUMMARY,
     RESERVE,
@@ -44,7 +45,7 @@ pub(super) fn clear(dir: &Dir) -> Result<(), RunError> {
     remove_refined(dir)
 }
 
-/// Removes the results of an earlier run, but not a better answer to them.
+/// Removes the results of an earlier run, but not a refined result in progress.
 fn clear_answer(dir: &Dir) -> Result<(), RunError> {
     let path = dir.path();
     for name in FILES {
@@ -59,7 +60,7 @@ fn clear_answer(dir: &Dir) -> Result<(), RunError> {
     clear_fields(&path.join(FIELDS))
 }
 
-/// Puts the better answer in the place of the one that is there; the summary comes last.
+/// Replaces the results by the refined ones; the summary is moved last.
 pub(super) fn take_over_refined(dir: &Dir) -> Result<(), RunError> {
     let (from, to) = (dir.path().join(REFINED), dir.path());
     clear_answer(dir)?;
@@ -70,7 +71,8 @@ pub(super) fn take_over_refined(dir: &Dir) -> Result<(), RunError> {
     remove_refined(dir)
 }
 
-/// Moves what is in a folder into another one. What has a name there already is not ours, and stays.
+/// Moves the content of a folder into another one. A file whose name is taken there stays: the file
+/// in its place was not written by a run.
 fn move_all(from: &Path, to: &Path, but: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(from)? {
         let (path, name, kind) =
@@ -80,13 +82,16 @@ fn move_all(from: &Path, to: &Path, but: &[&str]) -> io::Result<()> {
             _ if but.iter().any(|but| name == *but) => {}
             Err(_) => fs::rename(path, target)?,
             Ok(there) if there.is_dir() && kind.is_dir() => move_all(&path, &target, &[])?,
-            Ok(_) => tracing::warn!("a foreign {} stays in its place", shown(&target).display()),
+            Ok(_) => tracing::warn!(
+                "{} was not written by a run and is not replaced",
+                shown(&target).display()
+            ),
         }
     }
     Ok(())
 }
 
-/// Demands that the folders in it that a run writes into are no links.
+/// Checks that the folders into which a run writes are no links.
 pub(super) fn refuse_links(dir: &Dir) -> Result<(), RunError> {
     let linked = [FIELDS, checkpoint::FOLDER, REFINED]
         .into_iter()
@@ -98,7 +103,7 @@ pub(super) fn refuse_links(dir: &Dir) -> Result<(), RunError> {
     })
 }
 
-/// Removes what is left of a better answer that did not come to its end.
+/// Removes the remainder of an unfinished refined result.
 pub(super) fn remove_refined(dir: &Dir) -> Result<(), RunError> {
     let path = dir.path().join(REFINED);
     if path.is_symlink() || !holds_results(&path, A_RUN) {
@@ -107,19 +112,19 @@ pub(super) fn remove_refined(dir: &Dir) -> Result<(), RunError> {
     let refined = dir.inner(REFINED).map_err(|error| file_failure(&path, &error))?;
     clear(&refined)?;
     remove(&refined.path().join(MARKER))?;
-    // What is not ours keeps the folder.
+    // A folder with other files in it stays.
     let _ = fs::remove_dir(path);
     Ok(())
 }
 
-/// `recording-000120.mcap`, the recording of a run that was resumed.
+/// Recognises `recording-000120.mcap`, the recording of a resumed run.
 fn is_recording(name: &str) -> bool {
     let number = name.strip_prefix("recording-").and_then(|rest| rest.strip_suffix(".mcap"));
     number.is_some_and(is_number)
 }
 
-/// Removes the numbered images, their series, what is kept of the last and the state that opens them,
-/// and the folder if nothing else is in it.
+/// Removes the numbered images, their series, the stored last fields and the scene, and the folder
+/// if it is then empty.
 fn clear_fields(folder: &Path) -> Result<(), RunError> {
     let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -141,17 +146,17 @@ fn clear_fields(folder: &Path) -> Result<(), RunError> {
     for name in names.iter().filter(|name| is_ours(name)) {
         remove(&folder.join(name))?;
     }
-    // What is not ours keeps the folder.
+    // A folder with other files in it stays.
     let _ = fs::remove_dir(folder);
     Ok(())
 }
 
-/// `rail_contact` of `rail_contact_000012.vti`.
+/// Returns `rail_contact` for `rail_contact_000012.vti`.
 fn series_of_image(name: &str) -> Option<&str> {
     [".vti", ".vtr", ".vts", ".vtu"].into_iter().find_map(|end| numbered(name, end))
 }
 
-/// What stands before the number of a file with this ending.
+/// Returns the name of a file with this ending, up to its number.
 fn numbered<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
     let (series, number) = name.strip_suffix(ending)?.rsplit_once('_')?;
     is_number(number).then_some(series)

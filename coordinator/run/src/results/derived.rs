@@ -1,9 +1,9 @@
-//! The figures that the coordinator makes of others, as their descriptions say.
+//! Figures that the coordinator derives from others, according to their descriptions.
 
 use contract::figure::{Derived, ENTRY, FigureSpec, value};
 use serde_json::{Map, Value};
 
-/// Adds them to the sections of a summary. What is there stays.
+/// Adds the derived figures to the sections of a summary. Existing entries stay.
 pub fn complete(sections: &mut Map<String, Value>, figures: &[FigureSpec]) {
     let mut all = Value::Object(std::mem::take(sections));
     for FigureSpec { key, derived, .. } in figures {
@@ -25,7 +25,8 @@ pub fn complete(sections: &mut Map<String, Value>, figures: &[FigureSpec]) {
     }
 }
 
-/// A figure, or the length of the vector of several, over another one; `None` where that is no number.
+/// Returns the ratio of a figure, or of the length of the vector of several figures, to another
+/// figure. Returns `None` if a figure is missing or the ratio is not finite.
 pub(super) fn ratio(
     mut parts: impl Iterator<Item = Option<f64>>,
     over: Option<f64>,
@@ -35,8 +36,9 @@ pub(super) fn ratio(
     Some(size / over?).filter(|ratio| ratio.is_finite())
 }
 
-/// Gives entries of a list the value of the entry of another list in whose interval they lie alone;
-/// nothing where not all entries are listed.
+/// Copies a value from the entries of one list into the entries of another. An entry receives the
+/// value of the interval in which it lies, if no other entry lies there. Does nothing if the list
+/// is incomplete.
 fn within(
     all: &mut Value,
     key: &str,
@@ -69,7 +71,7 @@ fn within(
     }
 }
 
-/// Puts a value under a dotted key, in a section that is there.
+/// Inserts a value under a dotted key, if its section exists.
 fn insert(all: &mut Value, key: &str, value: Value) {
     let Some((section, name)) = key.rsplit_once('.') else { return };
     let inner = all.pointer_mut(&format!("/{}", section.replace('.', "/")));

@@ -1,8 +1,8 @@
-//! A folder held open. Whatever becomes of its name, what is written into it lands in it.
+//! A folder held open by a handle, so that files reach it under any name.
 //!
-//! The kernel's `/proc/PID/fd/N` leads to an open folder itself, from every process of the user, and is
-//! ASCII whatever the folder is called. So a folder that is renamed during a run keeps all of its
-//! results together, and one that takes the name meanwhile gets none of them.
+//! The kernel's `/proc/PID/fd/N` leads to an open folder itself, from every process of the user,
+//! and is always ASCII. Therefore a folder that is renamed during a run keeps all of its results
+//! together. Another folder that takes the old name receives none of them.
 
 use rustix::fs::{Mode, OFlags, fstat, mkdirat, open, openat};
 use rustix::io::Errno;
@@ -24,19 +24,19 @@ pub struct Dir {
 }
 
 impl Dir {
-    /// Opens the folder that a user names.
+    /// Opens a folder that a user names.
     ///
     /// # Errors
-    /// There is none.
+    /// The path is no folder, or cannot be opened.
     pub fn open(path: &Path) -> io::Result<Self> {
         let handle = open(path, FOLDER, Mode::empty())?;
         Ok(Self { handle: Arc::new(handle), given: shown(path) })
     }
 
-    /// Opens the folder of this name in it, which is made if it is not there; a link is not followed.
+    /// Opens the subfolder of this name, and creates it if it is missing. A link is not followed.
     ///
     /// # Errors
-    /// The name is a link or a file; the file system.
+    /// The name is a link or a file, or the folder cannot be created.
     pub fn inner(&self, name: &str) -> io::Result<Self> {
         match mkdirat(&self.handle, name, Mode::from_raw_mode(0o777)) {
             Err(error) if error != Errno::EXIST => return Err(error.into()),
@@ -50,22 +50,24 @@ impl Dir {
         Ok(Self { handle: Arc::new(handle), given: self.shown().join(name) })
     }
 
-    /// Opens a file in it; a link is not followed.
+    /// Opens a file in the folder. A link is not followed.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be opened.
     pub fn file(&self, name: &str, flags: OFlags) -> io::Result<File> {
         let flags = flags | OFlags::NOFOLLOW | OFlags::CLOEXEC;
         Ok(openat(&self.handle, name, flags, Mode::from_raw_mode(0o666))?.into())
     }
 
-    /// A path that leads to it while this handle is open, whatever it is called by then.
+    /// Returns a path that leads to the folder while this handle is open, even if the folder is
+    /// renamed.
     #[must_use]
     pub fn path(&self) -> PathBuf {
         handles().join(self.handle.as_raw_fd().to_string())
     }
 
-    /// The path for people: as it was given, or where the folder is now if that is not it any more.
+    /// Returns the path for display: the given path, or the current one if the folder has been
+    /// moved.
     #[must_use]
     pub fn shown(&self) -> PathBuf {
         let there = fs::metadata(&self.given).map(|found| (found.dev(), found.ino()));
@@ -76,21 +78,21 @@ impl Dir {
         }
     }
 
-    /// The names of what is in it.
+    /// Returns the names of the entries of the folder.
     ///
     /// # Errors
-    /// The file system.
+    /// The folder cannot be read.
     pub fn names(&self) -> io::Result<Vec<OsString>> {
         fs::read_dir(self.path())?.map(|entry| Ok(entry?.file_name())).collect()
     }
 }
 
-/// Where the kernel shows what this process has open.
+/// Folder in which the kernel shows the open files of this process.
 fn handles() -> PathBuf {
     PathBuf::from(format!("/proc/{}/fd", std::process::id()))
 }
 
-/// A path for people: one that leads through a handle becomes that of the folder that is open.
+/// Returns the path for display. A path through a handle is replaced by that of the open folder.
 #[must_use]
 pub fn shown(path: &Path) -> PathBuf {
     let Ok(rest) = path.strip_prefix(handles()) else { return path.to_owned() };

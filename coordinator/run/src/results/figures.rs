@@ -1,58 +1,58 @@
-//! The figures of a summary line by line, as their descriptions say.
+//! Figures of a summary, line by line, according to their descriptions.
 
 use crate::format::{Scale, counted, number};
 use contract::figure::{ENTRY, FigureSpec, Hidden, Style, value};
 use serde_json::Value;
 
-/// What is below this share of what it is compared with is rounding.
+/// Ratio to a reference value below which a value counts as rounding.
 const NOTHING: f64 = 1e-6;
 
-/// Key of the name of an entry of a list.
+/// Key for the name of an entry of a list.
 const NAME: &str = "name";
 
 /// A figure with its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry<'a> {
-    /// Label of the figure.
+    /// Description of the figure.
     pub figure: &'a FigureSpec,
-    /// Its value, in the unit of the figure.
+    /// Value in the unit of the figure.
     pub value: f64,
 }
 
-/// Figures that stand on one line.
+/// Figures on one line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line<'a> {
-    /// What the line is about.
+    /// Heading of the line.
     pub name: &'a str,
-    /// What stands on it.
+    /// Figures on the line.
     pub entries: Vec<Entry<'a>>,
 }
 
-/// A list of the summary, with a line for each of its entries.
+/// A list of the summary, with one line for each entry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct List<'a> {
-    /// The word for an entry.
+    /// Word for an entry.
     pub name: &'a str,
-    /// What is known of any entry.
+    /// Figures that at least one entry has.
     pub figures: Vec<&'a FigureSpec>,
-    /// The figures of each entry, in the order of the list: first those that stand on its line.
+    /// Figures of each entry, in the order of the list. Figures of its line come first.
     pub rows: Vec<Vec<Entry<'a>>>,
-    /// Name of an entry besides its number; empty if it has none.
+    /// Name of each entry besides its number; empty if there is none.
     pub names: Vec<String>,
-    /// How many entries there are, those that are not listed among them.
+    /// Number of entries, including those that are not listed.
     pub count: usize,
 }
 
-/// One line or many.
+/// One line, or a list of lines.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Group<'a> {
-    /// Figures that there are once.
+    /// Figures of the run as a whole.
     Line(Line<'a>),
     /// Figures of the entries of a list.
     List(List<'a>),
 }
 
-/// What a summary has of these figures, in their order.
+/// Returns the figures of a summary, in their order.
 #[must_use]
 pub fn groups<'a>(summary: &Value, figures: &'a [FigureSpec]) -> Vec<Group<'a>> {
     let mut names: Vec<&str> = Vec::new();
@@ -86,7 +86,7 @@ fn list<'a>(
 ) -> Option<List<'a>> {
     let parts = |figure: &'a FigureSpec| figure.key.split_once(&format!(".{ENTRY}."));
     let (path, _) = parts(figures[0])?;
-    // Figures without a line of their own are printed on pages, which have room.
+    // Figures without a line are only printed on pages, which have room for them.
     let beside = all.iter().filter(|figure| {
         figure.line.is_none() && parts(figure).is_some_and(|(other, _)| other == path)
     });
@@ -111,7 +111,7 @@ fn list<'a>(
 }
 
 impl<'a> Entry<'a> {
-    /// A figure that is to be seen.
+    /// Returns a figure with its value, unless it is hidden.
     fn of(figure: &'a FigureSpec, number: f64, summary: &Value) -> Option<Self> {
         let other = |key: &String| value(summary, key);
         let hidden = match &figure.hidden {
@@ -126,7 +126,7 @@ impl<'a> Entry<'a> {
         (!hidden).then_some(Self { figure, value: number })
     }
 
-    /// The number with its unit, to so many digits at most.
+    /// Formats the value with its unit, to `digits` digits at most.
     #[must_use]
     pub fn number(&self, digits: usize) -> String {
         let Self { figure: FigureSpec { unit, digits: own, style, .. }, value } = *self;
@@ -142,7 +142,7 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// With its name.
+    /// Formats the value with its name.
     #[must_use]
     pub fn text(&self, digits: usize) -> String {
         let FigureSpec { short, style, .. } = self.figure;
@@ -154,23 +154,23 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// The smallest and the largest value of a figure over the windows of a run.
+/// Smallest and largest value of a figure over the windows of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extreme<'a> {
-    /// What it is.
+    /// Description of the figure.
     pub figure: &'a FigureSpec,
-    /// The smallest and the largest value.
+    /// Smallest and largest value.
     pub values: [f64; 2],
-    /// The windows in which they occur.
+    /// Windows of these values.
     pub windows: [u64; 2],
-    /// The ends of these windows \[s\].
+    /// Ends of these windows \[s\].
     pub times: [f64; 2],
-    /// The word for a window.
+    /// Word for a window.
     pub word: &'static str,
 }
 
 impl<'a> Extreme<'a> {
-    /// All of a summary, in the order of the figures.
+    /// Returns all extremes of a summary, in the order of the figures.
     #[must_use]
     pub fn all(summary: &Value, figures: &'a [FigureSpec]) -> Vec<Self> {
         let section = summary.get("extremes").unwrap_or(&Value::Null);
@@ -191,7 +191,7 @@ impl<'a> Extreme<'a> {
         figures.iter().filter_map(extreme).collect()
     }
 
-    /// Both values with their times, to so many digits at most.
+    /// Formats both values with their times, to `digits` digits at most.
     #[must_use]
     pub fn said(&self, digits: usize) -> [String; 2] {
         [0, 1].map(|n| {
@@ -203,7 +203,7 @@ impl<'a> Extreme<'a> {
 }
 
 impl List<'_> {
-    /// The places of the entries that matter most, in their order.
+    /// Returns the indices of the entries with the largest headline figure, in ascending order.
     #[must_use]
     pub fn foremost(&self, most: usize) -> Vec<usize> {
         let weight = |row: usize| {

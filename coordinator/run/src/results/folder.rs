@@ -1,5 +1,5 @@
-//! The folder that a run writes into: taken, cleared of an earlier run's results where that is wanted,
-//! held open and locked until the run has ended.
+//! Folder into which a run writes: taken, cleared of earlier results on request, then held open and
+//! locked until the run ends.
 
 use super::claim::{A_RUN, Claim, Existing, create};
 use super::clear::{FILES, LOG, REFINED, RESERVE, SUMMARY};
@@ -16,10 +16,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Space kept on the disk for a summary \[byte\].
+/// Disk space reserved for a summary \[byte\].
 const SUMMARY_BYTES: u64 = 64 << 10;
 
-/// The folder that a run writes into, locked for it.
+/// Folder into which a run writes, locked for this run.
 #[derive(Debug)]
 pub struct ResultFolder {
     claim: Claim,
@@ -28,20 +28,22 @@ pub struct ResultFolder {
 }
 
 impl ResultFolder {
-    /// Takes the folder at this path for a run of the case file `case`; it is made if it is not there.
+    /// Takes the folder at this path for a run of the case file `case`. A missing folder is
+    /// created.
     ///
     /// # Errors
-    /// [`RunError::Usage`] if it is a file, holds what is not results of a run, or some that are to stay,
-    /// holds `case` itself under a name that the run would write, or is used by another run.
+    /// [`RunError::Usage`] if the path is a file, or if the folder holds other files, holds results
+    /// that are to stay, holds `case` itself under a name that the run would write, or is used by
+    /// another run.
     pub fn prepare(path: &Path, case: &Path, existing: Existing) -> Result<Self, RunError> {
         spare_case(path, case)?;
         Self::cleared(Claim::take(path, A_RUN, existing)?)
     }
 
-    /// Makes the folder NAME in this one, or else NAME-2, and so on, and links it as the latest.
+    /// Creates the folder NAME in `results`, or else NAME-2, and so on, and links it as the latest.
     ///
     /// # Errors
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     pub fn next(results: &Path, name: &str) -> Result<Self, RunError> {
         create(results)?;
         let mut names = numbered(name);
@@ -60,10 +62,10 @@ impl ResultFolder {
         }
     }
 
-    /// The folder of a run that is resumed; nothing is cleared.
+    /// Opens the folder of a run that is resumed, without clearing it.
     ///
     /// # Errors
-    /// [`RunError::Usage`] if no run has written into it, or another run is doing so.
+    /// [`RunError::Usage`] if no run has written into the folder, or if another run uses it.
     pub fn resume(path: &Path) -> Result<Self, RunError> {
         let claim = Claim::again(path, A_RUN)?;
         refuse_links(claim.dir())?;
@@ -72,10 +74,10 @@ impl ResultFolder {
         Self::with(claim, log)
     }
 
-    /// A folder within this one, for an answer that is to take the place of the one that is here.
+    /// Creates a subfolder for a refined result that will replace the present one.
     ///
     /// # Errors
-    /// The file system.
+    /// An earlier subfolder cannot be removed, or the new one cannot be created.
     pub fn refined(&self) -> Result<Self, RunError> {
         remove_refined(self.dir())?;
         let dir = self.dir().inner(REFINED);
@@ -83,11 +85,10 @@ impl ResultFolder {
         Self::cleared(Claim::take(&dir.path(), A_RUN, Existing::Refuse)?)
     }
 
-    /// This folder with the results of one that [`ResultFolder::refined`] has made in the place of its
-    /// own.
+    /// Replaces the results of this folder by those of a folder from [`ResultFolder::refined`].
     ///
     /// # Errors
-    /// The file system.
+    /// A file cannot be moved or removed.
     pub fn take_over(self, refined: Self) -> Result<Self, RunError> {
         take_over_refined(self.dir())?;
         Ok(Self { log: refined.log, ..self })
@@ -106,7 +107,7 @@ impl ResultFolder {
         Ok(Self { claim, log, reserve: Mutex::new(Some(reserve)) })
     }
 
-    /// The run in it has come to its end, with success.
+    /// Returns whether the run in this folder has ended successfully.
     #[must_use]
     pub fn has_ended(&self) -> bool {
         let text = fs::read(self.file(SUMMARY)).ok();
@@ -116,18 +117,18 @@ impl ResultFolder {
         status.is_some_and(|status| !Status::ENDED_EARLY.map(Status::word).contains(&status))
     }
 
-    /// Removes the summary of the end that a resumed run has come to before.
+    /// Removes the summary of an earlier end of a run that is resumed.
     ///
     /// # Errors
-    /// The file system.
+    /// The summary cannot be removed.
     pub fn reopen(&self) -> Result<(), RunError> {
         remove(&self.file(SUMMARY))
     }
 
-    /// The case as it was run.
+    /// Reads the case as it was run.
     ///
     /// # Errors
-    /// As [`RawCase::read`].
+    /// The file cannot be read, or is not a valid case.
     pub fn read_case(&self) -> Result<RawCase, RunError> {
         let path = self.file("case.toml");
         let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
@@ -135,48 +136,49 @@ impl ResultFolder {
         Ok(RawCase::parse_bytes(&name, &text)?)
     }
 
-    /// The folder itself.
+    /// Returns the folder.
     #[must_use]
     pub fn dir(&self) -> &Dir {
         self.claim.dir()
     }
 
-    /// A path that leads to the folder as long as this is there, whatever the folder is called by then.
+    /// Returns a path that leads to the folder while this object exists, even if the folder is
+    /// renamed.
     #[must_use]
     pub fn path(&self) -> PathBuf {
         self.dir().path()
     }
 
-    /// The path of a file in it, of the same kind.
+    /// Returns the path of a file in the folder, based on [`ResultFolder::path`].
     #[must_use]
     pub fn file(&self, name: &str) -> PathBuf {
         self.path().join(name)
     }
 
-    /// The path of the folder for people.
+    /// Returns the path of the folder for display.
     #[must_use]
     pub fn shown(&self) -> PathBuf {
         self.dir().shown()
     }
 
-    /// The path of the log for people.
+    /// Returns the path of the log for display.
     #[must_use]
     pub fn shown_log(&self) -> PathBuf {
         self.shown().join(LOG)
     }
 
-    /// The log, to be written into.
+    /// Returns the log, opened for writing.
     pub fn log(&self) -> Result<File, RunError> {
         self.log.try_clone().map_err(|error| file_failure(&self.file(LOG), &error))
     }
 
-    /// Writes a small file in one go: it is there as a whole or not at all.
+    /// Writes a small file atomically: either the whole file exists, or none.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), RunError> {
         replace(&self.file(name), content)
     }
 
-    /// Writes the summary: at first into the space that is kept for it, so that a disk that is full does
-    /// not leave a run without one.
+    /// Writes the summary. The first summary goes into reserved space, so that a full disk does not
+    /// leave a run without one.
     pub fn write_summary(&self, content: &[u8]) -> Result<(), RunError> {
         let reserve = self.reserve.lock().unwrap_or_else(PoisonError::into_inner).take();
         match reserve {
@@ -186,7 +188,7 @@ impl ResultFolder {
     }
 }
 
-/// The case file is not one of those that the run replaces.
+/// Checks that the run would not replace its own case file.
 fn spare_case(path: &Path, case: &Path) -> Result<(), RunError> {
     let Ok(case) = case.canonicalize() else { return Ok(()) };
     for name in FILES {

@@ -1,22 +1,27 @@
-//! `history.csv`: one row for every accepted window, and for every row of a sequence without an answer, written as the run goes.
+//! `history.csv`: one row for every accepted window, and for every row of a sequence without an
+//! answer, written during the run.
 //!
 //! | column | |
 //! |---|---|
 //! | `window`, `start_s`, `end_s` | from 0; the window |
 //! | `status` | `converged`, `not-converged`, `completed` for an explicit scheme, or `no-answer` |
-//! | `iterations` | that it took |
-//! | keys of the case, with units | the inputs that vary, as they are in the window: columns of tables and live values |
-//! | keys of the summary | the figures that participants describe, as of the end of the window; empty where there is none |
+//! | `iterations` | number of iterations |
+//! | keys of the case, with units | the inputs that vary, with their values in the window: columns of tables and live values |
+//! | keys of the summary | the figures that participants describe, at the end of the window; empty where there is none |
 //!
 //! When the run is complete, columns without any value are removed ([`finish`]).
+//!
+//! All other figures of a summary describe the last window. In a sequence of steady contacts this
+//! is one contact of many. Therefore the summary also holds the smallest and largest value over all
+//! windows, with the windows in which they occur: section `extremes` ([`Extremes`]).
 
 use super::derived::ratio;
-use super::extremes::Extremes;
 use super::rows::{Rows, cell, push};
 use super::write::create;
 use crate::error::{RunError, file_failure};
 use contract::figure::{Derived, FigureSpec};
 use contract::step::Step;
+use serde_json::{Map, Value, json};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
@@ -24,43 +29,43 @@ use std::path::Path;
 /// Name of the file.
 pub const FILE: &str = "history.csv";
 
-/// The table being written.
+/// Writer of the table.
 #[derive(Debug)]
 pub struct HistoryTable {
     rows: Rows,
-    /// By their keys.
+    /// Columns with their keys.
     columns: Vec<(String, Column)>,
 }
 
-/// Where the value of a column comes from: places in the list of what participants give.
+/// Source of the values of a column: indices in the list of figures that participants give.
 #[derive(Clone, Debug, PartialEq)]
 enum Column {
     Given(usize),
     Ratio { of: Vec<Option<usize>>, over: Option<usize> },
 }
 
-/// A window.
+/// Content of a row.
 #[derive(Clone, Copy, Debug)]
 pub struct HistoryRecord<'a> {
     /// The window.
     pub step: &'a Step,
-    /// How it has ended.
+    /// Status of the window.
     pub status: &'a str,
-    /// How many there were.
+    /// Number of iterations.
     pub iterations: u32,
-    /// The inputs that vary, in the order in which the table was created.
+    /// Varying inputs, in the order in which the table was created.
     pub inputs: &'a [Option<f64>],
-    /// What the participants give, in the plan's order; NaN for what there is not, and `None` for a
-    /// window without an answer.
+    /// Figures of the participants, in the order of the plan; NaN for unknown ones, and `None` for
+    /// a window without an answer.
     pub given: Option<&'a [f64]>,
 }
 
 impl HistoryTable {
-    /// Creates the file with a column for each of these inputs, and for each of these figures that there
-    /// is once, of which participants give those of the keys `given`.
+    /// Creates the file, with a column for each input and for each figure that is not in a list.
+    /// `given` holds the keys of the figures that participants give.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be created.
     pub fn create(
         path: &Path,
         inputs: &[String],
@@ -78,7 +83,7 @@ impl HistoryTable {
         Ok(Self { rows: Rows::create(path, head)?, columns: columns(figures, given) })
     }
 
-    /// Opens the table of a run that is resumed, and forgets what comes after its first `bytes` bytes.
+    /// Opens the table of a resumed run, and discards the content after the first `bytes` bytes.
     ///
     /// # Errors
     /// The file is shorter, or cannot be opened.
@@ -91,12 +96,13 @@ impl HistoryTable {
         Ok(Self { rows: Rows::resume(path, bytes)?, columns: columns(figures, given) })
     }
 
-    /// The keys of its figures, in the order of the columns.
+    /// Returns the keys of the figures, in the order of the columns.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|(key, _)| key.as_str())
     }
 
-    /// The figures of a window, in the order of the columns, of what the participants give.
+    /// Returns the figures of a window in the order of the columns, from the figures that
+    /// participants give.
     #[must_use]
     pub fn values(&self, given: &[f64]) -> Vec<Option<f64>> {
         self.columns.iter().map(|(_, column)| column.value(given)).collect()
@@ -105,32 +111,32 @@ impl HistoryTable {
     /// Adds the row of a window.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be written.
     pub fn row(&mut self, record: &HistoryRecord<'_>) -> Result<(), RunError> {
         let Self { rows, columns } = self;
         rows.add(|out| write_row(out, record, columns))
     }
 
-    /// Flushes everything to the disk; the length of the file \[byte\].
+    /// Flushes everything to the disk and returns the length of the file \[byte\].
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be written.
     pub fn seal(&mut self) -> Result<u64, RunError> {
         self.rows.seal()
     }
 
-    /// Writes what is not in the file yet; its length \[byte\].
+    /// Writes buffered rows to the file and returns its length \[byte\].
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be written.
     pub fn mark(&mut self) -> Result<u64, RunError> {
         self.rows.mark()
     }
 
-    /// Forgets what comes after a length, and gives it.
+    /// Cuts the file to a length and returns the removed rows.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be read or cut.
     pub fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
         self.rows.cut(bytes)
     }
@@ -138,28 +144,28 @@ impl HistoryTable {
     /// Adds rows that were cut.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be written.
     pub fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
         self.rows.append(rows)
     }
 
-    /// Writes what is not in the file yet.
+    /// Writes buffered rows to the file.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be written.
     pub fn flush(&mut self) -> Result<(), RunError> {
         self.rows.flush()
     }
 }
 
-/// The columns of every table.
+/// Columns of every table.
 const OWN: [&str; 5] = ["window", "start_s", "end_s", "status", "iterations"];
 
-/// Removes the columns without any value from the table of a complete run; the extremes of the figures
-/// that stand large.
+/// Removes the columns without any value from the table of a complete run, and returns the extremes
+/// of the headline figures.
 ///
 /// # Errors
-/// The file system.
+/// The file cannot be read or written.
 pub fn finish(path: &Path, figures: &[FigureSpec]) -> Result<Extremes, RunError> {
     let read = || File::open(path).map(|file| BufReader::new(file).lines());
     let survey = || -> io::Result<_> {
@@ -229,6 +235,110 @@ fn write_row(out: &mut Vec<u8>, record: &HistoryRecord<'_>, columns: &[(String, 
     }
 }
 
+/// Smallest and largest values of some columns of the history.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extremes {
+    columns: Vec<Range>,
+    /// Number of windows with an answer.
+    windows: u64,
+}
+
+/// Extremes of a column.
+#[derive(Clone, Debug, PartialEq)]
+struct Range {
+    key: String,
+    /// Index of the column in a row.
+    at: usize,
+    /// Smallest and largest value.
+    bounds: Option<[Bound; 2]>,
+}
+
+/// Value, and window in which it occurs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Bound {
+    value: f64,
+    window: f64,
+    end: f64,
+}
+
+impl Extremes {
+    /// Extremes of the headline figures, in a table with this header.
+    fn of(head: &[String], figures: &[FigureSpec]) -> Self {
+        let large = figures.iter().filter(|figure| figure.headline && !figure.is_of_a_list());
+        let column = |figure: &FigureSpec| {
+            let at = head.iter().position(|name| *name == figure.key)?;
+            Some(Range { key: figure.key.clone(), at, bounds: None })
+        };
+        Self { columns: large.filter_map(column).collect(), windows: 0 }
+    }
+
+    /// Counts a row. Its first cells are window number, start and end.
+    fn add(&mut self, cells: &[&str]) {
+        let number = |at: usize| cells.get(at)?.parse::<f64>().ok();
+        let (Some(window), Some(end)) = (number(0), number(2)) else { return };
+        let mut answered = false;
+        for Range { at, bounds, .. } in &mut self.columns {
+            let Some(value) = number(*at) else { continue };
+            answered = true;
+            let own = Bound { value, window, end };
+            let [least, most] = bounds.get_or_insert([own; 2]);
+            if value < least.value {
+                *least = own;
+            }
+            if value > most.value {
+                *most = own;
+            }
+        }
+        self.windows += u64::from(answered);
+    }
+
+    /// Returns the section of the summary; `None` if there is only one window, or if no value has
+    /// changed. Rows count from one, as in the table of a sequence.
+    #[must_use]
+    pub(super) fn section(&self, rows: bool) -> Option<Value> {
+        let changed = self.columns.iter().filter_map(|column| {
+            let [least, most] = column.bounds?;
+            (least.value < most.value).then_some((&column.key, least, most))
+        });
+        let changed: Vec<_> = changed.collect();
+        if self.windows < 2 || changed.is_empty() {
+            return None;
+        }
+        let word = if rows { "row" } else { "window" };
+        let (mut smallest, mut largest, mut places) = (Map::new(), Map::new(), Vec::new());
+        for (key, least, most) in changed {
+            put(&mut smallest, key, least.value);
+            put(&mut largest, key, most.value);
+            let mut place = json!({"key": key});
+            for (name, bound) in [("smallest", least), ("largest", most)] {
+                place[format!("{name}_{word}")] = (bound.window as u64 + u64::from(rows)).into();
+                place[format!("{name}_s")] = bound.end.into();
+            }
+            places.push(place);
+        }
+        let count = if rows { "rows" } else { "windows" };
+        Some(json!({
+            count: self.windows,
+            "smallest": smallest,
+            "largest": largest,
+            "places": places,
+        }))
+    }
+}
+
+/// Inserts a number under a dotted key.
+fn put(into: &mut Map<String, Value>, key: &str, value: f64) {
+    match key.split_once('.') {
+        Some((section, rest)) => {
+            let inner = into.entry(section).or_insert_with(|| Value::Object(Map::new()));
+            if let Value::Object(inner) = inner {
+                put(inner, rest, value);
+            }
+        }
+        None => drop(into.insert(key.to_owned(), value.into())),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -261,7 +371,7 @@ mod tests {
         assert_eq!(row(None, "no-answer"), "3,0.5,1,no-answer,7,4e0,,,,");
     }
 
-    /// A complete table has no empty columns, and its extremes have their rows.
+    /// A complete table has no empty columns, and the extremes name their rows.
     #[test]
     fn a_complete_table_has_no_empty_columns() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,61 +1,60 @@
-//! `iterations.csv`: one row an iteration, written as the run goes.
+//! `iterations.csv`: one row for each iteration, written during the run.
 //!
 //! | column | |
 //! |---|---|
 //! | `window`, `iteration` | from 0, from 1 |
 //! | `start_s`, `end_s` | the window |
 //! | `residual`, `residual_FIELD` | ‖r‖/‖x̃‖ of the coupling data: the largest, and each |
-//! | `relaxation`, `columns`, `dropped` | how the next iterate was chosen; empty in the last one |
+//! | `relaxation`, `columns`, `dropped` | choice of the next iterate; empty in the last iteration |
 //! | `coupling_s` | time of the iteration in which no model computed |
 //! | `heat_sent_w`, `heat_received_w` | mean power through conservative fields |
-//! | `ROLE_s`, `ROLE_work`, ... | what each participant reports of its solve |
+//! | `ROLE_s`, `ROLE_work`, ... | report of each participant on its solve |
 //!
-//! A window that is solved again, with another end, has its number again.
+//! A window that is solved again with another end keeps its number.
 //!
-//! What an explicit scheme does not have, residuals of fields and the choice of iterates, has no
-//! column.
+//! An explicit scheme has no residuals of fields and no choice of iterates, so their columns are
+//! absent.
 
 use super::rows::{Rows, cell, push};
 use crate::error::RunError;
-use crate::session::{HeatBalance, SolveRecord};
+use crate::session::{Balance, SolveRecord};
 use contract::step::Step;
-use coupling::accelerate::StepTaken;
+use coupling::accelerate::AccelerationStats;
 use std::path::Path;
 
-/// What there is to tell of an iteration.
+/// Content of a row.
 #[derive(Clone, Copy, Debug)]
 pub struct IterationRecord<'a> {
     /// Window and iteration.
     pub step: &'a Step,
-    /// The largest relative residual.
+    /// Largest relative residual.
     pub residual: Option<f64>,
-    /// That of every field of the coupling data.
+    /// Relative residual of every field of the coupling data.
     pub residuals: &'a [f64],
-    /// How the next iterate was chosen.
-    pub taken: &'a StepTaken,
+    /// Choice of the next iterate.
+    pub taken: &'a AccelerationStats,
     /// Seconds in which no model computed.
     pub coupling_seconds: f64,
-    /// Heat across the interface.
-    pub heat: &'a HeatBalance,
-    /// What the participants report.
+    /// Balance of the conservative fields.
+    pub balance: &'a Balance,
+    /// Reports of the participants.
     pub solved: &'a [SolveRecord],
 }
 
-/// The table being written.
+/// Writer of the table.
 #[derive(Debug)]
 pub struct IterationTable(Rows);
 
 impl IterationTable {
-    /// Creates the file and writes its head, for participants of these roles and fields of these
-    /// names in the coupling data.
+    /// Creates the file and writes its header, for participants of these roles and coupling data of
+    /// these names.
     pub fn create(path: &Path, roles: &[&str], fields: &[String]) -> Result<Self, RunError> {
         let mut text = Vec::new();
         head(&mut text, roles, fields);
         Rows::create(path, text).map(Self)
     }
 
-    /// Opens the table of a run that is resumed, and forgets what comes after its first `bytes`
-    /// bytes.
+    /// Opens the table of a resumed run, and discards the content after the first `bytes` bytes.
     ///
     /// # Errors
     /// The file is shorter, or cannot be opened.
@@ -63,28 +62,29 @@ impl IterationTable {
         Rows::resume(path, bytes).map(Self)
     }
 
-    /// Flushes everything to the disk; the length of the file \[byte\].
+    /// Flushes everything to the disk and returns the length of the file \[byte\].
     pub fn seal(&mut self) -> Result<u64, RunError> {
         self.0.seal()
     }
 
-    /// Writes the row of an iteration; it is on disk a second later, if the run goes on.
+    /// Adds the row of an iteration. The row reaches the disk within about a second, with a later
+    /// row.
     pub fn row(&mut self, row: &IterationRecord<'_>) -> Result<(), RunError> {
         self.0.add(|out| write_row(out, row))
     }
 
-    /// Writes what is not in the file yet; its length \[byte\].
+    /// Writes buffered rows to the file and returns its length \[byte\].
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be written.
     pub fn mark(&mut self) -> Result<u64, RunError> {
         self.0.mark()
     }
 
-    /// Forgets what comes after a length, and gives it.
+    /// Cuts the file to a length and returns the removed rows.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be read or cut.
     pub fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
         self.0.cut(bytes)
     }
@@ -92,12 +92,12 @@ impl IterationTable {
     /// Adds rows that were cut.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be written.
     pub fn append(&mut self, rows: &[u8]) -> Result<(), RunError> {
         self.0.append(rows)
     }
 
-    /// Writes what is not in the file yet.
+    /// Writes buffered rows to the file.
     pub fn flush(&mut self) -> Result<(), RunError> {
         self.0.flush()
     }
@@ -134,8 +134,8 @@ fn write_row(out: &mut Vec<u8>, row: &IterationRecord<'_>) {
         }
     }
     push(out, format_args!(",{:.9}", row.coupling_seconds));
-    cell(out, row.heat.sent);
-    cell(out, row.heat.received);
+    cell(out, row.balance.sent);
+    cell(out, row.balance.received);
     for SolveRecord { model_seconds, work, substeps, inner_iterations, .. } in row.solved {
         push(out, format_args!(",{model_seconds:.9},{work},{substeps},{inner_iterations}"));
     }
@@ -145,8 +145,8 @@ fn write_row(out: &mut Vec<u8>, row: &IterationRecord<'_>) {
 mod tests {
     use super::*;
 
-    /// Head and one row, with these fields as coupling data.
-    fn table(fields: &[String], residuals: &[f64], taken: StepTaken) -> Vec<String> {
+    /// Returns the header and one row, with these fields as coupling data.
+    fn table(fields: &[String], residuals: &[f64], taken: AccelerationStats) -> Vec<String> {
         let mut text = Vec::new();
         head(&mut text, &["mech", "thermal"], fields);
         let row = IterationRecord {
@@ -155,7 +155,7 @@ mod tests {
             residuals,
             taken: &taken,
             coupling_seconds: 0.25,
-            heat: &HeatBalance { sent: Some(1.5), ..HeatBalance::default() },
+            balance: &Balance { sent: Some(1.5), ..Balance::default() },
             solved: &[SolveRecord::default(); 2],
         };
         write_row(&mut text, &row);
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn an_explicit_scheme_has_no_columns_for_iterates() {
-        let lines = table(&[], &[], StepTaken::default());
+        let lines = table(&[], &[], AccelerationStats::default());
         let head = "window,iteration,start_s,end_s,residual,coupling_s,heat_sent_w,heat_received_w";
         assert!(lines[0].starts_with(&format!("{head},mech_s,mech_work,")), "{}", lines[0]);
         assert!(lines[1].starts_with("0,1,0,0,,0.250000000,1.5e0,,0.000000000,0,0,0,"));
@@ -175,12 +175,12 @@ mod tests {
 
     #[test]
     fn an_implicit_scheme_tells_how_it_goes_on() {
-        let taken = StepTaken { relaxation: None, columns: Some(7), dropped: 1 };
+        let taken = AccelerationStats { relaxation: None, columns: Some(7), dropped: 1 };
         let lines = table(&["rail_temperature".to_owned(), "x".to_owned()], &[2.0, 1e-7], taken);
         let part = "residual,residual_rail_temperature,residual_x,relaxation,columns,dropped,";
         assert!(lines[0].contains(part), "{}", lines[0]);
         assert!(lines[1].starts_with("0,1,0,0,2e0,2e0,1e-7,,7,1,0.25"), "{}", lines[1]);
-        let done = table(&["x".to_owned()], &[1e-7], StepTaken::default());
+        let done = table(&["x".to_owned()], &[1e-7], AccelerationStats::default());
         assert!(done[1].starts_with("0,1,0,0,1e-7,1e-7,,,,0.25"), "{}", done[1]);
     }
 }

@@ -1,7 +1,7 @@
-//! `fields/last.bin`: the fields on structured grids as they were written last, and the files of all
-//! instants. What ParaView reads is written for it alone; programs of this project read this file.
+//! `fields/last.bin`: the last written fields on structured grids, and the files of all instants.
+//! Programs of this project read this file; the VTK files are written only for ParaView.
 
-use super::vtk::{FileSeries, Shown, ShownKind};
+use super::vtk::{FieldLabel, FieldOutput, FileSeries};
 use super::write::replace;
 use crate::error::{RunError, file_failure};
 use crate::sealed::{self, Magic};
@@ -18,37 +18,42 @@ pub const FILE: &str = "last.bin";
 
 const MAGIC: &Magic = b"COSIMLF2";
 
-/// The content of the file.
+/// Content of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LastFields<'a> {
-    /// The window that was accepted last.
+    /// Last accepted window.
     pub window: u64,
-    /// Its end [s].
+    /// End of that window [s].
     pub time: f64,
-    /// The files of every grid.
+    /// Files of every grid.
     pub series: Cow<'a, [FileSeries]>,
-    /// The fields, those of a grid in the order in which its files have them.
+    /// Fields. Those of one grid have the order of its VTK files.
     pub fields: Vec<LastField<'a>>,
 }
 
-/// A field as it was last.
+/// Last values of a field.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LastField<'a> {
-    /// Name of its series.
+    /// Name of the series.
     pub series: String,
-    /// Where it lives.
+    /// Grid of the field.
     pub grid: Structured,
     /// Name, unit, components, body.
-    pub kind: Cow<'a, ShownKind>,
+    pub kind: Cow<'a, FieldLabel>,
     /// Values, component-major.
     pub values: Cow<'a, [f64]>,
 }
 
 impl<'a> LastFields<'a> {
-    /// What there is to keep of these fields.
+    /// Returns the content of the file for these fields.
     #[must_use]
-    pub fn of(shown: &'a [Shown<'a>], series: &'a [FileSeries], window: u64, time: f64) -> Self {
-        let field = |one: &'a Shown<'a>| {
+    pub fn of(
+        shown: &'a [FieldOutput<'a>],
+        series: &'a [FileSeries],
+        window: u64,
+        time: f64,
+    ) -> Self {
+        let field = |one: &'a FieldOutput<'a>| {
             let grid = *one.grid.as_structured().filter(|grid| grid.points() > 1)?;
             let (kind, values) = (Cow::Borrowed(&one.kind), Cow::Borrowed(one.values));
             Some(LastField { series: one.series.clone(), grid, kind, values })
@@ -67,10 +72,10 @@ impl<'a> LastFields<'a> {
 }
 
 impl LastFields<'static> {
-    /// Reads the file of a folder of fields; `None` if there is none.
+    /// Reads the file of a folder of fields; `None` if it does not exist.
     ///
     /// # Errors
-    /// What is wrong with the file, for a person.
+    /// The file is damaged or cannot be read; the message names the reason.
     pub fn read(folder: &Path) -> Result<Option<Self>, String> {
         let path = folder.join(FILE);
         let fail = |why: &dyn std::fmt::Display| format!("{FILE}: {why}");
@@ -78,7 +83,7 @@ impl LastFields<'static> {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(fail(&error)),
             Ok(found) if !found.is_file() || found.len() > binary::LONGEST as u64 => {
-                return Err(fail(&format!("no file of fields, {} bytes", found.len())));
+                return Err(fail(&format!("not a file of fields: {} bytes", found.len())));
             }
             Ok(_) => {}
         }
@@ -100,7 +105,7 @@ impl LastFields<'static> {
 }
 
 impl LastField<'_> {
-    /// There is a value of every component for every point.
+    /// Returns whether there is a value of every component for every point.
     fn fits(&self) -> bool {
         let points = self.grid.ni.checked_mul(self.grid.nj);
         let values = points.and_then(|points| points.checked_mul(self.kind.components as usize));
@@ -115,13 +120,13 @@ mod tests {
     use contract::grid::Grid;
     use proptest::prelude::*;
 
-    /// Reads what two fields have been written as, after some change of the bytes.
+    /// Writes two fields, changes the bytes, and reads them back.
     fn changed(change: impl FnOnce(&mut Vec<u8>)) -> Result<LastFields<'static>, String> {
         let grid = Grid::structured("g", Structured::contact_plane(-0.25, 0.5, 0.5, 1.0, 3, 2));
         let values: Vec<f64> = (0..12).map(|k| f64::from(k) / 3.0).collect();
         let [one, two] = [1, 2].map(|n| TABLE.iter().find(|spec| spec.components == n).unwrap());
         let kinds = [one.kind(), two.kind()];
-        let shown = |kind, values| Shown::new("p", &grid, kind, values, None);
+        let shown = |kind, values| FieldOutput::new("p", &grid, kind, values, None);
         let fields = [shown(&kinds[0], &values[..6]), shown(&kinds[1], &values[..])];
         let series = [FileSeries { name: "p_g".into(), files: vec![(0.5, "p_g_7.vti".into())] }];
         let last = LastFields::of(&fields, &series, 7, 0.5);
@@ -137,7 +142,7 @@ mod tests {
         assert_eq!(changed(|bytes| bytes.truncate(12)).unwrap_err(), "not of this version");
         assert!(changed(|bytes| bytes.truncate(80)).unwrap_err().contains("in 80 bytes"));
         let grid = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, usize::MAX, 2);
-        let kind = Cow::Owned(ShownKind::of(&TABLE[0].kind(), None));
+        let kind = Cow::Owned(FieldLabel::of(&TABLE[0].kind(), None));
         let field = LastField { series: String::new(), grid, kind, values: Cow::Owned(vec![0.0]) };
         let series = [FileSeries { name: "a".into(), files: vec![(0.0, "../b".into())] }];
         let whole =
@@ -151,15 +156,15 @@ mod tests {
     proptest! {
         #![proptest_config(crate::fuzz_config())]
 
-        /// Whatever the bytes are, with or without a valid sum before them, reading ends well.
+        /// Reading arbitrary bytes, with or without a valid checksum before them, never panics.
         #[test]
         fn arbitrary_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
             prop_assert!(LastFields::parse(&bytes).is_err());
-            let sealed = [MAGIC.as_slice(), &crate::checkpoint::sum(&bytes).to_le_bytes(), &bytes];
-            let _ = LastFields::parse(&sealed.concat());
+            let whole = [MAGIC.as_slice(), &sealed::sum(&bytes).to_le_bytes(), &bytes];
+            let _ = LastFields::parse(&whole.concat());
         }
 
-        /// No byte of a file can change unseen.
+        /// Every change of a byte is detected.
         #[test]
         fn every_change_is_seen(at in any::<prop::sample::Index>(), by in 1..=u8::MAX) {
             let result = changed(|bytes| {

@@ -1,48 +1,50 @@
-//! Fields along a line of a structured grid, as a table for plots: through the largest value of the
-//! first scalar field, or of the first field if all are vectors. On a surface it runs along i, in the
-//! rolling direction; in a section, whose rows are levels over each other, through all of them. Of
-//! several largest values, as on mirrored patches, the one nearest to the origin counts, and where all
-//! is zero the line is the one nearest to it. Points that a case names are a table as a whole.
+//! Fields along a line of a structured grid, as a table for plots.
+//!
+//! The line runs through the largest value of the first scalar field, or of the first field if all
+//! are vectors. On a surface it runs along i, the rolling direction. In a section it runs through
+//! all levels of depth. Among several largest values, as on mirrored patches, the one nearest to
+//! the origin counts. If all values are zero, the line nearest to the origin is taken. For points
+//! that a case names, the table holds all of them.
 
-use super::vtk::ShownKind;
+use super::vtk::FieldLabel;
 use contract::grid::{Places, Structured};
 use std::io::{self, Write};
 
-/// Relative difference of the squares of values that are the same but for rounding.
+/// Relative difference of squared values below which they count as equal.
 const SAME: f64 = 1e-9;
 
 /// Names of the components of vectors.
 const VECTOR: [&str; 3] = ["x", "y", "z"];
-/// Those of symmetric tensors, in VTK's order.
+/// Names of the components of symmetric tensors, in VTK's order.
 const TENSOR: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
 
-/// Writes places and values of a line, with a header that names quantities and units.
+/// Writes coordinates and values along a line, with a header of quantities and units.
 pub(super) fn write(
     grid: &Structured,
     out: &mut impl Write,
-    fields: &[(&ShownKind, &[f64])],
+    fields: &[(&FieldLabel, &[f64])],
 ) -> io::Result<()> {
     let elements = elements(grid, fields).into_iter();
     let points = elements.map(|(i, j)| (grid.centre(i, j), j * grid.ni + i));
     table(points, grid.points(), out, fields)
 }
 
-/// Writes places and values of all points of a block, with the same header.
+/// Writes coordinates and values at all points of a block, with the same header.
 pub(super) fn write_points(
     places: &Places,
     out: &mut impl Write,
-    fields: &[(&ShownKind, &[f64])],
+    fields: &[(&FieldLabel, &[f64])],
 ) -> io::Result<()> {
     let count = places.count();
     table((0..count).map(|at| (places.point(at), at)), count, out, fields)
 }
 
-/// A row for each place, whose values stand at an index among so many.
+/// Writes a row for each point, given by its coordinates and its index among `points` values.
 fn table(
     rows: impl Iterator<Item = ([f64; 3], usize)>,
     points: usize,
     out: &mut impl Write,
-    fields: &[(&ShownKind, &[f64])],
+    fields: &[(&FieldLabel, &[f64])],
 ) -> io::Result<()> {
     write!(out, "x [m],y [m],z [m]")?;
     for (kind, _) in fields {
@@ -70,8 +72,8 @@ fn table(
     Ok(())
 }
 
-/// The elements of the line.
-fn elements(grid: &Structured, fields: &[(&ShownKind, &[f64])]) -> Vec<(usize, usize)> {
+/// Returns the elements of the line.
+fn elements(grid: &Structured, fields: &[(&FieldLabel, &[f64])]) -> Vec<(usize, usize)> {
     let (i, j) = largest(grid, fields).unwrap_or_else(|| nearest(grid, |_| true));
     match grid.step_j[2] {
         0.0 => (0..grid.ni).map(|i| (i, j)).collect(),
@@ -79,8 +81,8 @@ fn elements(grid: &Structured, fields: &[(&ShownKind, &[f64])]) -> Vec<(usize, u
     }
 }
 
-/// The element of the largest value; `None` where all is zero.
-fn largest(grid: &Structured, fields: &[(&ShownKind, &[f64])]) -> Option<(usize, usize)> {
+/// Returns the element of the largest value; `None` if all values are zero.
+fn largest(grid: &Structured, fields: &[(&FieldLabel, &[f64])]) -> Option<(usize, usize)> {
     let (kind, values) = fields.iter().find(|(kind, _)| kind.components == 1).or(fields.first())?;
     let points = grid.points();
     let size = |at: usize| {
@@ -91,7 +93,7 @@ fn largest(grid: &Structured, fields: &[(&ShownKind, &[f64])]) -> Option<(usize,
     (largest > 0.0).then(|| nearest(grid, |at| size(at) >= (1.0 - SAME) * largest))
 }
 
-/// The element nearest to the origin among those that qualify.
+/// Returns the element nearest to the origin among those that qualify.
 fn nearest(grid: &Structured, qualifies: impl Fn(usize) -> bool) -> (usize, usize) {
     let place = |at: usize| (at % grid.ni, at / grid.ni);
     let distance = |at: &usize| {
@@ -106,7 +108,7 @@ fn nearest(grid: &Structured, qualifies: impl Fn(usize) -> bool) -> (usize, usiz
 mod tests {
     use super::*;
 
-    fn written(grid: &Structured, fields: &[(&ShownKind, &[f64])]) -> String {
+    fn written(grid: &Structured, fields: &[(&FieldLabel, &[f64])]) -> String {
         let mut out = Vec::new();
         write(grid, &mut out, fields).unwrap();
         String::from_utf8(out).unwrap()
@@ -116,8 +118,8 @@ mod tests {
     fn the_row_through_the_largest_scalar_with_all_components() {
         let grid = Structured::contact_plane(-1.0, -0.5, 1.0, 0.5, 2, 3);
         let (power, traction) = (
-            ShownKind::of(&contract::field::FRICTION_POWER.kind(), None),
-            ShownKind::of(&contract::field::TRACTION.kind(), None),
+            FieldLabel::of(&contract::field::FRICTION_POWER.kind(), None),
+            FieldLabel::of(&contract::field::TRACTION.kind(), None),
         );
         let one = [0.0, 1.0, 2.0, 3.0, 9.0, 5.0];
         let two: Vec<f64> = (10..22).map(f64::from).collect();
@@ -130,18 +132,18 @@ mod tests {
     #[test]
     fn of_equal_rows_the_one_nearest_to_the_origin() {
         let grid = Structured::contact_plane(0.0, -1.0, 1.0, 1.0, 2, 3);
-        let pressure = ShownKind::of(&contract::field::PRESSURE.kind(), None);
+        let pressure = FieldLabel::of(&contract::field::PRESSURE.kind(), None);
         let row = |values: &[f64]| written(&grid, &[(&pressure, values)]);
         assert!(row(&[1.0, 2.0, 0.0, 0.0, 4.0, 3.0]).contains("0e0,1e0,0e0,4e0"));
         assert!(row(&[4.0, 0.0, 4.0 - 1e-12, 3.9, 4.0, 0.0]).contains("1e0,0e0,0e0,3.9e0"));
         assert!(row(&[0.0; 6]).contains("0e0,0e0,0e0,0e0"));
     }
 
-    /// Points have a row each, and tensors the names of their components.
+    /// Each point has a row, and the components of tensors have names.
     #[test]
     fn points_are_a_table() {
         let places = Places::Lattice([vec![1.0, 2.0], vec![0.0], vec![-3.0]]);
-        let stress = ShownKind::of(&contract::field::POINT_STRESS.kind(), None);
+        let stress = FieldLabel::of(&contract::field::POINT_STRESS.kind(), None);
         let mut out = Vec::new();
         let values: Vec<f64> = (0..12).map(f64::from).collect();
         write_points(&places, &mut out, &[(&stress, &values)]).unwrap();
@@ -157,7 +159,7 @@ mod tests {
         assert_eq!(lines.next(), Some("2e0,0e0,-3e0,1e0,3e0,5e0,7e0,9e0,1.1e1"));
     }
 
-    /// A section has its depth line below the largest value, all levels of it.
+    /// A section has a line in depth through its largest value, across all levels.
     #[test]
     fn a_section_has_its_depth_line() {
         let grid = Structured {
@@ -167,7 +169,7 @@ mod tests {
             ni: 3,
             nj: 2,
         };
-        let stress = ShownKind::of(&contract::field::LOWER_SECTION_VON_MISES.kind(), None);
+        let stress = FieldLabel::of(&contract::field::LOWER_SECTION_VON_MISES.kind(), None);
         let values = [1.0, 2.0, 3.0, 4.0, 9.0, 5.0];
         let text = written(&grid, &[(&stress, &values)]);
         let rows: Vec<&str> = text.lines().skip(1).collect();

@@ -1,5 +1,5 @@
-//! Where results go that nobody has named a folder for: `results/NAME`, then `results/NAME-2` and so on,
-//! the last one linked as `results/latest`.
+//! Default result folders, if the user names none: `results/NAME`, then `results/NAME-2` and so on.
+//! The last one is linked as `results/latest`.
 
 use std::fs;
 use std::io;
@@ -7,19 +7,19 @@ use std::iter::once;
 use std::os::unix::fs::symlink;
 use std::path::{Component, Path};
 
-/// The folder of all results.
+/// Folder of all results.
 pub const RESULTS: &str = "results";
 
-/// The link to the last ones.
+/// Link to the last result folder.
 const LATEST: &str = "latest";
 
-/// NAME, NAME-2, NAME-3, and so on.
+/// Returns NAME, NAME-2, NAME-3, and so on.
 pub fn numbered(name: &str) -> impl Iterator<Item = String> {
     once(name.to_owned()).chain((2u64..).map(move |number| format!("{name}-{number}")))
 }
 
-/// Links the folder `name` in `results` as the last one. Results without that link are results all the
-/// same: what prevents it is only logged.
+/// Links the folder `name` in `results` as the latest. Results are valid without the link, so a
+/// failure is only logged.
 pub fn link_latest(results: &Path, name: &str) {
     if let Err(error) = link(results, name) {
         tracing::warn!(%error, "{} is not linked as {LATEST}", results.join(name).display());
@@ -29,14 +29,14 @@ pub fn link_latest(results: &Path, name: &str) {
 fn link(results: &Path, name: &str) -> io::Result<()> {
     let latest = results.join(LATEST);
     if latest.symlink_metadata().is_ok() && !is_ours(&latest) {
-        return Err(io::Error::other("something else has that name"));
+        return Err(io::Error::other("another file has that name"));
     }
     let new = results.join(format!(".{LATEST}-{}", std::process::id()));
     let _ = fs::remove_file(&new);
     symlink(name, &new).and_then(|()| fs::rename(&new, &latest))
 }
 
-/// A link to a folder beside it, as they are made here.
+/// Returns whether the link leads to a folder beside it, as the links of this module do.
 fn is_ours(latest: &Path) -> bool {
     let Ok(target) = fs::read_link(latest) else { return false };
     let mut parts = target.components();

@@ -1,4 +1,4 @@
-//! A table of a result folder, written row by row as the run goes.
+//! A table of a result folder, written row by row during the run.
 
 use crate::error::{RunError, file_failure};
 use crate::results::dir::shown;
@@ -10,15 +10,15 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Longest time for which rows stay in memory while more are written.
+/// Longest time for which rows stay in memory while further rows are added.
 const UNWRITTEN: Duration = Duration::from_secs(1);
 
-/// The table being written.
+/// Writer of the table.
 #[derive(Debug)]
 pub(super) struct Rows {
     file: File,
     path: PathBuf,
-    /// Rows that are not in the file yet.
+    /// Buffered rows, not yet in the file.
     unwritten: Vec<u8>,
     /// Length of the file \[byte\].
     bytes: u64,
@@ -26,7 +26,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// Creates the file and writes its head.
+    /// Creates the file and writes its header.
     pub(super) fn create(path: &Path, head: Vec<u8>) -> Result<Self, RunError> {
         let file = fresh(path).map_err(|error| file_failure(path, &error))?;
         let mut rows = Self { unwritten: head, ..Self::in_file(file, path, 0) };
@@ -39,8 +39,7 @@ impl Rows {
         Self { file, path, unwritten, bytes, flushed: Instant::now() }
     }
 
-    /// Opens the table of a run that is resumed, and forgets what comes after its first `bytes`
-    /// bytes.
+    /// Opens the table of a resumed run, and discards the content after the first `bytes` bytes.
     ///
     /// # Errors
     /// The file is shorter, or cannot be opened.
@@ -54,7 +53,7 @@ impl Rows {
             let shown = shown(path);
             let shown = shown.display();
             return Err(RunError::Usage(format!(
-                "{shown} has {found} bytes, and had {bytes} at the checkpoint; the run cannot be \
+                "{shown} has {found} bytes, but had {bytes} at the checkpoint; the run cannot be \
                  resumed without them"
             )));
         }
@@ -62,20 +61,20 @@ impl Rows {
         Ok(Self::in_file(file, path, bytes))
     }
 
-    /// Flushes everything to the disk; the length of the file \[byte\].
+    /// Flushes everything to the disk and returns the length of the file \[byte\].
     pub(super) fn seal(&mut self) -> Result<u64, RunError> {
         self.flush()?;
         self.file.sync_data().map_err(|error| file_failure(&self.path, &error))?;
         Ok(self.bytes)
     }
 
-    /// Writes what is not in the file yet; the length of the file \[byte\].
+    /// Writes buffered rows to the file and returns its length \[byte\].
     pub(super) fn mark(&mut self) -> Result<u64, RunError> {
         self.flush()?;
         Ok(self.bytes)
     }
 
-    /// Forgets what comes after the first `bytes` bytes, and gives it.
+    /// Cuts the file to `bytes` bytes and returns the removed rows.
     pub(super) fn cut(&mut self, bytes: u64) -> Result<Vec<u8>, RunError> {
         self.flush()?;
         let Self { file, path, bytes: length, .. } = self;
@@ -99,15 +98,15 @@ impl Rows {
         self.flush()
     }
 
-    /// Adds a row; it is on disk a second later, if the run goes on.
+    /// Adds a row. It is written within about a second, with a later row.
     pub(super) fn add(&mut self, write: impl FnOnce(&mut Vec<u8>)) -> Result<(), RunError> {
         write(&mut self.unwritten);
         self.unwritten.push(b'\n');
         if self.flushed.elapsed() >= UNWRITTEN { self.flush() } else { Ok(()) }
     }
 
-    /// Writes what is not in the file yet; on a disk that is full the file ends with the last row that is
-    /// there as a whole.
+    /// Writes buffered rows to the file. On a full disk the file is cut after the last complete
+    /// flush.
     pub(super) fn flush(&mut self) -> Result<(), RunError> {
         self.flushed = Instant::now();
         let written = self.file.write_all(&self.unwritten);
@@ -122,7 +121,7 @@ impl Rows {
     }
 }
 
-/// A number after a comma, or nothing.
+/// Writes a comma and a number, or only a comma.
 pub(super) fn cell(out: &mut Vec<u8>, value: Option<f64>) {
     match value {
         Some(value) => push(out, format_args!(",{value:e}")),

@@ -1,4 +1,4 @@
-//! The summary as a person reads it.
+//! Text of the summary for the terminal.
 
 use super::figures::{Entry, Extreme, Group, List, groups};
 use crate::format::{bytes, counted, number, seconds};
@@ -8,11 +8,11 @@ use contract::figure::FigureSpec;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// Entries of a list with a line of their own at most.
+/// Largest number of entries of a list that have a line each.
 const MOST_LISTED: usize = 8;
 
-/// The lines printed at the end of a run, with the figures that are described. What the summary does not
-/// have is left out.
+/// Returns the lines printed at the end of a run, with the described figures. Figures that the
+/// summary does not hold are omitted.
 #[must_use]
 pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> String {
     let of = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64);
@@ -51,8 +51,8 @@ pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> Str
     out
 }
 
-/// Over several windows the smallest and the largest values, with their places; what follows is of the last
-/// window.
+/// Writes the smallest and largest values over several windows, with their windows. All lines below
+/// describe the last window.
 fn extremes(out: &mut String, summary: &Value, figures: &[FigureSpec]) {
     let all = Extreme::all(summary, figures);
     if all.is_empty() {
@@ -63,7 +63,7 @@ fn extremes(out: &mut String, summary: &Value, figures: &[FigureSpec]) {
         let head = if n == 0 { "over all" } else { "" };
         let _ = writeln!(out, "{}", wrap::columns(&format!("  {head:9} {text}")));
     }
-    let _ = writeln!(out, "  {:9} the lines below are of the last {}", "", all[0].word);
+    let _ = writeln!(out, "  {:9} the lines below describe the last {}", "", all[0].word);
 }
 
 fn plain(of: &Extreme) -> String {
@@ -73,13 +73,13 @@ fn plain(of: &Extreme) -> String {
     format!("{name:10}  {least} to {most}").replace('\u{a0}', " ").replace('−', "-")
 }
 
-/// Figures as they stand on a line, with plain signs and spaces for programs that read them.
+/// Returns the figures of a line, with plain signs and spaces for programs that read them.
 fn texts(entries: &[Entry]) -> Vec<Option<String>> {
     let plain = |entry: &Entry| entry.text(usize::MAX).replace('\u{a0}', " ").replace('−', "-");
     entries.iter().map(|entry| Some(plain(entry))).collect()
 }
 
-/// A line for each entry of a list; of many, for those that matter most.
+/// Writes a line for each entry of a list, or for the most important entries of a long list.
 fn entries(out: &mut String, list: &List) {
     let shown = list.foremost(MOST_LISTED);
     for &place in &shown {
@@ -104,7 +104,7 @@ fn imbalance(value: f64) -> String {
     }
 }
 
-/// Prints the error of a run with a target of accuracy, and which of two values to quote.
+/// Returns the error of a run with a target accuracy, and the value to quote.
 fn accuracy(summary: &Value, figures: &[FigureSpec]) -> Vec<Option<String>> {
     let Some(section) = summary.get("accuracy") else { return Vec::new() };
     let of = |key: &str| section.get(key).and_then(Value::as_f64);
@@ -131,7 +131,7 @@ fn accuracy(summary: &Value, figures: &[FigureSpec]) -> Vec<Option<String>> {
         percent("model_error").map(|error| format!("models {error}")),
         limit.map(|value| format!("extrapolated {}", number(value, 5))),
         taken.then(|| "extrapolated from three grids: quote this".to_owned()),
-        taken.then(|| "the lines above are of the finest grid".to_owned()),
+        taken.then(|| "the lines above describe the finest grid".to_owned()),
         word("models"),
     ]
 }
@@ -175,7 +175,7 @@ mod tests {
         ];
         let text = text(&summary, None, &figures);
         let expected = "c\n  completed: done\n  disc      +298.20 K   at x/a -0.8290\n  \
-                        cost      wall 120.000 ms   64 B exchanged\n";
+                        cost      wall 120 ms   64 B exchanged\n";
         assert_eq!(text, expected);
     }
 

@@ -1,9 +1,9 @@
-//! `summary.json`, schema 1. A quantity that nobody can give is absent, never 0.
+//! `summary.json`, schema 1. An unknown quantity is absent, never 0.
 //!
-//! The participants' sections are merged first ([`Sections::gather`]); the coordinator's own keys
-//! are no participant's to write, and what one participant has said no other can change.
+//! The sections of the participants are merged first ([`Sections::gather`]). Participants cannot
+//! write the coordinator's own keys, nor change a value that another participant has given.
 
-use super::extremes::Extremes;
+use super::history::Extremes;
 use crate::plan::Plan;
 use crate::warnings::{self, Warning};
 use contract::message::Finished;
@@ -11,25 +11,25 @@ use coupling::windows::Windows;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-/// How a run ended.
+/// Status of a run at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// Every window of an implicit scheme has converged.
     Converged,
-    /// It went through: an explicit scheme, which has nothing to converge, or an implicit one with
-    /// windows that have not converged, in a case that is not strict.
+    /// The run is complete without every window having converged: the scheme is explicit, or
+    /// windows of an implicit scheme have not converged in a case that is not strict.
     Completed,
-    /// It did not.
+    /// An error has ended the run.
     Failed,
-    /// The user has stopped it.
+    /// The user has stopped the run.
     Interrupted,
 }
 
 impl Status {
-    /// The ends before the last window.
+    /// Statuses of a run that ended before its last window.
     pub const ENDED_EARLY: [Self; 2] = [Self::Failed, Self::Interrupted];
 
-    /// The word in `summary.json`.
+    /// Returns the word in `summary.json`.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -41,52 +41,53 @@ impl Status {
     }
 }
 
-/// What the coupling counted.
+/// Counts of the coupling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Counts {
-    /// Windows accepted.
+    /// Number of accepted windows.
     pub windows: u64,
-    /// Iterations in all.
+    /// Number of iterations in all windows.
     pub iterations: u64,
-    /// Rows of a sequence without an answer, passed over.
+    /// Number of skipped rows of a sequence, which have no answer.
     pub skipped: u64,
-    /// Windows accepted that had not converged.
+    /// Number of accepted windows that have not converged.
     pub not_converged: u64,
-    /// Most iterations in one window.
+    /// Largest number of iterations in a window.
     pub max_iterations_in_window: u32,
     /// Largest relative residual of the last iteration.
     pub final_residual: Option<f64>,
-    /// Gain of the loop of a steady case.
+    /// Gain of the loop in a steady case.
     #[serde(skip)]
     pub loop_gain: Option<f64>,
-    /// Largest heat imbalance of a window, relative.
+    /// Largest relative imbalance of the conservative fields in a window.
     pub energy_imbalance: Option<f64>,
-    /// Bit by participant: it consumes a conservative field and reports no heat. A resumed run finds
-    /// out again.
+    /// One bit for each participant: set if it consumes a conservative field and does not report
+    /// the heat it receives. A resumed run determines the bits again.
     #[serde(skip)]
-    pub heat_unreported: u64,
-    /// Seconds of planning.
+    pub unreported: u64,
+    /// Duration of planning [s].
     pub plan_seconds: f64,
-    /// Seconds from the first participant's start to the first window.
+    /// Time from the start of the first participant to the first window [s].
     pub start_seconds: f64,
-    /// Seconds in which windows were solved but no model computed.
+    /// Time in which windows were solved but no model computed [s].
     pub coupling_seconds: f64,
-    /// Seconds spent on accepting windows, observing fields and writing results.
+    /// Time spent on accepting windows, observing fields and writing results [s].
     pub output_seconds: f64,
-    /// Seconds from the last window to the participants' end.
+    /// Time from the last window to the end of the participants [s].
     pub finish_seconds: f64,
-    /// Bytes of field values exchanged.
+    /// Size of the exchanged field values [byte].
     pub bytes_exchanged: u64,
-    /// Windows that were solved again with another length; `None` with fixed windows.
+    /// Number of windows that were solved again with another length; `None` with fixed windows.
     pub repeated_windows: Option<u64>,
     /// Shortest and longest window [s]; `None` with fixed windows.
     pub window_lengths: Option<(f64, f64)>,
-    /// The window with which the run was resumed; times are those from there on.
+    /// Window at which the run was resumed; durations count from there.
     pub resumed_at: Option<u64>,
 }
 
 impl Counts {
-    /// What is counted on from a checkpoint, by a process that has just planned: times are its own.
+    /// Returns the counts with which a run continues from a checkpoint. Durations start anew with
+    /// the new process, which has just planned.
     #[must_use]
     pub fn resumed(self, plan_seconds: f64) -> Self {
         Self {
@@ -101,26 +102,26 @@ impl Counts {
     }
 }
 
-/// Everything that goes into the summary.
+/// Content of the summary.
 #[derive(Debug)]
-pub struct Ingredients<'a> {
-    /// What ran.
+pub struct SummaryInput<'a> {
+    /// Plan of the run.
     pub plan: &'a Plan,
-    /// How it ended.
+    /// Status at the end.
     pub status: Status,
-    /// Why it ended so.
+    /// Reason for the status.
     pub reason: String,
-    /// What the coupling counted.
+    /// Counts of the coupling.
     pub counts: Counts,
-    /// What the participants say, in the plan's order; empty when the run failed before.
+    /// Summaries of the participants, in the order of the plan; empty if the run failed earlier.
     pub finished: &'a [Finished],
-    /// Their sections.
+    /// Merged sections of these summaries.
     pub sections: &'a Sections,
     /// Warnings of the case, of the plan and of the run.
     pub warnings: &'a [Warning],
-    /// Smallest and largest values over the windows, of a run that is complete.
+    /// Smallest and largest values over the windows of a complete run.
     pub extremes: Option<&'a Extremes>,
-    /// Seconds from the start of the program.
+    /// Time since the start of the program [s].
     pub wall_seconds: f64,
 }
 
@@ -128,19 +129,19 @@ pub struct Ingredients<'a> {
 const OWN: [&str; 9] =
     ["schema", "case", "status", "reason", "warnings", "extremes", "coupling", "cost", "effects"];
 
-/// What all participants say, in one object.
+/// Sections of all participants, in one object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sections {
-    /// The merged sections.
+    /// Merged sections.
     pub merged: Map<String, Value>,
-    /// Role and dotted key of the first quantity that is not finite; it is left out.
+    /// Role and dotted key of the first quantity that is not finite; the quantity is omitted.
     pub not_finite: Option<(String, String)>,
-    /// Entries that could not be taken over.
+    /// Warnings about omitted entries.
     pub warnings: Vec<Warning>,
 }
 
 impl Sections {
-    /// Merges what each role says. What cannot be taken over is left out, with a warning.
+    /// Merges the sections of all roles. Invalid entries are omitted, with a warning.
     #[must_use]
     pub fn gather<'a>(said: impl IntoIterator<Item = (&'a str, &'a Value)>) -> Self {
         let mut sections = Self::default();
@@ -156,28 +157,33 @@ impl Sections {
     fn take(&mut self, role: &str, summary: &Map<String, Value>) {
         for (key, value) in summary {
             if OWN.contains(&key.as_str()) {
-                self.leave_out(key, &format!("{role} gives a section of the coordinator"));
+                self.leave_out(key, &format!("{role} writes a section of the coordinator"));
                 continue;
             }
             let mut not_finite = Vec::new();
             let value = finite(value, key, &mut not_finite);
             for key in not_finite {
-                self.leave_out(&key, &format!("{role} gives a quantity that is not finite"));
+                self.leave_out(&key, &format!("{role} reports a quantity that is not finite"));
                 self.not_finite.get_or_insert_with(|| (role.to_owned(), key));
             }
             if let Some(value) = value {
                 let mut twice = Vec::new();
                 merge(&mut self.merged, key, value, String::new(), &mut twice);
                 for key in twice {
-                    self.leave_out(&key, &format!("{role} gives what another has given before"));
+                    self.leave_out(
+                        &key,
+                        &format!(
+                            "{role} reports a value that another participant has already reported"
+                        ),
+                    );
                 }
             }
         }
     }
 
-    /// Notes that something of a participant's summary is not taken over.
+    /// Warns that an entry of a participant's summary is omitted.
     fn leave_out(&mut self, key: &str, reason: &str) {
-        let warning = Warning::remark(key, reason, "it is left out");
+        let warning = Warning::remark(key, reason, "the entry is omitted");
         tracing::warn!("{warning}");
         self.warnings.push(warning);
     }
@@ -185,7 +191,7 @@ impl Sections {
 
 /// Builds the summary.
 #[must_use]
-pub fn build(of: &Ingredients) -> Value {
+pub fn build(of: &SummaryInput) -> Value {
     let mut summary = json!({
         "schema": 1,
         "case": of.plan.name,
@@ -214,7 +220,7 @@ pub fn build(of: &Ingredients) -> Value {
     summary
 }
 
-fn coupling(of: &Ingredients) -> Value {
+fn coupling(of: &SummaryInput) -> Value {
     let counts = &of.counts;
     let mut section = json!({
         "scheme": of.plan.scheme.scheme.word(),
@@ -234,7 +240,7 @@ fn coupling(of: &Ingredients) -> Value {
         }
     }
     let roles = of.plan.participants.iter().enumerate();
-    let silent = roles.filter(|(one, _)| counts.heat_unreported >> one & 1 == 1);
+    let silent = roles.filter(|(one, _)| counts.unreported >> one & 1 == 1);
     let silent: Vec<&str> = silent.map(|(_, participant)| participant.role.as_str()).collect();
     if !silent.is_empty() {
         section["heat_not_reported_by"] = silent.into();
@@ -252,7 +258,7 @@ fn coupling(of: &Ingredients) -> Value {
     section
 }
 
-fn cost(of: &Ingredients) -> Value {
+fn cost(of: &SummaryInput) -> Value {
     let counts = &of.counts;
     let mut section = Map::new();
     if let Some(window) = counts.resumed_at {
@@ -264,7 +270,7 @@ fn cost(of: &Ingredients) -> Value {
     let finished = || of.plan.participants.iter().zip(of.finished);
     for (participant, finished) in finished() {
         let key = format!("{}_s", participant.role);
-        // A role cannot take the place of what the coordinator has measured.
+        // A role cannot replace a measurement of the coordinator.
         section.entry(key).or_insert_with(|| finished.model_seconds.into());
     }
     section.insert("coupling_s".to_owned(), counts.coupling_seconds.into());
@@ -286,8 +292,8 @@ fn effects(plan: &Plan, active: bool) -> Vec<&str> {
     plan.effects.iter().filter(|e| e.active == active).map(|e| e.name.as_str()).collect()
 }
 
-/// The value without what is not finite, which JSON writes as `null`; a list is left out as a
-/// whole. Notes the dotted keys of what is left out.
+/// Returns the value without quantities that are not finite, which JSON writes as `null`. A list
+/// with such a quantity is omitted as a whole. Notes the dotted keys of the omitted quantities.
 fn finite(value: &Value, key: &str, not_finite: &mut Vec<String>) -> Option<Value> {
     match value {
         Value::Null => {
@@ -309,8 +315,8 @@ fn finite(value: &Value, key: &str, not_finite: &mut Vec<String>) -> Option<Valu
     }
 }
 
-/// Merges objects key by key; anything else stays as it was said first. Notes the dotted keys of what
-/// was said `twice`.
+/// Merges objects key by key. Of two other values with the same key the first one stays, and the
+/// dotted key is noted in `twice`.
 fn merge(
     into: &mut Map<String, Value>,
     key: &str,

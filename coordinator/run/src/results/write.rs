@@ -1,8 +1,9 @@
-//! Writing files: beside, under another name, and renamed when they are complete. So what has its name
-//! is whole, and a link in the place of a file is replaced, not followed.
+//! Writing of files: each is written under another name beside its place, and renamed when it is
+//! complete. Therefore a file under its final name is complete, and a link in its place is
+//! replaced, not followed.
 //!
-//! Files that grow during a run (the log, the table of iterations, the recording) have their names from
-//! the start; each is readable up to its last complete row.
+//! Files that grow during a run (the log, the table of iterations, the recording) have their names
+//! from the start. Each of them is readable up to its last complete row.
 
 use super::dir::Dir;
 use crate::error::{RunError, file_failure};
@@ -12,16 +13,15 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Ends the name of a file that is being written.
+/// Ending of the name of an unfinished file.
 pub const UNFINISHED: &str = ".new";
 
-/// Replaces a file as a whole: a reader, or what reads it after a crash, sees the old or the new
-/// one.
+/// Replaces a file as a whole: a reader sees the old or the new content, even after a crash.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), RunError> {
     create(path, |out| out.write_all(content))
 }
 
-/// Replaces a file as a whole by what is written into it.
+/// Replaces a file as a whole by the output of `write`.
 pub fn create(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
@@ -33,13 +33,13 @@ pub fn create(
         fs::rename(&new, path)
     });
     written.map_err(|error| {
-        // Half a file is of no use, and may be what fills the disk.
+        // Half a file is useless, and may be what fills the disk.
         let _ = fs::remove_file(&new);
         file_failure(path, &error)
     })
 }
 
-/// A new file in the place of whatever is there.
+/// Creates a new file, replacing an existing one.
 pub fn fresh(path: &Path) -> io::Result<File> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
@@ -48,7 +48,7 @@ pub fn fresh(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).create_new(true).open(path)
 }
 
-/// Removes a file, if it is there.
+/// Removes a file, if it exists.
 pub fn remove(path: &Path) -> Result<(), RunError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(file_failure(path, &error)),
@@ -56,30 +56,30 @@ pub fn remove(path: &Path) -> Result<(), RunError> {
     }
 }
 
-/// Where the new content of a file is before it takes its name.
+/// Returns the path of the new content of a file before the file is renamed.
 fn beside(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(UNFINISHED);
     PathBuf::from(name)
 }
 
-/// Space on the disk that is kept for a small file, so that it can be written when the disk is full.
+/// Disk space reserved for a small file, so that it can be written to a full disk.
 #[derive(Debug)]
 pub struct Reserve {
-    /// The path leads through it.
+    /// Keeps the folder open: the path leads through its handle.
     _dir: Dir,
     path: PathBuf,
     file: File,
 }
 
 impl Reserve {
-    /// Keeps so many bytes, in a file of this name.
+    /// Reserves disk space in a file of this name.
     pub fn keep(dir: &Dir, name: &str, bytes: u64) -> Result<Self, RunError> {
         let path = dir.path().join(name);
         let keep = || {
             let file = fresh(&path)?;
             match fallocate(&file, FallocateFlags::KEEP_SIZE, 0, bytes) {
-                // A file system that cannot reserve.
+                // Some file systems cannot reserve space.
                 Ok(()) | Err(Errno::OPNOTSUPP | Errno::NOSYS) => Ok(file),
                 Err(error) => Err(error.into()),
             }
@@ -90,17 +90,17 @@ impl Reserve {
         }
     }
 
-    /// Writes the file into the space kept for it, and gives it its name.
+    /// Writes the file into the reserved space, and renames it.
     pub fn write(mut self, path: &Path, content: &[u8]) -> Result<(), RunError> {
         let written = self.file.write_all(content).and_then(|()| fs::rename(&self.path, path));
         written.map_err(|error| file_failure(path, &error))?;
-        // What was kept beyond the content; without effect on what can be read.
+        // Releases the space beyond the content. Failure does not affect the content.
         let _ = self.file.set_len(content.len() as u64);
         Ok(())
     }
 }
 
-/// What has not become a file goes.
+/// Removes the reserved file if it has not been used.
 impl Drop for Reserve {
     fn drop(&mut self) {
         let _ = fs::remove_file(&self.path);

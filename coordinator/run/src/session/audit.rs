@@ -1,48 +1,50 @@
-//! The energy audit: what a consumer was assigned of the conservative fields, it has to report that
-//! it received.
+//! Audit of conservative fields: a consumer must report that it received what was sent to it. Such
+//! a field is a power per area, as of heat; the audit compares its surface integral.
 //!
-//! The samples are those whose sequence numbers stood in the command, so that a consumer that solves
-//! at the same time as its producer is judged by what it had, not by what is newer. A consumer that
-//! reports no heat is left out, by name.
+//! The audit uses the samples whose sequence numbers stood in the command. Thus a consumer that
+//! solves at the same time as its producer is judged by the samples that it had, not by newer ones.
+//! A consumer without a report is excluded, and named. A consumer is also excluded if one of the
+//! powers that it receives has no integral, because a grid has no areas.
 
-use super::feedback::Feedback;
-use super::index::{MappedIndex, PartIndex, TapIndex};
-use super::mapped::Mapped;
-use super::solved::SolveRecord;
-use super::tap::Tap;
+use super::fields::{
+    Consumer, CoupledField, FieldIndex, FieldSubscription, MappingIndex, PartIndex,
+};
+use super::mapping::FieldMapping;
+use super::reports::SolveRecord;
+use contract::grid::Grid;
 use contract::message::Reply;
 use coupling::ParticipantIndex;
 use typed_index_collections::TiSlice;
 
-/// Heat across the interface in one iteration, as mean power over the window.
+/// Balance of the conservative fields in one iteration, as mean power over the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HeatBalance {
-    /// Surface integral of the conservative fields that the consumers which report heat were
-    /// assigned; if none reports, that of all [W].
+pub struct Balance {
+    /// Surface integral of the conservative fields that were sent to consumers with a report; if
+    /// none reports, to all consumers [W].
     pub sent: Option<f64>,
-    /// What they report as received [W].
+    /// Power that the same consumers report as received [W].
     pub received: Option<f64>,
-    /// The consumer for which the two differ most.
+    /// Consumer with the largest difference between the two.
     pub worst: Option<Receipt>,
-    /// The largest part of the heat that a mapping has lost or made \[-\].
+    /// Largest relative change of the integral by a mapping \[-\].
     pub mapping: Option<f64>,
-    /// Bit by participant: it consumes a conservative field and reports no heat.
+    /// One bit for each participant: set if it consumes a conservative field without a report.
     pub unreported: u64,
 }
 
-/// Heat for one consumer.
+/// Balance of a consumer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Receipt {
     /// Index of the participant.
     pub participant: ParticipantIndex,
-    /// What it was assigned [W].
+    /// Power that was sent to the consumer [W].
     pub sent: f64,
-    /// What it reports [W].
+    /// Power that the consumer reports [W].
     pub received: f64,
 }
 
 impl Receipt {
-    /// |sent − received|, relative to the larger of the two; 0 when no heat flows at all.
+    /// Returns |sent − received|, relative to the larger of the two; 0 if both are zero.
     #[must_use]
     pub fn imbalance(&self) -> f64 {
         let Self { sent, received, .. } = *self;
@@ -51,15 +53,15 @@ impl Receipt {
     }
 }
 
-impl HeatBalance {
-    /// The balance of the last solves.
+impl Balance {
+    /// Returns the balance of the last solves.
     #[must_use]
     pub fn of(solved: &TiSlice<ParticipantIndex, SolveRecord>) -> Self {
         let mut balance = Self::default();
         let mut unreported = None;
         for (participant, record) in solved.iter_enumerated() {
-            let Some(sent) = record.heat_sent else { continue };
-            match record.heat_received {
+            let Some(sent) = record.sent else { continue };
+            match record.received {
                 Some(received) => balance.add(Receipt { participant, sent, received }),
                 None => {
                     balance.unreported |= 1 << usize::from(participant);
@@ -82,7 +84,7 @@ impl HeatBalance {
         }
     }
 
-    /// The largest imbalance of a consumer or of a mapping; `None` when neither is known.
+    /// Returns the largest imbalance of a consumer or of a mapping; `None` if neither is known.
     #[must_use]
     pub fn imbalance(&self) -> Option<f64> {
         match (self.worst.map(|worst| worst.imbalance()), self.mapping) {
@@ -93,58 +95,73 @@ impl HeatBalance {
     }
 }
 
-/// The power in the conservative fields that a participant is assigned, each on the grid
-/// that it was sent on; `None` if it consumes none.
+/// Returns the power in the conservative fields that a participant consumes, each on the grid on
+/// which it was sent. Returns `None` if the participant consumes none, or one whose integral is
+/// unknown because a grid has no areas.
 pub(super) fn commanded(
-    taps: &TiSlice<TapIndex, Tap>,
-    feedback: &TiSlice<PartIndex, Feedback>,
-    mapped: &TiSlice<MappedIndex, Mapped>,
+    fields: &TiSlice<FieldIndex, FieldSubscription>,
+    coupled: &TiSlice<PartIndex, CoupledField>,
+    mapped: &TiSlice<MappingIndex, FieldMapping>,
     participant: ParticipantIndex,
 ) -> Option<f64> {
+    let reads = |readers: &[Consumer]| readers.iter().any(|r| r.participant == participant);
+    let unknown = |index: FieldIndex, grid: &Grid| {
+        let field = &fields[index];
+        field.is_power() && !(field.grid.has_areas() && grid.has_areas())
+    };
+    let direct =
+        fields.iter_enumerated().filter(|(_, field)| reads(&field.readers)).map(|(index, _)| index);
+    let iterates = coupled.iter().filter(|one| reads(&one.readers)).map(|one| one.field);
+    let own = mapped.iter().filter(|mapped| mapped.reader.participant == participant);
+    if direct.chain(iterates).any(|index| unknown(index, &fields[index].grid))
+        || own.clone().any(|mapped| unknown(mapped.field, &mapped.grid))
+    {
+        return None;
+    }
     let mut power = None;
-    let mut add = |heat: f64| *power.get_or_insert(0.0) += heat;
-    for tap in taps.iter().filter(|tap| tap.is_conservative()) {
-        let slots = tap.readers.iter().filter(|reader| reader.participant == participant);
-        if let (Some(values), 1..) = (tap.values(), slots.count()) {
-            add(tap.grid.integrate(values));
+    let mut add = |part: f64| *power.get_or_insert(0.0) += part;
+    for field in fields.iter().filter(|field| field.is_power()) {
+        let slots = field.readers.iter().filter(|reader| reader.participant == participant);
+        if let (Some(values), 1..) = (field.values(), slots.count()) {
+            add(field.grid.integrate(values));
         }
     }
-    for fed_back in feedback {
-        let reads = fed_back.readers.iter().any(|reader| reader.participant == participant);
-        fed_back.heat.filter(|_| reads).into_iter().for_each(&mut add);
+    for fed_back in coupled {
+        fed_back.integral.filter(|_| reads(&fed_back.readers)).into_iter().for_each(&mut add);
     }
-    for mapped in mapped.iter().filter(|mapped| mapped.reader.participant == participant) {
-        mapped.heat.iter().for_each(|heat| add(heat.sent));
+    for mapped in own {
+        mapped.integral.and_then(|integral| integral.sent).into_iter().for_each(&mut add);
     }
     power
 }
 
-/// What is wrong with what a participant reports of a solve, if anything; with the heat that it
-/// reported of the one before.
-pub(super) fn report_fault(reply: &Reply, heat_before: Option<f64>) -> Option<String> {
-    let stopped = heat_before.is_some() && reply.heat_received.is_nan();
+/// Returns the fault in the report of a solve, if any. `before` is the power in the report of the
+/// solve before.
+pub(super) fn report_fault(reply: &Reply, before: Option<f64>) -> Option<String> {
+    let stopped = before.is_some() && reply.heat_received.is_nan();
     let ended = || stopped.then(|| "it has stopped reporting the heat it receives".to_owned());
     reply.fault().or_else(ended)
 }
 
-/// The largest part of the heat that a mapping has lost or made; `None` if no heat is mapped.
-pub(super) fn of_mappings(mapped: &TiSlice<MappedIndex, Mapped>) -> Option<f64> {
-    mapped.iter().filter_map(|mapped| Some(mapped.heat?.imbalance)).reduce(f64::max)
+/// Returns the largest relative change of an integral by a mapping; `None` if no conservative field
+/// is mapped.
+pub(super) fn of_mappings(mapped: &TiSlice<MappingIndex, FieldMapping>) -> Option<f64> {
+    mapped.iter().filter_map(|mapped| Some(mapped.integral?.imbalance)).reduce(f64::max)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn record(heat_sent: Option<f64>, heat_received: Option<f64>) -> SolveRecord {
-        SolveRecord { heat_sent, heat_received, ..SolveRecord::default() }
+    fn record(sent: Option<f64>, received: Option<f64>) -> SolveRecord {
+        SolveRecord { sent, received, ..SolveRecord::default() }
     }
 
-    fn balance(solved: &[SolveRecord]) -> HeatBalance {
-        HeatBalance::of(TiSlice::from_ref(solved))
+    fn balance(solved: &[SolveRecord]) -> Balance {
+        Balance::of(TiSlice::from_ref(solved))
     }
 
-    fn of(sent: f64, received: Option<f64>) -> HeatBalance {
+    fn of(sent: f64, received: Option<f64>) -> Balance {
         balance(&[SolveRecord::default(), record(Some(sent), received)])
     }
 
@@ -155,7 +172,7 @@ mod tests {
         let silent = of(100.0, None);
         assert_eq!((silent.imbalance(), silent.unreported), (None, 0b10));
         assert_eq!((silent.sent, silent.received), (Some(100.0), None));
-        assert_eq!(balance(&[record(None, Some(1.0))]), HeatBalance::default());
+        assert_eq!(balance(&[record(None, Some(1.0))]), Balance::default());
     }
 
     #[test]
@@ -175,7 +192,7 @@ mod tests {
     #[test]
     fn what_a_mapping_loses_counts_even_if_nobody_reports_what_came() {
         let balance =
-            |sent, received, mapping| HeatBalance { mapping: Some(mapping), ..of(sent, received) };
+            |sent, received, mapping| Balance { mapping: Some(mapping), ..of(sent, received) };
         assert_eq!(balance(100.0, None, 1e-3).imbalance(), Some(1e-3));
         assert_eq!(balance(100.0, Some(99.0), 1e-3).imbalance(), Some(0.01));
         let infinite = balance(100.0, Some(100.0), f64::INFINITY);

@@ -1,9 +1,9 @@
-//! What is demanded of the answer to a configuration.
+//! Checks of the layout that answers a configuration.
 
 use contract::configuration::{Configuration, Layout};
 use contract::grid::Grid;
 
-/// What is wrong with a layout as the answer to a configuration, if anything.
+/// Returns the fault in a layout as the answer to a configuration, if any.
 #[must_use]
 pub fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<String> {
     if let Err(fault) = layout.check() {
@@ -22,7 +22,7 @@ pub fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<St
     }
     let received = |field: &str| configuration.inputs.iter().any(|i| i.field.name == field);
     let wish = layout.inputs.iter().find(|wish| !received(&wish.field))?;
-    Some(format!("it requests a grid for `{}`, which is not an input of it", wish.field))
+    Some(format!("it requests a grid for `{}`, which is not one of its inputs", wish.field))
 }
 
 #[cfg(test)]

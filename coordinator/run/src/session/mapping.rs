@@ -1,125 +1,115 @@
-//! The mappings of a run: made, applied when their consumers are about to solve, and what they cover.
+//! Mapped fields: the coordinator maps them from their producer's grid to that of a consumer, and
+//! sends them on.
+//!
+//! Each such consumer has one topic, `field/coordinator/NAME/ROLE`, with its own sequence numbers.
+//! Coupling data are accelerated on their producer's grid and then mapped. All other fields are
+//! mapped once, from the newest sample, when their consumer is about to solve. If either grid
+//! moves, the mapping is rebuilt between the current grids, and only then.
 
-use super::Session;
-use super::index::{MappedIndex, PartIndex};
-use super::mapped::MappingError;
-use crate::error::{Failure, RunError};
-use crate::plan::warn_of_coverage;
+use super::fields::{Consumer, FieldIndex, FieldPublisher, MovingIndex, PartIndex};
+use crate::peers::COORDINATOR;
+use contract::field::FieldKind;
+use contract::grid::Grid;
 use contract::step::Step;
-use coupling::ParticipantIndex;
+use coupling::map::{Coverage, CurrentMapping, MapError, Method};
+use proto::transport::TransportError;
 
-impl Session {
-    /// Makes the mappings, and says what they cover.
-    pub(super) fn make_mappings(&mut self) -> Result<(), RunError> {
-        for index in self.mapped.keys() {
-            let Self { mapped, taps, .. } = self;
-            let one = &mut mapped[index];
-            let made = one.mapping.between(taps[one.tap].grid(), &one.grid).map(|_| ());
-            made.map_err(|error| self.not_mapped(index, &error.into()))?;
-            self.tell_coverage(index);
+/// A field that is mapped for one consumer.
+#[derive(Debug)]
+pub(super) struct FieldMapping {
+    /// Field that the producer sends.
+    pub(super) field: FieldIndex,
+    /// Index in the coupling data, if the consumer subscribes to the iterates.
+    pub(super) part: Option<PartIndex>,
+    pub(super) reader: Consumer,
+    /// Surface integral of the last sample, if the mapping conserves it.
+    pub(super) integral: Option<Integral>,
+    /// Index of the consumer's grid among the moving grids, if it moves.
+    pub(super) moving: Option<MovingIndex>,
+    pub(super) grid: Grid,
+    pub(super) mapping: CurrentMapping,
+    /// Number of builds at the last report of the coverage, and this coverage.
+    pub(super) reported: (u64, Coverage),
+    /// Sequence number of the producer's sample that was mapped last.
+    pub(super) seen: u64,
+    publisher: FieldPublisher,
+}
+
+/// Surface integral of a conservative field that has been mapped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Integral {
+    /// Integral on the producer's grid, the power; `None` for a vector.
+    pub(super) sent: Option<f64>,
+    /// Relative change of the integral by the mapping, see
+    /// [`coupling::map::GridMapping::imbalance`].
+    pub(super) imbalance: f64,
+}
+
+/// Reason why a field could not be mapped and sent.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum MappingError {
+    #[error(transparent)]
+    Map(#[from] MapError),
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+}
+
+impl FieldMapping {
+    pub(super) fn new(
+        (field, part): (FieldIndex, Option<PartIndex>),
+        (kind, grid, moving): (&FieldKind, &Grid, Option<MovingIndex>),
+        method: Option<Method>,
+        reader: Consumer,
+        publisher: FieldPublisher,
+    ) -> Self {
+        let mapping = CurrentMapping::new(method, kind.mapping);
+        let (grid, reported) = (grid.clone(), (0, Coverage::default()));
+        Self {
+            field,
+            part,
+            reader,
+            integral: None,
+            moving,
+            grid,
+            mapping,
+            reported,
+            seen: 0,
+            publisher,
         }
-        Ok(())
     }
 
-    /// Says what a mapping covers: when it is made, and when it has become poor.
-    fn tell_coverage(&mut self, index: MappedIndex) {
-        let Self { mapped, taps, peers, warnings, .. } = self;
-        let one = &mut mapped[index];
-        let (before, covered) = one.reported;
-        let Some(coverage) = one.mapping.coverage().filter(|_| one.mapping.builds() != before)
-        else {
-            return;
-        };
-        one.reported = (one.mapping.builds(), coverage);
-        let (field, role) =
-            (&taps[one.tap].kind().name, peers.all()[one.reader.participant].role());
-        match coverage.is_poor() {
-            true if !covered.is_poor() => {
-                let warning = warn_of_coverage(field, role, &coverage);
-                tracing::warn!("{warning}");
-                warnings.push(warning);
-            }
-            _ if before == 0 => tracing::info!("`{field}` mapped for {role}: {coverage}"),
-            _ => tracing::debug!("`{field}` mapped for {role} again: {coverage}"),
-        }
+    /// Maps the next samples to this grid, the consumer's current one.
+    pub(super) fn move_to(&mut self, grid: &Grid) {
+        self.grid.clone_from(grid);
+        self.publisher.move_to(grid);
     }
 
-    /// Says how many times the mappings were made that have followed their grids.
-    pub(super) fn tell_mappings(&self) {
-        for one in self.mapped.iter().filter(|one| one.mapping.builds() > 1) {
-            let field = self.taps[one.tap].kind().name.as_str();
-            let role = self.peers.all()[one.reader.participant].role();
-            tracing::info!(field, role, times = one.mapping.builds(), "mapping made");
-        }
+    /// Returns the name of the service for a field that is mapped for a role.
+    pub(super) fn service(field: &str, role: &str) -> String {
+        format!("field/{COORDINATOR}/{field}/{role}")
     }
 
-    /// Sends the participants that are about to solve the newest samples of what is mapped for
-    /// them.
-    pub(super) fn send_mapped(
+    pub(super) fn publisher(&self) -> &FieldPublisher {
+        &self.publisher
+    }
+
+    /// Maps values of the field on this grid, sends them, and returns their size [byte].
+    pub(super) fn send(
         &mut self,
-        participants: &[ParticipantIndex],
-    ) -> Result<(), RunError> {
-        for index in self.mapped.keys() {
-            let Self { mapped, taps, .. } = self;
-            let one = &mut mapped[index];
-            let tap = &taps[one.tap];
-            let due = one.part.is_none() && participants.contains(&one.reader.participant);
-            let (Some(sample), true) = (&tap.sample, due && tap.sequence() != one.seen) else {
-                continue;
-            };
-            let header = sample.header();
-            let step = Step {
-                window: header.window,
-                iteration: header.iteration,
-                start: header.start,
-                end: header.end,
-            };
-            one.seen = header.sequence;
-            let sent = one.send((tap.kind(), tap.grid()), sample.values(), &step);
-            self.bytes_exchanged += sent.map_err(|error| self.not_mapped(index, &error))?;
-            self.tell_coverage(index);
-        }
-        Ok(())
-    }
-
-    /// Maps an iterate of the coupling data for consumers with a non-matching grid.
-    pub(super) fn send_mapped_iterate(
-        &mut self,
-        part: PartIndex,
+        (kind, source): (&FieldKind, &Grid),
         values: &[f64],
         step: &Step,
-    ) -> Result<(), RunError> {
-        for index in self.mapped.keys() {
-            if self.mapped[index].part != Some(part) {
-                continue;
-            }
-            let Self { mapped, taps, moving, .. } = self;
-            let one = &mut mapped[index];
-            let tap = &taps[one.tap];
-            let source = tap.moving.map_or(&tap.grid, |at| &moving[at].grid);
-            let sent = one.send((tap.kind(), source), values, step);
-            self.bytes_exchanged += sent.map_err(|error| self.not_mapped(index, &error))?;
-            self.tell_coverage(index);
-        }
-        Ok(())
-    }
-
-    fn not_mapped(&self, index: MappedIndex, error: &MappingError) -> RunError {
-        let one = &self.mapped[index];
-        let (field, role) =
-            (&self.taps[one.tap].kind.name, self.peers.all()[one.reader.participant].role());
-        let fix = match error {
-            MappingError::Map(_) => {
-                let producer = &self.taps[one.tap].producer_role;
-                format!("correct the grids of {producer} and {role}")
-            }
-            MappingError::Transport(error) => error.advice(role),
-        };
-        RunError::Failed(Failure {
-            who: format!("the mapping of `{field}` for {role}"),
-            when: self.peers.phase.to_string(),
-            what: error.to_string(),
-            fix,
-        })
+    ) -> Result<u64, MappingError> {
+        let mapping = self.mapping.between(source, &self.grid)?;
+        let mut loan = self.publisher.loan()?;
+        let target = loan.values();
+        mapping.apply(values, target);
+        let bytes = std::mem::size_of_val(target) as u64;
+        self.integral = mapping.conserves().then(|| Integral {
+            sent: (kind.components == 1).then(|| source.integrate(values)),
+            imbalance: mapping.imbalance(values, target),
+        });
+        self.publisher.publish(loan, step)?;
+        Ok(bytes)
     }
 }

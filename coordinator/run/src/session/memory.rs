@@ -1,7 +1,8 @@
-//! Shared memory: what the fields need, against what there is.
+//! Shared memory: the need of the fields, compared with the limits.
 //!
-//! A segment that does not fit is not refused by the kernel: it ends the process that touches it.
-//! So it is counted before anything is created, and again before a grid that grows needs more.
+//! The kernel does not refuse a segment that does not fit: it kills the process that touches it.
+//! Therefore the need is computed before any segment is created, and again before a grid that grows
+//! needs more.
 
 use crate::error::{Failure, RunError};
 use crate::plan::{Plan, geometry_bytes, non_matching, sample_bytes, topic_bytes};
@@ -10,23 +11,23 @@ use contract::grid::Grid;
 use coupling::ParticipantIndex;
 use proto::run_dir::free_shared_memory;
 
-/// Shared memory that a run takes besides its fields [byte].
+/// Shared memory of a run besides its fields [byte].
 const OVERHEAD: u64 = 1 << 20;
 
-/// What a run has taken of what it may take.
+/// Shared memory that a run has taken, and its limit.
 #[derive(Debug, Default)]
 pub(super) struct SharedMemory {
     limit: u64,
-    /// All that it has counted so far [byte].
+    /// Shared memory counted so far [byte].
     taken: u64,
 }
 
 impl SharedMemory {
-    /// Counts what the fields of a plan need, as far as layouts are known. Participants that have
-    /// stayed hold `held` bytes of it already.
+    /// Counts the need of the fields of a plan, where layouts are known. Participants that have
+    /// stayed already hold `held` bytes of it.
     ///
     /// # Errors
-    /// There is less than that, or the case allows less.
+    /// The need exceeds the free shared memory or the limit of the case.
     pub(super) fn check<'a>(
         plan: &'a Plan,
         held: u64,
@@ -38,15 +39,15 @@ impl SharedMemory {
         Ok(Self { limit, taken })
     }
 
-    /// All that it has counted [byte].
+    /// Returns the shared memory counted so far [byte].
     pub(super) fn taken(&self) -> u64 {
         self.taken
     }
 
-    /// Counts new segments for so many points of fields with these numbers of components.
+    /// Counts new segments for `points` points of fields with these numbers of components.
     ///
     /// # Errors
-    /// There is less than that, or the case allows less.
+    /// The need exceeds the free shared memory or the limit of the case.
     pub(super) fn take(
         &mut self,
         points: usize,
@@ -61,16 +62,16 @@ impl SharedMemory {
     }
 }
 
-/// There is room for topics whose samples have these lengths [byte].
+/// Checks that there is room for topics whose samples have these lengths [byte].
 ///
 /// # Errors
-/// There is less shared memory than that.
+/// The need exceeds the free shared memory.
 pub fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
     let topics = samples.into_iter().map(topic_bytes);
     check(topics.fold(OVERHEAD, u64::saturating_add), 0, u64::MAX, when)
 }
 
-/// Live values that the coordinator sends [byte].
+/// Returns the need of the live values that the coordinator sends [byte].
 fn live(plan: &Plan) -> u64 {
     let sent = plan.live.iter().filter(|live| live.provider.is_none());
     sent.count() as u64 * topic_bytes(sample_bytes(1, 1))
@@ -104,7 +105,7 @@ fn check(needed: u64, held: u64, limit: u64, when: &str) -> Result<(), RunError>
     Err(RunError::Failed(Failure {
         who: "shared memory".to_owned(),
         when: when.to_owned(),
-        what: format!("the fields need {}, {} may be used", mib(needed), mib(free)),
+        what: format!("the fields need {}, but only {} may be used", mib(needed), mib(free)),
         fix: "enlarge /dev/shm (in a container: --shm-size), raise limits.shared_memory, write \
               fewer fields (output.fields) or use a coarser resolution"
             .to_owned(),

@@ -1,30 +1,30 @@
-//! Open files: what the processes of a run need, against what each may have.
+//! Open files: the need of the processes of a run, compared with the limit of each process.
 //!
-//! A process that has no file descriptor left cannot map the segment that a message lies in. So the
-//! limit is compared before anything is started, and raised as far as the user may raise it; the
-//! participants that are started inherit it.
+//! A process without free file descriptors cannot map the segment of a message. Therefore the limit
+//! is checked before any process starts, and raised as far as the user may raise it. The started
+//! participants inherit it.
 //!
-//! Needed is what was counted in `/proc/PID/fd` over the shipped cases, rounded up: a process opens
-//! a few dozen files for itself and for what its partners have in common, and a few for each topic
-//! that it publishes or subscribes to; the recorder subscribes to each topic once more.
+//! The constants were counted in `/proc/PID/fd` for the shipped cases, and rounded up. A process
+//! opens a few dozen files for itself and for common services of the run, and a few for each topic
+//! that it publishes or subscribes to. The recorder subscribes to each topic once more.
 
 use crate::error::{Failure, RunError};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-/// Files of a process itself and of the run.
+/// Number of files of a process itself and of the run.
 const OWN: u64 = 48;
-/// Files for the commands, replies, progress and doorbell of one participant.
+/// Number of files for commands, replies, progress and doorbell of a participant.
 const PER_PARTICIPANT: u64 = 24;
-/// Files for one topic.
+/// Number of files for a topic.
 const PER_TOPIC: u64 = 8;
-/// Files for recording one topic.
+/// Number of files for recording a topic.
 const PER_RECORDED: u64 = 8;
 
-/// Raises the limit of open files to what a process of the run needs. Returns whether it was raised;
-/// processes started before keep the old limit.
+/// Raises the limit of open files to the need of a process of the run. Returns whether it was
+/// raised; processes started before keep the old limit.
 ///
 /// # Errors
-/// The hard limit is lower than that.
+/// The hard limit is lower than the need.
 pub(crate) fn provide(
     participants: usize,
     topics: usize,

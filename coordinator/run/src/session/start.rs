@@ -1,27 +1,24 @@
-//! From a plan to a session that is ready for its first window.
+//! From a plan to a session that is ready for its first window: participants start and are
+//! configured, and every field gets its topics.
 
-use super::feedback::Feedback;
-use super::figures::Figures;
+use super::fields::{Consumer, CoupledField, FieldPublisher, FieldSubscription};
+use super::geometry::MovingGrid;
 use super::layout::layout_fault;
 use super::live::{self, LiveValues};
-use super::mapped::Mapped;
+use super::mapping::FieldMapping;
 use super::memory::SharedMemory;
-use super::open_files;
-use super::outlet::Outlet;
-use super::solved::SolveRecord;
-use super::subscription::{Subscription, consumer, is_informed, readers, subscription};
-use super::tap::{Consumer, Tap};
-use super::{Recording, Session};
+use super::reports::{Figures, SolveRecord};
+use super::{Recording, Session, open_files};
 use crate::crew;
 use crate::error::{Failure, RunError, machine_failure};
-use crate::peers::{COORDINATOR, Peers, Phase, Seat};
-use crate::plan::{Field, Participant, Plan};
+use crate::peers::{COORDINATOR, ParticipantSlot, Peers, Phase};
+use crate::plan::{Field, Participant, Plan, non_matching};
 use crate::progress::Progress;
 use crate::record::Recorder;
-use contract::configuration::{Configuration, Layout};
+use contract::configuration::{Configuration, Input, Layout};
 use contract::description::Description;
 use contract::grid::Grid;
-use contract::message::{Command, CommandKind, Topic, Topics};
+use contract::message::{Command, CommandKind, GeometryTopic, Topic, Topics};
 use contract::step::Step;
 use coupling::ParticipantIndex;
 use proto::transport::TransportError;
@@ -29,8 +26,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 use typed_index_collections::{TiSlice, TiVec};
 
-/// The most topics that a plan can lead to: every field, once more what the coordinator sends of it,
-/// the geometry of every grid, and live values.
+/// Returns the largest number of topics that a plan can need: every field, iterates of the
+/// coordinator, the geometry of every moving grid, and live values.
 fn topics_of(plan: &Plan) -> usize {
     let sent_on = |field: &Field| 1 + usize::from(!field.fed_back.is_empty());
     let layouts = plan.participants.iter().filter_map(|p| p.estimate.as_ref());
@@ -39,47 +36,50 @@ fn topics_of(plan: &Plan) -> usize {
 }
 
 impl Session {
-    /// Starts the participants of a plan, or takes those that have stayed ([`crate::crew`]), and brings
-    /// them to the first window. With a recorder, everything that is exchanged is recorded. Long work is
-    /// shown on the screen.
+    /// Starts the participants of a plan, or takes those that have stayed ([`crate::crew`]), and
+    /// prepares them for the first window. With a recorder, the whole exchange is recorded. Long
+    /// work is shown on the screen.
     ///
     /// # Errors
-    /// The machine; a participant that fails, refuses the case or violates the contract.
+    /// The machine lacks memory, files or ports; or a participant fails, refuses the case or
+    /// violates the contract.
     pub fn start(
         plan: &Plan,
         recorder: Option<Arc<Recorder>>,
         screen: &Rc<dyn Progress>,
     ) -> Result<Self, RunError> {
-        // Before anything exists, with what the participants expect; once more with what they say.
+        // Memory is checked twice: before anything starts, with the estimates, and below, with the
+        // actual layouts.
         let participants = plan.participants.len();
         if open_files::provide(participants, topics_of(plan), recorder.is_some())? {
             crew::leave();
         }
         let held = crew::held_memory();
-        let estimate = |one: ParticipantIndex| plan.participants[one].estimate.as_ref();
+        let estimate =
+            |participant: ParticipantIndex| plan.participants[participant].estimate.as_ref();
         let memory = SharedMemory::check(plan, held, estimate)?;
-        let seat = |p: &Participant| Seat {
+        let seat = |p: &Participant| ParticipantSlot {
             role: p.role.clone(),
             program: p.program.clone(),
             attach: p.attach,
         };
-        let seats: Vec<Seat> = plan.participants.iter().map(seat).collect();
+        let seats: Vec<ParticipantSlot> = plan.participants.iter().map(seat).collect();
         let stayed = crew::take(&seats);
         let is_new = stayed.is_none();
         let peers = match stayed {
             Some(peers) => peers.for_run(plan.deadlines, recorder),
             None => Peers::start(&seats, plan.deadlines, recorder)?,
         };
-        let mut session = Self::of(plan, peers, memory);
+        let mut session = Self::new(plan, peers, memory);
         session.peers.show_on(screen);
         if is_new {
             session.peers.join()?;
         }
         session.peers.phase = Phase::Configuring;
-        // A recording has what they say of themselves.
+        // A recording contains the descriptions.
         if is_new || session.peers.recorder().is_some() {
-            for (index, participant) in plan.participants.iter_enumerated() {
-                session.check_description(index, participant)?;
+            for (participant, planned) in plan.participants.iter_enumerated() {
+                session.check_description(participant, planned)?;
             }
         }
         let layouts = session.configure(plan)?;
@@ -94,14 +94,15 @@ impl Session {
         Ok(session)
     }
 
-    fn of(plan: &Plan, peers: Peers, memory: SharedMemory) -> Self {
+    /// Returns a session before configuration.
+    fn new(plan: &Plan, peers: Peers, memory: SharedMemory) -> Self {
         let reusable = |p: &Participant| p.description.reusable && !p.attach;
         Self {
             _recording: Recording(peers.recorder().cloned()),
             guard: peers.end_first(),
             reusable: plan.participants.iter().all(reusable),
-            taps: TiVec::new(),
-            feedback: TiVec::new(),
+            fields: TiVec::new(),
+            coupled: TiVec::new(),
             mapped: TiVec::new(),
             moving: TiVec::new(),
             live: LiveValues::default(),
@@ -117,41 +118,42 @@ impl Session {
         }
     }
 
-    /// What joined is what was planned with.
+    /// Checks that the participant that joined is the one that was planned.
     fn check_description(
         &mut self,
-        one: ParticipantIndex,
-        participant: &Participant,
+        participant: ParticipantIndex,
+        planned: &Participant,
     ) -> Result<(), RunError> {
-        self.peers.post(one, Command::new(CommandKind::Describe), &[], true)?;
-        let message = self.peers.done(one, self.peers.deadlines().solve)?;
+        self.peers.post(participant, Command::new(CommandKind::Describe), &[], true)?;
+        let message = self.peers.done(participant, self.peers.deadlines().solve)?;
         let found: Description = serde_json::from_slice(message.body()).map_err(|e| {
-            self.peers.misbehaved(one, format!("its description is not valid: {e}"))
+            self.peers.misbehaved(participant, format!("its description is not valid: {e}"))
         })?;
-        if found == participant.description {
+        if found == planned.description {
             return Ok(());
         }
         let (name, version) = (found.name, found.version);
-        let what =
-            format!("what joined ({name} {version}) differs from what described itself before");
-        if participant.attach {
-            let (who, when) = (self.peers.all()[one].who(), self.peers.phase.to_string());
+        let what = format!(
+            "the program that joined ({name} {version}) differs from the one described before"
+        );
+        if planned.attach {
+            let (who, when) = (self.peers.all()[participant].who(), self.peers.phase.to_string());
             let fix = format!(
-                "name the program that you start by hand as {}.command: it is asked what it is, and \
-                 not started",
-                participant.role
+                "name the program that you start by hand as {}.command: it is only asked for its \
+                 description, not started",
+                planned.role
             );
             return Err(RunError::Failed(Failure { who, when, what, fix }));
         }
-        Err(self.peers.misbehaved(one, what))
+        Err(self.peers.misbehaved(participant, what))
     }
 
-    /// Configures every participant along the flow of data; each receives the grids of its inputs.
+    /// Configures every participant along the flow of data. Each receives the grids of its inputs.
     fn configure(&mut self, plan: &Plan) -> Result<TiVec<ParticipantIndex, Layout>, RunError> {
         let mut layouts: TiVec<ParticipantIndex, Layout> =
             TiVec::with_capacity(self.peers.all().len());
-        for (one, participant) in plan.participants.iter_enumerated() {
-            let mut configuration = participant.configuration.clone();
+        for (participant, planned) in plan.participants.iter_enumerated() {
+            let mut configuration = planned.configuration.clone();
             for input in configuration.inputs.iter_mut().filter(|i| i.producer != COORDINATOR) {
                 let producer = self.peers.all().position(|l| l.role() == input.producer);
                 let layout = producer.and_then(|index| layouts.get(index));
@@ -160,12 +162,13 @@ impl Session {
                 input.moves = is_informed(plan, &layouts, input);
             }
             let body = serde_json::to_vec(&configuration).expect("a configuration is plain data");
-            self.peers.post(one, Command::new(CommandKind::Configure), &body, true)?;
-            let message = self.peers.done(one, self.peers.deadlines().solve)?;
-            let layout: Layout = serde_json::from_slice(message.body())
-                .map_err(|e| self.peers.misbehaved(one, format!("its layout is not valid: {e}")))?;
+            self.peers.post(participant, Command::new(CommandKind::Configure), &body, true)?;
+            let message = self.peers.done(participant, self.peers.deadlines().solve)?;
+            let layout: Layout = serde_json::from_slice(message.body()).map_err(|e| {
+                self.peers.misbehaved(participant, format!("its layout is not valid: {e}"))
+            })?;
             drop(message);
-            self.check_layout(one, &configuration, &layout)?;
+            self.check_layout(participant, &configuration, &layout)?;
             layouts.push(layout);
         }
         Ok(layouts)
@@ -173,15 +176,16 @@ impl Session {
 
     fn check_layout(
         &self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         configuration: &Configuration,
         layout: &Layout,
     ) -> Result<(), RunError> {
         layout_fault(configuration, layout)
-            .map_or(Ok(()), |what| Err(self.peers.misbehaved(one, what)))
+            .map_or(Ok(()), |what| Err(self.peers.misbehaved(participant, what)))
     }
 
-    /// No participant subscribes to a field on a moving grid unannounced, or without knowing it.
+    /// Checks that every participant that subscribes to a field on a moving grid knows that the
+    /// grid moves.
     fn check_informed(
         &self,
         plan: &Plan,
@@ -190,25 +194,26 @@ impl Session {
         for field in &plan.fields {
             let (producer, name) = (&layouts[field.producer], &field.kind.name);
             let grid = producer.grid_of(name).expect("layout is checked");
-            for &one in field.consumers.iter().filter(|_| producer.moves(grid)) {
-                let inputs = &plan.participants[one].configuration.inputs;
+            for &participant in field.consumers.iter().filter(|_| producer.moves(grid)) {
+                let inputs = &plan.participants[participant].configuration.inputs;
                 let input = inputs.iter().find(|input| input.field.name == *name);
-                let informed = input.is_some_and(|input| is_informed(plan, &layouts[..one], input));
+                let informed =
+                    input.is_some_and(|input| is_informed(plan, &layouts[..participant], input));
                 if !informed
-                    && !matches!(subscription(field, one, layouts), Subscription::Mapped(_))
+                    && !matches!(source_of(field, participant, layouts), FieldSource::Mapped(_))
                 {
                     let (producer, role) =
-                        (&self.peers.all()[field.producer], self.peers.all()[one].role());
+                        (&self.peers.all()[field.producer], self.peers.all()[participant].role());
                     return Err(RunError::Failed(Failure {
                         who: producer.who(),
                         when: self.peers.phase.to_string(),
                         what: format!(
-                            "its grid `{}` may move, of which {role}, which subscribes to `{name}` \
-                             on it, could not be informed",
+                            "its grid `{}` may move, but {role} subscribes to `{name}` on it and \
+                             could not be informed",
                             grid.name
                         ),
                         fix: format!(
-                            "let it announce that in its estimate, or let {role} request `{name}` \
+                            "let it announce the motion in its estimate, or let {role} request `{name}` \
                              on a grid of its own"
                         ),
                     }));
@@ -218,7 +223,7 @@ impl Session {
         Ok(())
     }
 
-    /// Lets everybody open its ports; nothing is sent yet.
+    /// Lets every participant open its ports; no field is sent yet.
     fn connect(
         &mut self,
         plan: &Plan,
@@ -228,8 +233,8 @@ impl Session {
         let mut topics = Vec::new();
         for field in &plan.fields {
             let topic = self.topic(plan, field, layouts);
-            self.open_tap(plan, field, &topic, layouts)?;
-            self.open_outlets(plan, field, &topic.grid, layouts)
+            self.subscribe(plan, field, &topic, layouts)?;
+            self.open_publishers(plan, field, &topic.grid, layouts)
                 .map_err(|error| not_connected(&error))?;
             topics.push(topic);
         }
@@ -237,18 +242,20 @@ impl Session {
         self.peers.endpoint().close_unused();
         let (deadline, interpolation) =
             (self.peers.deadlines().start.as_secs_f64(), plan.interpolation);
-        for one in self.peers.all().keys() {
+        for participant in self.peers.all().keys() {
             let pairs = || plan.fields.iter().zip(&topics);
-            let outputs = pairs().filter(|(f, _)| f.producer == one).map(|(_, t)| t.clone());
+            let outputs =
+                pairs().filter(|(f, _)| f.producer == participant).map(|(_, t)| t.clone());
             let outputs = outputs.collect();
-            let consumed = pairs().filter(|(f, _)| f.consumers.contains(&one));
-            let inputs = consumed.map(|(field, topic)| self.subscribed(one, field, topic, layouts));
-            let inputs = inputs.chain(live::topics(plan, one)).collect();
-            let geometry = self.geometry_topics(plan, one, layouts);
-            let figures = plan.participants[one].figures.clone();
+            let consumed = pairs().filter(|(f, _)| f.consumers.contains(&participant));
+            let inputs =
+                consumed.map(|(field, topic)| self.subscribed(participant, field, topic, layouts));
+            let inputs = inputs.chain(live::topics(plan, participant)).collect();
+            let geometry = self.geometry_topics(plan, participant, layouts);
+            let figures = plan.participants[participant].figures.clone();
             let topics = Topics { inputs, outputs, deadline, interpolation, geometry, figures };
             let body = serde_json::to_vec(&topics).expect("topics are plain data");
-            self.peers.post(one, Command::new(CommandKind::Connect), &body, true)?;
+            self.peers.post(participant, Command::new(CommandKind::Connect), &body, true)?;
         }
         let mut pending = self.peers.all().keys().collect();
         let deadline = self.peers.deadlines().start;
@@ -262,28 +269,30 @@ impl Session {
         Ok(())
     }
 
-    /// Lets everybody build its model, publish the geometry of its volumes, and its first outputs.
+    /// Lets every participant build its model, and publish the geometry of its volumes and its
+    /// first outputs.
     fn initialise(&mut self, layouts: &TiSlice<ParticipantIndex, Layout>) -> Result<(), RunError> {
-        for one in self.peers.all().keys() {
-            self.peers.post(one, Command::new(CommandKind::Initialise), &[], true)?;
+        for participant in self.peers.all().keys() {
+            self.peers.post(participant, Command::new(CommandKind::Initialise), &[], true)?;
         }
         let before = Step { iteration: 0, ..Step::STEADY };
         let mut pending = self.peers.all().keys().collect();
         let deadlines = *self.peers.deadlines();
-        let patience = |one| deadlines.build_of(&layouts[one]);
-        while let Some((one, answer)) = self.peers.next_reply(&mut pending, patience)? {
+        let patience = |participant| deadlines.build_of(&layouts[participant]);
+        while let Some((participant, answer)) = self.peers.next_reply(&mut pending, patience)? {
             answer?;
-            self.receive_geometry(one, &before)?;
-            self.check_volumes(one)?;
-            self.collect(one, &before, false)?;
+            self.receive_geometry(participant, &before)?;
+            self.check_volumes(participant)?;
+            self.collect(participant, &before, false)?;
         }
         self.keep_geometry();
         self.make_mappings()?;
         self.parts = self.coupling_parts();
-        self.taps.keys().try_for_each(|tap| self.check_finite(tap))
+        self.fields.keys().try_for_each(|field| self.check_finite(field))
     }
 
-    fn open_tap(
+    /// Subscribes to a field.
+    fn subscribe(
         &mut self,
         plan: &Plan,
         field: &Field,
@@ -299,14 +308,16 @@ impl Session {
             |recorder: &Arc<Recorder>| recorder.listen(self.peers.endpoint(), &topic.service);
         let recorded =
             self.peers.recorder().map(listen).transpose().map_err(|error| not_connected(&error))?;
-        let direct = readers(field, layouts, &Subscription::Producer);
-        self.taps.push(Tap {
+        let direct = readers(field, layouts, &FieldSource::Producer);
+        self.fields.push(FieldSubscription {
             kind: field.kind.clone(),
             grid: topic.grid.clone(),
             moving: self.moving_grid(field.producer, &topic.grid.name),
             producer: field.producer,
             producer_role: plan.participants[field.producer].role.clone(),
-            readers: direct.map(|one| consumer(plan, field, one)).collect(),
+            readers: direct
+                .map(|participant| Consumer::new(plan, &field.kind.name, participant))
+                .collect(),
             observed_only: field.observed_only(),
             wanted: field.wanted,
             reader,
@@ -317,37 +328,195 @@ impl Session {
         Ok(())
     }
 
-    /// The coordinator's own topics of the field whose tap was opened last.
-    fn open_outlets(
+    /// Opens the coordinator's own topics of the field that was subscribed last.
+    fn open_publishers(
         &mut self,
         plan: &Plan,
         field: &Field,
         source: &Grid,
         layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Result<(), TransportError> {
-        let tap = self.taps.last_key().expect("the tap was opened before");
+        let index = self.fields.last_key().expect("the field was subscribed to before");
         let (kind, recorder) = (&field.kind, self.peers.recorder());
         if !field.fed_back.is_empty() {
-            let iterates = readers(field, layouts, &Subscription::Iterates);
-            let readers: Vec<Consumer> = iterates.map(|one| consumer(plan, field, one)).collect();
+            let iterates = readers(field, layouts, &FieldSource::Iterates);
+            let readers: Vec<Consumer> = iterates
+                .map(|participant| Consumer::new(plan, &field.kind.name, participant))
+                .collect();
             let open = |subscribers| {
-                let service = Feedback::service(&kind.name);
-                Outlet::open(self.peers.endpoint(), &service, (kind, source), subscribers, recorder)
+                let service = CoupledField::service(&kind.name);
+                FieldPublisher::open(
+                    self.peers.endpoint(),
+                    &service,
+                    (kind, source),
+                    subscribers,
+                    recorder,
+                )
             };
-            let outlet = (!readers.is_empty()).then(|| open(readers.len())).transpose()?;
-            self.feedback.push(Feedback::new(tap, readers, outlet));
+            let publisher = (!readers.is_empty()).then(|| open(readers.len())).transpose()?;
+            self.coupled.push(CoupledField::new(index, readers, publisher));
         }
-        for &one in &field.consumers {
-            let Subscription::Mapped(grid) = subscription(field, one, layouts) else { continue };
-            let service = Mapped::service(&kind.name, &plan.participants[one].role);
-            let outlet = Outlet::open(self.peers.endpoint(), &service, (kind, grid), 1, recorder)?;
-            let part = self.feedback.last_key().filter(|_| field.fed_back.contains(&one));
-            let moving = self.moving_grid(one, &grid.name);
-            let (of, reader) = ((kind, grid, moving), consumer(plan, field, one));
-            self.mapped.push(Mapped::new((tap, part), of, field.method, reader, outlet));
+        for &participant in &field.consumers {
+            let FieldSource::Mapped(grid) = source_of(field, participant, layouts) else {
+                continue;
+            };
+            let service = FieldMapping::service(&kind.name, &plan.participants[participant].role);
+            let publisher =
+                FieldPublisher::open(self.peers.endpoint(), &service, (kind, grid), 1, recorder)?;
+            let part = self.coupled.last_key().filter(|_| field.fed_back.contains(&participant));
+            let moving = self.moving_grid(participant, &grid.name);
+            let (of, reader) =
+                ((kind, grid, moving), Consumer::new(plan, &field.kind.name, participant));
+            self.mapped.push(FieldMapping::new((index, part), of, field.method, reader, publisher));
         }
         Ok(())
     }
+
+    /// Subscribes to the grids whose geometry is sent.
+    fn open_geometry(
+        &mut self,
+        plan: &Plan,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
+    ) -> Result<(), TransportError> {
+        for (participant, layout) in layouts.iter_enumerated() {
+            for grid in plan.travelling(participant, layout) {
+                let owner = (participant, self.peers.all()[participant].role());
+                let recorder = self.peers.recorder();
+                self.moving.push(MovingGrid::open(self.peers.endpoint(), owner, grid, recorder)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the geometry topics that a participant must publish. Their subscribers are the
+    /// coordinator, and every participant that receives a field on the grid from its producer, or
+    /// iterates of the field.
+    fn geometry_topics(
+        &self,
+        plan: &Plan,
+        participant: ParticipantIndex,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
+    ) -> Vec<GeometryTopic> {
+        let topic = |moving: &MovingGrid| {
+            let name = &moving.grid.name;
+            let on_it = |field: &&Field| {
+                let grid = layouts[participant].grid_of(&field.kind.name);
+                field.producer == participant && grid.is_some_and(|grid| grid.name == *name)
+            };
+            let listens = |consumer: &ParticipantIndex| {
+                plan.fields.iter().filter(on_it).any(|field| {
+                    let maps =
+                        || matches!(source_of(field, *consumer, layouts), FieldSource::Mapped(_));
+                    field.consumers.contains(consumer) && !maps()
+                })
+            };
+            let listeners = self.peers.all().keys().filter(listens).count();
+            let service = MovingGrid::service(self.peers.all()[participant].role(), name);
+            let subscribers = listeners + 1 + usize::from(self.peers.recorder().is_some());
+            GeometryTopic { grid: name.clone(), service, subscribers }
+        };
+        self.moving.iter().filter(|moving| moving.participant == participant).map(topic).collect()
+    }
+
+    /// Returns the service of a grid's geometry, if the grid may move.
+    fn geometry_service(&self, participant: ParticipantIndex, grid: &Grid) -> Option<String> {
+        let moves = self.moving_grid(participant, &grid.name);
+        moves.map(|_| MovingGrid::service(self.peers.all()[participant].role(), &grid.name))
+    }
+
+    /// Returns the topic on which the producer sends a field.
+    fn topic(
+        &self,
+        plan: &Plan,
+        field: &Field,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
+    ) -> Topic {
+        let role = &plan.participants[field.producer].role;
+        let grid: &Grid =
+            layouts[field.producer].grid_of(&field.kind.name).expect("layout is checked");
+        Topic {
+            field: field.kind.name.clone(),
+            service: format!("field/{role}/{}", field.kind.name),
+            grid: grid.clone(),
+            // Subscribers: direct consumers, the coordinator, and the recorder.
+            subscribers: readers(field, layouts, &FieldSource::Producer).count()
+                + 1
+                + usize::from(self.peers.recorder().is_some()),
+            geometry: self.geometry_service(field.producer, grid),
+        }
+    }
+
+    /// Returns the topic on which a consumer receives a field, given the producer's topic.
+    fn subscribed(
+        &self,
+        participant: ParticipantIndex,
+        field: &Field,
+        topic: &Topic,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
+    ) -> Topic {
+        let name = &topic.field;
+        match source_of(field, participant, layouts) {
+            FieldSource::Producer => topic.clone(),
+            FieldSource::Iterates => Topic {
+                service: CoupledField::service(name),
+                subscribers: readers(field, layouts, &FieldSource::Iterates).count(),
+                ..topic.clone()
+            },
+            FieldSource::Mapped(grid) => Topic {
+                field: name.clone(),
+                service: FieldMapping::service(name, self.peers.all()[participant].role()),
+                grid: grid.clone(),
+                subscribers: 1,
+                geometry: self.geometry_service(participant, grid),
+            },
+        }
+    }
+}
+
+/// Sender from which a consumer receives a field.
+#[derive(Debug, PartialEq)]
+enum FieldSource<'a> {
+    Producer,
+    /// The coordinator, on the producer's grid.
+    Iterates,
+    /// The coordinator, on the grid that the consumer wants; the values may be iterates as well.
+    Mapped(&'a Grid),
+}
+
+/// Returns the sender from which a consumer receives a field.
+fn source_of<'a>(
+    field: &Field,
+    participant: ParticipantIndex,
+    layouts: &'a TiSlice<ParticipantIndex, Layout>,
+) -> FieldSource<'a> {
+    match non_matching(field, participant, |index| layouts.get(index)) {
+        Some([_, wanted]) => FieldSource::Mapped(wanted),
+        None if field.fed_back.contains(&participant) => FieldSource::Iterates,
+        None => FieldSource::Producer,
+    }
+}
+
+/// Returns the consumers that receive a field from this sender.
+fn readers<'a>(
+    field: &'a Field,
+    layouts: &'a TiSlice<ParticipantIndex, Layout>,
+    source: &'a FieldSource<'a>,
+) -> impl Iterator<Item = ParticipantIndex> + 'a {
+    field
+        .consumers
+        .iter()
+        .copied()
+        .filter(move |&participant| source_of(field, participant, layouts) == *source)
+}
+
+/// Returns whether a participant is informed that the grid of an input may move. The layouts of
+/// participants before it and the estimates of later ones give this information.
+fn is_informed(plan: &Plan, layouts: &TiSlice<ParticipantIndex, Layout>, input: &Input) -> bool {
+    let producer = plan.participants.position(|p| p.role == input.producer);
+    let layout = producer.and_then(|index| {
+        layouts.get(index).or_else(|| plan.participants[index].estimate.as_ref())
+    });
+    layout.is_some_and(|layout| layout.moves_under(&input.field.name))
 }
 
 fn not_connected(error: &dyn std::fmt::Display) -> RunError {

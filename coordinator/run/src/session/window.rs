@@ -1,6 +1,6 @@
-//! The windows of a run: solved, accepted, and the end after the last one.
+//! Windows of a run: solving, accepting, and the end after the last one.
 
-use super::solved::SolveRecord;
+use super::reports::SolveRecord;
 use super::{Observed, Session, audit};
 use crate::crew;
 use crate::error::RunError;
@@ -10,86 +10,87 @@ use contract::step::Step;
 use coupling::{Exchange, Part, ParticipantIndex};
 
 impl Session {
-    /// Makes the last solve of every participant its accepted state. Fields of those which are
-    /// observed are published and received, and figures of those which describe any. Grids that move
-    /// are where they have moved to thereafter.
+    /// Makes the last solve of every participant its accepted state. Participants publish observed
+    /// fields and figures, and the new geometry of grids that move.
     pub fn accept(&mut self, step: &Step, observed: Observed) -> Result<(), RunError> {
-        // Nothing else looks through what was sent last in an explicit scheme before it is kept.
-        self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
+        // In an explicit scheme no other check covers the samples of the last solve before they are
+        // accepted.
+        self.fields.keys().try_for_each(|field| self.check_finite(field))?;
         self.peers.phase = Phase::Accepting(*step);
         self.check_live()?;
         let (mut observing, mut pending) = (Participants::new(), Participants::new());
-        for one in self.peers.all().keys() {
-            let observe = self.is_observed(one, observed);
-            let figures = self.figures.are_asked_of(one);
-            let answer = observe || figures || self.has_moving_grids(one);
-            observing.extend(observe.then_some(one));
-            pending.extend(answer.then_some(one));
+        for participant in self.peers.all().keys() {
+            let observe = self.is_observed(participant, observed);
+            let figures = self.figures.are_asked_of(participant);
+            let answer = observe || figures || self.has_moving_grids(participant);
+            observing.extend(observe.then_some(participant));
+            pending.extend(answer.then_some(participant));
             let mut command = Command::about(CommandKind::Accept, step);
             command.flags = if observe { OBSERVE } else { 0 } | if figures { FIGURES } else { 0 };
-            self.peers.post(one, command, &[], answer)?;
+            self.peers.post(participant, command, &[], answer)?;
         }
         self.keep_geometry();
         let deadline = self.peers.deadlines().solve;
         let mut failures = Vec::new();
-        while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+        while let Some((participant, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
             let message = match answer {
                 Ok(message) => message,
                 Err(error) => {
-                    failures.push((one, error));
+                    failures.push((participant, error));
                     continue;
                 }
             };
-            if self.figures.are_asked_of(one) {
-                let taken = self.figures.take(one, message.body());
-                taken.map_err(|what| self.peers.misbehaved(one, what))?;
+            if self.figures.are_asked_of(participant) {
+                let taken = self.figures.take(participant, message.body());
+                taken.map_err(|what| self.peers.misbehaved(participant, what))?;
             }
             drop(message);
-            if observing.contains(&one) {
-                self.collect(one, step, true)?;
+            if observing.contains(&participant) {
+                self.collect(participant, step, true)?;
             }
-            self.receive_geometry(one, step)?;
+            self.receive_geometry(participant, step)?;
         }
         if let Some(error) = first(failures) {
             self.unanswered = true;
             return Err(error);
         }
         if !observing.is_empty() {
-            self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
+            self.fields.keys().try_for_each(|field| self.check_finite(field))?;
         }
         Ok(())
     }
 
-    /// The window has no answer that may be accepted.
+    /// Notes that the window has no answer that could be accepted.
     pub fn no_answer(&mut self) {
         self.unanswered = true;
     }
 
-    /// What is behind the error of a participant ([`crate::peers::Peers::cause`]).
+    /// Returns the cause of the error of a participant ([`crate::peers::Peers::cause`]).
     #[must_use]
     pub fn cause(&self, error: RunError) -> RunError {
         self.peers.cause(error)
     }
 
-    /// The last error was that a participant has no answer: all others go on.
+    /// Returns whether the last error was that a participant has no answer, so that all others
+    /// continue. Clears the note.
     pub fn take_unanswered(&mut self) -> bool {
         std::mem::take(&mut self.unanswered)
     }
 
-    fn is_observed(&self, one: ParticipantIndex, observed: Observed) -> bool {
-        let mut own = self.taps.iter().filter(|tap| tap.producer == one).peekable();
+    fn is_observed(&self, participant: ParticipantIndex, observed: Observed) -> bool {
+        let mut own = self.fields.iter().filter(|field| field.producer == participant).peekable();
         match observed {
             Observed::Everybody => true,
-            Observed::Unconsumed => own.peek().is_some() && own.all(|tap| tap.observed_only),
+            Observed::Unconsumed => own.peek().is_some() && own.all(|field| field.observed_only),
             Observed::Nobody => false,
         }
     }
 
-    /// Asks every participant for its summary and lets it go, or stay for the next run.
+    /// Asks every participant for its summary, and lets it end or stay for the next run.
     ///
     /// # Errors
     /// A participant fails, has ended, is late, or reports negative times.
-    pub fn finish(mut self) -> Result<(Vec<Finished>, Option<Leaving>), RunError> {
+    pub fn finish(mut self) -> Result<(Vec<Finished>, Option<PendingExits>), RunError> {
         self.peers.phase = Phase::Finishing;
         if let Some(recorder) = self.peers.recorder() {
             recorder.stop_listening()?;
@@ -97,52 +98,53 @@ impl Session {
         self.tell_mappings();
         let stay = self.reusable && crew::stays();
         let flags = if stay { STAY } else { 0 };
-        for one in self.peers.all().keys() {
+        for participant in self.peers.all().keys() {
             let command = Command { flags, ..Command::new(CommandKind::Finish) };
-            self.peers.post(one, command, &[], true)?;
+            self.peers.post(participant, command, &[], true)?;
         }
         let mut finished = Vec::with_capacity(self.peers.all().len());
         let deadline = self.peers.deadlines().solve;
         let mut pending = self.peers.all().keys().collect();
-        while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+        while let Some((participant, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
             let said: Finished = serde_json::from_slice(answer?.body()).map_err(|e| {
-                self.peers.misbehaved(one, format!("its summary is not valid: {e}"))
+                self.peers.misbehaved(participant, format!("its summary is not valid: {e}"))
             })?;
             let (model, processor) = (said.model_seconds, said.cpu_seconds);
             if model < 0.0 || processor < 0.0 {
                 let what = format!("model_seconds is {model} s, cpu_seconds {processor} s");
-                return Err(self.peers.misbehaved(one, what));
+                return Err(self.peers.misbehaved(participant, what));
             }
             finished.push(said);
         }
         if stay {
-            let Self { guard, peers, taps, feedback, mapped, moving, live, memory, .. } = self;
+            let Self { guard, peers, fields, coupled, mapped, moving, live, memory, .. } = self;
             guard.spare();
-            // The next run has the same ports.
-            drop((taps, feedback, mapped, moving, live));
+            // The next run needs the same ports.
+            drop((fields, coupled, mapped, moving, live));
             crew::stay(peers.after_run(memory.taken()));
             return Ok((finished, None));
         }
-        Ok((finished, Some(Leaving(self))))
+        Ok((finished, Some(PendingExits(self))))
     }
 }
 
-/// Participants that have been asked to leave. Their exits are waited for when this is dropped, so
-/// that results are written meanwhile.
+/// Participants that have been asked to end. Dropping this waits for their exits, so that results
+/// can be written meanwhile.
 #[derive(Debug)]
 #[must_use]
-pub struct Leaving(Session);
+pub struct PendingExits(Session);
 
-impl Drop for Leaving {
-    /// Ends those that do not leave.
+impl Drop for PendingExits {
+    /// Waits for the exits; the session then kills the remaining processes.
     fn drop(&mut self) {
         self.0.peers.wait_for_exits();
     }
 }
 
-/// The error of the first participant in the plan's order, whichever has failed first in time.
+/// Returns the error of the first failed participant in the order of the plan, independent of
+/// timing.
 fn first(failures: Vec<(ParticipantIndex, RunError)>) -> Option<RunError> {
-    failures.into_iter().min_by_key(|(one, _)| *one).map(|(_, error)| error)
+    failures.into_iter().min_by_key(|(participant, _)| *participant).map(|(_, error)| error)
 }
 
 impl Exchange for Session {
@@ -159,56 +161,57 @@ impl Exchange for Session {
         }
         self.send_live(step)?;
         self.send_mapped(participants)?;
-        for &one in participants {
+        for &participant in participants {
             let mut command = Command::about(CommandKind::Solve, step);
-            for tap in &self.taps {
-                for reader in tap.readers().iter().filter(|r| r.participant == one) {
-                    command.expected[reader.slot] = tap.sequence();
+            for field in &self.fields {
+                for reader in field.readers().iter().filter(|r| r.participant == participant) {
+                    command.expected[reader.slot] = field.sequence();
                 }
             }
-            for feedback in &self.feedback {
-                for reader in feedback.readers.iter().filter(|r| r.participant == one) {
-                    command.expected[reader.slot] = feedback.sequence();
+            for coupled in &self.coupled {
+                for reader in coupled.readers.iter().filter(|r| r.participant == participant) {
+                    command.expected[reader.slot] = coupled.sequence();
                 }
             }
             for sent in &self.live.sent {
-                for reader in sent.readers.iter().filter(|r| r.participant == one) {
-                    command.expected[reader.slot] = sent.outlet.sequence();
+                for reader in sent.readers.iter().filter(|r| r.participant == participant) {
+                    command.expected[reader.slot] = sent.publisher.sequence();
                 }
             }
-            for mapped in self.mapped.iter().filter(|m| m.reader.participant == one) {
-                command.expected[mapped.reader.slot] = mapped.outlet().sequence();
+            for mapped in self.mapped.iter().filter(|m| m.reader.participant == participant) {
+                command.expected[mapped.reader.slot] = mapped.publisher().sequence();
             }
-            self.peers.post(one, command, &[], true)?;
+            self.peers.post(participant, command, &[], true)?;
         }
-        // While they compute, what was sent before is audited, recorded and looked through.
-        for &one in participants {
-            let Self { taps, feedback, mapped, .. } = &*self;
-            self.solved[one].heat_sent = audit::commanded(taps, feedback, mapped, one);
+        // While the participants compute, the samples sent before are audited, recorded and
+        // checked.
+        for &participant in participants {
+            let Self { fields, coupled, mapped, .. } = &*self;
+            self.solved[participant].sent = audit::commanded(fields, coupled, mapped, participant);
         }
         if let Some(recorder) = self.peers.recorder() {
             recorder.hand_over();
         }
-        self.taps.keys().try_for_each(|tap| self.check_finite(tap))?;
+        self.fields.keys().try_for_each(|field| self.check_finite(field))?;
         let mut longest = 0.0_f64;
         let (deadline, mut failures) = (self.peers.deadlines().solve, Vec::new());
         let mut pending = participants.iter().copied().collect();
-        while let Some((one, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
+        while let Some((participant, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
             let message = match answer {
                 Ok(message) => message,
                 Err(error) => {
-                    failures.push((one, error));
+                    failures.push((participant, error));
                     continue;
                 }
             };
-            let before = self.solved[one];
-            let fault = audit::report_fault(message.header(), before.heat_received);
-            fault.map_or(Ok(()), |what| Err(self.peers.misbehaved(one, what)))?;
-            let heat_sent = before.heat_sent;
-            self.solved[one] = SolveRecord { heat_sent, ..SolveRecord::of(message.header()) };
-            longest = longest.max(self.solved[one].model_seconds);
+            let before = self.solved[participant];
+            let fault = audit::report_fault(message.header(), before.received);
+            fault.map_or(Ok(()), |what| Err(self.peers.misbehaved(participant, what)))?;
+            let sent = before.sent;
+            self.solved[participant] = SolveRecord { sent, ..SolveRecord::of(message.header()) };
+            longest = longest.max(self.solved[participant].model_seconds);
             drop(message);
-            self.collect(one, step, false)?;
+            self.collect(participant, step, false)?;
         }
         self.computed_seconds += longest;
         self.unanswered = !failures.is_empty();

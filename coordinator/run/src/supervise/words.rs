@@ -1,4 +1,4 @@
-//! What a participant writes to its standard output and error: into the log line by line, up to a limit.
+//! Standard output and error of a participant, copied into the log line by line, up to a limit.
 
 use contract::text::one_line;
 use std::collections::VecDeque;
@@ -6,28 +6,28 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tokio::io::{AsyncBufRead, AsyncBufReadExt, AsyncRead, AsyncReadExt, BufReader};
 use tokio::task::JoinHandle;
 
-/// A line longer than this is logged in pieces [byte].
+/// Length at which a line is split in the log [byte].
 const LONGEST_LINE: u64 = 64 * 1024;
 
 /// Space in the log for the lines of one participant [byte].
 const ROOM: usize = 8 << 20;
-/// What a line takes besides its text: time, role, braces [byte].
+/// Size of a log line besides its text: time, role, braces [byte].
 const FRAME: usize = 128;
-/// Lines that are kept of those that find no room: the last ones say how it ended.
+/// Number of last lines that are logged after the limit: they show how the process ended.
 const LAST: usize = 20;
 
-/// The lines of a participant.
+/// Lines written by a participant.
 #[derive(Debug)]
-pub(super) struct Words {
+pub(super) struct ProcessOutput {
     role: String,
     room: usize,
     last: Option<String>,
-    /// Lines that found no room, and the newest of them.
+    /// Number of lines beyond the limit, and the newest of them.
     left_out: u64,
     newest: VecDeque<String>,
 }
 
-impl Words {
+impl ProcessOutput {
     pub(super) fn new(role: &str) -> Self {
         let (role, newest) = (role.to_owned(), VecDeque::new());
         Self { role, room: ROOM, last: None, left_out: 0, newest }
@@ -43,7 +43,7 @@ impl Words {
         if self.left_out == 0 {
             let mebibytes = ROOM >> 20;
             let role = &self.role;
-            tracing::warn!(role, "it has written {mebibytes} MiB; further lines are left out");
+            tracing::warn!(role, "it has written {mebibytes} MiB; further lines are omitted");
         }
         self.left_out += 1;
         self.newest.push_back(line.to_owned());
@@ -56,12 +56,12 @@ impl Words {
         tracing::info!(target: "participant", role = self.role, "{line}");
     }
 
-    /// There are no more. Logs the newest of those that were left out; the very last line of all.
+    /// Ends the output: logs the newest omitted lines, and returns the last line of all.
     pub(super) fn end(&mut self) -> Option<String> {
         let newest = std::mem::take(&mut self.newest);
         let lines = self.left_out - newest.len() as u64;
         if lines > 0 {
-            tracing::warn!(role = self.role, lines, "lines were left out; the last ones follow");
+            tracing::warn!(role = self.role, lines, "lines were omitted; the last ones follow");
         }
         newest.iter().for_each(|line| self.log(line));
         self.last.take()
@@ -71,7 +71,7 @@ impl Words {
 /// Copies a process's output into the log.
 pub(super) fn relay(
     pipe: impl AsyncRead + Unpin + Send + 'static,
-    words: &Arc<Mutex<Words>>,
+    words: &Arc<Mutex<ProcessOutput>>,
 ) -> JoinHandle<()> {
     let words = Arc::clone(words);
     tokio::spawn(async move {
@@ -87,7 +87,7 @@ pub(super) fn relay(
     })
 }
 
-/// Reads a line, or as much of it as is kept in one piece; false at the end.
+/// Reads a line, or a piece of a long line. Returns false at the end.
 async fn next_line(pipe: &mut (impl AsyncBufRead + Unpin), line: &mut Vec<u8>) -> bool {
     line.clear();
     let mut piece = pipe.take(LONGEST_LINE);

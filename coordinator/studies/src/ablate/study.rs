@@ -1,55 +1,66 @@
-//! What the study has found: `ablate.json`.
+//! Runs and results of an ablation: `ablate.json`.
 
-use crate::study::output::Kept;
-use crate::study::quantity::Quantity;
-use crate::study::spent::{Spent, Stopwatch};
+use crate::advise::{Advised, advise};
+use crate::study::levels::reason;
+use crate::study::output::StudyFile;
+use crate::study::quantity::{Quantities, Quantity};
+use crate::study::runner::{Attempt, Outcome, Point, Runner};
+use crate::study::spent::RunCost;
+use console::case_arguments::CaseArguments;
+use contract::advice::{Advice, Change, SIGNIFICANT_CHANGE};
+use run::error::RunError;
+use run::plan::Planned;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// A study, as `ablate.json` has it.
+/// Factor within which first-order advice counts as agreeing with a run.
+const FACTOR: f64 = 3.0;
+
+/// Contents of `ablate.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Study {
-    /// Version of this layout.
+    /// Version of the file's layout.
     pub schema: u32,
     /// Name of the case.
     pub case: String,
-    /// What the case is about.
+    /// Title of the case.
     pub title: Option<String>,
     /// The case file.
     pub file: String,
-    /// The quantities of interest that the runs have.
+    /// Quantities of interest that occur in the runs.
     pub quantities: Vec<Quantity>,
-    /// The case as it is.
+    /// Run of the unmodified case.
     pub whole: Run,
-    /// The case without each of its effects.
+    /// Runs without each of the case's effects.
     pub without: Vec<Run>,
-    /// The case with each effect that it does not have, and that is advised.
+    /// Runs with each advised effect that the case lacks.
     #[serde(default)]
     pub with: Vec<Run>,
-    /// What was advised before anything ran, and whether the runs agree.
+    /// Advice given before the runs, compared with the measurements.
     #[serde(default)]
     pub advice: Vec<Judged>,
 }
 
-/// Advice beside what the runs have found.
+/// Advice for one effect, compared with the measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Judged {
-    /// The effect.
+    /// Name of the effect.
     pub effect: String,
-    /// Key of the figure that it was to move most; empty where the scene was to have no answer with it.
+    /// Key of the figure that the effect should change most; empty if the case should have no
+    /// result with the effect.
     pub figure: String,
-    /// By how much, of its value without the effect; absent where there is none without it.
+    /// Advised relative change; absent if the figure does not exist without the effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub advised: Option<f64>,
-    /// By how much it did; absent where one of the runs does not have the figure.
+    /// Measured relative change; absent if one of the runs lacks the figure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<f64>,
-    /// In sign, and in size to a factor of three; or both below what matters.
+    /// Whether both agree: in sign and, up to a factor of three, in size; or both are too small to
+    /// matter.
     pub agrees: bool,
 }
 
-impl Kept for Study {
+impl StudyFile for Study {
     const COMMAND: &'static str = "ablate";
     const FILE: &'static str = "ablate.json";
     const SCHEMA: u32 = 3;
@@ -58,32 +69,37 @@ impl Kept for Study {
 /// One run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Run {
-    /// The effect that is off; empty for the case as it is.
+    /// Effect that is switched off or added; empty for the unmodified case.
     pub effect: String,
-    /// Why it has no quantities.
+    /// Reason why the run has no quantities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
-    /// Its quantities by key.
+    /// Values of the quantities by key.
     pub values: BTreeMap<String, f64>,
-    /// Its quantities' change against the case as it is, by key: relative, or the difference for a
-    /// place or a share; absent for a quantity that one of the two does not have.
+    /// Changes relative to the unmodified case by key: relative changes, or differences for
+    /// positions and fractions. Absent if one of the two runs lacks the quantity.
     pub changes: BTreeMap<String, f64>,
-    /// What it cost.
-    pub cost: Spent,
+    /// Cost of the run.
+    pub cost: RunCost,
 }
 
 impl Run {
-    /// Takes these quantities of a run, and its cost if it is the least so far.
-    pub(super) fn take(&mut self, summary: &Value, of: &[Quantity], stopwatch: &Stopwatch) {
-        let cost = Spent::of(summary, stopwatch);
-        if self.values.is_empty() || cost.solve_s < self.cost.solve_s {
-            self.cost = cost;
+    /// Converts an attempt without, or with, an effect. A failed or refused attempt has a reason
+    /// and no quantities.
+    fn of(effect: &str, attempt: Attempt, quantities: &[Quantity]) -> Self {
+        let run = Self { effect: effect.to_owned(), ..Self::default() };
+        match attempt.outcome {
+            Outcome::Finished(made) => {
+                let value = |one: &Quantity| Some((one.key.clone(), one.value(&made.summary)?));
+                let values = quantities.iter().filter_map(value).collect();
+                Self { values, cost: made.spent, ..run }
+            }
+            Outcome::Failed(error) => Self { failed: Some(reason(&error)), ..run },
+            Outcome::LeftOut(why) => Self { failed: Some(why), ..run },
         }
-        let value = |one: &Quantity| Some((one.key.clone(), one.value(summary)?));
-        self.values = of.iter().filter_map(value).collect();
     }
 
-    /// Takes the changes of its figures against those of the case as it is.
+    /// Computes the changes of the quantities relative to the unmodified case.
     pub(super) fn compare(&mut self, whole: &Self, quantities: &[Quantity]) {
         let change = |quantity: &Quantity| {
             let key = &quantity.key;
@@ -92,4 +108,122 @@ impl Run {
         };
         self.changes = quantities.iter().filter_map(change).collect();
     }
+}
+
+/// Runs a case unmodified, without each of its effects, and with each advised effect that the case
+/// lacks.
+///
+/// # Errors
+/// The unmodified case does not run, or the file system fails.
+pub(super) fn study(
+    of: &CaseArguments,
+    standing: &Planned,
+    runner: &mut Runner<'_>,
+) -> Result<Study, RunError> {
+    let advised = advise(&of.case, &of.changes, standing)?;
+    let plan = &standing.plan;
+    let quantities = Quantities::of_figures(&plan.figures);
+    let mut interest = quantities.of_interest.clone();
+    for change in advised.iter().filter_map(|one| one.advice.change.as_ref()) {
+        if interest.iter().all(|known| known.key != change.figure) {
+            interest.push(quantities.of(&change.figure));
+        }
+    }
+    let active: Vec<&str> =
+        plan.effects.iter().filter(|effect| effect.active).map(|e| e.name.as_str()).collect();
+    let missing: Vec<&Advised> = advised.iter().filter(|one| one.is_missing()).collect();
+    let whole = Point { name: "with all effects".to_owned(), changes: of.changes.clone() };
+    let without = active.iter().map(|effect| {
+        let mut changes = of.changes.clone();
+        changes.unset.push(format!("effects.{effect}"));
+        Point { name: format!("without {effect}"), changes }
+    });
+    let with = missing.iter().map(|one| Point {
+        name: format!("with {}", one.advice.effect),
+        changes: one.changes(&of.changes),
+    });
+    let points: Vec<Point> = std::iter::once(whole).chain(without).chain(with).collect();
+    let effects = active.iter().copied().chain(missing.iter().map(|one| &*one.advice.effect));
+    let effects: Vec<&str> = std::iter::once("").chain(effects).collect();
+    let mut runs: Vec<Run> = Vec::new();
+    runner.run(&points, |n, attempt| {
+        let mut run = Run::of(effects[n], attempt, &interest);
+        match (runs.first(), &run.failed) {
+            (Some(whole), _) => run.compare(whole, &interest),
+            (None, Some(why)) => {
+                let why = format!("the unmodified case does not run: {why}");
+                return Err(RunError::Usage(why));
+            }
+            (None, None) => {}
+        }
+        runs.push(run);
+        Ok(())
+    })?;
+    let known = |one: &&Quantity| runs.iter().any(|run| run.values.contains_key(&one.key));
+    let quantities = interest.iter().filter(known).cloned().collect();
+    let with = runs.split_off(1 + active.len());
+    let without = runs.split_off(1);
+    let whole = runs.remove(0);
+    let judged = advised.iter().filter_map(|one| {
+        let others = if one.active { &without } else { &with };
+        let other = others.iter().find(|run| run.effect == one.advice.effect)?;
+        let (on, off) = if one.active { (&whole, other) } else { (other, &whole) };
+        judge(&one.advice, on, off)
+    });
+    let advice = judged.collect();
+    Ok(Study {
+        schema: Study::SCHEMA,
+        case: plan.name.clone(),
+        title: plan.title.clone(),
+        file: of.case.display().to_string(),
+        quantities,
+        whole,
+        without,
+        with,
+        advice,
+    })
+}
+
+/// Compares advice with the runs with and without the effect; `None` without advice or if a run
+/// failed.
+fn judge(advice: &Advice, on: &Run, off: &Run) -> Option<Judged> {
+    if advice.impossible {
+        let (effect, figure) = (advice.effect.clone(), String::new());
+        let agrees = on.failed.is_some();
+        return Some(Judged { effect, figure, advised: None, measured: None, agrees });
+    }
+    let Change { figure, relative } = advice.change.as_ref()?;
+    if on.failed.is_some() || off.failed.is_some() {
+        return None;
+    }
+    let of = |run: &Run| run.values.get(figure).copied();
+    let measured = match (of(on), of(off)) {
+        (Some(on), Some(off)) if on == off => Some(0.0),
+        // If both values have the same sign, compare magnitudes.
+        (Some(on), Some(off)) if on * off > 0.0 => Some(on / off - 1.0),
+        (Some(on), Some(off)) => Some((on - off) / off.abs()),
+        _ => None,
+    };
+    let agrees = match (relative.is_finite(), measured) {
+        (true, Some(measured)) => agree(*relative, measured),
+        (true, None) => false,
+        (false, _) => of(on).is_some_and(|on| on != 0.0) && of(off).is_none_or(|off| off == 0.0),
+    };
+    let advised = relative.is_finite().then_some(*relative);
+    Some(Judged {
+        effect: advice.effect.clone(),
+        figure: figure.clone(),
+        advised,
+        measured,
+        agrees,
+    })
+}
+
+/// Returns whether both agree in sign and up to a factor in size, or are both too small to matter.
+fn agree(advised: f64, measured: f64) -> bool {
+    if advised.abs() < SIGNIFICANT_CHANGE && measured.abs() < SIGNIFICANT_CHANGE {
+        return true;
+    }
+    let ratio = advised / measured;
+    (1.0 / FACTOR..=FACTOR).contains(&ratio)
 }

@@ -1,15 +1,16 @@
-//! Which models are cheapest, of those that can meet a target.
+//! Chooses the cheapest models that can meet a target.
 
 use super::Target;
 use crate::study::levels::{Level, all, reason};
-use crate::study::{Variant, ends_study, expected_seconds, planned};
+use crate::study::{ends_study, expected_seconds, planned};
+use console::case_arguments::Changes;
 use coupling::windows::Windows;
 use run::error::RunError;
 use run::format::percent;
 use run::plan::{Plan, Planned};
 use std::path::Path;
 
-/// The models, and the coarsest resolution at which they expect to meet the target.
+/// Chosen models, and the coarsest resolution at which they are expected to meet the target.
 pub(super) struct Choice {
     pub(super) level: Level,
     pub(super) step: usize,
@@ -18,7 +19,7 @@ pub(super) struct Choice {
 /// Chooses among all models that can run the case.
 pub(super) fn choose(
     case: &Path,
-    base: &Variant,
+    base: &Changes,
     standing: &Planned,
     target: &Target,
 ) -> Result<Choice, RunError> {
@@ -27,14 +28,14 @@ pub(super) fn choose(
     for level in chosen(standing, base) {
         if !level.silent.is_empty() {
             let silent = level.silent.join(", ");
-            refused.push(format!("{}: {silent} states no accuracy", level.name()));
+            refused.push(format!("{}: {silent} does not state its accuracy", level.name()));
             continue;
         }
         let Some(step) = coarsest(&level, target) else { continue };
         match planned(case, &level.at(step)) {
             Ok(planned) => {
                 let level = level.in_case(&planned);
-                // What it leaves out in this very case may be too much.
+                // The simplifications of the models may be too large in this particular case.
                 let Some(step) = coarsest(&level, target) else {
                     refused.push(format!("{}: {}", level.name(), most_left_out(&level)));
                     continue;
@@ -51,8 +52,8 @@ pub(super) fn choose(
     best.map(|(_, choice)| choice).ok_or_else(|| none(standing, base, target, &refused))
 }
 
-/// All levels, or those with the models that are set by hand.
-fn chosen(standing: &Planned, base: &Variant) -> Vec<Level> {
+/// Lists all levels, restricted to models that the user has set.
+fn chosen(standing: &Planned, base: &Changes) -> Vec<Level> {
     let fixed = |role: &str| {
         let key = format!("{role}.model=");
         base.set.iter().any(|option| option.trim_start().starts_with(&key))
@@ -71,8 +72,8 @@ fn chosen(standing: &Planned, base: &Variant) -> Vec<Level> {
     levels
 }
 
-/// A resolution that is set by hand leaves nothing to choose.
-pub(super) fn refuse_resolution(level: &Level, base: &Variant) -> Result<(), RunError> {
+/// Refuses a resolution set by the user, which would leave nothing to choose.
+pub(super) fn refuse_resolution(level: &Level, base: &Changes) -> Result<(), RunError> {
     let set = |key: &str| {
         base.set.iter().any(|option| option.split_once('=').is_some_and(|(k, _)| k.trim() == key))
     };
@@ -90,8 +91,8 @@ fn most_left_out(level: &Level) -> String {
     most.map(|one| format!("{} ({:.2} %)", one.what, 100.0 * one.error)).unwrap_or_default()
 }
 
-/// The coarsest resolution, but for the very first, that leaves another to compare with, at which a
-/// level expects to meet the target.
+/// Coarsest resolution at which a level is expected to meet the target. The very first resolution
+/// is excluded, because a coarser one is needed for comparison.
 fn coarsest(level: &Level, target: &Target) -> Option<usize> {
     let first = usize::from(level.steps() > 1);
     let error = |step| {
@@ -102,7 +103,7 @@ fn coarsest(level: &Level, target: &Target) -> Option<usize> {
     (first..level.steps()).find(meets)
 }
 
-fn none(standing: &Planned, base: &Variant, target: &Target, refused: &[String]) -> RunError {
+fn none(standing: &Planned, base: &Changes, target: &Target, refused: &[String]) -> RunError {
     let expected =
         |level: &Level| level.model_error() + level.grid_error(level.steps().saturating_sub(1));
     let levels = chosen(standing, base);
@@ -110,17 +111,17 @@ fn none(standing: &Planned, base: &Variant, target: &Target, refused: &[String])
     let best = best.min_by(|a, b| a.0.total_cmp(&b.0));
     let (error, name) = best.unwrap_or((f64::NAN, "no model".to_owned()));
     let mut text = format!(
-        "no models are expected to meet {} %; the best, {name}, expect {:.2} %",
+        "no models are expected to reach an error of {} %; the best, {name}, reach {:.2} %",
         percent(target.most()),
         100.0 * error
     );
     for one in refused {
         text += &format!("; {one}");
     }
-    RunError::Usage(text + "; ask for less, or run without --accuracy")
+    RunError::Usage(text + "; relax the target, or run without --accuracy")
 }
 
-/// Length of the windows of a transient case, and its end \[s\].
+/// Window length and end of a transient case \[s\].
 pub(super) fn window(plan: &Plan) -> Option<[f64; 2]> {
     match plan.windows {
         Windows::Fixed { window, end } => Some([window, end]),

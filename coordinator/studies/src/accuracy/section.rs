@@ -1,68 +1,68 @@
-//! What is stated of the error of an answer: the section `accuracy` of the summary.
+//! The section `accuracy` of the summary, which states the error of a result.
 
 use serde::Serialize;
 
-/// The error of an answer.
+/// Error of a result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Stated {
     /// Key of the quantity.
     pub quantity: String,
-    /// Largest relative error that was asked for, if one was.
+    /// Requested relative error, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<f64>,
-    /// Estimated relative error: that of the grid and that of the models.
+    /// Estimated relative error, the sum of grid and model error.
     pub estimated_error: f64,
-    /// Of which the grids, with a factor of safety.
+    /// Relative error of the grid, including the factor of safety.
     pub grid_error: f64,
-    /// Of which the models, as they expect of themselves.
+    /// Relative error of the models, as the models expect.
     pub model_error: f64,
-    /// The estimated error is within the target.
+    /// Whether the estimated error is within the target.
     pub met: bool,
-    /// What the errors are those of.
-    pub taken: Taken,
-    /// The quantity: of the finest run, or extrapolated.
+    /// Source of the result: the finest run or the limit.
+    pub taken: ResultSource,
+    /// Value of the quantity, from the finest run or extrapolated.
     pub value: f64,
-    /// The quantity on an infinitely fine grid, as far as the grids tell.
+    /// Extrapolated value on an infinitely fine grid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extrapolated: Option<f64>,
-    /// The figures on an infinitely fine grid, where that is what is taken.
+    /// Extrapolated figures, if the limit is the result.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<StatedFigure>,
-    /// The models that were chosen.
+    /// Chosen models.
     pub models: String,
     /// The runs, coarsest first.
     pub runs: Vec<StatedRun>,
 }
 
-/// What is taken as the answer.
+/// Source of the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum Taken {
+pub(crate) enum ResultSource {
     /// The finest run.
     Run,
-    /// What the three finest grids are extrapolated to.
+    /// The limit extrapolated from the three finest grids.
     Extrapolated,
 }
 
-/// A figure on an infinitely fine grid.
+/// A figure extrapolated to an infinitely fine grid.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct StatedFigure {
-    /// Its key.
+    /// Key of the figure.
     pub key: String,
-    /// The figure.
+    /// Value of the figure.
     pub value: f64,
-    /// Estimated relative error of the grids.
+    /// Estimated relative grid error.
     pub grid_error: f64,
 }
 
-/// One run on the way to the answer.
+/// One run of the search.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct StatedRun {
-    /// What sets its resolution.
+    /// Keys that set the resolution, with their values.
     pub settings: Vec<(String, u32)>,
-    /// The quantity.
+    /// Value of the quantity.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// Seconds that it took.
+    /// Time of the run \[s\].
     pub wall_s: f64,
 }

@@ -1,4 +1,4 @@
-//! What is asked for: an error, of a quantity.
+//! Target of accuracy: a relative error of a quantity.
 
 use crate::study::quantity::{Quantities, Quantity};
 use contract::figure::Measure;
@@ -8,23 +8,24 @@ use serde_json::Value;
 /// A target of accuracy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// Largest relative error; `None` for whatever the case's own grid gives.
+    /// Largest relative error; `None` to accept the error of the case's own grid.
     pub relative: Option<f64>,
-    /// Key of the quantity in the summary; `None` for the first of interest that the summary has.
+    /// Key of the quantity in the summary; `None` for the first quantity of interest in the
+    /// summary.
     pub quantity: Option<String>,
 }
 
 impl Target {
-    /// Largest relative error.
+    /// Largest relative error, infinite without a target.
     #[must_use]
     pub fn most(&self) -> f64 {
         self.relative.unwrap_or(f64::INFINITY)
     }
 
-    /// Reads `1%` or `0.01`.
+    /// Parses `1%` or `0.01`.
     ///
     /// # Errors
-    /// Says what is wrong with the text.
+    /// The text is not a number above 0 and below 1.
     pub fn read_error(text: &str) -> Result<f64, String> {
         let (number, unit) = match text.trim().strip_suffix('%') {
             Some(number) => (number, 0.01),
@@ -36,10 +37,10 @@ impl Target {
             .ok_or_else(|| format!("`{text}` is not a relative error; write 1% or 0.01"))
     }
 
-    /// The quantity, and what drives it.
+    /// Returns the quantity and its driver.
     ///
     /// # Errors
-    /// A summary that does not have the quantity.
+    /// The summary lacks the quantity, or the quantity has no relative error.
     pub(super) fn quantities(
         &self,
         summary: &Value,

@@ -1,7 +1,7 @@
-//! The file that is asked.
+//! Reads the file of a surrogate.
 
 use crate::fit::FILE;
-use crate::study::output::Kept as _;
+use crate::study::output::StudyFile as _;
 use crate::sweep::Study;
 use contract::input_file;
 use run::error::{RunError, file_failure, input_failure};
@@ -11,10 +11,12 @@ use std::io::Read as _;
 use std::path::Path;
 use surrogate::{Document, LONGEST, Surrogate};
 
-/// Reads a surrogate, with these figures only if there are some. A folder is that of a sweep.
+/// Reads a surrogate, restricted to `figures` unless the list is empty. A folder stands for the
+/// surrogate of the sweep in the folder.
 ///
 /// # Errors
-/// [`RunError::Usage`] if it is no surrogate, or has a figure not; the file system.
+/// [`RunError::Usage`] if the file is not a surrogate or lacks a figure; an input error if the file
+/// cannot be read.
 pub(super) fn read(path: &Path, figures: &[String]) -> Result<Surrogate, RunError> {
     let document = document(path)?;
     let document = match figures {
@@ -25,10 +27,11 @@ pub(super) fn read(path: &Path, figures: &[String]) -> Result<Surrogate, RunErro
         .map_err(|fault| RunError::Usage(format!("{}: {fault}", path.display())))
 }
 
-/// The content of the file of a surrogate. A folder is that of a sweep.
+/// Reads the contents of a surrogate file. A folder stands for the surrogate of the sweep in the
+/// folder.
 ///
 /// # Errors
-/// [`RunError::Usage`] if it is no surrogate; the file system.
+/// [`RunError::Usage`] if the file is not a surrogate; an input error if the file cannot be read.
 pub fn document(path: &Path) -> Result<Document, RunError> {
     let file = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
     if path.is_dir() && !file.exists() {
@@ -37,16 +40,16 @@ pub fn document(path: &Path) -> Result<Document, RunError> {
             "{folder}: this sweep has no surrogate; run: coordinator fit {folder}"
         )));
     }
-    let fix = "write it again by `coordinator fit DIR`";
+    let fix = "create it again with `coordinator fit DIR`";
     let refuse = |why: &str| RunError::Usage(format!("{}: {why}; {fix}", file.display()));
     let document = Document::read(&bytes(&file)?).map_err(|fault| refuse(&fault.to_string()))?;
     match path.is_dir() && is_of_another_sweep(&document, path) {
-        true => Err(refuse("is of another sweep than the one in this folder")),
+        true => Err(refuse("belongs to another sweep than the one in this folder")),
         false => Ok(document),
     }
 }
 
-/// The sweep in a folder has another identity than the surrogate in it.
+/// Returns whether the sweep in a folder and the surrogate there have different identities.
 fn is_of_another_sweep(document: &Document, folder: &Path) -> bool {
     #[derive(Deserialize)]
     struct Head {
@@ -57,7 +60,7 @@ fn is_of_another_sweep(document: &Document, folder: &Path) -> bool {
     head.is_some_and(|head| head.identity.digest() != document.origin.identity)
 }
 
-/// No more of the file than a surrogate may have.
+/// Reads at most one byte more than the longest surrogate, so that a longer file is recognised.
 fn bytes(file: &Path) -> Result<Vec<u8>, RunError> {
     let mut text = Vec::new();
     let open = input_file::open(file).map_err(|error| input_failure(file, &error))?;
@@ -73,7 +76,7 @@ fn only(document: &Document, wanted: &[String]) -> Result<Document, RunError> {
     })
 }
 
-/// What to say of a name that is not there.
+/// Lists known names, with a suggestion for an unknown one.
 fn unknown<'a, I>(name: &str, known: impl Fn() -> I) -> String
 where
     I: Iterator<Item = &'a str>,
@@ -85,10 +88,10 @@ where
     format!("the surrogate has {}{more}{near}", all.join(", "))
 }
 
-/// Names that a message lists.
+/// Number of names that a message lists.
 const SHOWN: usize = 8;
 
-/// Where a key is among those of the surrogate.
+/// Index of a key in the surrogate.
 pub(super) fn place(surrogate: &Surrogate, key: &str) -> Result<usize, RunError> {
     let known = || surrogate.keys().iter().map(|one| one.key.as_str());
     known()

@@ -1,4 +1,4 @@
-//! Many points: the rows of a table.
+//! Evaluation of a surrogate at the rows of a table.
 
 use super::file::place;
 use crate::fit::number;
@@ -11,13 +11,14 @@ use std::io::{self, Read as _};
 use std::path::Path;
 use surrogate::Surrogate;
 
-/// Larger tables are refused [byte].
+/// Size above which a table is refused [byte].
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Prints the rows with the figures behind them. If one has no answer nothing is printed.
+/// Prints the rows, each followed by its figures. Nothing is printed if any row is invalid.
 ///
 /// # Errors
-/// [`RunError::Usage`] names the line that is no point of the surrogate; the file system.
+/// [`RunError::Usage`] with the line that is not a point of the surrogate; an input error if the
+/// file cannot be read.
 pub(super) fn answer(surrogate: &Surrogate, rows: &Path) -> Result<(), RunError> {
     let table = read(rows)?;
     let headings = table.headings().unwrap_or_default();
@@ -25,7 +26,7 @@ pub(super) fn answer(surrogate: &Surrogate, rows: &Path) -> Result<(), RunError>
     let mut out = csv::Writer::from_writer(Vec::new());
     let keys = places.iter().map(|n| surrogate.keys()[*n].key.as_str());
     let figures = surrogate.figures().iter().map(|one| one.key.as_str());
-    // A writer into memory does not fail.
+    // Writing to memory cannot fail.
     let _ = out.write_record(keys.chain(figures));
     let (mut at, mut room) = (vec![0.0; places.len()], surrogate.room());
     let mut digits = Digits::default();
@@ -52,7 +53,7 @@ pub(super) fn answer(surrogate: &Surrogate, rows: &Path) -> Result<(), RunError>
     print(&String::from_utf8_lossy(&text))
 }
 
-/// The table of a file, or of standard input.
+/// Reads the table from a file or from standard input.
 fn read(rows: &Path) -> Result<Table, RunError> {
     let table = if rows == Path::new("-") {
         let mut bytes = Vec::new();
@@ -73,7 +74,7 @@ fn read(rows: &Path) -> Result<Table, RunError> {
     }
 }
 
-/// The key of each column; every key has one.
+/// Key of each column; every key must have exactly one column.
 fn columns(surrogate: &Surrogate, head: &[Heading]) -> Result<Vec<usize>, RunError> {
     let places = head.iter().map(|one| place(surrogate, &one.name));
     let places = places.collect::<Result<Vec<_>, _>>()?;
@@ -87,7 +88,7 @@ fn columns(surrogate: &Surrogate, head: &[Heading]) -> Result<Vec<usize>, RunErr
     Ok(places)
 }
 
-/// A number as text, in room that is used again.
+/// Formats numbers in a reused buffer.
 #[derive(Default)]
 struct Digits(String);
 

@@ -1,19 +1,22 @@
-//! From runs to errors: references, orders of convergence, the Pareto front and what to pick.
+//! Derives errors from runs: references, orders of convergence, the Pareto front and recommended
+//! runs.
 
-use super::study::{Compared, LevelSeen, Pick, Reference, Request, Run, Shows, Study};
+use super::study::{
+    Compared, LevelEstimate, LevelSummary, Recommendation, Reference, Request, Run, Study,
+};
 use super::sweep::{Sweep, WINDOW};
 use crate::study::axis::Axis;
 use crate::study::levels::Level;
-use crate::study::output::Kept;
+use crate::study::output::StudyFile;
 use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
 use contract::figure::Measure;
 use run::error::RunError;
 use std::collections::BTreeMap;
 
-/// The targets for which a study names a run.
+/// Targets for which a study recommends a run.
 const TARGETS: [f64; 3] = [0.1, 0.01, 0.001];
-/// Order with which the error of a window of this length falls: its power density is constant.
+/// Order of convergence with the window length, for constant power density within a window.
 const WINDOW_ORDER: f64 = 1.0;
 
 /// Compares the runs of a sweep.
@@ -44,10 +47,10 @@ pub(super) fn study(request: &Request, sweep: Sweep) -> Result<Study, RunError> 
     Ok(study)
 }
 
-/// Values that agree to this are prescribed, not computed; there is nothing to compare.
+/// Values that agree within this are prescribed rather than computed, so a comparison is pointless.
 const PRESCRIBED: f64 = 1e-5;
 
-/// All runs have the same value.
+/// Returns whether all runs have the same value.
 fn is_prescribed(key: &str, runs: &[Run]) -> bool {
     let values = || runs.iter().filter_map(|run| run.values.get(key).copied());
     let [low, high] =
@@ -55,7 +58,7 @@ fn is_prescribed(key: &str, runs: &[Run]) -> bool {
     high - low <= PRESCRIBED * low.abs().max(high.abs())
 }
 
-/// The quantities that the runs have, the one that ranks them first.
+/// Quantities that occur in the runs, with the ranking one first.
 fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunError> {
     let Sweep { runs, closed_forms, known, .. } = sweep;
     let there = |key: &str| runs.iter().any(|run| run.values.contains_key(key));
@@ -80,15 +83,14 @@ fn quantities(request: &Request, sweep: &Sweep) -> Result<Vec<Quantity>, RunErro
             let failed = runs.iter().filter_map(|run| run.failed.clone());
             let other = sweep.refused.iter().chain(&sweep.left_out);
             let cause = failed.chain(other.map(|(what, why)| format!("{what}: {why}"))).next();
-            let cause = cause
-                .unwrap_or_else(|| "the runs have none of the quantities of interest".to_owned());
-            let fix = "name one of the summary with --quantity";
+            let cause = cause.unwrap_or_else(|| "no run has any quantity of interest".to_owned());
+            let fix = "name a quantity of the summary with --quantity";
             Err(RunError::Usage(format!("no run gave a quantity to compare: {cause}; {fix}")))
         }
     }
 }
 
-/// A reference that is given for a quantity that no run has is a slip of the pen.
+/// Refuses a reference for a quantity that no run has, which probably is a typing error.
 fn check_references(request: &Request, quantities: &[Quantity]) -> Result<(), RunError> {
     let unknown = |(key, _): &&(String, f64)| quantities.iter().all(|one| one.key != *key);
     match request.references.iter().find(unknown) {
@@ -96,7 +98,9 @@ fn check_references(request: &Request, quantities: &[Quantity]) -> Result<(), Ru
         Some((key, _)) => {
             let keys: Vec<&str> = quantities.iter().map(|one| one.key.as_str()).collect();
             let known = keys.join(", ");
-            Err(RunError::Usage(format!("--reference {key}: the runs compare {known}")))
+            Err(RunError::Usage(format!(
+                "--reference {key}: no run has this quantity; the runs have {known}"
+            )))
         }
     }
 }
@@ -120,8 +124,8 @@ fn compared(quantity: &Quantity, request: &Request, sweep: &Sweep) -> Compared {
     Compared { key, name, measure, reference }
 }
 
-/// The finest runs of the most faithful models, extrapolated along every axis that has an order; of
-/// equally faithful ones those that know their limit best.
+/// Extrapolates the finest runs of the most faithful models along every axis with a known order.
+/// Among equally faithful models, the one with the smallest uncertainty is taken.
 fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
     let error = |level: usize| sweep.levels[level].model_error();
     let ran =
@@ -129,13 +133,13 @@ fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
     let least = ran().map(error).min_by(f64::total_cmp)?;
     let limits = ran().filter(|level| error(*level) <= least);
     let limits = limits.filter_map(|level| sweep.limit(level, quantity));
-    // One grid alone gives no error estimate.
+    // A single grid gives no error estimate.
     let known = |one: &Reference| one.uncertainty.unwrap_or(f64::MAX);
     limits.min_by(|a, b| known(a).total_cmp(&known(b)))
 }
 
 impl Sweep {
-    /// A run differs from another one by a finer resolution alone.
+    /// Returns whether a run differs from another only by a finer resolution.
     fn is_finer(&self, run: &Run, other: &Run) -> bool {
         let others = self.levels.get(run.level).map_or(0, |level| level.refinements.len());
         run.level == other.level
@@ -143,12 +147,12 @@ impl Sweep {
             && run.settings[others..] == other.settings[others..]
     }
 
-    /// The finest run of a level that has a figure: the last one in the order of the sweep.
+    /// Finest run of a level that has a quantity: the last one in the order of the sweep.
     fn finest(&self, level: usize, key: &str) -> Option<&Run> {
         self.runs.iter().rfind(|run| run.level == level && run.values.contains_key(key))
     }
 
-    /// What a level's runs tend to, and how far off that may be.
+    /// Extrapolated limit of a level's runs, with its uncertainty.
     fn limit(&self, level: usize, quantity: &Quantity) -> Option<Reference> {
         let finest = self.finest(level, &quantity.key)?;
         let value = finest.values[&quantity.key];
@@ -165,7 +169,7 @@ impl Sweep {
         })
     }
 
-    /// What the coarser runs say of the finest one's quantity, along resolution and windows.
+    /// Error estimates of the finest run along the resolution and along the window length.
     fn estimates(&self, level: usize, finest: &Run, key: &str) -> Vec<Estimate> {
         let order = self.levels[level].order();
         let along = order.and_then(|order| Estimate::of(&self.samples(finest, key), order));
@@ -175,7 +179,7 @@ impl Sweep {
         [along, window].into_iter().flatten().collect()
     }
 
-    /// A quantity of the runs that differ from one by their resolution alone, coarsest first.
+    /// Values of the runs that differ from the finest one only in resolution, coarsest first.
     fn samples(&self, finest: &Run, key: &str) -> Vec<Sample> {
         let Some(level) = self.levels.get(finest.level) else { return Vec::new() };
         let others = level.refinements.len();
@@ -189,8 +193,7 @@ impl Sweep {
         self.runs.iter().filter(alike).filter_map(sample).collect()
     }
 
-    /// A quantity of the runs that differ from one by the length of their windows alone, longest
-    /// first.
+    /// Values of the runs that differ from the finest one only in window length, longest first.
     fn window_samples(&self, finest: &Run, key: &str, axis: &Axis) -> Vec<Sample> {
         let alike = |run: &&Run| {
             let same = |(a, b): (&(String, String), &(String, String))| a == b || a.0 == axis.key;
@@ -208,7 +211,7 @@ impl Sweep {
 }
 
 impl Run {
-    /// Takes the errors of its quantities.
+    /// Computes the errors of the run's quantities.
     fn compare(&mut self, quantities: &[Compared]) {
         for one in quantities {
             let reference = one.reference.as_ref().map(|reference| reference.value);
@@ -223,8 +226,8 @@ impl Run {
     }
 }
 
-/// What the runs of a level show.
-fn seen(number: usize, sweep: &Sweep, study: &Study) -> LevelSeen {
+/// Summarises the runs of a level.
+fn seen(number: usize, sweep: &Sweep, study: &Study) -> LevelSummary {
     let level = &sweep.levels[number];
     let mut shows = BTreeMap::new();
     for one in &study.quantities {
@@ -236,7 +239,7 @@ fn seen(number: usize, sweep: &Sweep, study: &Study) -> LevelSeen {
         let error = |limit: f64| one.quantity().error(limit, reference.value);
         shows.insert(
             one.key.clone(),
-            Shows {
+            LevelEstimate {
                 order: along.and_then(|along| along.observed_order),
                 limit,
                 model_error: limit.map(error),
@@ -244,20 +247,20 @@ fn seen(number: usize, sweep: &Sweep, study: &Study) -> LevelSeen {
         );
     }
     let stops_paying = stops_paying(number, level, sweep, study, &shows);
-    LevelSeen { name: level.name(), left_out: level.left_out.clone(), shows, stops_paying }
+    LevelSummary { name: level.name(), left_out: level.left_out.clone(), shows, stops_paying }
 }
 
-/// The resolution from which on the error of the grid is below that of the models.
+/// Resolution from which the grid error is below the model error.
 fn stops_paying(
     number: usize,
     level: &Level,
     sweep: &Sweep,
     study: &Study,
-    shows: &BTreeMap<String, Shows>,
+    shows: &BTreeMap<String, LevelEstimate>,
 ) -> Option<String> {
     let first = study.quantities.first()?;
     let reference = first.reference.as_ref()?;
-    let Shows { limit, model_error, .. } = shows.get(&first.key)?;
+    let LevelEstimate { limit, model_error, .. } = shows.get(&first.key)?;
     let (limit, model_error) = ((*limit)?, (*model_error)?);
     if reference.uncertainty.is_none_or(|off| model_error <= off) {
         return None;
@@ -268,7 +271,7 @@ fn stops_paying(
     let enough = samples.iter().find(|sample| grid_error(sample) < model_error)?;
     let key = &level.refinements.first()?.key;
     Some(format!(
-        "from {key} {} on: there the grid errs by {}, the models by {}",
+        "from {key} {} onwards: the error of the grid is {} there, the error of the models {}",
         enough.level,
         first.show_error(grid_error(enough)),
         first.show_error(model_error),
@@ -288,9 +291,9 @@ fn mark_front(study: &mut Study) {
 }
 
 impl Study {
-    /// The run that meets a target in the least time. Of a run on a coarse grid the finer ones must meet
-    /// it, too: an error that changes its sign is small at one resolution by chance.
-    fn pick(&self, target: f64, sweep: &Sweep) -> Pick {
+    /// Fastest run that meets a target. All finer runs must meet the target as well, because an
+    /// error that changes sign is small at one resolution by chance.
+    fn pick(&self, target: f64, sweep: &Sweep) -> Recommendation {
         let first = self.quantities.first().map(|one| one.key.as_str()).unwrap_or_default();
         let within = |run: &Run| run.errors.get(first).is_none_or(|error| *error <= target);
         let meets = |run: &Run| {
@@ -299,6 +302,6 @@ impl Study {
         };
         let cost = |index: &usize| self.runs[*index].cost.solve_s;
         let meeting = (0..self.runs.len()).filter(|index| meets(&self.runs[*index]));
-        Pick { target, run: meeting.min_by(|a, b| cost(a).total_cmp(&cost(b))) }
+        Recommendation { target, run: meeting.min_by(|a, b| cost(a).total_cmp(&cost(b))) }
     }
 }

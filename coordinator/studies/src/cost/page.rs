@@ -1,10 +1,10 @@
-//! The study as a page: the work-precision plot, tables, what to pick.
+//! Renders the study as a page: work-precision plots, tables and recommended runs.
 
 use super::runs::{COLUMNS, of_level, table};
-use super::study::{Compared, Pick, Run, Study};
-use crate::study::output::Shown;
+use super::study::{Compared, Recommendation, Run, Study};
+use crate::study::output::StudyPage;
 use contract::figure::Measure;
-use pages::page::{Block, Headline, Mood, Page, Section};
+use pages::page::{Block, Headline, Page, RunStatus, Section};
 use pages::plot::Figure;
 use pages::table::Table;
 use run::error::RunError;
@@ -12,7 +12,7 @@ use run::format::{of_key, seconds};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-impl Shown for Study {
+impl StudyPage for Study {
     fn page(&self, _: &Path) -> Result<Page, RunError> {
         Ok(of(self))
     }
@@ -25,9 +25,9 @@ fn of(study: &Study) -> Page {
         name: format!("Cost of {}", study.case),
         title: study.title.clone().unwrap_or_default(),
         status: format!("{made} runs"),
-        mood: if made == study.runs.len() { Mood::Good } else { Mood::Open },
+        mood: if made == study.runs.len() { RunStatus::Good } else { RunStatus::Open },
         reason: format!(
-            "what accuracy costs in time, over the models and resolutions of `{}`",
+            "accuracy against run time, over the models and resolutions of `{}`",
             study.file
         ),
         sections: sections.into_iter().flatten().collect(),
@@ -36,19 +36,19 @@ fn of(study: &Study) -> Page {
 
 fn picks(study: &Study) -> Option<Section> {
     let first = study.quantities.first()?;
-    let headline = |pick: &Pick| {
+    let headline = |pick: &Recommendation| {
         let name = format!("{} to {}", first.name, first.show_error(pick.target));
         match pick.run.map(|index| &study.runs[index]) {
             None => Headline {
                 name,
-                value: "none of these".to_owned(),
+                value: "none of the runs".to_owned(),
                 more: "refine further".to_owned(),
             },
             Some(run) => Headline {
                 name,
                 value: seconds(run.cost.solve_s),
                 more: format!(
-                    "{}, {}; errs by {}",
+                    "{}, {}; error {}",
                     study.levels[run.level].name,
                     run.settings_text(),
                     first.show_error(run.errors[&first.key])
@@ -57,18 +57,17 @@ fn picks(study: &Study) -> Option<Section> {
         }
     };
     let all = study.picks.iter().map(headline).collect();
-    Section::of("What to run", vec![Block::Headlines(all)])
+    Section::of("Recommended runs", vec![Block::Headlines(all)])
 }
 
-/// Error over time, for every quantity that has a reference.
+/// Plots of error over time, for every quantity with a reference.
 fn plots(study: &Study) -> Option<Section> {
     let shown = study.quantities.iter().take(COLUMNS);
     let figures = shown.filter_map(|one| work_precision(study, one)).map(Block::Figure);
-    Section::of("Work and precision", figures.collect())
+    Section::of("Accuracy against run time", figures.collect())
 }
 
-/// Error of a quantity over time, one line a choice of models; `None` if there is nothing to
-/// compare.
+/// Plot of error over time for a quantity, one line per combination of models; `None` without data.
 pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
     let reference = one.reference.as_ref()?;
     let measured = if one.measure == Measure::Relative { "relative error" } else { "error" };
@@ -89,14 +88,15 @@ pub(super) fn work_precision(study: &Study, one: &Compared) -> Option<Figure> {
     }
     let known = match reference.uncertainty {
         Some(0.0) => String::new(),
-        Some(off) => format!(", itself known to {}", one.show_error(off)),
-        None => ", of unknown error".to_owned(),
+        Some(off) => format!(", which has an uncertainty of {}", one.show_error(off)),
+        None => ", whose uncertainty is unknown".to_owned(),
     };
-    figure.note = format!("Against {}{known}.", reference.source);
+    figure.note = format!("Reference: {}{known}.", reference.source);
     figure.has_points().then_some(figure)
 }
 
-/// The line of a run: its models, and the values that are words, which no line can lead along.
+/// Line that a run belongs to: its models and any settings that are words, because a line cannot
+/// run along words.
 fn line(models: &str, run: &Run) -> String {
     let is_word = |value: &&str| value.starts_with(|first: char| first.is_ascii_alphabetic());
     let values = run.settings.iter().map(|(_, value)| value.trim_matches('"')).filter(is_word);
@@ -104,7 +104,7 @@ fn line(models: &str, run: &Run) -> String {
 }
 
 fn references(study: &Study) -> Option<Section> {
-    let mut table = Table::new(["quantity", "from", "reference", "known to"], 2);
+    let mut table = Table::new(["quantity", "source", "reference", "uncertainty"], 2);
     for one in &study.quantities {
         let Some(reference) = &one.reference else { continue };
         let known = match reference.uncertainty {
@@ -125,8 +125,9 @@ fn levels(study: &Study) -> Option<Section> {
         blocks.push(Block::Card(level.name.clone(), runs(study, number)));
         let mut remarks: Vec<String> =
             level.left_out.iter().map(|what| format!("Leaves out: {}.", what.what)).collect();
-        remarks
-            .extend(level.stops_paying.iter().map(|why| format!("Refining does not pay {why}.")));
+        remarks.extend(
+            level.stops_paying.iter().map(|why| format!("Further refinement does not pay {why}.")),
+        );
         if !remarks.is_empty() {
             blocks.push(Block::Text(format!("{}: {}", level.name, remarks.join(" "))));
         }
@@ -134,7 +135,7 @@ fn levels(study: &Study) -> Option<Section> {
     Section::of("Runs", blocks)
 }
 
-/// The runs of a level, and the orders that they show.
+/// Table of the runs of a level, with the observed orders.
 fn runs(study: &Study, level: usize) -> Table {
     let (runs, settings) = of_level(study, level);
     let mut table = table(study, &settings).page(&runs);
@@ -150,9 +151,9 @@ fn runs(study: &Study, level: usize) -> Table {
     table
 }
 
-/// What was not run, and why.
+/// Table of cases and runs that were not run, with the reason.
 fn notes(study: &Study) -> Option<Section> {
-    let mut table = Table::new(["not run", "why"], 2);
+    let mut table = Table::new(["not run", "reason"], 2);
     for (what, why) in study.refused.iter().chain(&study.left_out) {
         table.row([what.clone(), why.clone()]);
     }

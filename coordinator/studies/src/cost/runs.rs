@@ -1,14 +1,14 @@
-//! The runs as a table: those of a level for people, all of them for programs.
+//! The runs as a table: one level at a time for people, all runs for programs.
 
 use super::study::{Run, Study};
 use crate::study::table::{Cell, Column, Failure, Table};
 use run::format::number;
 use std::collections::BTreeSet;
 
-/// Quantities that have a column on the terminal; all of them are in the files.
+/// Number of quantities with a column on the terminal; the files contain all.
 pub(super) const COLUMNS: usize = 7;
 
-/// The table of runs that differ in these settings.
+/// Table of runs that differ in these settings.
 pub(super) fn table<'a>(study: &'a Study, settings: &[&'a str]) -> Table<'a, Run> {
     let mut columns =
         vec![Column::csv_only("models", |run: &Run| study.levels[run.level].name.clone())];
@@ -25,7 +25,7 @@ pub(super) fn table<'a>(study: &'a Study, settings: &[&'a str]) -> Table<'a, Run
     Table::new(columns).mark("*", |run: &Run| run.pareto).failure(failure)
 }
 
-/// All runs as CSV: level and settings, cost, values and errors.
+/// Formats all runs as CSV: level and settings, cost, values and errors.
 pub(super) fn csv(study: &Study) -> String {
     let keys = study.runs.iter().flat_map(|run| &run.settings).map(|(key, _)| key.as_str());
     let keys: BTreeSet<&str> = keys.collect();
@@ -33,7 +33,7 @@ pub(super) fn csv(study: &Study) -> String {
     table(study, &keys.into_iter().collect::<Vec<_>>()).csv(&runs)
 }
 
-/// The runs of a level, and the settings in which they differ.
+/// Runs of a level, and the settings in which they differ.
 pub(super) fn of_level(study: &Study, level: usize) -> (Vec<&Run>, Vec<&str>) {
     let runs: Vec<&Run> = study.runs.iter().filter(|run| run.level == level).collect();
     let settings = runs.first().map(|run| &run.settings).into_iter().flatten();
@@ -49,7 +49,7 @@ fn setting(key: &str) -> Column<'_, Run> {
     Column::quantity(key, value).naming().csv(key)
 }
 
-/// What the runs cost: in all for people, by process for programs.
+/// Columns for the cost of the runs: totals for people, single processes for programs.
 fn cost<'a>(runs: &[Run]) -> Vec<Column<'a, Run>> {
     let text = |value: Option<String>| value.unwrap_or_default();
     let roles: BTreeSet<&String> = runs.iter().flat_map(|run| run.cost.cpu_s.keys()).collect();
@@ -80,7 +80,7 @@ fn cost<'a>(runs: &[Run]) -> Vec<Column<'a, Run>> {
     columns
 }
 
-/// The value of the first quantity for people, of all for programs.
+/// Columns for the values: the first quantity for people, all for programs.
 fn values(study: &Study) -> impl Iterator<Item = Column<'_, Run>> {
     study.quantities.iter().enumerate().map(|(n, one)| {
         let value = |run: &Run| Cell::optional(run.values.get(&one.key), |v| number(v, 6));

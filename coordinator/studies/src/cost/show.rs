@@ -1,11 +1,11 @@
-//! The study on the terminal.
+//! Renders the study for the terminal.
 
 use super::runs::{COLUMNS, of_level, table};
 use super::study::{Compared, Study};
 use run::format::{of_key, seconds};
 use std::fmt::Write as _;
 
-/// Everything that a person wants to see of a study.
+/// Renders the complete study.
 pub(super) fn text(study: &Study) -> String {
     let mut out = format!("cost of {}", study.case);
     if let Some(title) = &study.title {
@@ -25,14 +25,14 @@ pub(super) fn text(study: &Study) -> String {
             let _ = writeln!(out, "  order       {orders}");
         }
         if let Some(why) = &level.stops_paying {
-            let _ = writeln!(out, "  refining does not pay {why}");
+            let _ = writeln!(out, "  further refinement does not pay {why}");
         }
     }
     for (name, why) in &study.refused {
         let _ = writeln!(out, "\n{name}\n  cannot run this case: {why}");
     }
     for (what, why) in &study.left_out {
-        let _ = writeln!(out, "  left out: {what}: {why}");
+        let _ = writeln!(out, "  skipped: {what}: {why}");
     }
     out += "\n";
     out + &picks(study)
@@ -55,7 +55,7 @@ fn reference(one: &Compared) -> String {
 
 fn runs(study: &Study, level: usize) -> String {
     match of_level(study, level) {
-        (runs, _) if runs.is_empty() => "  no run\n".to_owned(),
+        (runs, _) if runs.is_empty() => "  no runs\n".to_owned(),
         (runs, settings) => table(study, &settings).terminal(&runs),
     }
 }
@@ -73,13 +73,13 @@ fn orders(study: &Study, level: usize) -> Option<String> {
 fn picks(study: &Study) -> String {
     let Some(first) = study.quantities.first() else { return String::new() };
     let mut out = format!(
-        "what to run for {} (* Pareto-optimal: none is both cheaper and more accurate)\n",
+        "recommended runs for {} (* Pareto-optimal: no run is both cheaper and more accurate)\n",
         first.name
     );
     for pick in &study.picks {
         let target = first.show_error(pick.target);
         let Some(run) = pick.run.map(|index| &study.runs[index]) else {
-            let _ = writeln!(out, "  {target:>6}  none of these runs");
+            let _ = writeln!(out, "  {target:>6}  no run");
             continue;
         };
         let options = run.options.join(" ");
@@ -92,8 +92,8 @@ fn picks(study: &Study) -> String {
     }
     let known = match first.reference.as_ref().map(|reference| reference.uncertainty) {
         None | Some(Some(0.0)) => return out,
-        Some(Some(off)) => format!("known to {}", first.show_error(off)),
-        Some(None) => "from a single grid: its error is not known".to_owned(),
+        Some(Some(off)) => format!("known to within {}", first.show_error(off)),
+        Some(None) => "from a single grid: its error is unknown".to_owned(),
     };
     let _ = writeln!(out, "  the reference itself is {known}");
     out

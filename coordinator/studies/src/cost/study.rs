@@ -1,136 +1,148 @@
-//! What the study is asked, and what it has found: `cost.json`.
+//! Request and results of the study: `cost.json`.
 
-use crate::study::Variant;
 use crate::study::axis::Axis;
-use crate::study::output::Kept;
+use crate::study::output::StudyFile;
 use crate::study::quantity::{Quantity, show_error};
-use crate::study::spent::Spent;
+use crate::study::spent::RunCost;
+use console::case_arguments::Changes;
 use contract::accuracy::Simplification;
 use contract::figure::Measure;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// What is to be studied.
+/// Request for a study.
 #[derive(Clone, Debug)]
 pub(super) struct Request {
     /// The case file.
     pub case: PathBuf,
-    /// What is changed in it for all runs.
-    pub base: Variant,
-    /// What is varied in place of the default plan: a `ROLE.model` chooses among the models, the key
-    /// of a refinement its levels, any other key is varied besides.
+    /// Changes common to all runs.
+    pub base: Changes,
+    /// Axes that replace the default plan. `ROLE.model` selects models, the key of a refinement its
+    /// levels; any other key becomes an additional axis.
     pub vary: Vec<Axis>,
-    /// The quantity by which runs are ranked, a key of the summary; `None` for the first of
-    /// interest.
+    /// Key of the quantity that ranks the runs; `None` for the first quantity of interest.
     pub quantity: Option<String>,
-    /// References given by hand: key of the summary and value.
+    /// References given by the user: key of the summary and value.
     pub references: Vec<(String, f64)>,
-    /// How often each run is made; its times are the least.
+    /// Repetitions of each run; the shortest times count.
     pub repeat: u32,
-    /// No run is begun that is expected to take longer than this in its solvers \[s\].
+    /// Runs with a longer expected solver time are skipped \[s\].
     pub longest_run: f64,
 }
 
-/// A study, as `cost.json` has it.
+impl Request {
+    /// Everything besides the case that determines the list of runs. The ranking quantity and the
+    /// references have no influence.
+    #[must_use]
+    pub(super) fn decides_runs(&self) -> Value {
+        let vary: Vec<_> = self.vary.iter().map(|axis| (&axis.key, &axis.values)).collect();
+        json!([vary, self.repeat, self.longest_run])
+    }
+}
+
+/// Contents of `cost.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Study {
-    /// Version of this layout.
+    /// Version of the file's layout.
     pub schema: u32,
     /// Name of the case.
     pub case: String,
-    /// What the case is about.
+    /// Title of the case.
     pub title: Option<String>,
     /// The case file.
     pub file: String,
-    /// Options that were given for all runs.
+    /// Options common to all runs.
     pub options: Vec<String>,
-    /// The quantities that are compared; the first one ranks the runs.
+    /// Compared quantities; the first one ranks the runs.
     pub quantities: Vec<Compared>,
-    /// The choices of models.
-    pub levels: Vec<LevelSeen>,
-    /// Choices of models that cannot run the case: their names, and why.
+    /// Combinations of models.
+    pub levels: Vec<LevelSummary>,
+    /// Combinations of models that cannot run the case, with the reason.
     pub refused: Vec<(String, String)>,
-    /// Runs that were left out: what they are, and why.
+    /// Skipped runs, with the reason.
     pub left_out: Vec<(String, String)>,
-    /// The runs, level by level, coarsest first.
+    /// Runs, level by level, coarsest first.
     pub runs: Vec<Run>,
-    /// What to run for an error.
-    pub picks: Vec<Pick>,
+    /// Recommended run for each target.
+    pub picks: Vec<Recommendation>,
 }
 
-impl Kept for Study {
+impl StudyFile for Study {
     const COMMAND: &'static str = "cost";
     const FILE: &'static str = "cost.json";
     const SCHEMA: u32 = 1;
 }
 
-/// A quantity that is compared.
+/// A compared quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Compared {
-    /// Key of the summary.
+    /// Key in the summary.
     pub key: String,
-    /// What it is, in few words.
+    /// Short name.
     pub name: String,
-    /// How its error is measured.
+    /// Measure of the error.
     pub measure: Measure,
-    /// What its values are compared with; absent for what is an error itself.
+    /// Reference of the values; absent for a quantity that is an error itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference: Option<Reference>,
 }
 
 impl Compared {
-    /// The quantity itself.
+    /// The quantity without its reference.
     #[must_use]
     pub(crate) fn quantity(&self) -> Quantity {
         let Self { key, name, measure, .. } = self.clone();
         Quantity::new(&key, &name, measure)
     }
 
-    /// An error of it, as it is measured.
+    /// Formats an error of the quantity.
     #[must_use]
     pub(super) fn show_error(&self, error: f64) -> String {
         show_error(self.measure, error)
     }
 }
 
-/// What the values of a quantity are compared with.
+/// Reference value of a quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Reference {
-    /// Its value, in the unit of the key.
+    /// Value in the unit of the key.
     pub value: f64,
-    /// How far off it may be itself, as errors are measured: its grids, and what its models leave out.
-    /// 0 for what is exact or given; absent if one grid alone tells nothing.
+    /// Uncertainty of the reference, in the measure of the quantity's errors: from its grids and
+    /// from the simplifications of its models. 0 for exact or given values; absent if a single grid
+    /// allows no estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<f64>,
-    /// Where it comes from.
+    /// Source of the value.
     pub source: String,
 }
 
-/// A choice of models, and what its runs show.
+/// A combination of models, and the results of its runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct LevelSeen {
-    /// Its models, in one word.
+pub(crate) struct LevelSummary {
+    /// Names of the models.
     pub name: String,
-    /// What they leave out that matters in this case.
+    /// Simplifications of the models that matter in this case.
     pub left_out: Vec<Simplification>,
-    /// What its runs show of each quantity, by key.
-    pub shows: BTreeMap<String, Shows>,
-    /// From which resolution on refining it does not pay, if there is one, in a sentence.
+    /// Results for each quantity, by key.
+    pub shows: BTreeMap<String, LevelEstimate>,
+    /// Resolution from which further refinement does not pay, as part of a sentence, if there is
+    /// one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stops_paying: Option<String>,
 }
 
-/// What the runs of a level show of one quantity.
+/// Results of a level for one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Shows {
-    /// Order of convergence with the resolution, if three resolutions show one.
+pub(crate) struct LevelEstimate {
+    /// Order of convergence, if three resolutions show one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
-    /// Its value at an infinitely fine resolution, as far as the runs tell.
+    /// Value extrapolated to an infinitely fine resolution.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<f64>,
-    /// Error of that limit against the reference: the error of the models.
+    /// Difference between limit and reference: the error of the models.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model_error: Option<f64>,
 }
@@ -138,39 +150,39 @@ pub(crate) struct Shows {
 /// One run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Run {
-    /// Index of its level.
+    /// Index of the level.
     pub level: usize,
-    /// Its resolution: the place among those of its level, coarsest first.
+    /// Index of the resolution among those of the level, coarsest first.
     pub step: usize,
-    /// Keys that tell it from the other runs of its level, and their values.
+    /// Settings that distinguish the run from others of its level: keys and values.
     pub settings: Vec<(String, String)>,
-    /// All options that make it with `coordinator run`.
+    /// All options that reproduce the run with `coordinator run`.
     pub options: Vec<String>,
-    /// Why it has no quantities.
+    /// Reason why the run has no quantities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
-    /// What it cost.
-    pub cost: Spent,
-    /// Its quantities by key.
+    /// Cost of the run.
+    pub cost: RunCost,
+    /// Values of the quantities by key.
     pub values: BTreeMap<String, f64>,
-    /// Their errors by key.
+    /// Errors of the quantities by key.
     pub errors: BTreeMap<String, f64>,
-    /// No other run is as cheap and as accurate.
+    /// Whether no other run is both cheaper and more accurate.
     pub pareto: bool,
 }
 
-/// The cheapest run that meets a target, and so do all finer ones of its models and settings.
+/// Cheapest run that meets a target, as do all finer runs with the same models and settings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Pick {
-    /// Largest error of the first quantity, relative or absolute as it is measured.
+pub(crate) struct Recommendation {
+    /// Largest error of the first quantity, in its measure.
     pub target: f64,
-    /// Index of the run; absent if none meets the target.
+    /// Index of the run; absent if no run meets the target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<usize>,
 }
 
 impl Run {
-    /// What tells it from the other runs of its level.
+    /// Settings that distinguish the run from others of its level.
     #[must_use]
     pub(crate) fn settings_text(&self) -> String {
         let all: Vec<String> =

@@ -1,54 +1,58 @@
-//! A sum of products of Chebyshev polynomials, grown term by term to fit values at points.
+//! Sums of products of Chebyshev polynomials, grown term by term to fit values at scattered points.
 //!
-//! The terms are a lower set: a product is there only with all products of lower degrees. From those that may
-//! come next the one is taken that reduces the residual most (orthogonal least squares: Chen, Billings and Luo,
-//! Int. J. Control 50 (1989) 1873; lower sets: Chkifa, Cohen, Schwab, J. Math. Pures Appl. 103 (2015) 400), so that
-//! degrees go where the figure needs them: one in a variable of a power law, ten towards a singularity. After
-//! each term the error is that at points held out ([`super::held`]); the growth ends when it falls no more, and
-//! as many terms are kept as the least error needs.
+//! The terms form a lower set: a product is included only if all products of lower degrees are.
+//! Among the admissible next terms, the one that reduces the residual most is added (orthogonal
+//! least squares: Chen, Billings and Luo, Int. J. Control 50 (1989) 1873; lower sets: Chkifa,
+//! Cohen, Schwab, J. Math. Pures Appl. 103 (2015) 400). High degrees thus appear only where the
+//! figure needs them: degree one in a variable of a power law, ten towards a singularity. After
+//! each term, the error at held-out points is computed ([`super::held`]). Growth ends when the
+//! error no longer falls, and only the terms needed for the least error are kept.
 
-use super::held::{Checks, HeldOut, axpy, dot};
+use super::held::{HeldOut, HeldOutErrors, axpy, dot};
 
-/// Most terms.
+/// Maximum number of terms.
 const MOST: usize = 160;
-/// Points for each term, at least.
+/// Minimum number of points per term.
 const POINTS_A_TERM: usize = 2;
-/// Terms that are tried after the best so far, and as many again as a part of its number.
+/// Number of terms tried beyond the best so far: a constant, plus the number of the best term
+/// divided by the second value.
 const PATIENCE: (usize, usize) = (8, 2);
-/// Fewer terms are kept if their error is at most so many times the least.
+/// The shortest sum is kept whose error is at most this factor times the least error.
 const AS_GOOD: f64 = 1.02;
-/// Of a column less than this is left by the others: it is made of them.
+/// A column counts as linearly dependent if orthogonalisation leaves less than this share of its
+/// length.
 const DEPENDENT: f64 = 1e-7;
 
-/// The polynomials of one coordinate at all points, from degree 0 on, in one scale.
+/// Polynomials of one coordinate at all points in one scale, from degree 0 upwards.
 pub(super) type Axis = Vec<Vec<f64>>;
 
-/// What is fitted.
+/// Data of a fit.
 pub(super) struct Task<'a> {
-    /// One for each coordinate, up to the largest degree it may have.
+    /// One entry for each coordinate, up to the largest permitted degree.
     pub axes: &'a [&'a Axis],
-    /// The values at the points.
+    /// Values at the points.
     pub values: &'a [f64],
-    /// Which points are held out together.
+    /// Sets of points that are held out together.
     pub held: &'a HeldOut,
-    /// The error of the figure at a held-out point, from its number and the error `value - fit` there.
+    /// Error of the figure at a held-out point, as a function of the point's number and of the
+    /// error `value - fit`.
     pub judge: &'a dyn Fn(usize, f64) -> f64,
 }
 
-/// A sum.
+/// A fitted sum.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sum {
-    /// The degrees of each term.
+    /// Degrees of each term.
     pub degrees: Vec<Vec<u8>>,
-    /// The factor of each term.
+    /// Coefficient of each term.
     pub coefficients: Vec<f64>,
-    /// The largest error at held-out points.
+    /// Largest error at the held-out points.
     pub largest: f64,
-    /// The root of their mean square.
+    /// Root mean square of the errors at the held-out points.
     pub rms: f64,
 }
 
-/// Grows the sum; `None` where not even a constant is determined.
+/// Grows the sum; `None` if the points cannot determine even a constant.
 #[must_use]
 pub(super) fn grow(task: &Task<'_>) -> Option<Sum> {
     let mut growth = Growth::new(task);
@@ -73,29 +77,29 @@ pub(super) fn grow(task: &Task<'_>) -> Option<Sum> {
     Some(Sum { degrees: growth.terms, coefficients, largest, rms })
 }
 
-/// A column that may come next.
+/// A term that may be added next.
 struct Candidate {
     degrees: Vec<u8>,
-    /// What the basis leaves of it.
+    /// Component of the column orthogonal to the basis.
     column: Vec<f64>,
-    /// Its products with the basis.
+    /// Products of the column with the basis vectors.
     upper: Vec<f64>,
-    /// Its length at first.
+    /// Length before orthogonalisation.
     length: f64,
 }
 
 struct Growth<'a> {
     task: &'a Task<'a>,
     terms: Vec<Vec<u8>>,
-    /// The orthonormal basis.
+    /// Orthonormal basis of the columns.
     basis: Vec<Vec<f64>>,
-    /// Columns of the triangle by which the basis makes the terms.
+    /// Columns of the upper triangle R in A = Q R, where the columns of A are the terms.
     upper: Vec<Vec<f64>>,
-    /// Products of the values with the basis.
+    /// Products of the values with the basis vectors.
     along: Vec<f64>,
     residuals: Vec<f64>,
     candidates: Vec<Candidate>,
-    checks: Checks<'a>,
+    checks: HeldOutErrors<'a>,
     held: Vec<f64>,
 }
 
@@ -109,17 +113,17 @@ impl<'a> Growth<'a> {
             along: Vec::new(),
             residuals: task.values.to_vec(),
             candidates: Vec::new(),
-            checks: Checks::new(task.held),
+            checks: HeldOutErrors::new(task.held),
             held: Vec::new(),
         };
         growth.offer(vec![0; task.axes.len()]);
         growth
     }
 
-    /// Adds the best term; false if there is none.
+    /// Adds the best term; returns false if no admissible term is left.
     fn step(&mut self) -> bool {
         while let Some(Candidate { degrees, column, mut upper, length }) = self.take_best() {
-            // Once more, for what rounding has left.
+            // Orthogonalise a second time, to remove rounding errors.
             let mut column = column;
             for (n, other) in self.basis.iter().enumerate() {
                 let more = dot(other, &column);
@@ -173,7 +177,7 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// All products of one degree less are there.
+    /// Returns whether all products with one degree less are included.
     fn is_supported(&self, degrees: &[u8]) -> bool {
         (0..degrees.len()).filter(|n| degrees[*n] > 0).all(|n| {
             let mut lower = degrees.to_vec();
@@ -200,7 +204,7 @@ impl<'a> Growth<'a> {
         self.candidates.push(Candidate { degrees, column, upper, length });
     }
 
-    /// The largest error at held-out points, and the root of their mean square.
+    /// Largest error at the held-out points, and root mean square of the errors.
     fn judge(&mut self) -> [f64; 2] {
         self.checks.errors(&self.residuals, &mut self.held);
         let points = self.task.held.points();
@@ -211,7 +215,7 @@ impl<'a> Growth<'a> {
         if rms.is_finite() { [largest, rms] } else { [f64::INFINITY; 2] }
     }
 
-    /// The factors of the first terms alone: the triangle solved from its end.
+    /// Coefficients of the first `count` terms, by back substitution.
     fn coefficients(&self, count: usize) -> Vec<f64> {
         let mut factors = self.along[..count].to_vec();
         for n in (0..count).rev() {

@@ -1,39 +1,42 @@
-//! Points that are held out of a fit together, and what a least-squares fit without them gives at them.
+//! Sets of points held out of a fit, and the error of a least-squares fit without each set.
 //!
-//! A point whose neighbours in one direction are all in the fit says little of the error between the values of
-//! that direction. So a set that is held out is all points with one value of one key, the outermost values apart:
-//! without those the rest would not reach. In a grid that is a whole plane of it; where every point has values of
-//! its own it is one point.
+//! If all neighbours of a point in one direction remain in the fit, holding out the point says
+//! little about the error between the values in that direction. Hence a set holds all points with
+//! one value of one key, except the outermost values, which would leave the rest to extrapolate. In
+//! a grid such a set is a whole plane. Where every point has its own values, a set is a single
+//! point.
 //!
-//! Where no point lies in a corner of the box, those nearest to it are held out together, too: the fit reaches from
-//! the rest to them about as far as it reaches from them to the corner.
+//! If no point lies in a corner of the box, the points nearest to that corner are held out together
+//! as well. The fit then extrapolates to these points about as far as it extrapolates from them to
+//! the corner.
 //!
-//! With an orthonormal basis `Q` of the columns, residuals `r` and `Q_S` the rows of the set, the fit without the
-//! set errs at it by
+//! With an orthonormal basis `Q` of the columns, residuals `r`, and the rows `Q_S` of the set, the
+//! fit without the set has the following error at the set:
 //!
 //! ```text
 //! e_S = (I - Q_S Q_Sᵀ)⁻¹ r_S = r_S + Q_S (I - Q_Sᵀ Q_S)⁻¹ Q_Sᵀ r_S ,
 //! ```
 //!
-//! no fit made again (Woodbury; for one point `e = r / (1 - h)`, PRESS: Allen, Technometrics 16 (1974) 125). The
-//! factor of the inner matrix grows by a row with each column (Cholesky by bordering).
+//! The fit need not be repeated (Woodbury; for one point `e = r / (1 - h)`, PRESS: Allen,
+//! Technometrics 16 (1974) 125). The Cholesky factor of the inner matrix gains one row with each
+//! column (bordering).
 
 use std::collections::BTreeMap;
 
-/// Below this part of a column a set has, or a point, nothing is left to determine it by.
+/// A set or point is undetermined if less than this share of a column remains without it.
 const LEAST: f64 = 1e-8;
 
-/// The sets: points by number.
+/// Held-out sets, as point numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct HeldOut {
-    /// Sets of one point.
+    /// Sets of a single point.
     single: Vec<u32>,
-    /// The others.
+    /// Sets of several points.
     sets: Vec<Vec<u32>>,
 }
 
 impl HeldOut {
-    /// The sets of points whose keys have these values.
+    /// Builds the sets for points with these key values.
     #[must_use]
     pub(super) fn of(keys: &[Vec<f64>]) -> Self {
         let inner = keys.iter().flat_map(|values| inner_sets(values));
@@ -44,13 +47,13 @@ impl HeldOut {
         Self { single: single.concat(), sets }
     }
 
-    /// The points of all sets, one set after the other.
+    /// Points of all sets, one set after the other.
     pub(super) fn points(&self) -> impl Iterator<Item = usize> {
         self.single.iter().chain(self.sets.iter().flatten()).map(|n| *n as usize)
     }
 }
 
-/// Points by value, without the least and the largest one.
+/// Groups points by value, without the smallest and the largest value.
 fn inner_sets(values: &[f64]) -> Vec<Vec<u32>> {
     let mut by_value: BTreeMap<u64, Vec<u32>> = BTreeMap::new();
     for (n, value) in (0..).zip(values) {
@@ -61,13 +64,14 @@ fn inner_sets(values: &[f64]) -> Vec<Vec<u32>> {
     by_value.into_values().collect()
 }
 
-/// Most keys of which the corners are looked at: they have twice as many with each.
+/// Maximum number of keys for which corners are considered, because the number of corners doubles
+/// with each key.
 const MOST_CORNERED: usize = 8;
-/// One of so many points is held out for a corner.
+/// At most one of this many points is held out for a corner.
 const ONE_OF: usize = 12;
 
-/// The points nearest to each corner that is empty. Twice as far from it lie about `2^keys` times as many: so many at
-/// most are taken.
+/// Finds the points nearest to each empty corner. Twice as far from a corner lie about `2^keys`
+/// times as many points, so at most that many are taken.
 fn corner_sets(keys: &[Vec<f64>]) -> Vec<Vec<u32>> {
     if keys.len() > MOST_CORNERED {
         return Vec::new();
@@ -91,47 +95,48 @@ fn corner_sets(keys: &[Vec<f64>]) -> Vec<Vec<u32>> {
     (0..1 << keys.len()).filter_map(set).collect()
 }
 
-/// From 0 at the least value to 1 at the largest.
+/// Scales the values to the range from 0 to 1.
 fn scaled(values: &[f64]) -> Vec<f64> {
     let ends = |[from, to]: [f64; 2], value: &f64| [from.min(*value), to.max(*value)];
     let [from, to] = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
     values.iter().map(|value| (value - from) / (to - from)).collect()
 }
 
-/// Bits in the order of the numbers.
+/// Maps a number to bits that sort in numeric order.
 fn ordered(value: f64) -> u64 {
     let bits = (value + 0.0).to_bits();
     if bits >> 63 == 0 { bits | 1 << 63 } else { !bits }
 }
 
-/// What is known of each set as columns are added.
-pub(super) struct Checks<'a> {
+/// State of the held-out errors while columns are added.
+pub(super) struct HeldOutErrors<'a> {
     of: &'a HeldOut,
-    /// `1 - h` of the single points.
+    /// `1 - h` for each set of a single point.
     left: Vec<f64>,
-    sets: Vec<Check>,
+    sets: Vec<HeldOutSet>,
 }
 
-/// One set: the rows of the columns, column by column, and the factor of `I - Q_Sᵀ Q_S`, row by row.
+/// One set: its rows of the columns, stored by column, and the Cholesky factor of `I - Q_Sᵀ Q_S`,
+/// stored by row.
 #[derive(Default)]
-struct Check {
+struct HeldOutSet {
     columns: Vec<Vec<f64>>,
     factor: Vec<Vec<f64>>,
 }
 
-impl<'a> Checks<'a> {
-    /// Those of a fit without columns.
+impl<'a> HeldOutErrors<'a> {
+    /// Starts with a fit without columns.
     #[must_use]
     pub(super) fn new(of: &'a HeldOut) -> Self {
         Self {
             of,
             left: vec![1.0; of.single.len()],
-            sets: of.sets.iter().map(|_| Check::default()).collect(),
+            sets: of.sets.iter().map(|_| HeldOutSet::default()).collect(),
         }
     }
 
-    /// Adds a column of the orthonormal basis; false, and nothing is added, if without one of the sets it is
-    /// not determined.
+    /// Adds a column of the orthonormal basis. Returns false and leaves the state unchanged if the
+    /// column is undetermined without one of the sets.
     #[must_use]
     pub(super) fn add(&mut self, column: &[f64]) -> bool {
         let single = || self.of.single.iter().map(|n| column[*n as usize]);
@@ -155,7 +160,8 @@ impl<'a> Checks<'a> {
         true
     }
 
-    /// The errors at the points of all sets, one set after the other, of residuals `r = y - fit`.
+    /// Computes the errors at the points of all sets, one set after the other, from the residuals
+    /// `r = y - fit`.
     pub(super) fn errors(&self, residuals: &[f64], errors: &mut Vec<f64>) {
         errors.clear();
         let single = self.of.single.iter().zip(&self.left);
@@ -168,8 +174,8 @@ impl<'a> Checks<'a> {
     }
 }
 
-impl Check {
-    /// The next row of the factor.
+impl HeldOutSet {
+    /// Next row of the Cholesky factor; `None` if the factor would be singular.
     fn border(&self, own: &[f64]) -> Option<Vec<f64>> {
         let mut row: Vec<f64> = self.columns.iter().map(|column| -dot(column, own)).collect();
         self.forward(&mut row);
@@ -191,7 +197,7 @@ impl Check {
         }
     }
 
-    /// Solves with the lower triangle.
+    /// Solves with the lower triangle, in place.
     fn forward(&self, right: &mut [f64]) {
         for (n, row) in self.factor.iter().enumerate() {
             right[n] = (right[n] - dot(&row[..n], &right[..n])) / row[n];
@@ -199,10 +205,10 @@ impl Check {
     }
 }
 
-/// The scalar product.
+/// Scalar product of two vectors.
 #[must_use]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Eight sums that do not wait for each other.
+    // Eight independent sums allow vectorisation.
     let mut sums = [0.0; 8];
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();

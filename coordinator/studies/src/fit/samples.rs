@@ -1,6 +1,6 @@
-//! The rows of a sweep as numbers: coordinates and figures at the points that a surrogate can be made of.
+//! The rows of a sweep as numbers: coordinates and figures at the points used for a surrogate,
+//! restricted to a large box free of failed points.
 
-use super::region::within;
 use crate::study::axis::Axis;
 use crate::study::quantity::Quantity;
 use crate::sweep::Study;
@@ -9,25 +9,26 @@ use run::error::RunError;
 use run::format::counted;
 use surrogate::{Coordinate, Key};
 
-/// Fewest values of a key: of fewer nothing tells how the figures go between them.
+/// Minimum number of distinct values of a key, below which the dependence between the values is
+/// unknown.
 const FEWEST_VALUES: usize = 3;
-/// Fewest points.
+/// Minimum number of points.
 const FEWEST_POINTS: usize = 4;
 
-/// A key over another one.
+/// The quotient of two keys.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Quotient {
-    /// What is divided.
+    /// Key of the dividend.
     pub of: String,
-    /// What it is divided by.
+    /// Key of the divisor.
     pub by: String,
 }
 
 impl Quotient {
-    /// Reads `KEY/KEY`.
+    /// Parses `KEY/KEY`.
     ///
     /// # Errors
-    /// Says how it is written.
+    /// The text has another form.
     pub(super) fn read(text: &str) -> Result<Self, String> {
         let parts =
             text.split_once('/').map(|(of, by)| (of.trim().to_owned(), by.trim().to_owned()));
@@ -37,35 +38,35 @@ impl Quotient {
     }
 }
 
-/// Coordinates and figures, point by point.
+/// Coordinates and figures at the points.
 #[derive(Debug)]
 pub(super) struct Samples {
-    /// The keys with their bounds.
+    /// Keys with their bounds.
     pub keys: Vec<Key>,
-    /// Their values at the points \[SI\].
+    /// Values of the keys at the points \[SI\].
     pub key_values: Vec<Vec<f64>>,
-    /// The coordinates with their bounds.
+    /// Coordinates with their bounds.
     pub coordinates: Vec<Coordinate>,
-    /// Their values at the points \[SI\].
+    /// Values of the coordinates at the points \[SI\].
     pub at: Vec<Vec<f64>>,
-    /// The figures that all points have.
+    /// Figures that are known at all points.
     pub figures: Vec<(Quantity, Vec<f64>)>,
-    /// Points.
+    /// Number of points.
     pub points: usize,
-    /// Points without an answer.
+    /// Number of points without a result.
     pub failed: usize,
-    /// Points with an answer that were left out.
+    /// Number of points with a result that lie outside the box.
     pub cut: usize,
-    /// Keys of one value, as options.
+    /// Keys that have a single value, as `KEY=VALUE`.
     pub fixed: Vec<String>,
 }
 
 impl Samples {
-    /// What a sweep has found.
+    /// Extracts the samples of a sweep.
     ///
     /// # Errors
-    /// [`RunError::Usage`]: values that are no numbers, too few of them, a quotient of what did not vary, no
-    /// box without points that have no answer.
+    /// [`RunError::Usage`] if values are not numbers or too few, if a quotient uses a key that did
+    /// not vary, or if no sufficiently large box is free of failed points.
     pub(super) fn of(study: &Study, quotients: &[Quotient]) -> Result<Self, RunError> {
         let (one_value, varied): (Vec<_>, Vec<_>) =
             study.vary.iter().enumerate().partition(|(_, axis)| has_one_value(axis));
@@ -137,15 +138,15 @@ fn has_one_value(axis: &Axis) -> bool {
     axis.values.iter().all(|value| *value == axis.values[0])
 }
 
-/// The values of a key \[SI\].
+/// Values of a key \[SI\].
 fn numbers(axis: &Axis, unit: &str) -> Result<Vec<f64>, RunError> {
     axis.values.iter().map(|text| number(&axis.key, text, unit)).collect()
 }
 
-/// One value of a key as a case, an option or a table has it \[SI\].
+/// Parses the value of a key from a case, an option or a table \[SI\].
 ///
 /// # Errors
-/// [`RunError::Usage`] if it is no number, or has a unit that is not one of the key.
+/// [`RunError::Usage`] if the text is not a number, or the unit does not fit the key.
 pub(crate) fn number(key: &str, text: &str, unit: &str) -> Result<f64, RunError> {
     let text = text.trim().trim_matches(['"', '\'']);
     let plain = || text.replace('_', "").parse::<f64>().ok().filter(|value| value.is_finite());
@@ -153,13 +154,13 @@ pub(crate) fn number(key: &str, text: &str, unit: &str) -> Result<f64, RunError>
     match (plain(), unit) {
         (Some(value), _) => Ok(value),
         (None, "") => {
-            Err(wrong(&"is no number; its key has no unit that is known, so give it in SI units"))
+            Err(wrong(&"is not a number; its key has no known unit, so give it in SI units"))
         }
         (None, unit) => parse_quantity(text, unit).map_err(|error| wrong(&error)),
     }
 }
 
-/// Numbers of the key and of the one it is divided by, and the values.
+/// Number of the key, number of the divisor, and the values.
 type Made = (usize, Option<usize>, Vec<f64>);
 
 fn coordinates(
@@ -168,7 +169,8 @@ fn coordinates(
     quotients: &[Quotient],
 ) -> Result<Vec<Made>, RunError> {
     let place = |key: &str| {
-        let told = || format!("--per: `{key}` is none of the keys that vary: {}", names.join(", "));
+        let told =
+            || format!("--per: `{key}` does not vary; the keys that vary: {}", names.join(", "));
         names.iter().position(|name| *name == key).ok_or_else(|| RunError::Usage(told()))
     };
     let mut made: Vec<Made> =
@@ -179,7 +181,7 @@ fn coordinates(
         if from <= 0.0 && to >= 0.0 {
             let key = names[by];
             return Err(RunError::Usage(format!(
-                "--per: `{key}` can be 0, and nothing is divided by 0"
+                "--per: the range of `{key}` includes 0, so it cannot be a divisor"
             )));
         }
         let quotient = values[of].iter().zip(&values[by]).map(|(of, by)| of / by).collect();
@@ -200,12 +202,13 @@ fn check_rest(points: usize, with_answer: usize, failed: usize) -> Result<(), Ru
     let [with_answer, failed] = [with_answer, failed].map(|count| counted(count as u64, "point"));
     Err(RunError::Usage(match failed.starts_with("0 ") {
         true => format!(
-            "{with_answer} with an answer are too few for a surrogate; take {FEWEST_POINTS} or more"
+            "{with_answer} with results are too few for a surrogate; at least {FEWEST_POINTS} are \
+             needed"
         ),
         false => format!(
-            "{failed} have no answer, and there is no box without them that has half of the {with_answer} with an answer; \
-             vary the keys less far, or take the quotient that bounds what has an answer as a coordinate, \
-             `coordinator fit DIR --per KEY/KEY`"
+            "{failed} have no result, and no box free of them contains half of the {with_answer} \
+             with results; reduce the ranges of the keys, or use the quotient that limits where \
+             results exist as a coordinate, `coordinator fit DIR --per KEY/KEY`"
         ),
     }))
 }
@@ -218,13 +221,13 @@ fn check_values(name: &str, values: &[f64]) -> Result<(), RunError> {
         return Ok(());
     }
     Err(RunError::Usage(format!(
-        "{name} has {} at the points with an answer; a surrogate needs {FEWEST_VALUES} or more to tell how the figures go \
-         between them",
+        "{name} has {} at the points with results; a surrogate needs {FEWEST_VALUES} or more to \
+         know the figures between them",
         counted(sorted.len() as u64, "value")
     )))
 }
 
-/// The figures that every point has, but for those that are errors themselves.
+/// Returns the figures that every point has, except those that are errors themselves.
 fn figures(study: &Study, kept: &[bool]) -> Vec<(Quantity, Vec<f64>)> {
     let rows: Vec<_> =
         study.rows.iter().zip(kept).filter(|(_, kept)| **kept).map(|(row, _)| row).collect();
@@ -232,4 +235,76 @@ fn figures(study: &Study, kept: &[bool]) -> Vec<(Quantity, Vec<f64>)> {
     let measured = measured.filter(|(_, one)| one.measure != contract::figure::Measure::Itself);
     let values = |column| rows.iter().map(|row| row.value(column)).collect::<Option<_>>();
     measured.filter_map(|(column, one)| Some((one.clone(), values(column)?))).collect()
+}
+
+/// Selects the points in a box of the bounded values that contains no failed point. The search
+/// starts with the box around all points with results. At each failed point inside, the box is cut
+/// on the side that loses the fewest points.
+#[must_use]
+fn within(bounded: &[&[f64]], answered: &[bool]) -> Vec<bool> {
+    let mut kept = answered.to_vec();
+    let failed: Vec<usize> = (0..answered.len()).filter(|n| !answered[*n]).collect();
+    loop {
+        let ends: Vec<[f64; 2]> = bounded.iter().map(|values| bounds(values, &kept)).collect();
+        let inside = |n: &&usize| {
+            bounded
+                .iter()
+                .zip(&ends)
+                .all(|(values, [from, to])| (from..=to).contains(&&values[**n]))
+        };
+        let Some(failed) = failed.iter().find(inside) else { return kept };
+        let cuts = bounded.iter().flat_map(|values| {
+            let at = values[*failed];
+            [Cut { values, at, above: true }, Cut { values, at, above: false }]
+        });
+        let Some(cut) = cuts.min_by_key(|cut| cut.lost(&kept)) else { return kept };
+        kept.iter_mut().enumerate().for_each(|(n, kept)| *kept &= !cut.takes(n));
+    }
+}
+
+/// The half-space at or beyond a value.
+struct Cut<'a> {
+    values: &'a [f64],
+    at: f64,
+    above: bool,
+}
+
+impl Cut<'_> {
+    fn takes(&self, n: usize) -> bool {
+        if self.above { self.values[n] >= self.at } else { self.values[n] <= self.at }
+    }
+
+    fn lost(&self, kept: &[bool]) -> usize {
+        kept.iter().enumerate().filter(|(n, kept)| **kept && self.takes(*n)).count()
+    }
+}
+
+/// Smallest and largest of the kept values.
+fn bounds(values: &[f64], kept: &[bool]) -> [f64; 2] {
+    let kept = values.iter().zip(kept).filter(|(_, kept)| **kept).map(|(value, _)| *value);
+    kept.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], value| {
+        [from.min(value), to.max(value)]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid of 4 × 3 points. Points with one of the two largest first values and the smallest
+    /// second value have no result.
+    #[test]
+    fn the_box_is_cut_where_the_fewest_are_lost() {
+        let points: Vec<[f64; 2]> = (0..12).map(|n| [f64::from(n % 4), f64::from(n / 4)]).collect();
+        let [x, y] = [0, 1].map(|i| points.iter().map(|point| point[i]).collect::<Vec<_>>());
+        let answered: Vec<bool> = points.iter().map(|[x, y]| !(*x >= 2.0 && *y == 0.0)).collect();
+        let kept = within(&[&x, &y], &answered);
+        let left: Vec<_> = points.iter().zip(&kept).filter(|(_, kept)| **kept).collect();
+        assert_eq!(left.len(), 8, "the smallest second value is cut off: {left:?}");
+        assert!(left.iter().all(|([_, y], _)| *y >= 1.0));
+        // No point is lost if the limiting quantity is a coordinate.
+        let sum: Vec<f64> = points.iter().map(|[x, y]| x - 9.0 * y).collect();
+        let kept = within(&[&x, &y, &sum], &answered);
+        assert_eq!(kept, answered);
+    }
 }

@@ -1,29 +1,29 @@
-//! In which scales a figure is fitted: of the figure itself and of each coordinate, linear or logarithmic, as the
-//! error at held-out points is least.
+//! Choice of scales for a fit: linear or logarithmic, for the figure and for each coordinate,
+//! whichever gives the smallest error at held-out points.
 
 use super::grow::{Axis, Sum, Task, grow};
 use super::held::HeldOut;
 use super::samples::Samples;
 use crate::study::quantity::Quantity;
 use contract::figure::Measure as Compared;
-use surrogate::{Coordinate, FittedFigure, Held, Measure, Scale};
+use surrogate::{Coordinate, FittedFigure, HeldOutError, Measure, Scale};
 
-/// Largest degree; a coordinate of few values has less.
+/// Largest degree; fewer for a coordinate with few values.
 const LARGEST_DEGREE: usize = 16;
-/// Another scale is taken where it leaves less than this part of the error.
+/// Another scale is chosen only if it reduces the error below this share.
 const BETTER: f64 = 0.9;
-/// An error that is nothing but rounding.
+/// Errors below this are rounding errors.
 const ROUNDING: f64 = 1e-11;
-/// A figure that varies by less than this part of itself is the same everywhere.
+/// A figure counts as constant if its relative variation is below this.
 const CONSTANT: f64 = 1e-9;
-/// A fit whose error is above this part of how far the figure varies says nothing of it.
+/// A fit is rejected if its error exceeds this share of the variation of the figure.
 const TELLS: f64 = 0.3;
 
-/// The polynomials of all coordinates at all points, in both scales.
+/// Polynomials of all coordinates at all points, linear and (if the range is positive) logarithmic.
 pub(super) struct Axes(Vec<(Axis, Option<Axis>)>);
 
 impl Axes {
-    /// Those of the coordinates of some points.
+    /// Evaluates the polynomials at the points of the samples.
     #[must_use]
     pub(super) fn of(samples: &Samples) -> Self {
         let both = |(one, values): (&Coordinate, &Vec<f64>)| {
@@ -47,7 +47,8 @@ impl Axes {
     }
 }
 
-/// Chebyshev polynomials. Without one value of a coordinate, the fit has still as many values as its degree needs.
+/// Evaluates Chebyshev polynomials. The degree is limited so that the fit stays determined when one
+/// value of the coordinate is held out.
 fn polynomials(values: &[f64], from: f64, to: f64) -> Axis {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -63,7 +64,7 @@ fn polynomials(values: &[f64], from: f64, to: f64) -> Axis {
     axis
 }
 
-/// A figure at the points, as it is fitted and judged.
+/// Values of a figure at the points, with their logarithms and the measure of error.
 struct Values<'a> {
     of: &'a [f64],
     logs: Option<Vec<f64>>,
@@ -78,7 +79,7 @@ impl<'a> Values<'a> {
         Self { of, logs, measure: if relative { Measure::Relative } else { Measure::Absolute } }
     }
 
-    /// The error of the figure at a point, from that of what is fitted.
+    /// Converts the error of the fitted quantity into the error of the figure at a point.
     fn error(&self, scale: Scale, n: usize, error: f64) -> f64 {
         match (scale, self.measure) {
             (Scale::Linear, Measure::Absolute) => error,
@@ -97,7 +98,7 @@ impl<'a> Values<'a> {
         grow(&Task { axes: &axes.get(scales)?, values, held, judge: &judge })
     }
 
-    /// How far it varies: the root of its mean square about its mean, as errors are measured.
+    /// Standard deviation of the figure, relative to its mean if errors are relative.
     fn spread(&self) -> f64 {
         let count = self.of.len() as f64;
         let mean = self.of.iter().sum::<f64>() / count;
@@ -107,7 +108,7 @@ impl<'a> Values<'a> {
     }
 }
 
-/// A figure as it is fitted best; an error says why it is left out.
+/// Fits a figure in its best scales; an error states why the figure is left out.
 pub(super) fn fit(
     quantity: &Quantity,
     of: &[f64],
@@ -125,12 +126,12 @@ pub(super) fn fit(
         let sum = Sum { degrees, coefficients: vec![of[0]], largest: error, rms: error };
         return Ok(figure(quantity, &values, (sum, Scale::Linear, linear)));
     }
-    let best = search(&values, axes, held, &linear).ok_or("it cannot be fitted")?;
+    let best = search(&values, axes, held, &linear).ok_or("the points cannot determine a fit")?;
     let part = best.0.rms / values.spread();
     if part.is_nan() || part > TELLS {
-        let why = "it varies by rounding alone, or without a law";
+        let why = "its variation is mere rounding, or follows no smooth law";
         return Err(format!(
-            "{why} (error at points held out: {:.0} % of its range)",
+            "{why} (error at held-out points: {:.0} % of its range)",
             100.0 * part
         ));
     }
@@ -139,7 +140,8 @@ pub(super) fn fit(
 
 type Found = (Sum, Scale, Vec<Scale>);
 
-/// All logarithmic and all linear first, then one coordinate after the other in its other scale.
+/// Tries all-logarithmic and all-linear scales first, then the other scale for one coordinate at a
+/// time.
 fn search(values: &Values<'_>, axes: &Axes, held: &HeldOut, linear: &[Scale]) -> Option<Found> {
     let mut best: Option<Found> = None;
     let better = |best: &mut Option<Found>, scale, scales: &[Scale]| {
@@ -171,7 +173,7 @@ fn figure(quantity: &Quantity, values: &Values<'_>, (sum, scale, scales): Found)
     FittedFigure {
         key: quantity.key.clone(),
         words: quantity.name.clone(),
-        held: Held { measure: values.measure, largest: sum.largest, rms: sum.rms },
+        held: HeldOutError { measure: values.measure, largest: sum.largest, rms: sum.rms },
         scale,
         negative: scale == Scale::Log && values.of[0] < 0.0,
         scales,

@@ -1,6 +1,7 @@
-//! Surrogates of closed forms: what their terms are, and whether their errors are those between the points.
+//! Surrogates of closed forms: the chosen terms, and the stated errors compared with the true
+//! errors between the points.
 
-use super::held::{Checks, HeldOut, dot};
+use super::held::{HeldOut, HeldOutErrors, dot};
 use super::make::fitted;
 use super::samples::Samples;
 use crate::study::quantity::Quantity;
@@ -9,7 +10,7 @@ use surrogate::{Coordinate, Document, Key, Origin, SCHEMA, Surrogate};
 
 type Law = fn(&[f64]) -> f64;
 
-/// Samples of some laws at points of a box.
+/// Samples of some functions at points of a box.
 fn samples(points: &[Vec<f64>], ends: &[[f64; 2]], laws: &[(&str, Law)]) -> Samples {
     let at: Vec<Vec<f64>> =
         (0..ends.len()).map(|n| points.iter().map(|point| point[n]).collect()).collect();
@@ -34,7 +35,6 @@ fn samples(points: &[Vec<f64>], ends: &[[f64; 2]], laws: &[(&str, Law)]) -> Samp
     }
 }
 
-/// Points of a Latin hypercube.
 fn latin(ends: &[[f64; 2]], count: usize, seed: u64) -> Vec<Vec<f64>> {
     let mut random = fastrand::Rng::with_seed(seed);
     let mut columns: Vec<Vec<f64>> = ends
@@ -67,8 +67,8 @@ fn document(samples: &Samples) -> Document {
     Document { schema: SCHEMA, origin: Origin::default(), keys, coordinates, figures }
 }
 
-/// For each law the largest relative error that is stated, the largest true one at random points of the box, and
-/// the part of these at which it is above what is stated.
+/// Returns for each function the stated largest relative error, the true largest error at random
+/// points of the box, and the share of these points whose error exceeds the stated one.
 fn stated_and_true(
     samples: &Samples,
     ends: &[[f64; 2]],
@@ -93,7 +93,7 @@ fn stated_and_true(
     errors.into_iter().zip(&document.figures).map(judged).collect()
 }
 
-/// Carter's creepage over traction and friction; what a contact heats; a power law.
+/// Carter's creepage as a function of traction and friction; the heat of a contact; a power law.
 const CREEPAGE: Law = |p| -p[1] * p[2].cbrt() * (1.0 - (1.0 - p[0] / p[1]).sqrt());
 const HEAT: Law = |p| p[0] * p[2].powf(2.0 / 3.0) * -CREEPAGE(p) * p[3].sqrt();
 const POWER: Law = |p| 3.0 * p[2].cbrt() / p[3].sqrt();
@@ -104,12 +104,12 @@ fn a_power_law_has_a_term_a_variable() {
     let samples = samples(&latin(&BOX, 60, 1), &BOX, &[("power", POWER)]);
     let figure = &document(&samples).figures[0];
     assert_eq!(figure.degrees.len(), 3, "{:?}", figure.degrees);
-    // Rounding.
     assert!(figure.held.largest < 1e-12, "{:?}", figure.held);
 }
 
-/// Few of the points between have an error beyond the largest at points held out. The law is singular near one corner,
-/// in which a hypercube of 100 points has none: there the error is some times what is stated, and less so with more points.
+/// Few of the points in between have an error above the largest error at held-out points. The
+/// functions are singular near one corner, where a hypercube of 100 points has none. There the
+/// error is several times the stated one, and less so with more points.
 #[test]
 fn the_stated_error_holds_between_the_points() {
     let laws = [("creepage", CREEPAGE), ("heat", HEAT)];
@@ -125,7 +125,8 @@ fn the_stated_error_holds_between_the_points() {
     }
 }
 
-/// A grid dense in one direction says nothing of the error in the other: leaving out single points would find none.
+/// A grid that is dense in one direction says nothing about the error in the other: holding out
+/// single points would find no error.
 #[test]
 fn a_grid_is_judged_between_its_values() {
     let law: Law = |p| 2.0 + (6.0 * p[0]).sin() + p[1];
@@ -140,7 +141,7 @@ fn a_grid_is_judged_between_its_values() {
     }
 }
 
-/// What is not smooth, and what is noise: a large error, or no surrogate of it.
+/// Functions that are not smooth, or noise, get a large error or no surrogate.
 #[test]
 fn what_is_rough_is_said_to_be() {
     let kink: Law = |p| 1.0 + (p[0] - 0.37).abs();
@@ -151,12 +152,12 @@ fn what_is_rough_is_said_to_be() {
     let noise: Law = |p| (1e4 * p[0] * p[0]).sin();
     let (figures, left_out) = fitted(&of(noise));
     assert!(
-        figures.is_empty() && left_out[0].1.contains("by rounding alone, or without a law"),
+        figures.is_empty() && left_out[0].1.contains("mere rounding, or follows no smooth law"),
         "{left_out:?}"
     );
 }
 
-/// A straight line through the other points, by its closed form.
+/// Checked against the closed form of a straight line through the remaining points.
 #[test]
 fn held_out_errors_are_those_of_a_fit_without_the_points() {
     let x = [0.0, 1.0, 1.0, 2.0, 2.0, 2.0, 5.0];
@@ -168,7 +169,7 @@ fn held_out_errors_are_those_of_a_fit_without_the_points() {
     let slope: Vec<f64> = x.iter().map(|x| x - mean).collect();
     let length = dot(&slope, &slope).sqrt();
     let slope: Vec<f64> = slope.iter().map(|value| value / length).collect();
-    let mut checks = Checks::new(&held);
+    let mut checks = HeldOutErrors::new(&held);
     let mut residuals = y.to_vec();
     for column in [unit, slope] {
         assert!(checks.add(&column));

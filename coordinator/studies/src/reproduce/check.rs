@@ -1,4 +1,4 @@
-//! Whether a study refers only to what it has, before anything of it runs.
+//! Checks the references within a study, and compares an earlier text with the new one.
 
 use super::study::{FigureSpec, Study, TableSpec};
 use run::error::RunError;
@@ -8,7 +8,7 @@ use std::path::Path;
 /// Checks all references of the study in `file`.
 ///
 /// # Errors
-/// [`RunError::Usage`]: every reference that leads nowhere, with its place.
+/// [`RunError::Usage`] lists every broken reference with its place.
 pub(super) fn check(study: &Study, file: &Path) -> Result<(), RunError> {
     let folder = file.parent().unwrap_or(Path::new(""));
     let mut wrong = Vec::new();
@@ -33,7 +33,7 @@ pub(super) fn check(study: &Study, file: &Path) -> Result<(), RunError> {
 fn repeated<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let twice = names.filter(|name| !seen.insert(*name));
-    twice.map(|name| format!("{what} `{name}` is defined twice; rename one")).collect()
+    twice.map(|name| format!("{what} `{name}` is defined twice; rename one of the two")).collect()
 }
 
 fn families(study: &Study, folder: &Path) -> Vec<String> {
@@ -47,7 +47,7 @@ fn families(study: &Study, folder: &Path) -> Vec<String> {
         match (&family.over, &family.at) {
             (Some(axis), _) => wrong.extend(no_axis(study, &format!("run `{name}`"), axis)),
             (None, Some(_)) => {
-                wrong.push(format!("run `{name}`: `at` has no axis; name it with `over`"));
+                wrong.push(format!("run `{name}`: `at` needs an axis; name the axis with `over`"));
             }
             (None, None) => {}
         }
@@ -58,7 +58,7 @@ fn families(study: &Study, folder: &Path) -> Vec<String> {
 fn no_axis(study: &Study, place: &str, axis: &str) -> Option<String> {
     let known: Vec<&str> = study.axes.keys().map(String::as_str).collect();
     (!study.axes.contains_key(axis))
-        .then(|| format!("{place}: there is no axis `{axis}`; there is {}", listed(&known)))
+        .then(|| format!("{place}: there is no axis `{axis}`; known: {}", listed(&known)))
 }
 
 fn limits(study: &Study) -> Vec<String> {
@@ -94,7 +94,7 @@ fn rows(study: &Study, table: &TableSpec) -> Vec<String> {
         if let Some(group) = &row.group
             && study.titles(Some(group)).next().is_none()
         {
-            wrong.push(format!("{place}: no run is of the group `{group}`"));
+            wrong.push(format!("{place}: no run belongs to the group `{group}`"));
         }
     }
     wrong
@@ -109,9 +109,131 @@ fn lines(study: &Study, figure: &FigureSpec) -> Vec<String> {
 
 fn no_run(study: &Study, place: &str, name: &str) -> String {
     let known: Vec<&str> = study.families.iter().map(|family| family.name.as_str()).collect();
-    format!("{place}: there is no run `{name}`; there is {}", listed(&known))
+    format!("{place}: there is no run `{name}`; known: {}", listed(&known))
 }
 
 fn listed(names: &[&str]) -> String {
     if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+/// Start of a block that is excluded from the comparison.
+pub(crate) const MEASURED: &str = "<!-- measured -->";
+/// End of a block that is excluded from the comparison.
+pub(crate) const MEASURED_END: &str = "<!-- /measured -->";
+
+/// The first line that differs, in both texts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Difference {
+    /// Line number in the earlier text, counted from 1.
+    pub line: usize,
+    /// Line of the earlier text.
+    pub kept: String,
+    /// Line of the new text.
+    pub new: String,
+}
+
+/// Finds the first difference between an earlier text and the new one.
+#[must_use]
+pub(crate) fn difference(kept: &str, new: &str) -> Option<Difference> {
+    let (mut ours, mut theirs) = (compared(kept), compared(new));
+    loop {
+        let (line, kept, new) = match (ours.next(), theirs.next()) {
+            (None, None) => return None,
+            (Some((_, kept)), Some((_, new))) if same(kept, new) => continue,
+            (Some((line, kept)), new) => (line, kept, new.map_or("", |(_, new)| new)),
+            (None, Some((_, new))) => (kept.lines().count() + 1, "", new),
+        };
+        return Some(Difference { line, kept: kept.to_owned(), new: new.to_owned() });
+    }
+}
+
+/// Lines to compare, with their numbers.
+fn compared(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut measured = false;
+    let counts = move |(_, line): &(usize, &str)| {
+        measured = (measured || line.contains(MEASURED)) && !line.contains(MEASURED_END);
+        !measured
+    };
+    text.lines().enumerate().map(|(n, line)| (n + 1, line)).filter(counts)
+}
+
+fn same(kept: &str, new: &str) -> bool {
+    let embedded = |line: &str| line.contains("href=\"data:");
+    if embedded(kept) && embedded(new) {
+        return true;
+    }
+    let (kept, new) = (pieces(kept), pieces(new));
+    kept.len() == new.len() && kept.iter().zip(&new).all(|(kept, new)| kept.is_as(new))
+}
+
+/// A number as written, or the text between numbers.
+#[derive(Clone, Debug, PartialEq)]
+enum Piece<'a> {
+    Words(&'a str),
+    Number { value: f64, unit: f64 },
+}
+
+impl Piece<'_> {
+    fn is_as(&self, new: &Self) -> bool {
+        match (self, new) {
+            (Self::Number { value, unit }, Self::Number { value: other, unit: others }) => {
+                // A number with more or fewer decimals makes a different statement.
+                unit == others && (value - other).abs() <= unit * (1.0 + 1e-6)
+            }
+            (one, other) => one == other,
+        }
+    }
+}
+
+fn pieces(line: &str) -> Vec<Piece<'_>> {
+    let part = |c: char| c.is_ascii_digit() || c == '.';
+    let mut pieces = Vec::new();
+    let mut rest = line;
+    while let Some(first) = rest.chars().next() {
+        let digits = part(first);
+        let end = rest.find(|c| part(c) != digits).unwrap_or(rest.len());
+        let (piece, after) = rest.split_at(end);
+        pieces.push(number(piece).unwrap_or(Piece::Words(piece)));
+        rest = after;
+    }
+    pieces
+}
+
+/// Parses a number, with the unit of its last digit. A sign belongs to the text before.
+fn number(text: &str) -> Option<Piece<'_>> {
+    let value: f64 = text.parse().ok()?;
+    let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    Some(Piece::Number { value, unit: 10f64.powi(-i32::try_from(decimals).ok()?) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_digit_may_differ_by_one() {
+        assert_eq!(difference("at 226.9 K", "at 227.0 K"), None);
+        let difference = difference("a\nat 226.9 K", "a\nat 227.1 K").unwrap();
+        assert_eq!((difference.line, difference.new.as_str()), (2, "at 227.1 K"));
+    }
+
+    #[test]
+    fn words_signs_and_lengths_count() {
+        for (kept, new) in [
+            ("rail 1.0", "wheel 1.0"),
+            ("−0.84", "0.84"),
+            ("0.84", "0.841"),
+            ("one line", "one line\nand one more"),
+            ("one line\nand one more", "one line"),
+        ] {
+            assert!(difference(kept, new).is_some(), "{kept} against {new}");
+        }
+    }
+
+    #[test]
+    fn times_are_not_compared() {
+        let text = |time: &str| format!("a\n{MEASURED}\n{time}\n{MEASURED_END}\nb 2.0");
+        assert_eq!(difference(&text("0.31 s"), &text("12 s\nand more")), None);
+        assert!(difference(&text("0.31 s"), &text("0.31 s").replace("2.0", "3.0")).is_some());
+    }
 }

@@ -1,4 +1,4 @@
-//! Figures of a study, from the fields and summaries of its runs.
+//! Draws the figures of a study from the fields and summaries of its runs.
 
 use super::study::{Divisor, FigureSpec, LineSpec, MapSpec, Member, PlotSpec, Study};
 use super::values::Values;
@@ -9,7 +9,7 @@ use pages::source::{Field, GridSeries, Image, Results};
 use run::error::RunError;
 use std::path::{Path, PathBuf};
 
-/// Lines or colours.
+/// A plot or a map.
 #[derive(Clone, Debug)]
 pub(super) enum Drawing {
     /// Lines over an axis.
@@ -19,7 +19,7 @@ pub(super) enum Drawing {
 }
 
 impl Drawing {
-    /// The drawing as a file of its own.
+    /// The drawing as an SVG file of its own.
     #[must_use]
     pub(super) fn standalone(&self) -> String {
         match self {
@@ -28,7 +28,7 @@ impl Drawing {
         }
     }
 
-    /// What is shown.
+    /// Title of the drawing.
     #[must_use]
     pub(super) fn title(&self) -> &str {
         match self {
@@ -37,7 +37,7 @@ impl Drawing {
         }
     }
 
-    /// The drawing as a part of a page.
+    /// The drawing as part of a page.
     #[must_use]
     pub(super) fn block(&self) -> Block {
         match self {
@@ -47,24 +47,23 @@ impl Drawing {
     }
 }
 
-/// What drawings are made from.
+/// Data for the drawings.
 pub(super) struct Sources<'a> {
     /// The study.
     pub(super) study: &'a Study,
-    /// The figures of its runs.
+    /// Results of the runs.
     pub(super) values: &'a Values,
-    /// The result directory of a run.
+    /// Returns the result folder of a run.
     pub(super) folder: &'a dyn Fn(&str) -> PathBuf,
 }
 
-/// Points of a line.
 type Points = Vec<[f64; 2]>;
 
 impl Sources<'_> {
-    /// Everything that a figure shows.
+    /// Draws all plots and maps of a figure.
     ///
     /// # Errors
-    /// [`RunError::Usage`] with the figure and what is missing.
+    /// [`RunError::Usage`] with the name of the figure and the missing item.
     pub(super) fn drawings(&self, figure: &FigureSpec) -> Result<Vec<Drawing>, RunError> {
         let wrong = |reason| RunError::Usage(format!("figure `{}`: {reason}", figure.id));
         let mut drawings = Vec::new();
@@ -123,7 +122,7 @@ impl Sources<'_> {
         }
     }
 
-    /// A field of one run, along the centre line or over the depth.
+    /// Reads a field of one run, along the centre line or over the depth.
     fn field(&self, spec: &LineSpec, member: &Member) -> Result<Points, String> {
         let (points, x_per, y_per) = match spec {
             LineSpec::Along { grid, y, x_per, y_per, .. } => {
@@ -213,7 +212,7 @@ impl Sources<'_> {
         let folder = (self.folder)(run);
         let results = Results::read(&folder).map_err(|error| error.to_string())?;
         let all: Vec<&str> = results.series.iter().map(|series| series.name.as_str()).collect();
-        let missing = format!("`{run}` has no fields on {grid}; it has {}", all.join(", "));
+        let missing = format!("`{run}` has no fields on {grid}; known grids: {}", all.join(", "));
         results.series.into_iter().find(|series| series.name == grid).ok_or(missing)
     }
 
@@ -226,7 +225,7 @@ impl Sources<'_> {
     }
 }
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Style {
     Line,
@@ -234,7 +233,7 @@ enum Style {
     Marks,
 }
 
-/// The file of the n-th drawing of a figure.
+/// File name of the n-th drawing of a figure.
 #[must_use]
 pub(super) fn file_name(figure: &FigureSpec, n: usize) -> PathBuf {
     Path::new(&format!("fig-{}-{}.svg", figure.id, n + 1)).to_owned()

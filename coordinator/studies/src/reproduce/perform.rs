@@ -1,22 +1,24 @@
-//! Every distinct run of a study, once, and what became of it.
+//! Performs every distinct run of a study once, and records the results in `reproduce.json`.
 
-use super::record::{Done, Record, STUDY, TEMPLATE};
 use super::study::{Run, Study};
+use crate::study;
 use crate::study::folder::StudyFolder;
-use crate::study::output::Kept;
-use crate::study::{self, Variant};
+use crate::study::output::StudyFile;
+use console::case_arguments::Changes;
 use console::output::Speaker;
 use console::steps::Steps;
 use run::error::{RunError, file_failure};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The runs of a study, each of which can be planned, with the seconds that each is expected to take.
+/// Plans all runs of a study and returns each with its expected time \[s\].
 ///
 /// # Errors
-/// [`RunError::Usage`] if a case is wrong.
+/// [`RunError::Usage`] if a case is invalid.
 pub(super) fn rehearse(study: &Study, file: &Path) -> Result<Vec<(Run, f64)>, RunError> {
     let rehearsed = |run: Run| match study::planned(&run.case, &run.variant) {
         Ok(planned) => Ok((run, study::expected_run_seconds(Some(&planned)))),
@@ -25,10 +27,10 @@ pub(super) fn rehearse(study: &Study, file: &Path) -> Result<Vec<(Run, f64)>, Ru
     study.runs(file.parent().unwrap_or(Path::new(""))).into_iter().map(rehearsed).collect()
 }
 
-/// Runs everything into a folder; what has become of it.
+/// Performs all runs into a folder and returns the record.
 ///
 /// # Errors
-/// The file system; those of the runs.
+/// A run fails, or the folder cannot be written.
 pub(super) fn perform(
     study: &Study,
     file: &Path,
@@ -69,20 +71,20 @@ pub(super) fn perform(
 fn one(run: &Run, out: &Path) -> Result<Done, RunError> {
     let folder = Path::new("runs").join(&run.name);
     let summary = study::run(&run.case, &run.variant, &out.join(&folder))?;
-    let Variant { set, unset } = run.variant.clone();
+    let Changes { set, unset } = run.variant.clone();
     Ok(Done { name: run.name.clone(), set, unset, folder, summary })
 }
 
-/// What is wrong with a case is reported with the run that it is of; a failure keeps its own words.
+/// Adds the name of the run to an error in a case; other failures keep their messages.
 fn of_run(run: &Run, file: &Path, error: RunError) -> RunError {
     let place = format!("{}: run `{}`", file.display(), run.name);
     match error {
         RunError::Case(problems) => RunError::Usage(format!("{place}: {problems}")),
-        error => error.and(Err(RunError::Usage(format!("{place} has not finished")))),
+        error => error.and(Err(RunError::Usage(format!("{place} did not finish")))),
     }
 }
 
-/// The study itself goes into the folder.
+/// Copies the study and its template into the folder.
 fn keep_study(study: &Study, file: &Path, folder: &StudyFolder) -> Result<(), RunError> {
     let template = file.with_file_name(&study.text);
     for (from, name) in [(file, STUDY), (&template, TEMPLATE)] {
@@ -90,4 +92,68 @@ fn keep_study(study: &Study, file: &Path, folder: &StudyFolder) -> Result<(), Ru
         folder.write(name, &content)?;
     }
     Ok(())
+}
+
+/// Copy of the study in the folder.
+pub(super) const STUDY: &str = "study.toml";
+/// Copy of the template in the folder.
+pub(super) const TEMPLATE: &str = "text.md.j2";
+
+/// Record of all runs of a study.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Record {
+    schema: u32,
+    study: String,
+    /// Whether all runs are done.
+    pub(super) complete: bool,
+    pub(super) runs: Vec<Done>,
+}
+
+/// One finished run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Done {
+    pub(super) name: String,
+    pub(super) set: Vec<String>,
+    pub(super) unset: Vec<String>,
+    /// Result folder, relative to the record.
+    pub(super) folder: PathBuf,
+    pub(super) summary: Value,
+}
+
+/// Results of a run.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Outcome {
+    /// Contents of `summary.json`.
+    pub(super) summary: Value,
+    /// The case as run.
+    pub(super) case: toml::Table,
+}
+
+impl StudyFile for Record {
+    const COMMAND: &'static str = "reproduce";
+    const FILE: &'static str = "reproduce.json";
+    const SCHEMA: u32 = 1;
+}
+
+impl Record {
+    /// Returns the empty record of a study that begins.
+    pub(super) fn begun(study: &Study) -> Self {
+        let study = study.name.clone();
+        Self { schema: Self::SCHEMA, study, complete: false, runs: Vec::new() }
+    }
+
+    /// Result folder of each run below `out`, by name.
+    pub(super) fn folders(&self, out: &Path) -> BTreeMap<String, PathBuf> {
+        self.runs.iter().map(|done| (done.name.clone(), out.join(&done.folder))).collect()
+    }
+
+    /// Results of each run below `out`, by name.
+    pub(super) fn outcomes(&self, out: &Path) -> BTreeMap<String, Outcome> {
+        let outcome = |done: &Done| {
+            let case = fs::read_to_string(out.join(&done.folder).join("case.toml"));
+            let case = toml::from_str(&case.unwrap_or_default()).unwrap_or_default();
+            (done.name.clone(), Outcome { summary: done.summary.clone(), case })
+        };
+        self.runs.iter().map(outcome).collect()
+    }
 }

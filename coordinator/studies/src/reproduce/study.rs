@@ -1,42 +1,40 @@
-//! What a study says: its runs, and the tables, figures and text that are made of them.
+//! The file of a study: its runs, and the tables, figures and text to make from them.
 //!
-//! A study is data: `study.toml` names cases and what is changed in them, and a template beside it
-//! holds the text. A *family* is one `[[run]]` entry; with `over` it is one run for each value of an
-//! axis, named `FAMILY/VALUE`, and `{AXIS}` stands for the value in what it sets.
+//! A study is data: `study.toml` names cases and their changes, and a template beside it holds the
+//! text. A *family* is one `[[run]]` entry. With `over` a family has one run for each value of an
+//! axis, named `FAMILY/VALUE`, and `{AXIS}` stands for the value in its changes.
 
-use crate::study::Variant;
+use console::case_arguments::Changes;
 use contract::input_file::{self, InputFileError};
 use run::error::{RunError, input_failure};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Larger files are refused [byte].
+/// Size above which a file is refused [byte].
 const MOST_BYTES: u64 = 1 << 24;
 
-/// A study as its file has it.
+/// Contents of a study file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Study {
-    /// Name in one word.
+    /// Name, a single word.
     pub name: String,
-    /// What it is about.
+    /// Title of the study.
     pub title: String,
-    /// The template of the text, beside the study.
+    /// Template of the text, relative to the study.
     pub text: PathBuf,
     /// Named lists of values.
     #[serde(default)]
     pub axes: BTreeMap<String, Vec<String>>,
-    /// What is run.
+    /// Runs and families of runs.
     #[serde(rename = "run")]
     pub families: Vec<Family>,
-    /// What is extrapolated from runs.
+    /// Quantities extrapolated from runs.
     #[serde(default, rename = "limit")]
     pub limits: Vec<Limit>,
-    /// Tables.
     #[serde(default, rename = "table")]
     pub tables: Vec<TableSpec>,
-    /// Figures.
     #[serde(default, rename = "figure")]
     pub figures: Vec<FigureSpec>,
 }
@@ -45,45 +43,45 @@ pub(crate) struct Study {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Family {
-    /// Name that everything else refers to.
+    /// Name for references.
     pub name: String,
-    /// What it is, as tables say it.
+    /// Title in tables.
     #[serde(default)]
     pub title: String,
-    /// The group whose rows it joins.
+    /// Group of table rows that the family belongs to.
     #[serde(default)]
     pub group: String,
-    /// The case file, as seen from the study.
+    /// Case file, relative to the study.
     pub case: PathBuf,
-    /// The axis whose values it takes.
+    /// Axis of the family.
     pub over: Option<String>,
-    /// Some values of that axis in place of all.
+    /// Selection of the axis values; all values if absent.
     pub at: Option<Vec<String>>,
-    /// Keys that are set.
+    /// Keys to set.
     #[serde(default)]
     pub set: Vec<String>,
-    /// Keys that are removed.
+    /// Keys to remove.
     #[serde(default)]
     pub unset: Vec<String>,
-    /// How fine its grid is: elements along a length. Limits need it.
+    /// Fineness of the grid in elements per length, needed for limits.
     pub fineness: Option<f64>,
 }
 
-/// A family of figures that no run gives: those of other families on an infinitely fine grid.
+/// Results of several families extrapolated to an infinitely fine grid.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limit {
-    /// Name that everything else refers to.
+    /// Name for references.
     pub name: String,
-    /// What it is, as tables say it.
+    /// Title in tables.
     #[serde(default)]
     pub title: String,
-    /// The group whose rows it joins.
+    /// Group of table rows that the limit belongs to.
     #[serde(default)]
     pub group: String,
-    /// The families that it is taken from, coarsest first.
+    /// Families used for the extrapolation, coarsest first.
     pub of: Vec<String>,
-    /// Order with which the error is expected to fall.
+    /// Expected order of convergence of the error.
     pub order: f64,
 }
 
@@ -91,15 +89,14 @@ pub(crate) struct Limit {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TableSpec {
-    /// What the text calls it.
+    /// Name for references.
     pub id: String,
-    /// What is shown.
+    /// Title of the table.
     pub title: String,
-    /// Name of the first column.
+    /// Heading of the first column.
     pub head: String,
     /// The other columns.
     pub columns: Vec<Column>,
-    /// The rows.
     pub rows: Vec<RowSpec>,
 }
 
@@ -107,13 +104,14 @@ pub(crate) struct TableSpec {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Column {
-    /// Its name.
+    /// Heading.
     pub head: String,
-    /// The axis whose values it takes.
+    /// Axis of the column.
     pub over: Option<String>,
-    /// The one value of a row's family that it shows.
+    /// Single value of the row's family to show.
     pub at: Option<String>,
-    /// The template of its cells: `get(key)` is the figure of the row's run, `printed` the row's list.
+    /// Template of the cells: `get(key)` is a quantity of the row's run, `printed` the list of the
+    /// row.
     pub cell: String,
 }
 
@@ -121,16 +119,16 @@ pub(crate) struct Column {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RowSpec {
-    /// The group whose families make a row each.
+    /// Group whose families give one row each.
     pub group: Option<String>,
-    /// The family of this row, or one run of it.
+    /// Family of the row, or a single run of a family.
     pub run: Option<String>,
-    /// Its name, if it is not the family's title.
+    /// Name of the row; the family's title if absent.
     pub name: Option<String>,
-    /// What others have printed for it, for the columns' templates.
+    /// Printed values of the publication, for the templates of the columns.
     #[serde(default)]
     pub printed: Vec<String>,
-    /// Its cells as they are.
+    /// Literal contents of the cells.
     pub cells: Option<Vec<String>>,
 }
 
@@ -138,39 +136,35 @@ pub(crate) struct RowSpec {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct FigureSpec {
-    /// What the text calls it.
+    /// Name for references.
     pub id: String,
-    /// What is shown.
+    /// Title of the figure.
     pub title: String,
-    /// Plots of lines.
     #[serde(default, rename = "plot")]
     pub plots: Vec<PlotSpec>,
-    /// Maps.
     #[serde(default, rename = "map")]
     pub maps: Vec<MapSpec>,
 }
 
-/// Lines over an axis.
+/// A plot of lines over an axis.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PlotSpec {
-    /// What is shown.
+    /// Title of the plot.
     pub title: String,
-    /// What is to the right, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x_label: String,
-    /// What is upward, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y_label: String,
-    /// The lines.
     pub lines: Vec<LineSpec>,
 }
 
-/// What values are divided by.
+/// Divisor of values.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(untagged)]
 pub(crate) enum Divisor {
-    /// A number.
     Number(f64),
-    /// `max` is the largest magnitude of all; anything else a dotted key of the run's summary.
+    /// `max` stands for the largest magnitude; any other text is a dotted key of the run's summary.
     Key(String),
 }
 
@@ -180,92 +174,90 @@ impl Default for Divisor {
     }
 }
 
-/// A line, or one for each run of a family. In its name `{AXIS}` stands for the value.
+/// A line, or one line for each run of a family. In the name, `{AXIS}` stands for the value.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub(crate) enum LineSpec {
     /// A field along the centre line of a grid.
     Along {
-        /// What it is.
+        /// Name in the legend.
         name: String,
         /// Run or family.
         run: String,
-        /// Participant and grid, as the files of fields are named.
+        /// Participant and grid, as in the names of the field files.
         grid: String,
         /// Column of the centre line.
         y: String,
-        /// What the places are divided by.
+        /// Divisor of the positions.
         #[serde(default)]
         x_per: Divisor,
-        /// What the values are divided by.
+        /// Divisor of the values.
         #[serde(default)]
         y_per: Divisor,
     },
-    /// A field of a section over the distance from the surface, through its largest value.
+    /// A field of a section over the distance from the surface, through the point of its largest
+    /// value.
     Depth {
-        /// What it is.
+        /// Name in the legend.
         name: String,
         /// Run or family.
         run: String,
         /// Participant and grid.
         grid: String,
-        /// The field.
         field: String,
-        /// What the distances are divided by.
+        /// Divisor of the distances.
         #[serde(default)]
         x_per: Divisor,
-        /// What the values are divided by.
+        /// Divisor of the values.
         #[serde(default)]
         y_per: Divisor,
     },
-    /// A field of a section along its surface, which goes on behind the contact where a model has a wake.
+    /// A field of a section along its surface, including the wake behind the contact where a model
+    /// has one.
     Surface {
-        /// What it is.
+        /// Name in the legend.
         name: String,
         /// Run or family.
         run: String,
         /// Participant and grid.
         grid: String,
-        /// The field.
         field: String,
-        /// What the places are divided by.
+        /// Divisor of the positions.
         #[serde(default)]
         x_per: Divisor,
-        /// What the values are divided by.
+        /// Divisor of the values.
         #[serde(default)]
         y_per: Divisor,
     },
     /// One point for each run of a family.
     Curve {
-        /// What it is.
+        /// Name in the legend.
         name: String,
-        /// The family.
         run: String,
-        /// Dotted key of the summary to the right.
+        /// Dotted key in the summary for the horizontal axis.
         x: String,
-        /// And upward.
+        /// Dotted key in the summary for the vertical axis.
         y: String,
-        /// What x is divided by.
+        /// Divisor of x.
         #[serde(default)]
         x_per: Divisor,
-        /// What y is divided by.
+        /// Divisor of y.
         #[serde(default)]
         y_per: Divisor,
     },
-    /// What others have printed.
+    /// Printed values of a publication.
     Printed {
-        /// What it is.
+        /// Name in the legend.
         name: String,
-        /// Points.
         points: Vec<[f64; 2]>,
-        /// A line through them in place of marks.
+        /// Whether to draw a line through the points instead of marks.
         #[serde(default)]
         joined: bool,
     },
 }
 
 impl LineSpec {
-    /// The run or family that it shows.
+    /// Run or family that the line shows.
     #[must_use]
     pub(crate) fn run(&self) -> Option<&str> {
         match self {
@@ -278,31 +270,30 @@ impl LineSpec {
     }
 }
 
-/// A field over a plane, or one map for each run of a family.
+/// A map of a field over a plane, or one map for each run of a family.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MapSpec {
-    /// What is shown; `{AXIS}` stands for the value.
+    /// Title of the map; `{AXIS}` stands for the value.
     pub title: String,
     /// Run or family.
     pub run: String,
     /// Participant and grid.
     pub grid: String,
-    /// The field.
     pub field: String,
-    /// What the colours are, with their unit.
+    /// Label of the colour scale, with its unit.
     pub label: String,
-    /// What is to the right.
+    /// Label of the horizontal axis.
     pub x_label: String,
-    /// What is upward.
+    /// Label of the vertical axis.
     pub y_label: String,
-    /// What the values are divided by.
+    /// Divisor of the values.
     #[serde(default)]
     pub per: Divisor,
-    /// What x is divided by.
+    /// Divisor of x.
     #[serde(default)]
     pub x_per: Divisor,
-    /// What y is divided by.
+    /// Divisor of y.
     #[serde(default)]
     pub y_per: Divisor,
 }
@@ -314,21 +305,21 @@ pub(crate) struct Run {
     pub name: String,
     /// The case file.
     pub case: PathBuf,
-    /// What is changed in it.
-    pub variant: Variant,
+    /// Changes of the case.
+    pub variant: Changes,
 }
 
-/// A run that something refers to.
+/// A run that a table or figure refers to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Member {
-    /// Axis and value, for the names of lines.
+    /// Axis and value, for names in the legend.
     pub value: Option<(String, String)>,
     /// Name of the run.
     pub run: String,
 }
 
 impl Member {
-    /// A text in which the value stands for `{AXIS}`.
+    /// Replaces `{AXIS}` in a text by the value.
     #[must_use]
     pub(crate) fn filled(&self, text: &str) -> String {
         let fill = |(axis, value): &(String, String)| text.replace(&format!("{{{axis}}}"), value);
@@ -337,7 +328,7 @@ impl Member {
 }
 
 impl Family {
-    /// Its runs, in the order of its values.
+    /// Runs of the family, in the order of the values.
     #[must_use]
     pub(crate) fn members(&self, axes: &BTreeMap<String, Vec<String>>) -> Vec<Member> {
         let Some(axis) = &self.over else {
@@ -356,20 +347,22 @@ impl Study {
     /// Reads a study.
     ///
     /// # Errors
-    /// [`RunError::Usage`] with the place in the file: it is no TOML, has a key that nothing reads,
-    /// or refers to what it does not have.
+    /// [`RunError::Usage`] with the place if the file is missing, is not TOML or has an unknown
+    /// key.
     pub(crate) fn read(path: &Path) -> Result<Self, RunError> {
         let shown = path.display();
         let text = input_file::read_text(path, MOST_BYTES).map_err(|error| match error {
             InputFileError::System(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                RunError::Usage(format!("there is no study {shown}; name one: reproduce STUDY"))
+                RunError::Usage(format!(
+                    "there is no study {shown}; name a study file: coordinator reproduce STUDY"
+                ))
             }
             error => input_failure(path, &error),
         })?;
         toml::from_str(&text).map_err(|error| RunError::Usage(format!("{shown}: {error}")))
     }
 
-    /// Every run, the folder of the study being `folder`.
+    /// Lists all runs. Case files are relative to `folder`.
     #[must_use]
     pub(crate) fn runs(&self, folder: &Path) -> Vec<Run> {
         let of = |family: &Family| {
@@ -377,7 +370,7 @@ impl Study {
                 texts.iter().map(|text| member.filled(text)).collect()
             };
             let run = |member: Member| Run {
-                variant: Variant {
+                variant: Changes {
                     set: filled(&member, &family.set),
                     unset: filled(&member, &family.unset),
                 },
@@ -389,7 +382,7 @@ impl Study {
         self.families.iter().flat_map(of).collect()
     }
 
-    /// The runs that a name stands for: those of a family, or one; `None` for an unknown name.
+    /// Runs that a name refers to: all of a family, or a single one; `None` for an unknown name.
     #[must_use]
     pub(crate) fn members(&self, name: &str) -> Option<Vec<Member>> {
         let all = |family: &Family| family.members(&self.axes);
@@ -402,7 +395,7 @@ impl Study {
         }
     }
 
-    /// Names and titles of families and limits: of a group, or all.
+    /// Names and titles of the families and limits in a group, or of all.
     pub(crate) fn titles<'a>(
         &'a self,
         group: Option<&'a str>,
@@ -413,7 +406,7 @@ impl Study {
         families.chain(limits).filter(wanted).map(|(name, title, _)| (&**name, &**title))
     }
 
-    /// The names of everything that has figures: runs, and limits at each value.
+    /// Names of everything that has results: runs, and limits at each value.
     #[must_use]
     pub(crate) fn names(&self) -> BTreeSet<String> {
         let runs = self.families.iter().flat_map(|family| family.members(&self.axes));

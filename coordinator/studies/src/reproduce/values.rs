@@ -1,24 +1,24 @@
-//! The figures of runs and limits, by name and key.
+//! Results of runs and limits, by name and key.
 
-use super::record::Outcome;
+use super::perform::Outcome;
 use super::study::{Limit, Study};
 use crate::study::richardson::{Estimate, Sample};
 use contract::figure::value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The figures of a study.
+/// All results of a study.
 #[derive(Clone, Debug)]
 pub(super) struct Values {
     names: BTreeSet<String>,
     limits: Vec<Limit>,
-    /// Fineness of families.
+    /// Fineness of the families.
     fineness: BTreeMap<String, f64>,
-    /// By the names of the runs; `None` before anything has run.
+    /// Results by the name of the run; `None` in a rehearsal.
     outcomes: Option<BTreeMap<String, Outcome>>,
 }
 
 impl Values {
-    /// The figures of runs; without runs, a rehearsal with stand-ins.
+    /// Builds the results from finished runs; `None` gives placeholder values for a rehearsal.
     #[must_use]
     pub(super) fn new(study: &Study, outcomes: Option<BTreeMap<String, Outcome>>) -> Self {
         let fine = study.families.iter().filter_map(|f| Some((f.name.clone(), f.fineness?)));
@@ -30,7 +30,7 @@ impl Values {
         }
     }
 
-    /// A figure of a run or limit; `None` if it has none under this key, or there is no such run.
+    /// Looks up a quantity of a run or limit; `None` if the run or the quantity does not exist.
     #[must_use]
     pub(super) fn find(&self, name: &str, key: &str) -> Option<f64> {
         if !self.names.contains(name) {
@@ -43,19 +43,19 @@ impl Values {
         }
     }
 
-    /// The same.
+    /// Looks up a quantity that must exist.
     ///
     /// # Errors
-    /// There is no such run, or it has no such figure.
+    /// The run or the quantity does not exist.
     pub(super) fn get(&self, name: &str, key: &str) -> Result<f64, String> {
         self.known(name)?;
         self.find(name, key).ok_or_else(|| format!("the run `{name}` has no quantity `{key}`"))
     }
 
-    /// A number of the case that a run was of \[SI\].
+    /// Looks up a number in the case of a run \[SI\].
     ///
     /// # Errors
-    /// There is no such run, or its case has no such key or no plain number there.
+    /// The run does not exist, or its case has no plain number under the key.
     pub(super) fn input(&self, name: &str, key: &str) -> Result<f64, String> {
         self.known(name)?;
         let Some(outcomes) = &self.outcomes else { return Ok(stand_in(name, key)) };
@@ -72,12 +72,13 @@ impl Values {
             true => Ok(()),
             false => {
                 let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
-                Err(format!("there is no run `{name}`; there is {}", names.join(", ")))
+                Err(format!("there is no run `{name}`; known: {}", names.join(", ")))
             }
         }
     }
 
-    /// The figure of `LIMIT` or `LIMIT/VALUE` from the two finest families of the limit.
+    /// Extrapolates a quantity of `LIMIT` or `LIMIT/VALUE` from the two finest families of the
+    /// limit.
     fn extrapolated(&self, name: &str, key: &str) -> Option<f64> {
         let (family, value) = name.split_once('/').map_or((name, None), |(f, v)| (f, Some(v)));
         let limit = self.limits.iter().find(|limit| limit.name == family)?;
@@ -92,7 +93,7 @@ impl Values {
     }
 }
 
-/// A number from 1 to 2 that stands for a figure before anything has run: another one for each, so
+/// Placeholder from 1 to 2 for a quantity in a rehearsal. Every quantity gets another number, so
 /// that a template may divide by differences.
 fn stand_in(name: &str, key: &str) -> f64 {
     let mix = |sum: u32, byte: u8| sum.wrapping_mul(31).wrapping_add(u32::from(byte));

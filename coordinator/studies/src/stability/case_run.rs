@@ -1,40 +1,41 @@
-//! One run: how it ended, its quantities, and what its recording holds.
+//! Performs one run, and collects its outcome, quantities and recorded fields.
 
-use crate::study::{self, Variant};
-use conformance::inspect::{self, Survey, Wanted};
+use crate::study;
+use conformance::inspect::{self, ListFilter, RecordingSummary};
+use console::case_arguments::Changes;
 use run::error::RunError;
-use run::perform::{self, RunStart};
+use run::perform::{self, RunOptions};
 use run::plan::{Plan, Planned};
-use run::progress::silent;
 use run::record::Compression;
 use run::results::{Existing, ResultFolder};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::time::Instant;
 
-/// The producer of iterates, whose fields are no answers.
+/// Topic of the recorded iterates, whose fields are not results.
 const ITERATES: &str = "field/coordinator/";
 
-/// A run that has come to its end.
+/// A run that has ended.
 #[derive(Debug)]
 pub(super) struct CaseRun {
-    /// Exit code and message, if it ended with an error.
+    /// Exit code and message, if the run failed.
     pub(super) error: Option<(u8, String)>,
-    /// Its summary, with the ranges of its fields under `field`, the case's values under `case`, and
-    /// the coupling time at its end under `time`.
+    /// Summary, with the ranges of the fields under `field`, the values of the case under `case`,
+    /// and the final coupling time under `time`.
     pub(super) quantities: Value,
-    /// What its recording holds; `None` if it was refused before it began.
-    pub(super) recorded: Option<Survey>,
-    /// Seconds from reading the case to the last process's end.
+    /// Contents of the recording; `None` if the run was refused before it began.
+    pub(super) recorded: Option<RecordingSummary>,
+    /// Time from reading the case to the end of the last process \[s\].
     pub(super) seconds: f64,
 }
 
 impl CaseRun {
-    /// Runs a case with a variant's changes into a folder.
+    /// Runs a case with the changes of a variant into a folder.
     ///
     /// # Errors
-    /// The folder cannot be used, or the user has stopped. An error of the run is its end.
-    pub(super) fn run(case: &Path, variant: &Variant, folder: &Path) -> Result<Self, RunError> {
+    /// The folder cannot be used, or the user interrupts. A failure of the run is part of the
+    /// outcome.
+    pub(super) fn run(case: &Path, variant: &Changes, folder: &Path) -> Result<Self, RunError> {
         let since = Instant::now();
         let planned = match study::planned(case, variant) {
             Ok(planned) => planned,
@@ -55,16 +56,16 @@ impl CaseRun {
     }
 
     fn perform(planned: &Planned, folder: &ResultFolder, since: Instant) -> Result<Self, RunError> {
-        let start = RunStart { since, plan_seconds: since.elapsed().as_secs_f64() };
         let record = Some(Compression::None);
-        let outcome = perform::run(planned, folder, &silent(), start, None, record);
+        let options = RunOptions { record, ..RunOptions::planned_since(since) };
+        let outcome = perform::run(planned, folder, options);
         let seconds = since.elapsed().as_secs_f64();
         let error = match outcome.error {
             Some(error) if study::ends_study(&error) => return Err(error),
             other => other.map(|error| (error.exit_code(), message(&error))),
         };
         let mut recording = inspect::open(&folder.file("recording.mcap"))?;
-        let survey = inspect::survey(&mut recording, &Wanted::default());
+        let survey = inspect::survey(&mut recording, &ListFilter::default());
         let mut quantities = outcome.summary;
         quantities["field"] = ranges(&survey);
         quantities["time"] = json!({ "end_s": survey.end_s });
@@ -72,14 +73,14 @@ impl CaseRun {
         Ok(Self { error, quantities, recorded: Some(survey), seconds })
     }
 
-    /// Fields that the participants have sent, without iterates.
+    /// Fields sent by participants, without iterates.
     pub(super) fn fields(&self) -> impl Iterator<Item = &inspect::FieldSurvey> {
         let all = self.recorded.iter().flat_map(|survey| &survey.fields);
         all.filter(|field| !field.topic.starts_with(ITERATES))
     }
 }
 
-/// What a user reads.
+/// Message shown to the user.
 fn message(error: &RunError) -> String {
     match error {
         RunError::Case(problems) => problems.render(false),
@@ -87,8 +88,8 @@ fn message(error: &RunError) -> String {
     }
 }
 
-/// Smallest, largest and mean value of every field that a participant has sent.
-fn ranges(survey: &Survey) -> Value {
+/// Smallest, largest and mean value of every field sent by a participant.
+fn ranges(survey: &RecordingSummary) -> Value {
     let of = |field: &inspect::FieldSurvey| {
         let name = field.topic.rsplit('/').next().unwrap_or_default().to_owned();
         let range = &field.range;
@@ -98,7 +99,7 @@ fn ranges(survey: &Survey) -> Value {
     Value::Object(sent.map(of).collect())
 }
 
-/// The values that the participants were given [SI].
+/// Values given to the participants [SI].
 fn values(plan: &Plan) -> Value {
     let mut all = Map::new();
     for participant in &plan.participants {

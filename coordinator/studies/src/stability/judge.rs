@@ -1,11 +1,11 @@
-//! A run against what is expected of it.
+//! Compares a run with its expected outcome.
 
 use super::case_run::CaseRun;
 use super::report::{Finding, RunResult};
 use super::suite::{Bound, Check, Expected, Limits};
 use serde_json::Value;
 
-/// Holds a run against its bounds, and its end against the expected one.
+/// Checks the quantities of a run against their bounds, and its outcome against the expected one.
 pub(super) fn judge(
     run: &CaseRun,
     expected: &Expected,
@@ -36,7 +36,7 @@ fn energy(run: &CaseRun) -> Option<f64> {
     run.quantities.pointer("/coupling/energy_imbalance").and_then(Value::as_f64)
 }
 
-/// Undershoot and energy where there is something to hold against them, and the case's own checks.
+/// Findings: undershoot and heat imbalance where they are known, and the checks of the case.
 fn findings(run: &CaseRun, limits: &Limits, checks: &[Check]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let below = run.fields().filter_map(|field| {
@@ -57,7 +57,7 @@ fn findings(run: &CaseRun, limits: &Limits, checks: &[Check]) -> Vec<Finding> {
         Err(key) => Finding {
             name: check.name.clone(),
             value: None,
-            bound: format!("{} (the run gives no {key})", check.bound),
+            bound: format!("{} (the run has no {key})", check.bound),
             share: None,
         },
     }));
@@ -76,7 +76,7 @@ fn finding(name: String, value: f64, bound: Bound) -> Finding {
     Finding { name, value: number(value), bound: bound.to_string(), share }
 }
 
-/// What is otherwise than expected.
+/// Lists the differences from the expected outcome.
 fn otherwise(row: &RunResult, expected: &Expected) -> Vec<String> {
     match (expected, &row.error) {
         (Expected::Answer, None) => {
@@ -89,9 +89,9 @@ fn otherwise(row: &RunResult, expected: &Expected) -> Vec<String> {
             let holds = row.findings.iter().any(|one| one.name == *name && one.holds());
             holds.then(|| format!("`{name}` holds")).into_iter().collect()
         }
-        (Expected::Refusal { .. }, None) => vec!["an answer came".to_owned()],
+        (Expected::Refusal { .. }, None) => vec!["the run gave a result".to_owned()],
         (Expected::Answer | Expected::Breach(_), Some((code, message))) => {
-            vec![format!("it ended with exit code {code}: {message}")]
+            vec![format!("the run ended with exit code {code}: {message}")]
         }
         (Expected::Refusal { exit_code, saying }, Some((code, message))) => {
             let other = (code != exit_code).then(|| format!("the exit code is {code}"));
@@ -106,16 +106,16 @@ fn described(finding: &Finding) -> String {
     let Finding { name, value, bound, .. } = finding;
     match value {
         Some(value) => format!("{name}: {value:e} is not {bound}"),
-        None => format!("{name}: no number, expected {bound}"),
+        None => format!("{name}: no value, expected {bound}"),
     }
 }
 
-/// A recording has to be whole, however the run ended.
+/// Checks that the recording is complete, however the run ended.
 fn unreadable(run: &CaseRun) -> Option<String> {
     let survey = run.recorded.as_ref()?;
     match &survey.damage {
-        Some(damage) => Some(format!("its recording is damaged: {damage}")),
-        None => (!survey.complete).then(|| "its recording has no end".to_owned()),
+        Some(damage) => Some(format!("the recording is damaged: {damage}")),
+        None => (!survey.complete).then(|| "the recording is incomplete".to_owned()),
     }
 }
 

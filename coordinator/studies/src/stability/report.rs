@@ -1,107 +1,106 @@
-//! What a suite has shown, as plain data: `stability.json`.
+//! Results of a suite, as plain data: `stability.json`.
 
-use crate::study::output::Kept;
+use crate::study::output::StudyFile;
 use serde::{Deserialize, Serialize};
 
-/// How a suite went.
+/// Results of a suite.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Report {
-    /// Version of this layout.
+    /// Version of the file's layout.
     pub schema: u32,
-    /// The suite has been run to its end.
+    /// Whether the suite ran to its end.
     pub complete: bool,
     /// The suite file.
     pub suite: String,
-    /// One entry a case.
+    /// One entry per case.
     pub cases: Vec<CaseReport>,
-    /// Seconds of all runs.
+    /// Total time of all runs \[s\].
     pub wall_s: f64,
 }
 
-impl Kept for Report {
+impl StudyFile for Report {
     const COMMAND: &'static str = "stability";
     const FILE: &'static str = "stability.json";
     const SCHEMA: u32 = 2;
 }
 
-/// How one case and its sweeps went.
+/// Results of a case and its sweeps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CaseReport {
-    /// Its number in the list of hard cases.
+    /// Number in the list of hard cases.
     pub number: u32,
-    /// Its name.
     pub name: String,
-    /// What is hard about it.
+    /// Title: the difficulty of the case.
     pub title: String,
     /// Name, bound and reason of every check.
     pub bounds: Vec<[String; 3]>,
-    /// What is expected, in words.
+    /// Expected outcome, in words.
     pub expected: String,
-    /// How the run went.
+    /// Result of the case's own run.
     pub row: RunResult,
-    /// How the sweeps went.
+    /// Results of the sweeps.
     pub sweeps: Vec<SweepReport>,
 }
 
-/// How one run went.
+/// Result of one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct RunResult {
-    /// It went as expected.
+    /// Whether the outcome is as expected.
     pub as_expected: bool,
-    /// What went otherwise than expected.
+    /// Differences from the expected outcome.
     pub otherwise: Vec<String>,
-    /// Exit code and message, if it ended with an error.
+    /// Exit code and message, if the run failed.
     pub error: Option<(u8, String)>,
-    /// Every value that was sent is finite; `None` if no answer came.
+    /// Whether every value sent is finite; `None` if the run failed.
     pub bounded: Option<bool>,
-    /// Largest relative difference of heat sent and received \[-\].
+    /// Largest relative difference between heat sent and received \[-\].
     pub energy_imbalance: Option<f64>,
-    /// Every quantity that was held against a bound.
+    /// Quantities compared with their bounds.
     pub findings: Vec<Finding>,
-    /// Coupling iterations.
+    /// Total coupling iterations.
     pub iterations: u64,
-    /// Seconds from reading the case to the last process's end.
+    /// Time from reading the case to the end of the last process \[s\].
     pub seconds: f64,
 }
 
-/// A quantity against its bound.
+/// A quantity and its bound.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Finding {
-    /// What it is.
+    /// Name of the check.
     pub name: String,
-    /// The quantity; `None` if the run does not give it, or gives none.
+    /// Value of the quantity; `None` if missing from the results or not finite.
     pub value: Option<f64>,
-    /// Where it has to be.
+    /// Bound, in words.
     pub bound: String,
-    /// How much of what the bound allows it takes: above 1 it is beyond \[-\].
+    /// Used share of the bound; above 1 the bound is violated \[-\].
     pub share: Option<f64>,
 }
 
 impl Finding {
-    /// It keeps its bound.
+    /// Returns whether the quantity is within its bound.
     #[must_use]
     pub(crate) fn holds(&self) -> bool {
         self.share.is_some_and(|share| share <= 1.0)
     }
 }
 
-/// A parameter driven to its edge.
+/// A parameter varied up to its edge.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SweepReport {
-    /// What it is.
+    /// Name of the parameter.
     pub parameter: String,
-    /// What is seen up to the edge.
+    /// Behaviour up to the edge.
     pub before: String,
-    /// What is expected from the edge on; `None` if there is none.
+    /// Expected outcome from the edge onwards; `None` without an edge.
     pub beyond: Option<String>,
-    /// Why it is there.
+    /// Reason for the edge.
     pub why: String,
-    /// Its values, and how each went.
+    /// Values and the result of each.
     pub rows: Vec<(String, RunResult)>,
 }
 
 impl RunResult {
-    /// It came to an answer that keeps every bound.
+    /// Returns whether the run gave a result within every bound.
     #[must_use]
     pub(crate) fn answers(&self) -> bool {
         self.error.is_none()
@@ -109,7 +108,7 @@ impl RunResult {
             && self.findings.iter().all(Finding::holds)
     }
 
-    /// The quantity that takes most of what its bound allows.
+    /// The quantity that uses the largest share of its bound.
     #[must_use]
     pub(crate) fn worst(&self) -> Option<&Finding> {
         let share = |finding: &&Finding| finding.share.unwrap_or(f64::INFINITY);
@@ -118,13 +117,13 @@ impl RunResult {
 }
 
 impl SweepReport {
-    /// All its runs went as expected.
+    /// Returns whether all runs are as expected.
     #[must_use]
     pub(crate) fn as_expected(&self) -> bool {
         self.rows.iter().all(|(_, row)| row.as_expected)
     }
 
-    /// Index of the first value that ends otherwise than the first one does.
+    /// Index of the first value whose outcome differs from the outcome of the first value.
     #[must_use]
     pub(crate) fn edge(&self) -> Option<usize> {
         let ending = |row: &RunResult| (row.answers(), row.error.as_ref().map(|(code, _)| *code));
@@ -134,13 +133,13 @@ impl SweepReport {
 }
 
 impl CaseReport {
-    /// The case and all its sweeps went as expected.
+    /// Returns whether the case and all its sweeps are as expected.
     #[must_use]
     pub(crate) fn as_expected(&self) -> bool {
         self.row.as_expected && self.sweeps.iter().all(SweepReport::as_expected)
     }
 
-    /// All runs, with the parameter and value of those of a sweep.
+    /// All runs. Runs of a sweep come with their parameter and value.
     pub(crate) fn runs(&self) -> impl Iterator<Item = (Option<(&str, &str)>, &RunResult)> {
         let swept = self.sweeps.iter().flat_map(|sweep| {
             let at = |(value, row)| (Some((sweep.parameter.as_str(), value)), row);
@@ -151,13 +150,13 @@ impl CaseReport {
 }
 
 impl Report {
-    /// Everything went as expected.
+    /// Returns whether all cases are as expected.
     #[must_use]
     pub(crate) fn as_expected(&self) -> bool {
         self.cases.iter().all(CaseReport::as_expected)
     }
 
-    /// How many runs there were.
+    /// Number of runs.
     #[must_use]
     pub(crate) fn runs(&self) -> usize {
         self.cases.iter().map(|case| case.runs().count()).sum()

@@ -1,31 +1,33 @@
-//! How runs went, in columns and words: for the terminal and for pages.
+//! Renders a report as text, one row per run.
 
-use super::report::{CaseReport, Finding, RunResult, SweepReport};
+use super::report::{CaseReport, Finding, Report, RunResult, SweepReport};
 use crate::study::table::{Cell, Column, Table};
 use run::format::number;
+use std::fmt::Write as _;
+use std::path::Path;
 
-/// Marks what went otherwise than expected.
+/// Mark of an unexpected outcome.
 pub(super) const OTHERWISE: &str = "✗";
 
-/// Width of the names of cases and parameters.
+/// Width of the column for names of cases and parameters.
 pub(super) const NAME_WIDTH: usize = 31;
 
-/// The cases of a suite.
+/// Table of the cases of a suite.
 pub(super) fn cases<'a>() -> Table<'a, CaseReport> {
     let mut columns = vec![
         Column::quantity("no.", |case: &CaseReport| Cell::text(case.number)).width(3),
         Column::text("case", |case: &CaseReport| case.name.clone()).width(NAME_WIDTH),
-        Column::text("what is hard", |case: &CaseReport| case.title.clone()).not_on_terminal(),
+        Column::text("difficulty", |case: &CaseReport| case.title.clone()).not_on_terminal(),
     ];
     columns.extend(course_of(|case: &CaseReport| &case.row));
-    let least = Column::text("margin: least ratio of bound to quantity", |case: &CaseReport| {
+    let least = Column::text("margin: smallest ratio of bound to quantity", |case: &CaseReport| {
         margin(&case.row)
     });
     columns.push(least.not_on_page());
     Table::new(columns).mark(OTHERWISE, |case| !case.row.as_expected)
 }
 
-/// The runs of a sweep.
+/// Table of the runs of a sweep.
 pub(super) fn values(sweep: &SweepReport) -> Table<'_, (String, RunResult)> {
     type Run = (String, RunResult);
     let mut columns = vec![Column::text(&sweep.parameter, |(value, _): &Run| value.clone())];
@@ -37,7 +39,7 @@ pub(super) fn values(sweep: &SweepReport) -> Table<'_, (String, RunResult)> {
     Table::new(columns).mark(OTHERWISE, |(_, row)| !row.as_expected)
 }
 
-/// How a run went.
+/// Columns for the result of a run.
 fn course_of<'a, R: 'a>(row: fn(&R) -> &RunResult) -> [Column<'a, R>; 6] {
     [
         Column::text("end", move |of| end(row(of))).width(13),
@@ -54,17 +56,17 @@ fn course_of<'a, R: 'a>(row: fn(&R) -> &RunResult) -> [Column<'a, R>; 6] {
     ]
 }
 
-/// How a run ended, in a word or two.
+/// Outcome of a run, in a word or two.
 fn end(row: &RunResult) -> String {
     match &row.error {
-        None => "answer".to_owned(),
+        None => "result".to_owned(),
         Some((2, _)) => "refused".to_owned(),
         Some((3, _)) => "not converged".to_owned(),
         Some((code, _)) => format!("ended, code {code}"),
     }
 }
 
-/// Whether every value is finite, in a word.
+/// Returns whether every value is finite, in a word.
 fn bounded(row: &RunResult) -> &'static str {
     match row.bounded {
         Some(true) => "yes",
@@ -73,7 +75,7 @@ fn bounded(row: &RunResult) -> &'static str {
     }
 }
 
-/// The energy imbalance.
+/// Formats the heat imbalance.
 fn energy(row: &RunResult) -> String {
     match row.energy_imbalance {
         None => "–".to_owned(),
@@ -82,7 +84,7 @@ fn energy(row: &RunResult) -> String {
     }
 }
 
-/// The least margin, and whose it is.
+/// Smallest margin and the name of its quantity.
 fn margin(row: &RunResult) -> String {
     match row.worst() {
         Some(finding) => format!("{} {}", factor(finding), finding.name),
@@ -90,7 +92,7 @@ fn margin(row: &RunResult) -> String {
     }
 }
 
-/// How many times the bound is as far as the quantity.
+/// Ratio of the bound to the quantity.
 pub(super) fn factor(finding: &Finding) -> String {
     match finding.share {
         Some(0.0) => "∞".to_owned(),
@@ -99,7 +101,7 @@ pub(super) fn factor(finding: &Finding) -> String {
     }
 }
 
-/// From the first value over the edge to the last.
+/// Summary of a sweep: first value, edge and last value.
 pub(super) fn course(sweep: &SweepReport) -> String {
     let values: Vec<&str> = sweep.rows.iter().map(|(value, _)| value.as_str()).collect();
     let (Some(first), Some(last)) = (values.first(), values.last()) else {
@@ -113,8 +115,42 @@ pub(super) fn course(sweep: &SweepReport) -> String {
         None => format!("{first} … {last}: no edge{least}"),
         Some(edge) => {
             let (value, row) = &sweep.rows[edge];
-            let how = if row.error.is_none() { "beyond a bound".to_owned() } else { end(row) };
+            let how = if row.error.is_none() { "out of bounds".to_owned() } else { end(row) };
             format!("{first} … {} | {value}: {how}{least}", values[edge - 1])
         }
     }
+}
+
+/// Heading of the table.
+pub(super) fn head() -> String {
+    cases().head()
+}
+
+/// Renders a case: one line, one more for each sweep, and details of unexpected outcomes.
+pub(super) fn case(case: &CaseReport) -> String {
+    let mut text = cases().row(case);
+    for sweep in &case.sweeps {
+        let mark = if sweep.as_expected() { " " } else { OTHERWISE };
+        let (parameter, course) = (&sweep.parameter, course(sweep));
+        let _ = writeln!(text, " {mark}       {parameter:NAME_WIDTH$}  {course}");
+    }
+    for (at, row) in case.runs() {
+        let place = at.map_or_else(String::new, |(what, value)| format!("{what} {value}: "));
+        for what in &row.otherwise {
+            let _ = writeln!(text, "         {place}{}", what.trim_end());
+        }
+    }
+    text
+}
+
+/// Renders totals and the path of the results.
+pub(super) fn tail(report: &Report, out: &Path) -> String {
+    let good = report.cases.iter().filter(|case| case.as_expected()).count();
+    format!(
+        "\n{good} of {} cases as expected; {} runs in {:.1} s\nresults {}\n",
+        report.cases.len(),
+        report.runs(),
+        report.wall_s,
+        out.display()
+    )
 }

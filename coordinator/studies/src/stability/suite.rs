@@ -1,28 +1,29 @@
-//! The suite file: which cases, what is expected of each and why, and how far each hard parameter is
-//! driven.
+//! The suite file: cases, expected outcomes with reasons, and sweeps of the critical parameters.
 
-use super::figure::PowerProduct;
-use crate::study::Variant;
+use console::case_arguments::Changes;
+use contract::figure::value;
 use contract::input_file;
 use run::error::RunError;
 use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// Larger files are refused [byte].
+/// Size above which a file is refused [byte].
 const MOST_BYTES: u64 = 1 << 24;
 
-/// A suite that has been read.
+/// A suite read from its file.
 #[derive(Clone, Debug)]
 pub(crate) struct Suite {
     path: PathBuf,
-    /// What holds for every case that says nothing else.
+    /// Limits of every case, unless the case sets its own.
     pub(super) every: Limits,
     entries: Vec<Entry>,
 }
 
-/// The file as it is written.
+/// Contents of the suite file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SuiteText {
@@ -30,19 +31,19 @@ struct SuiteText {
     hard: Vec<EntryText>,
 }
 
-/// Limits that no case may pass unless it says so.
+/// Limits common to all cases, unless a case sets its own.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Limits {
-    /// Fields that physics keeps from being negative.
+    /// Fields that cannot be negative for physical reasons.
     pub(super) not_negative: Vec<String>,
-    /// Largest negative value of those, over the largest one [-].
+    /// Largest negative value of these fields, relative to their largest value [-].
     pub(super) undershoot: f64,
-    /// Largest relative difference of heat sent and received [-].
+    /// Largest relative difference between heat sent and received [-].
     pub(super) energy: f64,
 }
 
-/// One hard case as it is written.
+/// One hard case, as in the file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct EntryText {
@@ -67,64 +68,64 @@ struct EntryText {
 /// One hard case.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// Its number in the list of hard cases.
+    /// Number in the list of hard cases.
     pub(super) number: u32,
-    /// A word, for `--only`.
+    /// Name, for `--only`.
     pub(super) name: String,
-    /// What is hard about it.
+    /// Title: the difficulty of the case.
     pub(super) title: String,
     /// The case file.
     pub(super) case: PathBuf,
-    changes: Variant,
-    /// How it has to end.
+    changes: Changes,
+    /// Expected outcome.
     pub(super) expect: Expected,
     undershoot: Option<f64>,
     energy: Option<f64>,
-    /// Bounds of its quantities.
+    /// Checks of the case's quantities.
     pub(super) checks: Vec<Check>,
-    /// Parameters that are driven to their edges from here.
+    /// Parameters to vary up to their edges, starting from this case.
     pub(super) sweeps: Vec<Sweep>,
 }
 
-/// How a run has to end.
+/// Expected outcome of a run.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub(super) enum Expected {
-    /// With an answer within every bound.
+    /// A result within every bound.
     #[default]
     Answer,
-    /// With an error.
+    /// An error.
     Refusal {
-        /// The exit code of the command.
+        /// Exit code of the command.
         exit_code: u8,
-        /// Words that the message holds.
+        /// Words that the message contains.
         saying: Vec<String>,
     },
-    /// With an answer that breaks this one of its checks, and no word of it.
+    /// A result that violates the named check, without a message.
     Breach(String),
 }
 
 impl fmt::Display for Expected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Answer => f.write_str("an answer within its bounds"),
+            Self::Answer => f.write_str("a result within its bounds"),
             Self::Refusal { exit_code, saying } => {
                 write!(f, "exit code {exit_code}: “{}”", saying.join(" … "))
             }
-            Self::Breach(check) => write!(f, "no message; the answer fails `{check}`"),
+            Self::Breach(check) => write!(f, "no message; the result fails `{check}`"),
         }
     }
 }
 
-/// A bound of a quantity, and why it holds.
+/// A bound of a quantity, and its reason.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "CheckText")]
 pub(super) struct Check {
-    /// What it is, in few words.
+    /// Short name.
     pub(super) name: String,
-    /// The quantity.
+    /// Quantity to check.
     pub(super) of: PowerProduct,
-    /// Where it has to be.
+    /// Bound of the quantity.
     pub(super) bound: Bound,
     because: String,
 }
@@ -141,14 +142,14 @@ struct CheckText {
     because: String,
 }
 
-/// Where a quantity has to be.
+/// Bound of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Bound {
-    /// Not above this positive number.
+    /// Upper bound, positive.
     AtMost(f64),
-    /// Not below this positive number.
+    /// Lower bound, positive.
     AtLeast(f64),
-    /// As far from a number as this, relative to it, or as it is if the number is 0.
+    /// Target value and tolerance. The tolerance is relative, or absolute if the target is 0.
     Near(f64, f64),
 }
 
@@ -165,7 +166,7 @@ impl fmt::Display for Bound {
     }
 }
 
-/// The number as it is written, with a power of ten where it is very large or small.
+/// Formats a number, with a power of ten if it is very large or small.
 fn short(value: f64) -> String {
     match value.abs() {
         magnitude if (1e-3..1e4).contains(&magnitude) => value.to_string(),
@@ -194,49 +195,49 @@ impl TryFrom<CheckText> for Check {
 }
 
 impl Check {
-    /// Name, bound and reason.
+    /// Name, bound and reason of the check.
     pub(super) fn row(&self) -> [String; 3] {
         [self.name.clone(), format!("{} {}", self.of, self.bound), self.because.clone()]
     }
 }
 
-/// A parameter that is driven towards the edge.
+/// A parameter to vary towards its edge.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Sweep {
-    /// What it is.
+    /// Name of the parameter.
     pub(super) parameter: String,
     /// Keys to set; `{}` stands for the value.
     set: Vec<String>,
-    /// Its values, one run after the other.
+    /// Values to run, in order.
     pub(super) values: Vec<String>,
-    /// What is seen up to the edge.
+    /// Behaviour up to the edge.
     pub(super) before: String,
-    /// Where it breaks; absent: nowhere within the values.
+    /// Edge; absent if there is none within the values.
     pub(super) edge: Option<Edge>,
-    /// Why it breaks there, or why it does not.
+    /// Reason for the edge, or for its absence.
     pub(super) why: String,
 }
 
-/// Where a parameter's answers end.
+/// Edge at which a parameter's results end.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Edge {
-    /// The first value that breaks.
+    /// First value beyond the edge.
     at: String,
-    /// What happens there and beyond.
+    /// Expected outcome from the edge onwards.
     pub(super) beyond: Expected,
 }
 
 impl Sweep {
-    /// The case at a value.
-    pub(super) fn at(&self, base: &Variant, value: &str) -> Variant {
+    /// Changes of the case at a value.
+    pub(super) fn at(&self, base: &Changes, value: &str) -> Changes {
         let mut variant = base.clone();
         variant.set.extend(self.set.iter().map(|option| option.replace("{}", value)));
         variant
     }
 
-    /// What is expected at one of its values, where the case itself expects `before`.
+    /// Expected outcome at a value, where the case itself expects `before`.
     pub(super) fn expected<'a>(&'a self, value: &str, before: &'a Expected) -> &'a Expected {
         let place = |wanted: &str| self.values.iter().position(|value| value == wanted);
         match &self.edge {
@@ -247,12 +248,12 @@ impl Sweep {
 }
 
 impl Entry {
-    /// What is changed in the case file.
-    pub(super) fn variant(&self) -> Variant {
+    /// Changes of the case file.
+    pub(super) fn variant(&self) -> Changes {
         self.changes.clone()
     }
 
-    /// The limits of every case, with this one's own.
+    /// Limits of the case: the common ones, unless the case sets its own.
     pub(super) fn limits(&self, every: &Limits) -> Limits {
         Limits {
             not_negative: every.not_negative.clone(),
@@ -263,14 +264,14 @@ impl Entry {
 }
 
 impl Suite {
-    /// Reads a suite; paths in it are relative to its folder.
+    /// Reads a suite; paths in the file are relative to its folder.
     ///
     /// # Errors
-    /// [`RunError::Usage`] with file and line: the file or a case it names is missing, a key is
-    /// unknown, missing or wrong, a name stands twice, or an edge is none of the values.
+    /// [`RunError::Usage`] with file and line: the file or a case is missing, a key is unknown,
+    /// missing or invalid, a name occurs twice, or an edge is not one of the values.
     pub(crate) fn read(path: &Path) -> Result<Self, RunError> {
         let text = input_file::read_text(path, MOST_BYTES).map_err(|error| {
-            let fix = "name a suite file, or leave it out in the root of the repository";
+            let fix = "name a suite file, or run the command in the root of the repository";
             RunError::Usage(format!("{}: {error}; {fix}", path.display()))
         })?;
         let fault = |place: Option<usize>, reason: &str| {
@@ -290,19 +291,19 @@ impl Suite {
         Ok(Self { path: path.to_owned(), every: read.every, entries })
     }
 
-    /// The suite's path as it was given.
+    /// Path of the suite as given.
     #[must_use]
     pub(crate) fn name(&self) -> String {
         self.path.display().to_string()
     }
 
-    /// The entries of these names, all if there are none.
+    /// Entries with these names, or all if the list is empty.
     pub(super) fn chosen(&self, only: &[String]) -> Result<Vec<&Entry>, RunError> {
         let has = |name: &&String| self.entries.iter().any(|entry| entry.name == **name);
         if let Some(unknown) = only.iter().find(|name| !has(name)) {
             let known: Vec<&str> = self.entries.iter().map(|entry| entry.name.as_str()).collect();
             return Err(RunError::Usage(format!(
-                "{} has no case `{unknown}`; it has {}",
+                "{} has no case `{unknown}`; known: {}",
                 self.name(),
                 known.join(", ")
             )));
@@ -320,7 +321,7 @@ impl Entry {
             name,
             title,
             case: folder.join(text.case.into_inner()),
-            changes: Variant { set, unset },
+            changes: Changes { set, unset },
             expect,
             undershoot,
             energy,
@@ -329,7 +330,8 @@ impl Entry {
         }
     }
 
-    /// Refuses what cannot be run or distinguished.
+    /// Refuses duplicate names, missing case files, and edges or expectations that refer to
+    /// nothing.
     fn check(&self, before: &[Self]) -> Result<(), String> {
         let name = &self.name;
         if before.iter().any(|other| other.name == *name) {
@@ -337,13 +339,17 @@ impl Entry {
         }
         if !self.case.is_file() {
             let path = self.case.display();
-            return Err(format!("there is no case file {path}; paths are from the suite's folder"));
+            return Err(format!(
+                "there is no case file {path}; paths are relative to the suite's folder"
+            ));
         }
         for sweep in &self.sweeps {
             if let Some(Edge { at, beyond }) = &sweep.edge {
                 if !sweep.values.contains(at) {
                     let what = &sweep.parameter;
-                    return Err(format!("the edge of `{name}`, {what} at {at}, is not a value"));
+                    return Err(format!(
+                        "the edge of `{name}`, {what} at {at}, is not one of the values"
+                    ));
                 }
                 self.has_check(beyond)?;
             }
@@ -354,9 +360,55 @@ impl Entry {
     fn has_check(&self, expected: &Expected) -> Result<(), String> {
         match expected {
             Expected::Breach(check) if self.checks.iter().all(|one| one.name != *check) => {
-                Err(format!("`{}` has no check `{check}` to break", self.name))
+                Err(format!(
+                    "`{}` expects to break the check `{check}`, but has no check `{check}`",
+                    self.name
+                ))
             }
             _ => Ok(()),
         }
+    }
+}
+
+/// A product of powers: keys and exponents.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(transparent)]
+pub(super) struct PowerProduct(BTreeMap<String, f64>);
+
+impl PowerProduct {
+    /// Value of the product, or the key that the results lack.
+    pub(super) fn value(&self, quantities: &Value) -> Result<f64, &str> {
+        self.0.iter().try_fold(1.0, |product, (key, exponent)| {
+            let factor = value(quantities, key).ok_or(key.as_str())?;
+            Ok(product * factor.powf(*exponent))
+        })
+    }
+}
+
+impl fmt::Display for PowerProduct {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (key, exponent)) in self.0.iter().enumerate() {
+            let space = if index == 0 { "" } else { " · " };
+            match *exponent {
+                1.0 => write!(f, "{space}{key}")?,
+                other => write!(f, "{space}{key}^{other}")?,
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_product_of_powers() {
+        let product: PowerProduct = toml::from_str("\"a.b\" = 2\n\"c\" = -0.5").unwrap();
+        assert_eq!(product.value(&json!({"a": {"b": 3.0}, "c": 4.0})), Ok(4.5));
+        assert_eq!(product.value(&json!({"a": {"b": 3.0}})), Err("c"));
+        assert_eq!(product.to_string(), "a.b^2 · c^-0.5");
+        assert!(product.value(&json!({"a": {"b": 3.0}, "c": -1.0})).unwrap().is_nan());
     }
 }

@@ -1,29 +1,29 @@
-//! What a study varies: a key of the case and its values.
+//! The axes of a study: keys of the case and the values to run.
 
 use super::range;
 use serde::{Deserialize, Serialize};
 
-/// How values are written.
+/// Accepted forms of the option, for error messages.
 const FORM: &str = "KEY=A,B,C, or KEY=FROM..TO/COUNT like motion.speed=10..50/5 or load.normal_force=40kN..90kN/3, or KEY=FROM..TO/COUNTlog, or /COUNTcheb";
 
-/// A key and the values it takes, one run after the other.
+/// A key and its values, one run each.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Axis {
     /// Dotted key of the case.
     pub key: String,
-    /// TOML values.
+    /// Values in TOML syntax.
     pub values: Vec<String>,
 }
 
 impl Axis {
-    /// Reads `KEY=A,B,…`, where a comma within brackets, braces or quotes belongs to its value, or
-    /// `KEY=FROM..TO/COUNT`.
+    /// Parses `KEY=A,B,…` or `KEY=FROM..TO/COUNT`. A comma within brackets, braces or quotes is
+    /// part of a value.
     ///
     /// # Errors
-    /// No key, no value between two commas, or a range that is none.
+    /// The key or a value is empty, or the range is invalid.
     pub fn read(option: &str) -> Result<Self, String> {
         let wrong = |why: &str| format!("`{option}` {why}; write {FORM}");
-        let none = || wrong("names no key with values");
+        let none = || wrong("has no key, or no values");
         let (key, list) = option.split_once('=').ok_or_else(none)?;
         let values = match range::read(list) {
             Some(values) => values.map_err(|why| wrong(&why))?,
@@ -35,7 +35,14 @@ impl Axis {
         Ok(Self { key: key.trim().to_owned(), values })
     }
 
-    /// The values as numbers, with their unit where they have one in common; `None` if one is none.
+    /// Returns an axis with a single value.
+    #[must_use]
+    pub fn of_one(key: &str, value: &str) -> Self {
+        Self { key: key.to_owned(), values: vec![value.to_owned()] }
+    }
+
+    /// Returns the values as numbers with their common unit; `None` if a value is not a number or
+    /// the units differ.
     #[must_use]
     pub fn numbers(&self) -> Option<(Vec<f64>, String)> {
         let parts = self.values.iter().map(|value| {
@@ -50,13 +57,13 @@ impl Axis {
     }
 }
 
-/// How many combinations there are.
+/// Number of combinations of all axes.
 pub fn combinations(axes: &[Axis]) -> usize {
     axes.iter().map(|one| one.values.len()).product()
 }
 
-/// The combination of this number, from 0 on, the last key's values in turn first: an index into the values
-/// of each key.
+/// Combination number `n`, counted from 0, as an index into the values of each axis. The last axis
+/// varies fastest.
 pub fn combination(axes: &[Axis], mut n: usize) -> Vec<usize> {
     let mut at = vec![0; axes.len()];
     for (index, one) in at.iter_mut().zip(axes).rev() {
@@ -66,7 +73,7 @@ pub fn combination(axes: &[Axis], mut n: usize) -> Vec<usize> {
     at
 }
 
-/// Splits at the commas that stand outside of brackets, braces and quotes.
+/// Splits at commas outside brackets, braces and quotes.
 fn split(list: &str) -> Vec<String> {
     let mut parts = vec![String::new()];
     let (mut depth, mut quote) = (0i32, None);

@@ -1,51 +1,53 @@
-//! The folder of a study: nothing but an earlier study of the same kind is ever replaced, and one that
-//! was stopped is gone on with.
+//! The folder of a study. A study replaces only an earlier study of the same kind, and resumes an
+//! interrupted one.
 
-use run::error::RunError;
+use run::error::{RunError, file_failure};
 use run::results::Existing;
 use run::results::claim::{Claim, holds_results};
 use run::results::place::{RESULTS, link_latest, numbered};
-use run::results::write::{create, remove, replace};
+use run::results::write::{create, fresh, remove, replace};
+use rustix::fs::OFlags;
 use serde_json::Value;
 use std::cell::OnceCell;
 use std::fs::{self, File};
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Seek, SeekFrom};
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 
-/// What a study asks of its folder.
+/// The choice of a folder for a study.
 #[derive(Clone, Copy)]
-pub struct Wanted<'a> {
-    /// The command that makes it.
+pub struct FolderRequest<'a> {
+    /// The command that performs the study.
     pub command: &'static str,
-    /// Name of its folder in `results`, for one that the user does not name.
+    /// Default name of the folder in `results`.
     pub name: &'a str,
-    /// The folder that the user names.
+    /// Folder given by the user.
     pub out: Option<&'a Path>,
-    /// A study that is there already is replaced.
+    /// Whether to replace an existing study.
     pub replace: bool,
-    /// The study in this folder was stopped, and is the one that is asked for.
+    /// Returns whether a folder holds the requested study, interrupted.
     pub goes_on: &'a dyn Fn(&Path) -> bool,
 }
 
-/// A folder that a study writes into; it is made when the first file is written.
+/// The folder that a study writes to. The folder is created when the first file is written.
 #[derive(Debug)]
 pub struct StudyFolder {
     path: PathBuf,
     of: String,
     existing: Existing,
-    /// It is linked as the latest one.
+    /// Whether to link the folder as the latest results.
     latest: bool,
     claim: OnceCell<Claim>,
 }
 
 impl StudyFolder {
-    /// Chooses the folder: the one that the user names, or the next that is free in `results`, or there
-    /// the last one if it is gone on with.
+    /// Chooses the folder: the user's folder, or the next free name in `results`. Without a user's
+    /// folder, the last study in `results` is used again if it can be resumed.
     ///
     /// # Errors
-    /// [`RunError::Usage`] if the folder that the user names is a file, holds something else, a study
-    /// that is to stay, or is used by another process.
-    pub fn choose(wanted: &Wanted<'_>) -> Result<Self, RunError> {
+    /// [`RunError::Usage`] if the user's folder is a file, holds anything but a study of this kind,
+    /// holds a finished study without `replace`, or is in use by another process.
+    pub fn choose(wanted: &FolderRequest<'_>) -> Result<Self, RunError> {
         let of = format!("`coordinator {}`", wanted.command);
         let (path, latest) = match wanted.out {
             Some(out) => (out.to_owned(), false),
@@ -55,40 +57,40 @@ impl StudyFolder {
         let existing = Existing::option(wanted.replace || goes_on);
         let folder = Self { path, of, existing, latest, claim: OnceCell::new() };
         match fs::metadata(&folder.path) {
-            // What is there is reported before anything has run.
+            // Report a conflict with existing files before anything runs.
             Ok(_) => folder.claim().map(drop)?,
             Err(_) => refuse_file(&folder.path)?,
         }
         Ok(folder)
     }
 
-    /// Its path, as it was given.
+    /// The path as given.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// A path that leads to it as long as this is there, whatever it is called by then; it is made if it
-    /// is not there.
+    /// Returns a path that stays valid while `self` exists, even if the folder is renamed. Creates
+    /// the folder if necessary.
     ///
     /// # Errors
-    /// The file system, or another process has taken the folder meanwhile.
+    /// The folder cannot be created, or another process has claimed the folder meanwhile.
     pub fn open(&self) -> Result<PathBuf, RunError> {
         Ok(self.claim()?.dir().path())
     }
 
-    /// Writes a file in one go.
+    /// Replaces a file atomically.
     ///
     /// # Errors
-    /// As [`StudyFolder::open`].
+    /// Same as [`StudyFolder::open`], or the file cannot be written.
     pub fn write(&self, name: &str, content: &[u8]) -> Result<(), RunError> {
         replace(&self.open()?.join(name), content)
     }
 
-    /// Writes a file in one go, as it is made.
+    /// Replaces a file atomically, with content that `write` produces.
     ///
     /// # Errors
-    /// As [`StudyFolder::open`].
+    /// Same as [`StudyFolder::open`], or the file cannot be written.
     pub fn create(
         &self,
         name: &str,
@@ -97,10 +99,27 @@ impl StudyFolder {
         create(&self.open()?.join(name), write)
     }
 
-    /// Removes a file, if it is there.
+    /// Opens a file for appending after its first `bytes` bytes; with 0 a new file begins.
     ///
     /// # Errors
-    /// As [`StudyFolder::open`].
+    /// Same as [`StudyFolder::open`], or the file cannot be opened.
+    pub fn grow(&self, name: &str, bytes: u64) -> Result<File, RunError> {
+        let (place, shown) = (self.open()?.join(name), self.path.join(name));
+        let again = || {
+            let no_link = OFlags::NOFOLLOW.bits().cast_signed();
+            let mut file = File::options().write(true).custom_flags(no_link).open(&place)?;
+            file.set_len(bytes)?;
+            file.seek(SeekFrom::End(0))?;
+            Ok(file)
+        };
+        let file = if bytes == 0 { fresh(&place) } else { again() };
+        file.map_err(|error| file_failure(&shown, &error))
+    }
+
+    /// Removes a file if it exists.
+    ///
+    /// # Errors
+    /// Same as [`StudyFolder::open`], or the file cannot be removed.
     pub fn remove(&self, name: &str) -> Result<(), RunError> {
         remove(&self.open()?.join(name))
     }
@@ -117,7 +136,7 @@ impl StudyFolder {
     }
 }
 
-fn next(wanted: &Wanted<'_>, of: &str) -> PathBuf {
+fn next(wanted: &FolderRequest<'_>, of: &str) -> PathBuf {
     let paths = || numbered(wanted.name).map(|name| Path::new(RESULTS).join(name));
     if wanted.replace {
         return Path::new(RESULTS).join(wanted.name);
@@ -140,7 +159,7 @@ fn refuse_file(path: &Path) -> Result<(), RunError> {
     }
 }
 
-/// A record in which a study says that it has not come to its end.
+/// Returns whether the record of a study states that the study is incomplete.
 #[must_use]
 pub fn says_incomplete(record: &Path) -> bool {
     let record = fs::read(record).ok().and_then(|text| serde_json::from_slice(&text).ok());
@@ -153,7 +172,8 @@ mod tests {
 
     fn choose(out: &Path, command: &'static str, replace: bool) -> Result<StudyFolder, RunError> {
         let goes_on = |folder: &Path| says_incomplete(&folder.join("study.json"));
-        let wanted = Wanted { command, name: "x", out: Some(out), replace, goes_on: &goes_on };
+        let wanted =
+            FolderRequest { command, name: "x", out: Some(out), replace, goes_on: &goes_on };
         StudyFolder::choose(&wanted)
     }
 

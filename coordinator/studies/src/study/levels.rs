@@ -1,36 +1,37 @@
-//! What the installed models offer for a case: every choice of models that can run it, and the
-//! resolutions worth running, as their descriptions say.
+//! Models and resolutions that the installed programs offer for a case: every combination of models
+//! that can run the case, and the resolutions that the models recommend.
 
 use super::richardson::ORDER_OF_LIMITS;
-use super::{Variant, ends_study, planned};
+use super::{ends_study, planned};
 use case::Problem;
+use console::case_arguments::Changes;
 use contract::accuracy::{Refinement, Simplification};
 use run::error::RunError;
 use run::plan::Planned;
 use std::path::Path;
 
-/// One choice of a model for every participant.
+/// One combination of models, one for every participant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Role and model of each participant that runs, in the order in which data flows.
+    /// Role and model of each participant that runs, in the order of the data flow.
     pub models: Vec<(String, String)>,
-    /// What can be refined, by distinct keys.
+    /// Available refinements, with distinct keys.
     pub refinements: Vec<Refinement>,
-    /// What its models leave out that matters in this case.
+    /// Simplifications of the models that matter in this case.
     pub left_out: Vec<Simplification>,
-    /// Roles whose models say nothing of their errors.
+    /// Roles whose models state nothing about their errors.
     pub silent: Vec<String>,
-    /// The case with these models.
-    pub variant: Variant,
+    /// Changes of the case that select these models.
+    pub variant: Changes,
 }
 
 impl Level {
-    /// The level of these models, with the effects that are active in a plan of the case.
-    fn of(standing: &Planned, models: Vec<(String, String)>, base: &Variant) -> Self {
+    /// Builds the level of these models, with the effects that are active in a plan of the case.
+    fn of(standing: &Planned, models: Vec<(String, String)>, base: &Changes) -> Self {
         let plan = &standing.plan;
         let active = |name: &str| plan.effects.iter().any(|e| e.active && e.name == name);
         let with =
-            |v: Variant, (role, model): &(String, String)| v.with(&format!("{role}.model"), model);
+            |v: Changes, (role, model): &(String, String)| v.with(&format!("{role}.model"), model);
         let variant = models.iter().fold(base.clone(), with);
         let (mut refinements, mut left_out) = (Vec::<Refinement>::new(), Vec::new());
         let mut silent = Vec::new();
@@ -49,7 +50,7 @@ impl Level {
         Self { models, refinements, left_out, silent, variant }
     }
 
-    /// The same, with what its models leave out in this very case, as they estimate it.
+    /// Adds the simplifications that the participants estimate for this particular case.
     #[must_use]
     pub fn in_case(mut self, planned: &Planned) -> Self {
         let estimates = planned.plan.participants.iter().filter_map(|p| p.estimate.as_ref());
@@ -57,40 +58,40 @@ impl Level {
         self
     }
 
-    /// The models, in one word.
+    /// Names of the models, joined by `+`.
     #[must_use]
     pub fn name(&self) -> String {
         let names: Vec<&str> = self.models.iter().map(|(_, model)| model.as_str()).collect();
         names.join(" + ")
     }
 
-    /// How many resolutions there are; one for models that have none.
+    /// Number of resolutions; one for models without refinements.
     #[must_use]
     pub fn steps(&self) -> usize {
         self.refinements.iter().map(|one| one.levels.len()).max().unwrap_or(1)
     }
 
-    /// The value of each refinement's key at a step, coarsest first; one with fewer stays at its
-    /// finest.
+    /// Value of each refinement's key at a step, coarsest first. A refinement with fewer levels
+    /// stays at its finest.
     pub fn keys_at(&self, step: usize) -> impl Iterator<Item = (&Refinement, u32)> {
         let at = move |one: &Refinement| one.levels[step.min(one.levels.len() - 1)];
         self.refinements.iter().map(move |one| (one, at(one)))
     }
 
-    /// The case with these models at a step of resolution.
+    /// Changes that select these models at a step of resolution.
     #[must_use]
-    pub fn at(&self, step: usize) -> Variant {
+    pub fn at(&self, step: usize) -> Changes {
         self.keys_at(step)
             .fold(self.variant.clone(), |variant, (one, level)| variant.with(&one.key, level))
     }
 
-    /// The order with which the error falls: that of the slowest refinement.
+    /// Order of convergence of the error: the lowest order of all refinements.
     #[must_use]
     pub fn order(&self) -> Option<f64> {
         self.refinements.iter().map(|one| one.order).min_by(f64::total_cmp)
     }
 
-    /// Expected relative error that no resolution removes.
+    /// Expected relative error that remains at any resolution.
     #[must_use]
     pub fn model_error(&self) -> f64 {
         self.left_out.iter().map(|one| one.error).sum()
@@ -102,8 +103,8 @@ impl Level {
         self.keys_at(step).map(|(one, level)| one.at(f64::from(level))).sum()
     }
 
-    /// Expected relative error of what the resolution at a step and the two before it are extrapolated to; `None`
-    /// without them.
+    /// Expected relative error of the limit that is extrapolated from the resolution at a step and
+    /// the two coarser ones; `None` if fewer than three exist.
     #[must_use]
     pub fn limit_error(&self, step: usize) -> Option<f64> {
         let falls = |(one, level): (&Refinement, u32)| {
@@ -114,27 +115,29 @@ impl Level {
     }
 }
 
-/// What can run a case, and what cannot.
+/// Combinations of models for a case, usable and refused.
 #[derive(Debug)]
-pub struct Offer {
-    /// Choices of models that can run it, cheapest first.
+pub struct ModelChoices {
+    /// Combinations that can run the case, cheapest first.
     pub levels: Vec<Level>,
-    /// The others by their models, and why not; a model that cannot run it with any other stands alone.
+    /// Refused combinations and the reason. A model that fails in every combination is listed
+    /// alone.
     pub refused: Vec<(String, String)>,
 }
 
-/// The models that a case has, on its own grid and those `coarser`, as the factors by which they are.
+/// Returns the models of a case with its own grid and with grids coarser by the factors in
+/// `coarser`.
 ///
 /// # Errors
-/// None of the models says what refines it, or a grid is too coarse to be made coarser.
-pub fn standing(planned: &Planned, base: &Variant, coarser: &[u32]) -> Result<Level, RunError> {
+/// Fails if no model names a refinement, or if a grid is too coarse to be made coarser.
+pub fn standing(planned: &Planned, base: &Changes, coarser: &[u32]) -> Result<Level, RunError> {
     let participants = &planned.plan.participants;
     let models = participants.iter().map(|p| (p.role.clone(), p.configuration.model.clone()));
     let mut level = Level::of(planned, models.collect(), base).in_case(planned);
     if level.refinements.is_empty() {
         return Err(RunError::Usage(format!(
-            "{} cannot be extrapolated: none of its models says which key refines it; run without \
-             --extrapolate",
+            "{} cannot be extrapolated: none of its models names a key that refines the grid; run \
+             without --extrapolate",
             level.name()
         )));
     }
@@ -152,7 +155,7 @@ pub fn standing(planned: &Planned, base: &Variant, coarser: &[u32]) -> Result<Le
     Ok(level)
 }
 
-/// The value of a key that a participant reads: the case's, or its default.
+/// Value of a key that a participant reads: the value in the case, or the default.
 fn set_to(participant: &run::plan::Participant, key: &str) -> Option<u32> {
     let configuration = &participant.configuration;
     let models = participant.description.models.iter();
@@ -163,11 +166,11 @@ fn set_to(participant: &run::plan::Participant, key: &str) -> Option<u32> {
     value.as_u64().and_then(|value| u32::try_from(value).ok())
 }
 
-/// Every choice of models for a case: those that its programs describe, tried by planning.
+/// Lists every combination of models for a case and finds the usable ones by planning each.
 ///
 /// # Errors
-/// What is wrong with the case as it stands.
-pub fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
+/// The case itself is invalid.
+pub fn offered(case: &Path, base: &Changes) -> Result<ModelChoices, RunError> {
     let (mut levels, mut others) = (Vec::new(), Vec::new());
     for level in all(&planned(case, base)?, base) {
         match planned(case, &level.variant) {
@@ -185,17 +188,17 @@ pub fn offered(case: &Path, base: &Variant) -> Result<Offer, RunError> {
             refused.push((name, why.clone()));
         }
     }
-    Ok(Offer { levels, refused })
+    Ok(ModelChoices { levels, refused })
 }
 
-/// Every choice of models that the programs of a planned case describe, whether it can run the case or
-/// not; cheapest first.
+/// Lists every combination of models that the programs of a planned case describe, usable or not;
+/// cheapest first.
 #[must_use]
-pub fn all(standing: &Planned, base: &Variant) -> Vec<Level> {
+pub fn all(standing: &Planned, base: &Changes) -> Vec<Level> {
     choices(standing).into_iter().map(|models| Level::of(standing, models, base)).collect()
 }
 
-/// The product of all participants' models.
+/// Product of the models of all participants.
 fn choices(planned: &Planned) -> Vec<Vec<(String, String)>> {
     let mut all = vec![Vec::new()];
     for participant in &planned.plan.participants {
@@ -214,7 +217,7 @@ fn choices(planned: &Planned) -> Vec<Vec<(String, String)>> {
     all
 }
 
-/// Why a case is refused, in one line.
+/// Reason for which a case is refused, in one line.
 #[must_use]
 pub fn reason(error: &RunError) -> String {
     match error {

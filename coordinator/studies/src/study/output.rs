@@ -1,4 +1,5 @@
-//! What every study leaves in its folder: one file of plain data, which is read again for its page.
+//! Files that every study leaves in its folder: one file of plain data, from which the page is
+//! built.
 
 use super::folder::{StudyFolder, says_incomplete};
 use console::output::print;
@@ -10,53 +11,53 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Larger files are refused [byte].
+/// Size above which a file is refused [byte].
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Plain data that a study keeps in its folder. A key `schema` holds the version of its layout; with
-/// `complete = false` it is of a study that has not finished.
-pub trait Kept: Serialize + DeserializeOwned {
-    /// The command that makes it.
+/// Plain data that a study keeps in its folder. The key `schema` holds the version of the layout;
+/// `complete = false` marks an unfinished study.
+pub trait StudyFile: Serialize + DeserializeOwned {
+    /// The command that performs the study.
     const COMMAND: &'static str;
-    /// Name of its file.
+    /// Name of the file.
     const FILE: &'static str;
-    /// Version of its layout.
+    /// Version of the layout.
     const SCHEMA: u32;
 
-    /// Writes it into its folder.
+    /// Writes the file into the folder of the study.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be written.
     fn write(&self, folder: &StudyFolder) -> Result<(), RunError> {
         folder.write(Self::FILE, json(self).as_bytes())
     }
 
-    /// Reads it out of its folder.
+    /// Reads the file from the folder of the study.
     ///
     /// # Errors
-    /// [`RunError::Usage`] if the file is of another version, of a study that has not finished, or
-    /// something else; the file system.
+    /// [`RunError::Usage`] if the file has another version, belongs to an unfinished study or is
+    /// malformed; an input error if the file cannot be read.
     fn read(folder: &Path) -> Result<Self, RunError> {
         read_file(folder)
     }
 
-    /// The study in this folder was stopped.
+    /// Returns whether the folder holds an interrupted study.
     #[must_use]
     fn is_unfinished(folder: &Path) -> bool {
         says_incomplete(&folder.join(Self::FILE))
     }
 }
 
-/// Reads the file of a study, as [`Kept::read`] has it.
+/// Reads the file of a study. See [`StudyFile::read`].
 ///
 /// # Errors
-/// Those of [`Kept::read`].
-pub fn read_file<S: Kept>(folder: &Path) -> Result<S, RunError> {
+/// Same as [`StudyFile::read`].
+pub fn read_file<S: StudyFile>(folder: &Path) -> Result<S, RunError> {
     let path = folder.join(S::FILE);
     let text = input_file::read(&path, MOST_BYTES).map_err(|error| input_failure(&path, &error))?;
     let refuse = |why: &dyn std::fmt::Display| {
         let fix = format!("run `coordinator {}` again", S::COMMAND);
-        RunError::Usage(format!("{} contains no study: {why}; {fix}", path.display()))
+        RunError::Usage(format!("{} contains no readable study: {why}; {fix}", path.display()))
     };
     let head: Head = serde_json::from_slice(&text).map_err(|fault| refuse(&fault))?;
     if head.schema != S::SCHEMA {
@@ -69,7 +70,7 @@ pub fn read_file<S: Kept>(folder: &Path) -> Result<S, RunError> {
     serde_json::from_slice(&text).map_err(|fault| refuse(&fault))
 }
 
-/// What the file of every study begins with.
+/// Keys common to the files of all studies.
 #[derive(Deserialize)]
 struct Head {
     schema: u32,
@@ -77,17 +78,17 @@ struct Head {
 }
 
 /// A study with a page.
-pub trait Shown: Kept {
-    /// The page about it, made of what lies in its folder.
+pub trait StudyPage: StudyFile {
+    /// Builds the page from the files in the folder of the study.
     ///
     /// # Errors
-    /// Something that the page needs is not in the folder.
+    /// A file that the page needs is missing or cannot be read.
     fn page(&self, folder: &Path) -> Result<Page, RunError>;
 
-    /// Writes it and its page into its folder.
+    /// Writes the study and its page into the folder.
     ///
     /// # Errors
-    /// Those of [`Kept::write`] and [`Shown::page`].
+    /// Same as [`StudyFile::write`] and [`StudyPage::page`].
     fn publish(&self, folder: &StudyFolder) -> Result<(), RunError> {
         self.write(folder)?;
         let place = folder.open()?;
@@ -95,36 +96,36 @@ pub trait Shown: Kept {
     }
 }
 
-/// A kind of study, as the command `report` knows it.
+/// Entry points that the command `report` needs of a kind of study.
 #[derive(Clone, Copy)]
 pub struct Kind {
-    /// The file that it leaves in its folder.
+    /// Name of the file in the study's folder.
     pub file: &'static str,
-    /// The page about the study in a folder.
+    /// Builds the page of the study in a folder.
     pub page: fn(&Path) -> Result<Page, RunError>,
 }
 
-/// The kind of a study.
+/// Returns the [`Kind`] of a study.
 #[must_use]
-pub const fn kind<S: Shown>() -> Kind {
+pub const fn kind<S: StudyPage>() -> Kind {
     Kind { file: S::FILE, page: |folder| S::read(folder)?.page(folder) }
 }
 
-/// How a command prints what it has done.
+/// Output format of a command.
 #[derive(Clone, Copy, Debug)]
 pub struct Printing {
-    /// As JSON.
+    /// Print JSON.
     pub json: bool,
-    /// Not at all, but for JSON.
+    /// Print nothing, unless JSON is requested.
     pub quiet: bool,
 }
 
 impl Printing {
-    /// Prints a study: its data, or this text and where its files are.
+    /// Prints the study as JSON, or `text` followed by the path of the folder.
     ///
     /// # Errors
-    /// It cannot be printed.
-    pub fn print<S: Kept>(
+    /// The output cannot be written.
+    pub fn print<S: StudyFile>(
         self,
         study: &S,
         text: impl Fn() -> String,
@@ -137,7 +138,7 @@ impl Printing {
         })
     }
 
-    /// Progress is to be shown.
+    /// Returns whether to hide the progress display.
     #[must_use]
     pub fn is_silent(self) -> bool {
         self.json || self.quiet
@@ -154,7 +155,7 @@ mod tests {
         value: f64,
     }
 
-    impl Kept for Some {
+    impl StudyFile for Some {
         const COMMAND: &'static str = "some";
         const FILE: &'static str = "some.json";
         const SCHEMA: u32 = 2;
@@ -175,7 +176,7 @@ mod tests {
             ("[", "EOF"),
         ] {
             let message = read(text).unwrap_err();
-            assert!(message.contains("some.json contains no study: "), "{message}");
+            assert!(message.contains("some.json contains no readable study: "), "{message}");
             assert!(message.contains(why), "{message}");
             assert!(message.ends_with("; run `coordinator some` again"), "{message}");
         }

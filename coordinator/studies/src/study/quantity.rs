@@ -1,12 +1,12 @@
-//! The quantities of a summary that studies compare: the figures that participants describe, and any other
-//! number of it.
+//! Quantities that studies compare: the ones that participants describe, and any other number in a
+//! summary.
 
 use contract::figure::{FigureSpec, Measure, Style, value};
 use run::format::{Scale, number, of_key, words};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// An error as it is measured: in per cent, or as it is.
+/// Formats an error: relative errors in per cent, absolute ones as a number.
 #[must_use]
 pub fn show_error(measure: Measure, error: f64) -> String {
     match measure {
@@ -15,7 +15,7 @@ pub fn show_error(measure: Measure, error: f64) -> String {
     }
 }
 
-/// A change with its sign, as it is measured.
+/// Formats a change with its sign, relative changes in per cent.
 #[must_use]
 pub fn show_change(measure: Measure, change: f64) -> String {
     match change {
@@ -30,34 +30,34 @@ pub fn show_change(measure: Measure, change: f64) -> String {
 pub struct Quantity {
     /// Dotted key in `summary.json`.
     pub key: String,
-    /// What it is, in few words.
+    /// Short name.
     pub name: String,
-    /// How its error is measured.
+    /// Measure of its error.
     pub measure: Measure,
-    /// Format of the value.
+    /// Number format.
     #[serde(default)]
     pub style: Style,
 }
 
-/// The quantities that a study knows.
+/// All quantities known to a study.
 #[derive(Clone, Debug, Default)]
 pub struct Quantities {
-    /// Those that it reports where a summary has them; the first is what a target of accuracy means, if
-    /// nothing else is named.
+    /// Quantities to report wherever a summary has them. The first is the default for an accuracy
+    /// target.
     pub of_interest: Vec<Quantity>,
-    /// What else is described.
+    /// Other quantities that participants describe.
     others: Vec<Quantity>,
-    /// Keys of quantities, and of what drives them: an error there is an error here.
+    /// Pairs of a quantity and its driver: an error of the driver carries over to the quantity.
     drivers: Vec<(String, String)>,
 }
 
-/// The coordinator's own: what participants exchange is audited.
+/// Quantity of the coordinator: the imbalance of the heat that participants exchange.
 const IMBALANCE: (&str, &str) = ("coupling.energy_imbalance", "heat imbalance");
 
-/// Sections of a summary that are about the run and not about the contact.
+/// Sections of a summary that describe the run rather than the contact.
 const NOT_PHYSICAL: [&str; 4] = ["schema", "coupling", "cost", "accuracy"];
 
-/// The dotted keys of all quantities of a section.
+/// Collects the dotted keys of all numbers in a section.
 fn numeric_keys(value: &Value, path: &str, keys: &mut Vec<String>) {
     match value {
         Value::Number(_) => keys.push(path.to_owned()),
@@ -71,7 +71,8 @@ fn numeric_keys(value: &Value, path: &str, keys: &mut Vec<String>) {
 }
 
 impl Quantities {
-    /// Those of these figures, and the coordinator's own.
+    /// Builds the list from the figures of the participants, and adds the coordinator's own
+    /// quantity.
     #[must_use]
     pub fn of_figures(figures: &[FigureSpec]) -> Self {
         let quantity = |one: &FigureSpec| Quantity {
@@ -92,7 +93,7 @@ impl Quantities {
         }
     }
 
-    /// The quantity of a key; any number of a summary is one.
+    /// Returns the quantity of a key. Any number of a summary can be a quantity.
     #[must_use]
     pub fn of(&self, key: &str) -> Quantity {
         let mut known = self.of_interest.iter().chain(&self.others);
@@ -101,8 +102,8 @@ impl Quantities {
         known.find(|quantity| quantity.key == key).cloned().unwrap_or_else(other)
     }
 
-    /// The quantities of interest, and every other quantity of the participants' sections, of a
-    /// summary.
+    /// Returns the quantities of interest, followed by every other number in the participants'
+    /// sections of a summary.
     #[must_use]
     pub fn all(&self, summary: &Value) -> Vec<Quantity> {
         let mut keys = Vec::new();
@@ -117,14 +118,14 @@ impl Quantities {
         all
     }
 
-    /// Where a quantity stands among all: those of interest first, then what else is described, the rest last.
+    /// Rank of a quantity: quantities of interest first, then other described ones, then the rest.
     #[must_use]
     pub fn place(&self, key: &str) -> usize {
         let mut known = self.of_interest.iter().chain(&self.others);
         known.position(|one| one.key == key).unwrap_or(usize::MAX)
     }
 
-    /// What an error of a quantity comes from as well.
+    /// Returns the quantity whose error carries over to `of`, if any.
     #[must_use]
     pub fn driver(&self, of: &Quantity) -> Option<Quantity> {
         let (_, driver) = self.drivers.iter().find(|(key, _)| *key == of.key)?;
@@ -133,13 +134,13 @@ impl Quantities {
 }
 
 impl Quantity {
-    /// A quantity of this key and name, written as a number.
+    /// Returns a quantity with this key and name, formatted as a number.
     #[must_use]
     pub fn new(key: &str, name: &str, measure: Measure) -> Self {
         Self { key: key.to_owned(), name: name.to_owned(), measure, style: Style::Number }
     }
 
-    /// The unit for values up to `largest` in magnitude.
+    /// Unit suitable for values up to `largest` in magnitude.
     #[must_use]
     pub fn scale(&self, largest: f64) -> Scale {
         match self.style {
@@ -149,19 +150,19 @@ impl Quantity {
         }
     }
 
-    /// Its value in a summary.
+    /// Value of the quantity in a summary.
     #[must_use]
     pub fn value(&self, summary: &Value) -> Option<f64> {
         value(summary, &self.key)
     }
 
-    /// Change from the first value to the second, as the measure says: of the first value, or the
-    /// difference. `None` where the first value is zero and a ratio is asked for.
+    /// Change from the first value to the second, either relative to the first or absolute, as the
+    /// measure demands. `None` if a ratio is needed and the first value is zero.
     #[must_use]
     pub fn change(&self, from: f64, to: f64) -> Option<f64> {
         let change = match self.measure {
             Measure::Relative if from == to => 0.0,
-            // If both have the same sign, the size counts.
+            // Compare magnitudes if the signs agree.
             Measure::Relative if from * to > 0.0 => to / from - 1.0,
             Measure::Relative => (to - from) / from.abs(),
             Measure::Absolute | Measure::Itself => to - from,
@@ -169,7 +170,7 @@ impl Quantity {
         Some(change).filter(|change| change.is_finite())
     }
 
-    /// The error of a value against a reference, as its measure says; never negative.
+    /// Error of a value against a reference, as the measure demands; never negative.
     #[must_use]
     pub fn error(&self, value: f64, reference: f64) -> f64 {
         match self.measure {

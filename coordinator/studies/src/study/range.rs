@@ -1,22 +1,22 @@
-//! Values between two ends: `FROM..TO/COUNT`, evenly, `FROM..TO/COUNTlog`, in a constant ratio, or
-//! `FROM..TO/COUNTcheb`, denser towards the ends as polynomials through them need it: the extrema of a Chebyshev
-//! polynomial (Trefethen, Approximation Theory and Approximation Practice, 2013, ch. 2). Ends with a unit have it both:
-//! `40kN..90kN/3`.
+//! Ranges of values: `FROM..TO/COUNT` (even spacing), `FROM..TO/COUNTlog` (constant ratio) and
+//! `FROM..TO/COUNTcheb` (denser towards the ends, as polynomial interpolation needs). The last are
+//! the extrema of a Chebyshev polynomial (Trefethen, Approximation Theory and Approximation
+//! Practice, 2013, ch. 2). A unit is written at both ends: `40kN..90kN/3`.
 
-/// Most values.
+/// Largest number of values.
 const MOST: u32 = 100_000;
 
-/// The values of a range, as a case would have them; `None` for a text that is no range.
+/// Values of a range in TOML syntax; `None` if the text is not a range.
 ///
 /// # Errors
-/// What is wrong with it, after the text itself.
+/// The reason why the range is invalid, as a phrase that follows the text of the option.
 pub(super) fn read(text: &str) -> Option<Result<Vec<String>, String>> {
     let (ends, count) = text.rsplit_once('/')?;
     let (from, to) = ends.split_once("..")?;
     Some(values(from, to, count.trim()))
 }
 
-/// How values lie between the ends.
+/// Spacing of the values between the ends.
 #[derive(Clone, Copy, PartialEq)]
 enum Spacing {
     Even,
@@ -26,7 +26,7 @@ enum Spacing {
 
 fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let (Some((from, unit)), Some((to, other))) = (quantity(from), quantity(to)) else {
-        return Err("has an end that is no number".to_owned());
+        return Err("has an end that is not a number".to_owned());
     };
     if unit != other {
         return Err("has ends with different units".to_owned());
@@ -34,12 +34,15 @@ fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let spacings = [("log", Spacing::Log), ("cheb", Spacing::Chebyshev)];
     let spaced = spacings.iter().find_map(|(word, one)| Some((count.strip_suffix(word)?, *one)));
     let (count, spacing) = spaced.unwrap_or((count, Spacing::Even));
-    let count: u32 = count.parse().map_err(|_| "has a count that is no whole number".to_owned())?;
+    let count: u32 =
+        count.parse().map_err(|_| "has a count that is not a whole number".to_owned())?;
     if !(2..=MOST).contains(&count) {
         return Err(format!("has {count} values, and a range has 2 to {MOST}"));
     }
     if spacing == Spacing::Log && from * to <= 0.0 {
-        return Err("has ends without a ratio: they need one sign, and not 0".to_owned());
+        return Err(
+            "has no constant ratio: both ends need the same sign, and neither may be 0".to_owned()
+        );
     }
     let value = |n: u32| {
         let part = f64::from(n) / f64::from(count - 1);
@@ -52,7 +55,7 @@ fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
                 from + 0.5 * (1.0 - (std::f64::consts::PI * part).cos()) * (to - from)
             }
         };
-        // As written by hand: without what rounding adds.
+        // Drop rounding errors, so that values read as if written by hand.
         let short: f64 = format!("{value:.12e}").parse().unwrap_or(value);
         let space = if unit.is_empty() { "" } else { " " };
         format!("{short:?}{space}{unit}")
@@ -60,7 +63,7 @@ fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     Ok((0..count).map(value).collect())
 }
 
-/// A finite number and the unit behind it, which may be empty.
+/// A finite number and its unit, which may be empty.
 fn quantity(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
@@ -91,13 +94,13 @@ mod tests {
         assert_eq!(of("1e3N..4e3 N/3log"), some(&["1000.0 N", "2000.0 N", "4000.0 N"]));
         assert_eq!(of("up/down,left"), None);
         for (wrong, why) in [
-            ("1..x/3", "no number"),
-            ("1..inf/3", "no number"),
+            ("1..x/3", "not a number"),
+            ("1..inf/3", "not a number"),
             ("1 kN..2e3/3", "different units"),
             ("1 kN..2000 N/3", "different units"),
             ("1..2/1", "has 1 values"),
-            ("1..2/2.5", "no whole number"),
-            ("-1..2/4log", "without a ratio"),
+            ("1..2/2.5", "not a whole number"),
+            ("-1..2/4log", "no constant ratio"),
         ] {
             assert!(read(wrong).unwrap().unwrap_err().contains(why), "{wrong}");
         }

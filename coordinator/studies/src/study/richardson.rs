@@ -1,68 +1,70 @@
-//! The error of a quantity from the same quantity on coarser grids (Richardson's extrapolation).
+//! Error of a quantity, estimated from its values on several grids (Richardson extrapolation).
 //!
 //! ```text
 //! v(h) = v₀ + C h^p     p = ln((v₁ − v₂)/(v₂ − v₃)) / ln r     v₀ = v₃ + (v₃ − v₂)/(r^p − 1)
 //! ```
 //!
-//! v₁, v₂, v₃ are the values from the coarsest to the finest of three grids of which each is r
-//! times finer than the one before. The estimate of the error of the finest is |v₃ − v₀| times a
-//! factor of safety, that of Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405):
-//! three for two grids, and 1.25 from three grids on.
+//! v₁, v₂, v₃ are the values on three grids from coarsest to finest, each r times finer than the
+//! one before. The estimated error on the finest grid is |v₃ − v₀| times a factor of safety, taken
+//! from Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405): three for two grids, and
+//! 1.25 for three or more.
 //!
-//! Deviations: p is the lower of the order that is seen, however low, and the one that the model
-//! expects of itself, since quantities that move in steps with the elements at the edge of a
-//! contact show too high an order by chance; it is the expected one where none is seen. Two grids
-//! may agree by chance, so that coarser pairs count too: the error that each of them tells, brought
-//! to the finest grid by the expected order; the largest is taken.
+//! Deviations: p is the observed order, however low, but at most the order that the model expects.
+//! Quantities that change in steps with the elements at the edge of a contact show too high an
+//! order by chance. Without an observed order, the expected one is used. Two grids may agree by
+//! chance, so coarser pairs count as well: the error from each pair is scaled to the finest grid by
+//! the expected order, and the largest is taken.
 //!
-//! **The limit itself as the answer.** Two pairs of three grids give two limits, L₁ of the coarser and L₂ of the finer pair, at the
-//! expected order p. What is left in them beyond C h^p moves with the elements at the edges, and was measured to fall like
-//! h^(3p/2) (docs/theory/accuracy.md); so the error of L₂ is
+//! **The limit as the answer.** The two pairs of three grids give two limits at the expected order
+//! p: L₁ from the coarser pair, L₂ from the finer pair. Their remaining error beyond C h^p moves
+//! with the elements at the edges. Measurements show that this error falls like h^(3p/2)
+//! (docs/theory/accuracy.md), so the error of L₂ is
 //!
 //! ```text
 //! max( 2 |L₂ − L₁|/(r^(3p/2) − 1),  |L₂ − v₃|/5 )
 //! ```
 //!
-//! The second term is there because two limits may agree by chance.
+//! The second term is needed because two limits may agree by chance.
 
-/// Factor of safety of the difference of two grids.
+/// Factor of safety for the difference of two grids.
 const SAFETY_OF_TWO: f64 = 3.0;
-/// And of three or more.
+/// Factor of safety for three or more grids.
 const SAFETY_OF_THREE: f64 = 1.25;
-/// And of the difference of two limits.
+/// Factor of safety for the difference of two limits.
 const SAFETY_OF_LIMITS: f64 = 2.0;
 
-/// The share of the leading error that is the least error of a limit.
+/// Lower bound of the error of a limit, as a share of the leading error.
 const LEAST_SHARE: f64 = 0.2;
-/// Order of what is left in a limit, over the expected order.
+/// Order of the remaining error of a limit, relative to the expected order.
 pub const ORDER_OF_LIMITS: f64 = 1.5;
 
 /// A quantity on one grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// How fine the grid is: elements along a length, or windows in a time.
+    /// Resolution of the grid: elements per length, or windows per time.
     pub level: f64,
-    /// The quantity.
+    /// Value of the quantity.
     pub value: f64,
 }
 
-/// What grids say of a quantity.
+/// Error estimate from several grids.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The order that the three finest grids show, whether it is plausible or not; `None` without
-    /// three grids, or if they show none.
+    /// Order observed on the three finest grids, plausible or not; `None` with fewer than three
+    /// grids or without an order.
     pub observed_order: Option<f64>,
-    /// The order that is used.
+    /// Order used in the estimate.
     pub order: f64,
-    /// The quantity on an infinitely fine grid, as far as the grids tell.
+    /// Extrapolated value on an infinitely fine grid.
     pub limit: f64,
-    /// Estimated error of the quantity on the finest grid, in its own unit, with the factor of
+    /// Estimated error on the finest grid, in the unit of the quantity, including the factor of
     /// safety.
     pub error: f64,
 }
 
 impl Estimate {
-    /// From the samples of one quantity, coarsest grid first; `None` with fewer than two grids.
+    /// Estimates the error from samples of one quantity, coarsest grid first; `None` with fewer
+    /// than two grids.
     #[must_use]
     pub fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
         let [.., coarse, fine] = samples else { return None };
@@ -83,17 +85,18 @@ impl Estimate {
     }
 }
 
-/// The quantity on an infinitely fine grid, as an answer.
+/// Extrapolated value on an infinitely fine grid, used as the answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// The quantity.
+    /// Value of the quantity.
     pub value: f64,
-    /// Its estimated error, in its own unit, with the factor of safety.
+    /// Estimated error, in the unit of the quantity, including the factor of safety.
     pub error: f64,
 }
 
 impl Limit {
-    /// From the samples of one quantity, coarsest grid first; `None` with fewer than three grids.
+    /// Extrapolates samples of one quantity, coarsest grid first; `None` with fewer than three
+    /// grids.
     #[must_use]
     pub fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
         let [.., first, second, third] = samples else { return None };
@@ -108,7 +111,8 @@ impl Limit {
     }
 }
 
-/// The order that the three finest grids show, if their values go one way and ever less far.
+/// Order observed on the three finest grids; `None` unless the values change monotonically in ever
+/// smaller steps.
 #[must_use]
 pub fn observed_order(samples: &[Sample]) -> Option<f64> {
     let [.., first, second, third] = samples else { return None };
@@ -121,7 +125,7 @@ pub fn observed_order(samples: &[Sample]) -> Option<f64> {
     order_of_steps(ratio, ratios)
 }
 
-/// The order p for which two steps of v = v₀ + C level^−p have this ratio, by bisection.
+/// Finds by bisection the order p for which two steps of v = v₀ + C level^−p have this ratio.
 fn order_of_steps(ratio: f64, [r1, r2]: [f64; 2]) -> Option<f64> {
     // With v₁ − v₂ = C(1 − r₁^−p) and v₂ − v₃ = C r₁^−p (1 − r₂^−p), in units of level₁.
     let predicted = |p: f64| (r1.powf(p) - 1.0) / (1.0 - r2.powf(-p));
@@ -156,7 +160,7 @@ mod tests {
             assert!((estimate.limit - 3.0).abs() < 1e-10, "{estimate:?}");
             let true_error = 5.0 * 40f64.powf(-order);
             assert!((estimate.error / true_error - SAFETY_OF_THREE).abs() < 1e-6, "{estimate:?}");
-            // Grids whose ratio is not constant.
+            // Grids without a constant ratio.
             let values = samples(&[10.0, 16.0, 40.0], |n| 3.0 - 5.0 * n.powf(-order));
             assert!((observed_order(&values).unwrap() - order).abs() < 1e-9);
         }
@@ -172,8 +176,8 @@ mod tests {
         assert_eq!(Estimate::of(&values[..1], 1.0), None);
     }
 
-    /// Of an error C/n + D/n^1.5 the second term is left, and found with its factor of safety; a limit that two pairs agree
-    /// on by chance has a fifth of the leading error.
+    /// For an error C/n + D/n^1.5, the second term remains, and is estimated with its factor of
+    /// safety. A limit on which two pairs agree by chance is assigned a fifth of the leading error.
     #[test]
     fn a_limit_states_what_is_left_in_it() {
         let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 0.5 / n + 2.0 * n.powf(-1.5));
@@ -187,7 +191,7 @@ mod tests {
         assert_eq!(Limit::of(&values[..2], 1.0), None);
     }
 
-    /// The finest two agree by chance; the pair before them does not.
+    /// The two finest grids agree by chance; the coarser pair does not.
     #[test]
     fn an_agreement_by_chance_is_not_believed() {
         let values = [[10.0, 1.0], [20.0, 1.2], [40.0, 1.2]];
@@ -196,7 +200,7 @@ mod tests {
         assert!((error - SAFETY_OF_THREE * 0.1).abs() < 1e-12, "{error}");
     }
 
-    /// An order above the expected one would make the error look smaller than it is.
+    /// An order above the expected one would understate the error.
     #[test]
     fn too_high_an_order_is_not_believed() {
         let values = samples(&[10.0, 20.0, 40.0], |n| 3.0 - 5.0 * n.powi(-3));
@@ -206,8 +210,8 @@ mod tests {
         assert!(estimate.error > 5.0 * 40f64.powi(-3));
     }
 
-    /// A quantity that hardly converges has a large error, whatever order its model expects: the
-    /// higher order would state 0.79 where 3.3 remain.
+    /// A slowly converging quantity has a large error, whatever order its model expects: the higher
+    /// order would state 0.79 where 3.3 remain.
     #[test]
     fn a_low_order_is_believed() {
         for (order, expected) in [(0.2, 1.0), (0.4, 1.0), (0.9, 2.0), (0.05, 1.0)] {
@@ -219,7 +223,7 @@ mod tests {
         }
     }
 
-    /// Values that go to and fro, stand still or grow apart show no order; the expected one serves.
+    /// Values that oscillate, stagnate or diverge show no order, so the expected one is used.
     #[test]
     fn no_order_is_no_reason_to_stop() {
         for values in [[1.0, 2.0, 1.5], [1.0, 1.0, 1.0], [1.0, 1.1, 2.0]] {

@@ -1,4 +1,4 @@
-//! What a run cost.
+//! Cost of a run: time, memory and iterations.
 
 use proto::run_dir::processor_seconds;
 use serde::{Deserialize, Serialize};
@@ -6,39 +6,40 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// When a run began, in time and in this process's own work.
+/// Start of a run in wall-clock time and in processor time of this process.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {
-    /// The instant.
+    /// Start of the run.
     pub since: Instant,
     processor: f64,
 }
 
 impl Stopwatch {
-    /// A run begins now.
+    /// Starts the stopwatch.
     #[must_use]
     pub fn start() -> Self {
         Self { since: Instant::now(), processor: processor_seconds() }
     }
 }
 
-/// What a run cost.
+/// Cost of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Spent {
-    /// Seconds from its beginning to its end, planning and starting of processes included.
+pub struct RunCost {
+    /// Wall-clock time from start to end, including planning and the start of processes \[s\].
     pub wall_s: f64,
-    /// Seconds in the models and in the coupling: what is left where processes are long started.
+    /// Time in the models and in the coupling \[s\]: the time of a run whose processes are already
+    /// running.
     pub solve_s: f64,
-    /// Processor seconds of each process, the coordinator's among them.
+    /// Processor time of each process, including the coordinator \[s\].
     pub cpu_s: BTreeMap<String, f64>,
     /// Largest resident memory of each participant \[byte\].
     pub peak_rss_bytes: BTreeMap<String, u64>,
-    /// Iterations of the coupling in all.
+    /// Total number of coupling iterations.
     pub iterations: u64,
 }
 
-impl Spent {
-    /// What the run with this summary, begun then and ending now, has cost.
+impl RunCost {
+    /// Cost of the run with this summary, from the start of the stopwatch until now.
     #[must_use]
     pub fn of(summary: &Value, stopwatch: &Stopwatch) -> Self {
         let section = summary["cost"].as_object();
@@ -48,7 +49,7 @@ impl Spent {
                 Some((key.strip_suffix(ending)?.to_owned(), value.as_f64()?))
             })
         };
-        // Whatever has resident memory is a participant; other times are the coordinator's.
+        // Every entry with resident memory is a participant; other times belong to the coordinator.
         let memory = of_role("_peak_rss_bytes").map(|(role, bytes)| (role, bytes as u64));
         let peak_rss_bytes: BTreeMap<String, u64> = memory.collect();
         let in_models =
@@ -81,7 +82,7 @@ mod tests {
                 "bytes_exchanged": 64,
             },
         });
-        let spent = Spent::of(&summary, &Stopwatch::start());
+        let spent = RunCost::of(&summary, &Stopwatch::start());
         assert_eq!((spent.solve_s, spent.iterations), (2.75, 3));
         assert_eq!(spent.cpu_s["mech"], 2.5);
         assert!(spent.cpu_s.contains_key("coordinator") && !spent.cpu_s.contains_key("thermal"));

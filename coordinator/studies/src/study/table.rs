@@ -1,36 +1,35 @@
-//! A table of runs, described once: for the terminal, for a page, and as CSV.
+//! A table of runs, defined once and rendered for the terminal, for a page and as CSV.
 //!
-//! A study defines the cell of each column for one row. By default a column is on the terminal and on the
-//! page; CSV has the columns that have a name there.
+//! A study defines the cell of each column for one row. By default a column appears on the terminal
+//! and on the page; CSV contains the columns that have a CSV name.
 
 use run::format;
 
-/// Space between two columns on the terminal.
 const GAP: &str = "  ";
 
-/// What a column says of a row.
+/// Content of one cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cell {
-    /// For people.
+    /// Text for people.
     shown: String,
-    /// For programs.
+    /// Text for programs.
     raw: String,
 }
 
 impl Cell {
-    /// A word, the same for people and for programs.
+    /// A word, the same for people and programs.
     #[must_use]
     pub fn text(text: impl ToString) -> Self {
         Self { shown: text.to_string(), raw: text.to_string() }
     }
 
-    /// A number, and how a person reads it.
+    /// A number, and its formatted text for people.
     #[must_use]
     pub fn number(value: impl ToString, shown: impl Into<String>) -> Self {
         Self { shown: shown.into(), raw: value.to_string() }
     }
 
-    /// A number that is not always there; nothing stands for it where it is not.
+    /// A number that may be missing; a missing number leaves the cell empty.
     #[must_use]
     pub fn optional(value: Option<&f64>, show: impl Fn(f64) -> String) -> Self {
         value.map(|value| Self::number(value, show(*value))).unwrap_or_default()
@@ -42,23 +41,23 @@ impl Cell {
         Self::number(value, format::seconds(value))
     }
 
-    /// A number of bytes.
+    /// A memory size \[byte\].
     #[must_use]
     pub fn bytes(value: u64) -> Self {
         Self::number(value, format::bytes(value))
     }
 }
 
-/// A run without quantities.
+/// A run that failed and has no quantities.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// Replaces its first quantity.
+    /// Word shown in place of the first quantity.
     pub word: &'static str,
-    /// Which run it is, and why.
+    /// Name of the run and the reason, shown below the table.
     pub remark: String,
 }
 
-/// What is asked of a row.
+/// A function of a row.
 type Ask<'a, R, T> = Box<dyn Fn(&R) -> T + 'a>;
 
 /// One column of a table.
@@ -66,11 +65,11 @@ pub struct Column<'a, R> {
     on_terminal: Option<String>,
     on_page: Option<String>,
     in_csv: Option<String>,
-    /// Identifies the row, and is shown even if the run has failed.
+    /// Whether the column identifies the row. Such columns are shown even if the run failed.
     names: bool,
-    /// Aligned to the left.
+    /// Whether to align to the left.
     left: bool,
-    /// Least width on the terminal.
+    /// Minimum width on the terminal.
     width: usize,
     cell: Ask<'a, R, Cell>,
 }
@@ -96,50 +95,50 @@ impl<'a, R> Column<'a, R> {
         Self { left: true, ..column }
     }
 
-    /// A column for programs alone.
+    /// A column that appears in CSV only.
     pub fn csv_only(name: impl Into<String>, cell: impl Fn(&R) -> String + 'a) -> Self {
         let column = Self::quantity("", move |row| Cell::text(cell(row)));
         column.not_on_terminal().not_on_page().csv(name)
     }
 
-    /// It identifies the row.
+    /// Marks the column as identifying the row.
     #[must_use]
     pub fn naming(self) -> Self {
         Self { names: true, ..self }
     }
 
-    /// It has this head on the page.
+    /// Sets the heading on the page.
     #[must_use]
     pub fn on_page(self, head: impl Into<String>) -> Self {
         Self { on_page: Some(head.into()), ..self }
     }
 
-    /// It is not on the page.
+    /// Hides the column on the page.
     #[must_use]
     pub fn not_on_page(self) -> Self {
         Self { on_page: None, ..self }
     }
 
-    /// It is not on the terminal.
+    /// Hides the column on the terminal.
     #[must_use]
     pub fn not_on_terminal(self) -> Self {
         Self { on_terminal: None, ..self }
     }
 
-    /// It is in CSV, too, under this name.
+    /// Includes the column in CSV under this name.
     #[must_use]
     pub fn csv(self, name: impl Into<String>) -> Self {
         Self { in_csv: Some(name.into()), ..self }
     }
 
-    /// Its least width on the terminal.
+    /// Sets the minimum width on the terminal.
     #[must_use]
     pub fn width(self, width: usize) -> Self {
         Self { width, ..self }
     }
 }
 
-/// The columns of a table, and what is remarkable about its rows.
+/// The columns of a table, and the rules for marked and failed rows.
 pub struct Table<'a, R> {
     columns: Vec<Column<'a, R>>,
     mark: Option<(&'static str, Ask<'a, R, bool>)>,
@@ -147,25 +146,25 @@ pub struct Table<'a, R> {
 }
 
 impl<'a, R> Table<'a, R> {
-    /// A table with these columns.
+    /// Returns a table with these columns.
     #[must_use]
     pub fn new(columns: Vec<Column<'a, R>>) -> Self {
         Self { columns, mark: None, failure: Box::new(|_| None) }
     }
 
-    /// Rows that are marked: before them on the terminal, in their first cell on the page.
+    /// Marks some rows: before the row on the terminal, in the first cell on the page.
     #[must_use]
     pub fn mark(self, mark: &'static str, marked: impl Fn(&R) -> bool + 'a) -> Self {
         Self { mark: Some((mark, Box::new(marked))), ..self }
     }
 
-    /// Rows that have no quantities.
+    /// Declares which rows failed and have no quantities.
     #[must_use]
     pub fn failure(self, failure: impl Fn(&R) -> Option<Failure> + 'a) -> Self {
         Self { failure: Box::new(failure), ..self }
     }
 
-    /// The table as lines for the terminal, with its remarks below.
+    /// Renders the table for the terminal, with its remarks below.
     #[must_use]
     pub fn terminal(&self, rows: &[&R]) -> String {
         let mut lines = vec![self.terminal_head()];
@@ -181,19 +180,19 @@ impl<'a, R> Table<'a, R> {
         table + &remarks.collect::<String>()
     }
 
-    /// The head alone, for rows that are printed one by one.
+    /// Renders the heading alone, for rows that are printed one by one.
     #[must_use]
     pub fn head(&self) -> String {
         self.line(&self.terminal_head(), &self.terminal_widths())
     }
 
-    /// One row alone; its columns are as wide as they are asked to be.
+    /// Renders one row, with columns of their minimum width.
     #[must_use]
     pub fn row(&self, row: &R) -> String {
         self.line(&self.terminal_cells(row), &self.terminal_widths())
     }
 
-    /// The table for a page.
+    /// Renders the table for a page.
     #[must_use]
     pub fn page(&self, rows: &[&R]) -> pages::table::Table {
         let shown = || self.columns.iter().filter(|column| column.on_page.is_some());
@@ -212,12 +211,12 @@ impl<'a, R> Table<'a, R> {
         }
     }
 
-    /// The rows without quantities, each with its reason.
+    /// Remarks on the failed rows: name and reason.
     pub fn remarks<'b>(&'b self, rows: &'b [&R]) -> impl Iterator<Item = String> + 'b {
         rows.iter().filter_map(|row| (self.failure)(row)).map(|failure| failure.remark)
     }
 
-    /// The table as CSV, of what is there for programs.
+    /// Renders the table as CSV, with the text for programs.
     #[must_use]
     pub fn csv(&self, rows: &[&R]) -> String {
         let named = || self.columns.iter().filter(|column| column.in_csv.is_some());
@@ -227,8 +226,8 @@ impl<'a, R> Table<'a, R> {
             rows.iter()
                 .try_for_each(|row| out.write_record(named().map(|column| (column.cell)(row).raw)))
         });
-        written.expect("a vector takes all that is written");
-        let bytes = out.into_inner().expect("a vector takes all that is written");
+        written.expect("writing to a vector succeeds");
+        let bytes = out.into_inner().expect("writing to a vector succeeds");
         String::from_utf8(bytes).expect("only text was written")
     }
 
@@ -236,7 +235,7 @@ impl<'a, R> Table<'a, R> {
         self.mark.as_ref().map(|(mark, marked)| (*mark, marked(row)))
     }
 
-    /// What these columns show of a row; of one without quantities its names and the word for it.
+    /// Text of these columns for a row. A failed row shows its name and the word of the failure.
     fn cells(&self, row: &R, columns: &[&Column<'a, R>]) -> Vec<String> {
         let failure = (self.failure)(row);
         let mut word = failure.as_ref().map(|failure| failure.word);
@@ -267,7 +266,7 @@ impl<'a, R> Table<'a, R> {
         self.mark.iter().map(|_| 1).chain(columns.iter().map(|column| column.width)).collect()
     }
 
-    /// Cells under each other; a mark stands one place before them.
+    /// Formats cells in columns; a mark stands one place before them.
     fn line(&self, cells: &[String], widths: &[usize]) -> String {
         let columns = self.on_terminal();
         let left = self.mark.iter().map(|_| true).chain(columns.iter().map(|column| column.left));
@@ -314,7 +313,7 @@ mod tests {
         let (table, rows) = (table(), RUNS.iter().collect::<Vec<_>>());
         assert_eq!(
             table.terminal(&rows),
-            "                time  memory\n  one      12.500 ms     8 B\n  another     failed\n  \
+            "              time  memory\n  one      12.5 ms     8 B\n  another   failed\n  \
              another: no time\n"
         );
         let page = table.page(&rows);

@@ -1,50 +1,49 @@
-//! Points that other sweeps have found: other folders, and parts that a scheduler has run.
+//! Collects points of other sweeps: from other folders, and from parts that a scheduler has run.
 
 use super::design::Part;
-use super::rows::{FILE, Growing};
+use super::rows::{FILE, SweepInProgress};
 use super::study::{Row, Study};
-use crate::study::folder::{StudyFolder, Wanted};
-use crate::study::output::Kept;
+use crate::study::folder::{FolderRequest, StudyFolder};
+use crate::study::output::StudyFile;
 use contract::input_file;
 use run::error::{RunError, input_failure};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Larger files of a sweep are refused [byte].
+/// Size above which the file of a sweep is refused [byte].
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Takes the points of a sweep in another folder, finished or not.
+/// Adds the points of a sweep in another folder, finished or not.
 ///
 /// # Errors
-/// It cannot be read, or is of other points.
-pub(super) fn folder(sweep: &mut Growing, other: &Path) -> Result<(), RunError> {
+/// The folder cannot be read, or its sweep has other points or another case.
+pub(super) fn folder(sweep: &mut SweepInProgress, other: &Path) -> Result<(), RunError> {
     let path = other.join(Study::FILE);
     let text = input_file::read(&path, MOST_BYTES).map_err(|error| input_failure(&path, &error))?;
     let wrong = |why: String| RunError::Usage(format!("--collect {}: {why}", other.display()));
     let found: Study = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
     if !sweep.study.is_of_the_same_points(&found) {
-        let fix = "give the values that it was made with";
-        return Err(wrong(format!("is of other points; {fix}")));
+        let fix = "use the values of that sweep";
+        return Err(wrong(format!("has other points; {fix}")));
     }
-    let fix = "give the case, options and programs that it was made with, or run its points again";
+    let fix = "use the case, options and programs of that sweep, or run its points again";
     let place = format!("--collect {}", other.display());
     sweep.study.require_same_case(&found, &place, fix)?;
     sweep.collect(found, other)
 }
 
-/// The same for a part that a task has run, or has not come to.
+/// Adds the points of a part, if its task has begun.
 ///
 /// # Errors
-/// Those of [`folder`].
-pub(super) fn part(sweep: &mut Growing, part: &Path) -> Result<(), RunError> {
+/// Same as [`folder`].
+pub(super) fn part(sweep: &mut SweepInProgress, part: &Path) -> Result<(), RunError> {
     if part.join(FILE).exists() { folder(sweep, part) } else { Ok(()) }
 }
 
-/// Gives the points that have been run to the parts that they are in and that have not begun, so that no task runs
-/// them again.
+/// Copies known points into the folders of parts that have not begun, so that no task repeats them.
 ///
 /// # Errors
-/// The file system.
+/// The files cannot be written.
 pub(super) fn hand_out(
     sweep: &Study,
     of: usize,
@@ -61,17 +60,18 @@ pub(super) fn hand_out(
             continue;
         }
         let (command, out) = (Study::COMMAND, Some(&*out));
-        let wanted = Wanted { command, name: "", out, replace: false, goes_on: &|_| false };
+        let wanted = FolderRequest { command, name: "", out, replace: false, goes_on: &|_| false };
         let folder = StudyFolder::choose(&wanted)?;
         let part = sweep.part(Part { one, of });
         part.write(&folder)?;
-        let mut part = Growing::begin(part, &folder)?;
+        let mut part = SweepInProgress::begin(part, &folder)?;
         rows.into_iter().try_for_each(|row| part.add(row.clone()))?;
     }
     Ok(())
 }
 
-/// A sweep of this folder that was stopped, or one that is complete too, without its points.
+/// Reads the description of an interrupted sweep in a folder, without its points; with `complete`,
+/// also of a finished one.
 pub(super) fn earlier(folder: &Path, complete: bool) -> Option<Study> {
     let text = input_file::read(&folder.join(Study::FILE), MOST_BYTES).ok()?;
     serde_json::from_slice(&text).ok().filter(|study: &Study| complete || !study.complete)

@@ -1,4 +1,4 @@
-//! Which points a sweep has: all combinations of values, values side by side, or the rows of a table.
+//! Points of a sweep: all combinations of values, paired values, or the rows of a table.
 
 use crate::study::axis::{Axis, combination, combinations};
 use clap::Args;
@@ -9,28 +9,30 @@ use std::iter::StepBy;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Larger tables are refused [byte].
+/// Size above which a table is refused [byte].
 const MOST_BYTES: u64 = 1 << 28;
 
-/// The options.
+/// Options that define the points.
 #[derive(Debug, Args)]
-pub(super) struct Asked {
-    /// What varies: a key, and its values or a range; several make a grid.
+pub(super) struct PointArguments {
+    /// Key to vary, with its values or a range; repeat the option for a grid.
     #[arg(long, value_name = "KEY=A,B,C|FROM..TO/COUNT", value_parser = Varied::read)]
     #[arg(required_unless_present = "table", conflicts_with = "table")]
     vary: Vec<Varied>,
-    /// No grid: the first values of all keys, the second ones, and so on.
+    /// Pair the values instead of a grid: the first values of all keys, then the second ones, and
+    /// so on.
     #[arg(long, requires = "vary")]
     paired: bool,
-    /// No grid, a Latin hypercube: each value of each key once, in an order that this seed gives.
+    /// Use a Latin hypercube instead of a grid: each value of each key once, shuffled with this
+    /// seed.
     #[arg(long, value_name = "SEED", requires = "vary", conflicts_with = "paired")]
     latin: Option<u64>,
-    /// No grid, the rows of a CSV file: keys in its first line, values below them.
+    /// Use the rows of a CSV file instead of a grid: keys in the first line, values below.
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
 }
 
-/// One `--vary`: as it is written, and what it says.
+/// One `--vary` option, as text and parsed.
 #[derive(Clone, Debug)]
 struct Varied {
     text: String,
@@ -43,20 +45,21 @@ impl Varied {
     }
 }
 
-/// The keys with their values, and how they are combined.
+/// Keys, their values and the way to combine them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Design {
     /// Keys and values.
     pub vary: Vec<Axis>,
-    /// The n-th values of all keys are a point; otherwise all combinations are.
+    /// Whether point n takes the n-th value of every key; otherwise the points are all
+    /// combinations.
     pub paired: bool,
 }
 
-impl Asked {
-    /// What is asked for.
+impl PointArguments {
+    /// Builds the design from the options.
     ///
     /// # Errors
-    /// A table that cannot be read, or lists that are not equally long where they have to be.
+    /// A table cannot be read, or paired lists differ in length.
     pub(super) fn design(&self) -> Result<Design, RunError> {
         let (mut vary, paired) = match &self.table {
             Some(file) => (read(file)?, true),
@@ -68,7 +71,8 @@ impl Asked {
         let length = |one: &Axis| one.values.len();
         if let Some(other) = vary.iter().find(|one| paired && length(one) != length(&vary[0])) {
             return Err(RunError::Usage(format!(
-                "--vary {} has {} values, and {} has {}; side by side all keys have as many",
+                "--vary {} has {} values, and {} has {}; paired keys need the same number of \
+                 values",
                 other.key,
                 length(other),
                 vary[0].key,
@@ -82,7 +86,7 @@ impl Asked {
         Ok(Design { vary, paired })
     }
 
-    /// The options that ask for the same.
+    /// Options that reproduce this selection.
     pub(super) fn options(&self) -> Vec<String> {
         let vary = self.vary.iter().flat_map(|one| ["--vary".to_owned(), one.text.clone()]);
         let table =
@@ -93,46 +97,46 @@ impl Asked {
     }
 }
 
-/// One of so many parts of a sweep: every so many points, from this one on.
+/// One part of a sweep: every `of`-th point, starting at point `one`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Part {
-    /// Which part, from 1 on.
+    /// Number of the part, counted from 1.
     pub one: usize,
-    /// How many there are.
+    /// Number of parts.
     pub of: usize,
 }
 
 impl Part {
-    /// Reads `3/8`.
+    /// Parses text such as `3/8`.
     ///
     /// # Errors
-    /// Says what is wrong with the text.
+    /// The text has another form, or the number of the part is out of range.
     pub(super) fn read(text: &str) -> Result<Self, String> {
-        let wrong = || format!("`{text}` is no part; write 3/8 for the third of eight");
+        let wrong = || format!("`{text}` is not a part; write 3/8 for the third of eight");
         let (one, of) = text.split_once('/').ok_or_else(wrong)?;
         let number = |text: &str| text.trim().parse::<usize>().map_err(|_| wrong());
         let part = Self { one: number(one)?, of: number(of)? };
         if (1..=part.of).contains(&part.one) { Ok(part) } else { Err(wrong()) }
     }
 
-    /// Its name as that of a file.
+    /// Name of the part, usable as a file name.
     pub(super) fn name(self) -> String {
         format!("{}-of-{}", self.one, self.of)
     }
 
-    /// The part, from 1 on, in which the point of this number, from 0 on, is.
+    /// Part, counted from 1, that contains a point, counted from 0.
     pub(super) fn with(number: usize, of: usize) -> usize {
         number % of + 1
     }
 
-    /// The numbers of its points, among so many.
+    /// Numbers of the part's points, for a sweep of `points` points.
     pub(super) fn numbers(self, points: usize) -> StepBy<Range<usize>> {
         (self.one - 1..points).step_by(self.of)
     }
 }
 
 impl Design {
-    /// How many points there are.
+    /// Number of points.
     pub(super) fn count(vary: &[Axis], paired: bool) -> usize {
         match paired {
             true => vary.first().map_or(0, |one| one.values.len()),
@@ -140,12 +144,12 @@ impl Design {
         }
     }
 
-    /// The point of this number, from 0 on: an index into the values of each key.
+    /// Point with this number, counted from 0, as an index into the values of each key.
     pub(super) fn point(vary: &[Axis], paired: bool, number: usize) -> Vec<usize> {
         if paired { vec![number; vary.len()] } else { combination(vary, number) }
     }
 
-    /// The number of a point; `None` if there is no such point.
+    /// Number of a point; `None` if the point does not exist.
     pub(super) fn number(vary: &[Axis], paired: bool, at: &[usize]) -> Option<usize> {
         let inside =
             at.len() == vary.len() && at.iter().zip(vary).all(|(n, one)| *n < one.values.len());
@@ -157,7 +161,8 @@ impl Design {
     }
 }
 
-/// The columns of a table: a key in each cell of the first line, perhaps with the unit of the numbers below it.
+/// Reads the columns of a table. Each cell of the first line holds a key, optionally with the unit
+/// of the numbers below.
 fn read(file: &Path) -> Result<Vec<Axis>, RunError> {
     let wrong = |why: String| RunError::Usage(format!("--table {}: {why}", file.display()));
     let table = Table::read(file, MOST_BYTES, Reading::WORDS).map_err(|error| match error {
@@ -174,10 +179,11 @@ fn read(file: &Path) -> Result<Vec<Axis>, RunError> {
         if heading.name.is_empty() && empty(place) {
             continue;
         }
-        // Contents of a file that is no such table are not quoted.
+        // The contents of a file that is not a table of points may be secret, so they are not
+        // quoted.
         if !heading.is_dotted_key() {
             return Err(wrong(format!(
-                "column {} has no key of a case in its first line",
+                "the first line of column {} is not a key of a case",
                 place + 1
             )));
         }
@@ -193,7 +199,8 @@ fn read(file: &Path) -> Result<Vec<Axis>, RunError> {
                 Some(unit) => {
                     let name = &heading.name;
                     Err(at(format!(
-                        "has no number for `{name} [{unit}]`, whose unit is in the first line"
+                        "needs a plain number for `{name} [{unit}]`, because the first line \
+                         gives the unit"
                     )))
                 }
                 None => Ok(word.into_owned()),
@@ -209,14 +216,14 @@ fn read(file: &Path) -> Result<Vec<Axis>, RunError> {
 mod tests {
     use super::*;
 
-    fn asked(vary: &[&str]) -> Asked {
+    fn asked(vary: &[&str]) -> PointArguments {
         let vary = vary.iter().map(|text| Varied::read(text).unwrap()).collect();
-        Asked { vary, paired: false, latin: None, table: None }
+        PointArguments { vary, paired: false, latin: None, table: None }
     }
 
     #[test]
     fn side_by_side_there_are_as_many_points_as_values() {
-        let all = |asked: &Asked| -> Vec<Vec<usize>> {
+        let all = |asked: &PointArguments| -> Vec<Vec<usize>> {
             let Design { vary, paired } = asked.design().unwrap();
             let points =
                 (0..Design::count(&vary, paired)).map(|n| (n, Design::point(&vary, paired, n)));
@@ -228,17 +235,16 @@ mod tests {
         };
         let grid = asked(&["a=1,2,3", "b=4,5,6"]);
         assert_eq!(all(&grid).len(), 9);
-        let paired = Asked { paired: true, ..grid };
+        let paired = PointArguments { paired: true, ..grid };
         assert_eq!(all(&paired), [[0, 0], [1, 1], [2, 2]]);
         let vary = paired.design().unwrap().vary;
         for (none, paired) in [(vec![0, 3], false), (vec![0], false), (vec![0, 1], true)] {
             assert_eq!(Design::number(&vary, paired, &none), None, "{none:?}");
         }
-        let uneven = Asked { paired: true, ..asked(&["a=1,2,3", "b=4,5"]) }.design();
+        let uneven = PointArguments { paired: true, ..asked(&["a=1,2,3", "b=4,5"]) }.design();
         assert!(uneven.unwrap_err().to_string().contains("--vary b has 2 values, and a has 3"));
     }
 
-    /// Every point is in one part.
     #[test]
     fn parts_are_the_whole() {
         let part = |one| Part { one, of: 4 }.numbers(9).collect::<Vec<_>>();
@@ -253,17 +259,19 @@ mod tests {
         }
     }
 
-    /// What the options of a task say is what the user has said.
+    /// The options of a task reproduce the user's options.
     #[test]
     fn options_ask_for_the_same() {
-        let asked = Asked { latin: Some(3), ..asked(&["a=1..9/3", "b=x, y ,z"]) };
+        let asked = PointArguments { latin: Some(3), ..asked(&["a=1..9/3", "b=x, y ,z"]) };
         assert_eq!(asked.options(), ["--vary", "a=1..9/3", "--vary", "b=x, y ,z", "--latin", "3"]);
     }
 
-    /// Each value once; the same seed gives the same order, another one another.
+    /// Each value occurs once. The same seed gives the same order, another seed a different one.
     #[test]
     fn a_latin_hypercube_has_each_value_once() {
-        let of = |seed| Asked { latin: Some(seed), ..asked(&["a=0..9/10", "b=0..9/10"]) }.design();
+        let of = |seed| {
+            PointArguments { latin: Some(seed), ..asked(&["a=0..9/10", "b=0..9/10"]) }.design()
+        };
         let [one, same, other] = [1, 1, 2].map(|seed| of(seed).unwrap());
         assert_eq!(one, same);
         assert_ne!(one.vary[1], other.vary[1]);
@@ -292,9 +300,9 @@ mod tests {
         for (text, why) in [
             ("a.x,b.x\n1\n", "1 cells in line 2"),
             ("a.x,b.x\n1,\n", "line 2 has no value for `b.x`"),
-            ("a.x,\n1,2\n", "column 2 has no key"),
+            ("a.x,\n1,2\n", "the first line of column 2 is not a key"),
             ("a.x,a.x\n1,2\n", "two columns `a.x`"),
-            ("a.x [kN]\n60 kN\n", "line 2 has no number for `a.x [kN]`"),
+            ("a.x [kN]\n60 kN\n", "line 2 needs a plain number for `a.x [kN]`"),
             ("a.x,b.x\n", "no rows"),
             ("", "no rows"),
         ] {

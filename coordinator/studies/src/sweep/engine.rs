@@ -1,11 +1,12 @@
-//! Beyond this machine: the points go as parts to a scheduler that is there already, as one array of tasks, and
-//! come back as the files of their parts.
+//! Runs a sweep on other machines. The points are divided into parts, submitted to an existing
+//! scheduler as one array of tasks, and collected from the files of the parts.
 //!
-//! Every task is `tasks.sh PART` in the folder of the sweep: a plain `coordinator sweep … --part`, from the same
-//! working directory and with the same options, into `parts/PART`. What scheduler it is makes no difference
-//! but in how an array is submitted, looked at and cancelled ([`Scheduler`]). A part that did not come back as a
-//! whole is submitted again, and goes on with what it lacks. `array.json` names the array that is under way, so
-//! that a sweep whose coordinator was stopped waits for it, and submits nothing twice.
+//! Every task runs `tasks.sh PART` in the folder of the sweep. The script is an ordinary
+//! `coordinator sweep … --part` with the same working directory and options, which writes to
+//! `parts/PART`. Schedulers differ only in the commands that submit, query and cancel an array
+//! ([`scheduler::Scheduler`]). A part that returns incomplete is submitted again and resumes with
+//! its missing points. `array.json` names the current array. If the coordinator is interrupted, the
+//! resumed sweep waits for that array and submits nothing twice.
 
 mod ask;
 mod hyperqueue;
@@ -15,6 +16,6 @@ mod scheduler;
 mod slurm;
 mod tasks;
 
-pub(super) use options::{Asked, Name};
+pub(super) use options::{EngineArguments, Name};
 pub(super) use perform::{clear, fill, list, parts, parts_under_way, refuse_other};
 pub(super) use tasks::Tasks;

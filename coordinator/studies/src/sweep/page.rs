@@ -1,37 +1,37 @@
-//! A sweep as a table on the terminal, and as a page: lines over one key, one line for each value of a
-//! second one, a map over two.
+//! The results of a sweep as a table on the terminal and as a page with plots: lines over one key,
+//! one line for each value of a second key, and a map over two keys.
 
 use super::study::{Row, Study};
 use crate::study::axis::Axis;
-use crate::study::output::Shown;
+use crate::study::output::StudyPage;
 use crate::study::quantity::Quantity;
 use crate::study::table::{Cell, Column, Table};
 use contract::diagram::Diagram;
 use pages::map::Heatmap;
-use pages::page::{Block, Mood, Page, Section};
+use pages::page::{Block, Page, RunStatus, Section};
 use pages::plot::Figure;
 use run::error::RunError;
 use run::format::{Scale, counted, sentence};
 use std::path::Path;
 
-/// Quantities on the terminal; all of them are in the files.
+/// Number of quantities on the terminal; the files contain all.
 const COLUMNS: usize = 4;
-/// Rows on the terminal.
+/// Number of rows on the terminal.
 const ROWS: usize = 24;
-/// Rows, and points without an answer, on the page.
+/// Maximum number of rows, and of failed points, on the page.
 const PAGE_ROWS: usize = 1000;
-/// Points of a line, and marks; of more every so many is drawn.
+/// Maximum number of points of a line, and of marks; larger sets are thinned evenly.
 const PLACES: usize = 4000;
-/// Elements of a map along either side; there is none of more.
+/// Maximum number of elements of a map along a side; larger maps are omitted.
 const ELEMENTS: usize = 1000;
-/// Quantities that are drawn.
+/// Maximum number of plotted quantities.
 const DRAWN: usize = 12;
-/// Most lines of a plot; more values of the second key are a map alone.
+/// Maximum number of lines in a plot; with more values of the second key, only the map is shown.
 const LINES: usize = 6;
-/// From this ratio of the largest to the least value on an axis is by decades.
+/// Ratio of the largest to the smallest value above which an axis is logarithmic.
 const DECADES: f64 = 50.0;
 
-impl Shown for Study {
+impl StudyPage for Study {
     fn page(&self, _: &Path) -> Result<Page, RunError> {
         let failed = self.rows.iter().filter(|row| row.failed.is_some()).count();
         let points = counted(self.rows.len() as u64, "point");
@@ -49,15 +49,15 @@ impl Shown for Study {
             name: format!("Sweep of {}", self.case),
             title: self.title.clone().unwrap_or_default(),
             status: points,
-            mood: if failed == 0 { Mood::Good } else { Mood::Open },
+            mood: if failed == 0 { RunStatus::Good } else { RunStatus::Open },
             reason: format!(
-                "over {} of `{}`, {} without an answer, {:.1} s of runs",
+                "varies {} of `{}`; {} without a result; {:.1} s of run time",
                 varied.join(" and "),
                 self.file,
                 failed,
                 self.wall_s
             ),
-            sections: [Section::of("Over what varies", drawings), Section::of("Points", blocks)]
+            sections: [Section::of("Plots", drawings), Section::of("Points", blocks)]
                 .into_iter()
                 .flatten()
                 .collect(),
@@ -65,7 +65,7 @@ impl Shown for Study {
     }
 }
 
-/// The sweep on the terminal.
+/// Renders the sweep for the terminal.
 pub(super) fn text(study: &Study) -> String {
     let rows: Vec<&Row> = study.rows.iter().take(ROWS).collect();
     let more = more(study, ROWS).map_or_else(String::new, |line| format!("  {line}\n"));
@@ -73,13 +73,13 @@ pub(super) fn text(study: &Study) -> String {
     format!("sweep of {}\n{}{more}{failed}", study.case, table(study, COLUMNS).terminal(&rows))
 }
 
-/// How many points are not among the first ones.
+/// States how many points are not shown.
 fn more(study: &Study, shown: usize) -> Option<String> {
     let more = study.rows.len().saturating_sub(shown);
     (more > 0).then(|| format!("and {} more in sweep.csv", counted(more as u64, "point")))
 }
 
-/// Every so many of these, so that there are not too many to be drawn.
+/// Thins the points evenly, to a number that can be drawn.
 fn thinned(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let every = points.len().div_ceil(PLACES).max(1);
     points.into_iter().step_by(every).collect()
@@ -97,7 +97,7 @@ fn table(study: &Study, columns: usize) -> Table<'_, Row> {
         let value = move |row: &Row| one.values.get(row.at[n]).cloned().unwrap_or_default();
         Column::text(one.key.clone(), value).naming()
     });
-    // Columns of the curves come first, then those that participants show or rank.
+    // Columns of curves come first, then the quantities that participants show or rank.
     let curves: Vec<&str> = study
         .diagrams
         .iter()
@@ -118,8 +118,8 @@ fn table(study: &Study, columns: usize) -> Table<'_, Row> {
     Table::new(keys.chain(quantities).collect())
 }
 
-/// A quantity over the key that varies, or over two.
-fn drawings(study: &Study, of: Drawn<'_>) -> Vec<Block> {
+/// Plots of a quantity over one or two varied keys.
+fn drawings(study: &Study, of: FieldDrawing<'_>) -> Vec<Block> {
     let Some((first, others)) = study.vary.split_first() else { return Vec::new() };
     if study.paired && !others.is_empty() {
         let each = study.vary.iter().enumerate();
@@ -140,20 +140,20 @@ fn drawings(study: &Study, of: Drawn<'_>) -> Vec<Block> {
 }
 
 /// A quantity and its column.
-type Drawn<'a> = (usize, &'a Quantity);
+type FieldDrawing<'a> = (usize, &'a Quantity);
 
 type Numbers = (Vec<f64>, String);
 
-/// The unit in which all values of a quantity are shown.
-fn scale(study: &Study, (column, of): Drawn<'_>) -> Scale {
+/// Common unit of all values of a quantity.
+fn scale(study: &Study, (column, of): FieldDrawing<'_>) -> Scale {
     let values = study.rows.iter().filter_map(|row| row.value(column));
     of.scale(values.fold(0.0, |l: f64, v| l.max(v.abs())))
 }
 
-/// The quantity of each point over one of the keys that vary together.
+/// Plots the points over one of the paired keys.
 fn marks(
     study: &Study,
-    (column, of): Drawn<'_>,
+    (column, of): FieldDrawing<'_>,
     (n, (places, unit)): (usize, Numbers),
 ) -> Option<Block> {
     let scale = scale(study, (column, of));
@@ -167,7 +167,7 @@ fn marks(
 
 fn lines(
     study: &Study,
-    (column, of): Drawn<'_>,
+    (column, of): FieldDrawing<'_>,
     (n, (places, unit)): (usize, Numbers),
     each: Option<(usize, &Axis)>,
 ) -> Block {
@@ -194,8 +194,13 @@ fn lines(
     Block::Figure(figure)
 }
 
-/// The quantity over two keys; `None` unless both are evenly spaced, as elements of a map are.
-fn map(study: &Study, (column, of): Drawn<'_>, [first, second]: [&Axis; 2]) -> Option<Heatmap> {
+/// Builds a map of the quantity over two keys; `None` unless both are evenly spaced, as the
+/// elements of a map are.
+fn map(
+    study: &Study,
+    (column, of): FieldDrawing<'_>,
+    [first, second]: [&Axis; 2],
+) -> Option<Heatmap> {
     let ((x, x_unit), (y, y_unit)) = (first.numbers()?, second.numbers()?);
     let borders = |places: &[f64]| {
         let step = (places.last()? - places[0]) / (places.len() as f64 - 1.0);
@@ -233,8 +238,8 @@ fn map(study: &Study, (column, of): Drawn<'_>, [first, second]: [&Axis; 2]) -> O
     })
 }
 
-/// The points of a sweep in a diagram of its quantities, joined if one key varies; `None` where it has no
-/// such quantities, or they do not change.
+/// Plots the points of a sweep in a diagram of its quantities, joined by a line if a single key
+/// varies. `None` if the sweep lacks these quantities, or they do not change.
 fn diagram(study: &Study, of: &Diagram) -> Option<Figure> {
     let column = |key: &str| study.changing().find(|(_, one)| one.key == key);
     let (x, y) = (column(&of.x)?, column(&of.y)?);
@@ -260,13 +265,13 @@ fn diagram(study: &Study, of: &Diagram) -> Option<Figure> {
     Some(if curve { figure.with(name, points) } else { figure.with_marks(name, points) })
 }
 
-/// The label of an axis over which a key varies: what it is, with the unit of its values.
+/// Label of the axis of a varied key: its name and the unit of its values.
 fn labelled(study: &Study, n: usize, unit: &str) -> String {
     let name = study.names.get(n).and_then(|name| name.split([';', ':', ',', '[']).next());
     named(name.map_or(study.vary[n].key.as_str(), str::trim), unit)
 }
 
-/// The key of an axis, and what its help says besides its name: signs, for one.
+/// Key of an axis and its help text, which explains signs, for example.
 fn about(study: &Study, n: usize) -> String {
     let key = &study.vary[n].key;
     match study.names.get(n) {
@@ -275,7 +280,7 @@ fn about(study: &Study, n: usize) -> String {
     }
 }
 
-/// The label of the axis of a quantity.
+/// Label of the axis of a quantity.
 fn upward(of: &Quantity, scale: &Scale) -> String {
     named(&of.name, &scale.unit)
 }

@@ -1,35 +1,31 @@
-//! The points of a sweep in a file that only grows: a line of JSON for each, and one for each quantity before the
-//! first point that has it. What has a line is never run again, however the sweep ends; a last line that is
-//! not whole is run again.
+//! The points of a sweep in an append-only file: one line of JSON for each point, and one for each
+//! quantity before the first point that contains the quantity. A point with a complete line is
+//! never run again. An incomplete last line is ignored, and its point repeated.
 
 use super::study::{Row, Study};
 use crate::study::folder::StudyFolder;
-use crate::study::output::{Kept, read_file};
+use crate::study::output::{StudyFile, read_file};
 use crate::study::quantity::Quantity;
 use contract::input_file;
 use run::error::{RunError, file_failure, input_failure};
-use run::results::write::fresh;
-use rustix::fs::OFlags;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
-use std::os::unix::fs::OpenOptionsExt;
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
-/// Name of the file.
 pub(super) const FILE: &str = "points.jsonl";
 
-/// What a line says.
+/// Content of a line.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Line<Q, R> {
-    /// The next column is of this quantity.
+    /// Quantity of the next column.
     Quantity(Q),
     Point(R),
 }
 
-impl Kept for Study {
+impl StudyFile for Study {
     const COMMAND: &'static str = "sweep";
     const FILE: &'static str = "sweep.json";
     const SCHEMA: u32 = 3;
@@ -42,11 +38,11 @@ impl Kept for Study {
     }
 }
 
-/// Adds the points of a file to a sweep, which messages know by its `folder`; the length of its whole
-/// lines \[byte\].
+/// Adds the points of a file to a sweep and returns the length of the complete lines \[byte\].
+/// Messages name the sweep by `folder`.
 ///
 /// # Errors
-/// The file cannot be read, or a line is not one of this sweep.
+/// The file cannot be read, or a line does not belong to this sweep.
 pub(super) fn read(study: &mut Study, path: &Path, folder: &Path) -> Result<u64, RunError> {
     let shown = folder.join(FILE);
     let failed = |error: io::Error| file_failure(&shown, &error);
@@ -60,7 +56,7 @@ pub(super) fn read(study: &mut Study, path: &Path, folder: &Path) -> Result<u64,
             break;
         }
         take(study, &line, &mut columns).map_err(|why| {
-            let fix = "remove it and what follows, or replace the sweep with --replace";
+            let fix = "remove this line and all following ones, or start again with --replace";
             RunError::Usage(format!("{}, line {number}: {why}; {fix}", shown.display()))
         })?;
         bytes += length as u64;
@@ -71,48 +67,46 @@ pub(super) fn read(study: &mut Study, path: &Path, folder: &Path) -> Result<u64,
 fn take(study: &mut Study, line: &[u8], columns: &mut Vec<usize>) -> Result<(), String> {
     match serde_json::from_slice(line).map_err(|error| error.to_string())? {
         Line::<Quantity, Row>::Quantity(one) => columns.push(study.learn(&one)),
-        // A row has a value or a null for each quantity known by then: with one fewer the others would
-        // stand under the wrong names.
+        // A row must have a value or null for each quantity known so far. A missing value would
+        // shift the others to wrong names.
         Line::Point(row) if row.failed.is_none() && row.values.len() != columns.len() => {
-            return Err(format!("{} values of {} quantities", row.values.len(), columns.len()));
+            return Err(format!("{} values for {} quantities", row.values.len(), columns.len()));
         }
         Line::Point(row) if row.failed.is_some() && !row.values.is_empty() => {
-            return Err("values of a point without an answer".to_owned());
+            return Err("a failed point has values".to_owned());
         }
         Line::Point(row) => drop(study.add(row.placed(columns))?),
     }
     Ok(())
 }
 
-/// A sweep that is being made: what it finds is in its file at once.
+/// A sweep in progress, whose results are written to the file immediately.
 #[derive(Debug)]
-pub(super) struct Growing {
-    /// The sweep.
+pub(super) struct SweepInProgress {
     pub study: Study,
     file: File,
-    /// Path of the file, as messages have it.
+    /// Path of the file, for messages.
     path: PathBuf,
     /// Length of the file \[byte\].
     bytes: u64,
-    /// Quantities that the file has.
+    /// Number of quantities in the file.
     known: usize,
 }
 
-impl Growing {
-    /// Begins a file.
+impl SweepInProgress {
+    /// Begins a new file.
     ///
     /// # Errors
-    /// The file system.
+    /// The file cannot be created.
     pub(super) fn begin(study: Study, folder: &StudyFolder) -> Result<Self, RunError> {
-        let (place, path) = (folder.open()?.join(FILE), folder.path().join(FILE));
-        let file = fresh(&place).map_err(|error| file_failure(&path, &error))?;
+        let (file, path) = (folder.grow(FILE, 0)?, folder.path().join(FILE));
         Ok(Self { study, file, path, bytes: 0, known: 0 })
     }
 
-    /// Goes on with the file of a sweep that was stopped.
+    /// Resumes the file of an interrupted sweep.
     ///
     /// # Errors
-    /// The file system, or a line that is not one of this sweep.
+    /// The file cannot be read or opened, or a line does not belong to this sweep.
     pub(super) fn again(mut study: Study, folder: &StudyFolder) -> Result<Self, RunError> {
         let (place, path) = (folder.open()?.join(FILE), folder.path().join(FILE));
         if !place.exists() {
@@ -120,22 +114,14 @@ impl Growing {
         }
         study.quantities.clear();
         let bytes = read(&mut study, &place, folder.path())?;
-        let open = || {
-            let no_link = OFlags::NOFOLLOW.bits().cast_signed();
-            let mut file = File::options().write(true).custom_flags(no_link).open(&place)?;
-            file.set_len(bytes)?;
-            file.seek(SeekFrom::End(0))?;
-            Ok(file)
-        };
-        let file = open().map_err(|error| file_failure(&path, &error))?;
-        let known = study.quantities.len();
+        let (file, known) = (folder.grow(FILE, bytes)?, study.quantities.len());
         Ok(Self { study, file, path, bytes, known })
     }
 
-    /// Adds a row, unless its point has been run.
+    /// Adds a row, unless its point is already known.
     ///
     /// # Errors
-    /// There is no such point, or the file system.
+    /// The point does not exist, or the file cannot be written.
     pub(super) fn add(&mut self, mut row: Row) -> Result<(), RunError> {
         if row.failed.is_none() {
             row.values.resize(self.study.quantities.len(), f64::NAN);
@@ -159,12 +145,11 @@ impl Growing {
         Ok(())
     }
 
-    /// Takes the points that another sweep has found in its folder, of the same points or of a part of
-    /// them.
+    /// Adds the points of another sweep, which has the same points or a part of them.
     ///
     /// # Errors
-    /// The file system, a line that is not one of this sweep, or a point that this sweep has with other
-    /// figures.
+    /// The files cannot be read or written, a line does not belong to the other sweep, or both
+    /// sweeps have different results for a point.
     pub(super) fn collect(&mut self, mut other: Study, folder: &Path) -> Result<(), RunError> {
         other.quantities.clear();
         read(&mut other, &folder.join(FILE), folder)?;
@@ -177,10 +162,10 @@ impl Growing {
         if let Some(what) =
             twice.filter_map(|(one, other)| self.study.contradiction(one, other)).next()
         {
-            let fix = "leave one of the two folders out, or run the points again with --replace";
+            let fix = "leave out one of the two folders, or run the points again with --replace";
             let folder = folder.display();
             return Err(RunError::Usage(format!(
-                "{folder} contradicts what is known: {what}; {fix}"
+                "{folder} contradicts known results: {what}; {fix}"
             )));
         }
         rows.into_iter().try_for_each(|row| self.add(row))
@@ -213,12 +198,13 @@ mod tests {
         Row { at: at.to_vec(), values: values.to_vec(), failed, wall_s: 0.1 + 0.2 }
     }
 
-    /// A file with two quantities, the second of which only the last of three points has.
+    /// A file with two quantities; only the last of the three points has the second one.
     fn written() -> Vec<u8> {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join(FILE);
         let file = File::create(&path).unwrap();
-        let mut growing = Growing { study: study(), file, path: path.clone(), bytes: 0, known: 0 };
+        let mut growing =
+            SweepInProgress { study: study(), file, path: path.clone(), bytes: 0, known: 0 };
         growing.study.learn(&quantity("heat.rise_k"));
         growing.add(row([2, 1], &[1.0 / 3.0])).unwrap();
         growing.add(row([0, 0], &[])).unwrap();
@@ -248,7 +234,7 @@ mod tests {
         assert_eq!(study.missing(), [1, 3, 4]);
     }
 
-    /// Cut anywhere, the whole lines are there.
+    /// A file cut at any byte keeps its complete lines.
     #[test]
     fn a_cut_costs_the_line_that_it_is_in() {
         let text = written();
@@ -267,13 +253,13 @@ mod tests {
         for (line, why) in [
             (
                 "{\"point\":{\"at\":[3,0],\"wall_s\":1}}",
-                "line 1: there is no point [3, 0]; remove it",
+                "line 1: there is no point [3, 0]; remove this line",
             ),
             ("{\"point\":{\"at\":[0],\"wall_s\":1}}", "there is no point [0]"),
-            ("{\"point\":{\"at\":[0,0],\"values\":[1],\"wall_s\":1}}", "1 values of 0 quantities"),
+            ("{\"point\":{\"at\":[0,0],\"values\":[1],\"wall_s\":1}}", "1 values for 0 quantities"),
             (
                 "{\"point\":{\"at\":[0,0],\"values\":[1],\"failed\":\"x\",\"wall_s\":1}}",
-                "values of a point without an answer",
+                "a failed point has values",
             ),
             ("{\"other\":1}", "unknown variant `other`"),
             ("[", "line 1: expected value"),
@@ -283,25 +269,25 @@ mod tests {
         }
     }
 
-    /// A value that is missing would put those behind it under other names.
+    /// A missing value would shift the following ones to wrong names.
     #[test]
     fn a_row_without_one_of_its_values_is_refused() {
         let text = String::from_utf8(written()).unwrap();
         assert!(text.contains("[null,-1e-300]"), "{text}");
         for (whole, cut) in [("[null,-1e-300]", "[-1e-300]"), ("[0.3333333333333333]", "[]")] {
             let error = reread(text.replace(whole, cut).as_bytes()).unwrap_err();
-            assert!(error.contains(" values of "), "{cut}: {error}");
+            assert!(error.contains(" values for "), "{cut}: {error}");
         }
     }
 
-    /// Points that two sweeps have run are the same, or are reported.
+    /// Two sweeps with results for the same point must agree, or the conflict is reported.
     #[test]
     fn folders_that_contradict_each_other_are_refused() {
         let place = tempfile::tempdir().unwrap();
         let collected = |rise: f64| {
             let path = place.path().join("own");
             let file = File::create(&path).unwrap();
-            let mut growing = Growing { study: study(), file, path, bytes: 0, known: 0 };
+            let mut growing = SweepInProgress { study: study(), file, path, bytes: 0, known: 0 };
             growing.study.drawn = vec!["heat.rise_k".to_owned()];
             growing.study.learn(&quantity("heat.rise_k"));
             growing.add(row([2, 1], &[rise])).unwrap();
@@ -310,13 +296,14 @@ mod tests {
             ended.map(|()| growing.study.rows.len()).map_err(|error| error.to_string())
         };
         assert_eq!(collected(1.0 / 3.0), Ok(3));
-        assert_eq!(collected(1.0 / 3.0 + 1e-9), Ok(3), "another machine rounds otherwise");
+        assert_eq!(collected(1.0 / 3.0 + 1e-9), Ok(3), "another machine may round differently");
         let error = collected(0.25).unwrap_err();
         assert!(error.contains("a = 3, b = y has heat.rise_k = 0.25"), "{error}");
     }
 
     proptest! {
-        /// Whatever a byte becomes, it is read or refused; what is read are points of the sweep.
+        /// A file with one damaged byte is read or refused; points that are read belong to the
+        /// sweep.
         #[test]
         fn a_damaged_file_is_read_or_refused(at in 0usize..600, byte in any::<u8>()) {
             let mut text = written();

@@ -1,10 +1,13 @@
-//! What a sweep has found so far: what it is of in `sweep.json`, its points in a file of their own.
+//! State of a sweep: its description in `sweep.json`, and its points in a file of their own.
 
 use super::design::{Design, Part};
-use crate::study::Variant;
 use crate::study::axis::Axis;
-use crate::study::output::Kept;
+use crate::study::finished::Run;
+use crate::study::levels::reason;
+use crate::study::output::StudyFile;
 use crate::study::quantity::{Quantities, Quantity};
+use crate::study::runner::{Attempt, Outcome};
+use console::case_arguments::Changes;
 use console::keys;
 use contract::diagram::Diagram;
 use run::error::RunError;
@@ -14,80 +17,83 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::HashSet;
 use std::path::Path;
 
-/// A sweep, as `sweep.json` has it, and its points.
+/// A sweep: the contents of `sweep.json`, and the points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Study {
-    /// Version of this layout.
+    /// Version of the file's layout.
     pub schema: u32,
-    /// Every point has been run.
+    /// Whether every point has been run.
     pub complete: bool,
     /// Name of the case.
     pub case: String,
-    /// What the case is about.
+    /// Title of the case.
     pub title: Option<String>,
     /// The case file.
     pub file: String,
-    /// What is changed for all runs, as options of `run`.
+    /// Changes common to all runs, as options of `run`.
     pub options: Vec<String>,
     /// Programs, values and files of the first point.
     pub identity: Identity,
-    /// What varies.
+    /// Varied keys and their values.
     pub vary: Vec<Axis>,
-    /// The SI unit of each key that varies, "1" for a plain number, empty if it is not known.
+    /// SI unit of each varied key: "1" for a plain number, empty if unknown.
     #[serde(default)]
     pub units: Vec<String>,
-    /// Names of the keys that vary, from their help.
+    /// Names of the varied keys, from their help texts.
     #[serde(default)]
     pub names: Vec<String>,
-    /// Diagrams of the quantities, among which every point of the sweep has its mark.
+    /// Diagrams of the quantities, in which every point of the sweep gets a mark.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub diagrams: Vec<Diagram>,
-    /// The n-th values of all keys are a point; otherwise all combinations are.
+    /// Whether point n takes the n-th value of every key; otherwise the points are all
+    /// combinations.
     #[serde(default)]
     pub paired: bool,
-    /// Only this part of the points is wanted.
+    /// Part of the points to run; all points if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part: Option<Part>,
-    /// Keys of the quantities that are drawn: those that participants rank, or show large.
+    /// Keys of the plotted quantities: the ones that participants rank or show as headlines.
     pub drawn: Vec<String>,
-    /// The quantities that the runs give: when the sweep is complete in the order in which participants describe
-    /// them, those of most interest first.
+    /// Quantities of the runs. In a complete sweep they follow the order of the participants'
+    /// descriptions, most interesting first.
     pub quantities: Vec<Quantity>,
-    /// Seconds of all runs.
+    /// Total time of all runs \[s\].
     pub wall_s: f64,
-    /// One for each point that has been run; when the sweep is complete in the order of the points.
+    /// One row for each point that has been run, in the order of the points once the sweep is
+    /// complete.
     #[serde(skip)]
     pub rows: Vec<Row>,
-    /// The numbers of the points that have been run.
+    /// Numbers of the points that have been run.
     #[serde(skip)]
     done: HashSet<usize>,
 }
 
-/// Values with `null` where there is none.
+/// Reads values, with `null` for missing ones.
 fn gaps<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
     let values = Vec::<Option<f64>>::deserialize(from)?;
     Ok(values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect())
 }
 
-/// One point.
+/// One point and its results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Row {
-    /// An index into the values of each key.
+    /// Index into the values of each key.
     pub at: Vec<usize>,
-    /// The quantities of the sweep, in their order; `NaN` where there is none, and none at the end.
+    /// Values in the order of the sweep's quantities; `NaN` for missing values, omitted at the end.
     #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "gaps")]
     pub values: Vec<f64>,
-    /// Why there is no answer.
+    /// Reason for a missing result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
-    /// Seconds of the run.
+    /// Time of the run \[s\].
     pub wall_s: f64,
 }
 
-/// Part of a figure that the arithmetic of two machines may differ by, in a run that iterates.
+/// Relative difference up to which results of two machines count as equal, because iterative runs
+/// differ by rounding.
 const SAME: f64 = 1e-6;
 
-/// The identity of a sweep: that of its first point, with the files that vary.
+/// Identity of a sweep: the identity of its first point, plus the varied files.
 fn identity(standing: &Planned, vary: &[Axis]) -> Result<Identity, RunError> {
     let mut identity = Identity::of(standing)?;
     let named = identity.files.clone();
@@ -100,26 +106,26 @@ fn identity(standing: &Planned, vary: &[Axis]) -> Result<Identity, RunError> {
     Ok(identity)
 }
 
-/// The units of what varies.
+/// Units of the varied keys.
 fn units(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
     let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
     keys::units(&described, design.vary.iter().map(|one| one.key.as_str()))
 }
 
-/// Name of the key that varies.
+/// Names of the varied keys.
 fn names(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
     let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
     keys::names(&described, design.vary.iter().map(|one| one.key.as_str()))
 }
 
 impl Row {
-    /// The quantity of this column.
+    /// Value of the quantity in this column.
     #[must_use]
     pub(crate) fn value(&self, column: usize) -> Option<f64> {
         self.values.get(column).copied().filter(|value| value.is_finite())
     }
 
-    /// Its values in other columns: the n-th is put into the n-th of these.
+    /// Moves the values to other columns: value n goes to `columns[n]`.
     #[must_use]
     pub(super) fn placed(mut self, columns: &[usize]) -> Self {
         let length = columns.iter().take(self.values.len()).map(|n| n + 1).max().unwrap_or(0);
@@ -131,14 +137,14 @@ impl Row {
 }
 
 impl Study {
-    /// A sweep of which nothing has been run.
+    /// Returns a sweep without results.
     ///
     /// # Errors
     /// A file that the case names cannot be read.
     pub(super) fn new(
         standing: &Planned,
         file: String,
-        base: &Variant,
+        base: &Changes,
         design: Design,
     ) -> Result<Self, RunError> {
         let (plan, identity) = (&standing.plan, identity(standing, &design.vary)?);
@@ -165,23 +171,23 @@ impl Study {
         })
     }
 
-    /// Another one is of the same points, and of the same part of them.
+    /// Returns whether another sweep has the same points and the same part.
     #[must_use]
     pub(super) fn asks_the_same(&self, other: &Self) -> bool {
         self.is_of_the_same_points(other) && self.part == other.part
     }
 
-    /// Another one is of the same points, or of a part of them. Its case may be another one.
+    /// Returns whether another sweep has the same points or a part of them. The case may differ.
     #[must_use]
     pub(super) fn is_of_the_same_points(&self, other: &Self) -> bool {
         let asked = |one: &Self| (one.schema, one.paired);
         asked(self) == asked(other) && self.vary == other.vary
     }
 
-    /// Demands that the points of another sweep are of the same case.
+    /// Requires the points of another sweep to belong to the same case.
     ///
     /// # Errors
-    /// Names what differs.
+    /// The cases differ. The error names the differences.
     pub(super) fn require_same_case(
         &self,
         other: &Self,
@@ -191,7 +197,7 @@ impl Study {
         other.identity.require_same(&self.identity, place, fix)
     }
 
-    /// The numbers of the points that are wanted and have not been run.
+    /// Numbers of the requested points that have not been run.
     #[must_use]
     pub(super) fn missing(&self) -> Vec<usize> {
         let part = self.part.unwrap_or(Part { one: 1, of: 1 });
@@ -199,13 +205,13 @@ impl Study {
         wanted.filter(|number| !self.done.contains(number)).collect()
     }
 
-    /// How many points the sweep has, all its parts together.
+    /// Number of points of the whole sweep, including all parts.
     #[must_use]
     pub(super) fn count(&self) -> usize {
         Design::count(&self.vary, self.paired)
     }
 
-    /// The sweep with its points, as JSON is printed.
+    /// The sweep with its points, for output as JSON.
     #[must_use]
     pub(super) fn whole(&self) -> impl Serialize {
         #[derive(Serialize)]
@@ -217,29 +223,29 @@ impl Study {
         Whole { study: self, rows: &self.rows }
     }
 
-    /// The point of this number: an index into the values of each key.
+    /// Point with this number, as an index into the values of each key.
     #[must_use]
     pub(super) fn point(&self, number: usize) -> Vec<usize> {
         Design::point(&self.vary, self.paired, number)
     }
 
-    /// A point in words.
+    /// Describes a point in words.
     #[must_use]
     pub(super) fn told(&self, at: &[usize]) -> String {
         let value = |(one, at): (&Axis, &usize)| format!("{} = {}", one.key, one.values[*at]);
         self.vary.iter().zip(at).map(value).collect::<Vec<_>>().join(", ")
     }
 
-    /// The number of a point.
+    /// Number of a point.
     ///
     /// # Errors
-    /// There is no such point.
+    /// The point does not exist.
     pub(super) fn number(&self, at: &[usize]) -> Result<usize, String> {
         let number = Design::number(&self.vary, self.paired, at);
         number.ok_or_else(|| format!("there is no point {at:?}"))
     }
 
-    /// A sweep of a part of these points, of which nothing has been run.
+    /// Returns a sweep of one part of the points, without results.
     #[must_use]
     pub(super) fn part(&self, part: Part) -> Self {
         Self {
@@ -263,10 +269,11 @@ impl Study {
         }
     }
 
-    /// Adds a row, unless its point has been run, or is not wanted; whether it was added.
+    /// Adds a row, unless its point is already known or belongs to another part. Returns whether
+    /// the row was added.
     ///
     /// # Errors
-    /// There is no such point.
+    /// The point does not exist.
     pub(super) fn add(&mut self, row: Row) -> Result<bool, String> {
         let number = self.number(&row.at)?;
         let wanted = self.part.is_none_or(|part| Part::with(number, part.of) == part.one);
@@ -278,21 +285,21 @@ impl Study {
         Ok(new)
     }
 
-    /// A contradiction between two rows of the same point, in words.
+    /// Describes a contradiction between two rows of the same point.
     pub(super) fn contradiction(&self, row: &Row, other: &Row) -> Option<String> {
         let point = self.told(&row.at);
         if row.failed.is_some() != other.failed.is_some() {
-            return Some(format!("{point} has an answer in one folder and none in another"));
+            return Some(format!("{point} has a result in one folder and none in the other"));
         }
         self.drawn.iter().find_map(|key| {
             let column = self.column(key)?;
             let (one, other) = (row.value(column)?, other.value(column)?);
             let off = (one - other).abs() > SAME * one.abs().max(other.abs());
-            off.then(|| format!("{point} has {key} = {one} in one folder and {other} in another"))
+            off.then(|| format!("{point} has {key} = {one} in one folder and {other} in the other"))
         })
     }
 
-    /// A run has this quantity; its column.
+    /// Registers a quantity and returns its column.
     pub(super) fn learn(&mut self, one: &Quantity) -> usize {
         self.column(&one.key).unwrap_or_else(|| {
             self.quantities.push(one.clone());
@@ -300,13 +307,14 @@ impl Study {
         })
     }
 
-    /// The column of a quantity.
+    /// Column of a quantity.
     #[must_use]
     pub(crate) fn column(&self, key: &str) -> Option<usize> {
         self.quantities.iter().position(|one| one.key == key)
     }
 
-    /// Every point has been run: rows and columns get an order that does not depend on what was run first, and where.
+    /// Completes the sweep: sorts rows and columns into an order independent of the order and place
+    /// of the runs.
     pub(super) fn settle(&mut self, known: &Quantities) {
         self.rows.sort_by(|a, b| a.at.cmp(&b.at));
         let mut sorted = std::mem::take(&mut self.quantities);
@@ -316,12 +324,32 @@ impl Study {
         let columns: Vec<usize> = keys.iter().filter_map(|key| self.column(key)).collect();
         let rows = std::mem::take(&mut self.rows);
         self.rows = rows.into_iter().map(|row| row.placed(&columns)).collect();
-        // A sum of the same numbers in another order is another one.
+        // Summing in a fixed order makes the total reproducible to the bit.
         self.wall_s = self.rows.iter().map(|row| row.wall_s).sum();
         self.complete = true;
     }
 
-    /// The values of a row's keys.
+    /// Converts the run of a point into a row.
+    pub(super) fn row(&mut self, at: &[usize], attempt: Attempt, quantities: &Quantities) -> Row {
+        let Attempt { outcome, wall_s } = attempt;
+        let mut row = Row { at: at.to_vec(), values: Vec::new(), failed: None, wall_s };
+        match outcome {
+            Outcome::Finished(Run { summary, .. }) => {
+                let all = quantities.all(&summary);
+                for one in all.iter().filter(|one| !one.key.starts_with("coupling.")) {
+                    let Some(value) = one.value(&summary) else { continue };
+                    let column = self.learn(one);
+                    row.values.resize(row.values.len().max(column + 1), f64::NAN);
+                    row.values[column] = value;
+                }
+            }
+            Outcome::Failed(error) => row.failed = Some(reason(&error)),
+            Outcome::LeftOut(why) => row.failed = Some(why),
+        }
+        row
+    }
+
+    /// Values of the varied keys in a row.
     pub(super) fn varied<'a>(&'a self, row: &'a Row) -> impl Iterator<Item = &'a str> {
         self.vary
             .iter()
@@ -329,7 +357,7 @@ impl Study {
             .map(|(one, at)| one.values.get(*at).map_or("", String::as_str))
     }
 
-    /// The changing quantities that are not one of the keys that vary themselves, and their columns.
+    /// Changing quantities and their columns, except those that merely repeat a varied key.
     pub(super) fn found(&self) -> impl Iterator<Item = (usize, &Quantity)> {
         let numbers: Vec<_> = self.vary.iter().map(|one| one.numbers().map(|all| all.0)).collect();
         let is_given = move |column: usize| {
@@ -346,7 +374,7 @@ impl Study {
         self.changing().filter(move |(column, _)| !is_given(*column))
     }
 
-    /// The quantities that are not the same in all rows: those are what a sweep is for; and their columns.
+    /// Quantities that differ between rows, and their columns.
     pub(super) fn changing(&self) -> impl Iterator<Item = (usize, &Quantity)> {
         self.quantities.iter().enumerate().filter(|(column, _)| {
             let mut values = self.rows.iter().filter_map(|row| row.value(*column));

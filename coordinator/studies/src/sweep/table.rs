@@ -1,7 +1,6 @@
-//! The table of a sweep, a row a point, in two forms: `sweep.csv`, which anything reads, and
-//! `sweep.parquet`, column by column, for analysis, in builds with the feature `parquet`. Columns:
-//! the keys that vary, quantities by their keys in `summary.json`, seconds, and why there is no
-//! answer.
+//! The table of a sweep, one row per point, in two formats: `sweep.csv`, and `sweep.parquet` in
+//! builds with the feature `parquet`. Columns: the varied keys, the quantities by their keys in
+//! `summary.json`, the time of the run, and the reason for a missing result.
 
 #[cfg(feature = "parquet")]
 pub(super) mod columnar;
@@ -10,27 +9,27 @@ use super::study::{Row, Study};
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// A column: its name, and its cell in a row.
+/// A column: its name, and its cells.
 struct Column<'a> {
     name: &'a str,
     cells: Cells<'a>,
 }
 
-/// A number of a row.
+/// A function that returns a number of a row.
 type Number<'a> = Box<dyn Fn(&Row) -> Option<f64> + 'a>;
 
 enum Cells<'a> {
     Numbers(Number<'a>),
-    /// Why there is no answer.
+    /// Reason for a missing result.
     Failed,
-    /// The value of a row at this place of its keys.
+    /// Value of the varied key with this index.
     Values(usize, &'a [String]),
 }
 
 /// Writes `sweep.csv`.
 ///
 /// # Errors
-/// It cannot be written.
+/// Writing fails.
 pub(super) fn csv(study: &Study, out: &mut impl Write) -> io::Result<()> {
     let columns = columns(study, false);
     let mut out = csv::Writer::from_writer(out);
@@ -52,8 +51,8 @@ pub(super) fn csv(study: &Study, out: &mut impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// A text that no spreadsheet program takes for a formula: one that begins as a formula does, and is no number,
-/// gets an apostrophe before it.
+/// Escapes text that a spreadsheet program would take for a formula, by putting an apostrophe
+/// before it. Numbers stay unchanged.
 fn inert(text: &str) -> Cow<'_, str> {
     let number = || {
         text.starts_with(['+', '-'])
@@ -114,8 +113,7 @@ pub(in crate::sweep) mod tests {
         study
     }
 
-    /// Values that a spreadsheet program would run as formulas are written as texts. Numbers stay
-    /// numbers.
+    /// Text that a spreadsheet program would run as a formula is escaped. Numbers stay numbers.
     #[test]
     fn a_formula_is_written_as_a_text() {
         for (text, written) in [

@@ -2,15 +2,18 @@
 //!
 //! With X = x/(a η) along a strip of half length a η, η = √(1 − y²/b²), and m cells:
 //!
-//! - `Parabolic`: f · 2N/(π a b) · η² (1 − X²). Nodes in equal steps, X_i = 1 − 2i/m. The factor m²/(m² − 1)
-//!   makes the trapezoidal sum of every strip exact, and cos⁴θ is summed exactly over the strips.
-//! - `Elliptic`: f · 3N/(2π a b) · η √(1 − X²), f times Hertz's pressure. Nodes in equal steps h = π/m of the angle,
-//!   X_i = cos ih, since the bound rises like a root at both edges. There the trapezoidal sum is (π/2) sin h/h of what it
-//!   should be, whose inverse is the factor; the sum over the strips is made exact by 1 + O(n⁻⁴).
+//! - `Parabolic`: f · 2N/(π a b) · η² (1 − X²). Nodes in equal steps, X_i = 1 − 2i/m. The factor
+//!   m²/(m² − 1) makes the trapezoidal sum of every strip exact, and cos⁴θ is summed exactly over
+//!   the strips.
+//! - `Elliptic`: f · 3N/(2π a b) · η √(1 − X²), f times Hertz's pressure. Nodes in equal steps
+//!   h = π/m of the angle, X_i = cos ih, since the bound rises like a root at both edges. The
+//!   trapezoidal sum is (π/2) sin h/h of the exact value, and the factor corrects it. The sum over
+//!   the strips is made exact by 1 + O(n⁻⁴).
 //!
-//! So full slip carries f N with either. The parabola reaches it at a finite creepage, as its slope at the leading edge
-//! is finite. Under the half ellipse a strip sticks at its leading edge at every creepage: on m cells all of it slips where
-//! the first cell does, at a creepage that grows with m.
+//! Full slip thus carries f N with both. The parabola reaches full slip at a finite creepage, as
+//! its slope at the leading edge is finite. Under the half ellipse a strip sticks at its leading
+//! edge at every creepage. On m cells a strip slips entirely where the first cell does, at a
+//! creepage that grows with m.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -19,15 +22,16 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub enum Bound {
     /// Kalker's parabola.
     Parabolic,
-    /// f times Hertz's pressure.
+    /// Friction coefficient times Hertz's pressure.
     Elliptic,
 }
 
 impl Bound {
-    /// x at node `index` of so many cells, counted from the leading edge, of a strip of this half length.
+    /// x at node `index` of `cells` cells, counted from the leading edge, on a strip of this half
+    /// length.
     #[inline]
     pub fn node(self, index: usize, cells: usize, half_length: f64) -> f64 {
-        // The difference of integers makes the nodes at ±x mirror images to the last bit.
+        // Differences of integers make the nodes at ±x mirror images to the last bit.
         let steps = cells as f64 - 2.0 * index as f64;
         match self {
             Self::Parabolic => half_length * steps / cells as f64,
@@ -35,7 +39,7 @@ impl Bound {
         }
     }
 
-    /// The bound at a node over that at the centre of the strip.
+    /// Bound at a node over the bound at the centre of the strip.
     #[inline]
     pub fn shape(self, index: usize, cells: usize) -> f64 {
         match self {
@@ -50,7 +54,7 @@ impl Bound {
         }
     }
 
-    /// The bound at the centre of a strip, from that at the centre of the ellipse.
+    /// Bound at the centre of a strip, from the bound at the centre of the ellipse.
     #[inline]
     pub fn of_strip(self, largest: f64, eta: f64) -> f64 {
         match self {
@@ -59,7 +63,7 @@ impl Bound {
         }
     }
 
-    /// Rise of the bound over the first cell of the longest strip, over its length along X = x/a: the most of all
+    /// Slope of the bound in X = x/a over the first cell of the longest strip, the largest of all
     /// cells.
     pub fn steepest(self, largest: f64, cells: usize) -> f64 {
         match self {
@@ -73,7 +77,8 @@ impl Bound {
 mod tests {
     use super::*;
 
-    /// The trapezoidal sums are those of the shapes, 4/3 and π/2; the first cell is the steepest. Tolerance: rounding.
+    /// The trapezoidal sums equal the exact 4/3 and π/2; the first cell is the steepest. Tolerance:
+    /// rounding.
     #[test]
     fn sums_and_slopes() {
         for (bound, whole) in [(Bound::Parabolic, 4.0 / 3.0), (Bound::Elliptic, FRAC_PI_2)] {

@@ -1,34 +1,38 @@
-//! The springs of the simplified theory, fitted to Kalker's linear theory.
+//! Springs of the simplified theory, fitted to Kalker's linear theory.
 //!
-//! With u = L p and adhesion everywhere a strip has the traction p_x = −(ξ/L)(a_y − x), and so on;
-//! summed over the ellipse this is the linear theory's force when
+//! With u = L p and adhesion everywhere a strip has the traction p_x = −(ξ/L)(a_y − x), and
+//! likewise p_y. The sum over the ellipse is the force of the linear theory if
 //!
 //! - L1 = 8 a/(3 G C11) for ξ, L2 = 8 a/(3 G C22) for η,
 //! - L3 = π a √(a/b)/(4 G C23) for the lateral force of φ.
 //!
-//! `three`: each creepage has its own, ∂p_x/∂x = ξ/L1 − φ y/L3 and ∂p_y/∂x = η/L2 + φ x/L3 in
-//! adhesion. As springs these are u = (L1 p_x, L2 p_y) under the rigid slip ξ − (L1/L3) φ y,
-//! η + (L2/L3) φ x. The slopes are Kalker's for every mixture of creepages; the slip is not quite
-//! against the traction where L1 ≠ L2, and its power not quite that of the spin φ.
+//! `three`: each creepage has its own flexibility, ∂p_x/∂x = ξ/L1 − φ y/L3 and
+//! ∂p_y/∂x = η/L2 + φ x/L3 in adhesion. As springs these are u = (L1 p_x, L2 p_y) under the rigid
+//! slip ξ − (L1/L3) φ y, η + (L2/L3) φ x. The slopes are Kalker's for every mixture of creepages.
+//! The slip is not exactly against the traction where L1 ≠ L2, and its power differs slightly from
+//! that of the spin φ.
 //!
 //! `single`: one L for all, so that slip is against the traction and has exactly the power of the
-//! creepages. L is that with which the linear force has the same component along the creepage as
-//! with three: with c = 3πa/32, the length at which φ weighs as much as a creepage,
-//! (ξ² + η² + c²φ²)/L = ξ²/L1 + η²/L2 + c²φ²/L3. For one creepage alone it is that creepage's own.
+//! creepages. L gives the linear force the same component along the creepage as the three. With
+//! c = 3πa/32, the length at which φ weighs as much as a creepage,
+//! (ξ² + η² + c²φ²)/L = ξ²/L1 + η²/L2 + c²φ²/L3. For a single creepage L is the flexibility of that
+//! creepage.
 //!
-//! It is this project's mean, not that of FASTSIM as published.
+//! This mean is the project's, and differs from FASTSIM as published.
 //!
-//! `kalker-1982`: one L for all as in FASTSIM as published, L = (|ξ| L1 + |η| L2 + |φ| √(ab) L3)/√(ξ² + η² + ab φ²). For one creepage alone it is
-//! that creepage's own too; for mixed ones it is larger than any mean, by up to √3, so that the linear force falls short of Kalker's
-//! linear theory.
+//! `kalker-1982`: one L for all as in FASTSIM as published, L = (|ξ| L1 + |η| L2 + |φ| √(ab)
+//! L3)/√(ξ² + η² + ab φ²). For a single creepage L is again the flexibility of that creepage. For
+//! mixed creepages L is larger than any mean, by up to √3, so that the linear force falls short of
+//! Kalker's linear theory.
 //!
-//! `blended`: three at small creepage, one where it is large, each L_i (1 − w) + w L between, with
-//! w = min(1, |(ξ, η)|/(3 c_s)), c_s² = c_ξ² + c_η², c_ξ = f N/(G a b C11), c_η = f N/(G a b C22): the
-//! creepages at which the linear theory reaches f N (Vollebregt, as CONTACT r2707 has it).
+//! `blended`: three at small creepage, one at large creepage, each L_i (1 − w) + w L between, with
+//! w = min(1, |(ξ, η)|/(3 c_s)), c_s² = c_ξ² + c_η², c_ξ = f N/(G a b C11), c_η = f N/(G a b C22):
+//! the creepages at which the linear theory reaches f N (Vollebregt, as in CONTACT r2707).
 //!
-//! Sources: J. J. Kalker, Vehicle System Dynamics 11 (1982) 1–13, for `three` and `kalker-1982`; `single` is worked out here.
+//! Sources: J. J. Kalker, Vehicle System Dynamics 11 (1982) 1–13, for `three` and `kalker-1982`;
+//! `single` is derived here.
 //!
-//! A reduction factor k (`reduction`) divides all of them.
+//! A reduction factor k (`reduction`) divides all flexibilities.
 
 use crate::kalker::CreepCoefficients;
 use std::f64::consts::PI;
@@ -36,12 +40,12 @@ use std::f64::consts::PI;
 /// Creepages ξ, η [-] and φ [rad/m].
 pub type Creepage = [f64; 3];
 
-/// Number of flexibilities, and the mean of them.
+/// Number of flexibilities, and the kind of mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// One for all creepages, with the component of the linear force along the creepage.
+    /// One for all creepages, which keeps the component of the linear force along the creepage.
     Single,
-    /// One for all creepages, Kalker's weighted sum of 1982.
+    /// One for all creepages, by Kalker's weighted sum of 1982.
     Kalker1982,
     /// One for each creepage.
     Three,
@@ -50,7 +54,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Friction dissipates exactly the power of all creepages, spin too.
+    /// Returns true if friction dissipates exactly the power of all creepages, including spin.
     pub fn balances_spin(self) -> bool {
         matches!(self, Self::Single | Self::Kalker1982)
     }
@@ -59,20 +63,20 @@ impl Kind {
 /// Kalker's three flexibilities [m/Pa].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flexibilities {
-    /// L1, of ξ [m/Pa].
+    /// Flexibility L1 of ξ [m/Pa].
     pub longitudinal: f64,
-    /// L2, of η [m/Pa].
+    /// Flexibility L2 of η [m/Pa].
     pub lateral: f64,
-    /// L3, of φ [m/Pa].
+    /// Flexibility L3 of φ [m/Pa].
     pub spin: f64,
     /// Length at which φ weighs as much as a creepage, 3πa/32 [m].
     pub spin_length: f64,
-    /// The same in Kalker's sum of 1982, √(ab) [m].
+    /// Length at which φ weighs as much as a creepage in Kalker's sum of 1982, √(ab) [m].
     pub mean_axis: f64,
 }
 
 impl Flexibilities {
-    /// For semi-axes a, b [m] and a shear modulus [Pa].
+    /// Flexibilities for semi-axes a, b [m] and a shear modulus [Pa].
     pub fn new(coefficients: &CreepCoefficients, [a, b]: [f64; 2], modulus: f64) -> Self {
         let creep = 8.0 * a / (3.0 * modulus);
         Self {
@@ -84,7 +88,7 @@ impl Flexibilities {
         }
     }
 
-    /// The springs for a creepage; `reach` is 3 f N/(8 a² b) [Pa/m], with which L1 and L2 make c_ξ and c_η.
+    /// Springs for a creepage; L1 and L2 times `reach`, 3 f N/(8 a² b) [Pa/m], are c_ξ and c_η.
     pub fn springs(&self, kind: Kind, creepage: Creepage, reach: f64) -> Springs {
         match kind {
             Kind::Three => self.three(),
@@ -138,7 +142,7 @@ impl Flexibilities {
     }
 }
 
-/// Springs u = (L_x p_x, L_y p_y) under a rigid slip whose spin is weighted.
+/// Springs u = (L_x p_x, L_y p_y) under a rigid slip with weighted spin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Springs {
     /// L_x and L_y [m/Pa].
@@ -154,7 +158,7 @@ impl Springs {
         Self { flexibility, stiffness: flexibility.map(f64::recip), spin }
     }
 
-    /// With flexibilities divided by a factor.
+    /// Returns the springs with flexibilities divided by a factor.
     pub fn reduced(self, factor: f64) -> Self {
         Self {
             flexibility: self.flexibility.map(|own| own / factor),
@@ -163,7 +167,7 @@ impl Springs {
         }
     }
 
-    /// The creepages that a strip has whose middle is at x [m], in axes of its own.
+    /// Creepages of a strip whose middle is at x [m], in axes with the origin in the middle.
     pub fn in_the_middle(&self, [xi, eta, phi]: Creepage, x: f64) -> Creepage {
         [xi, eta + self.spin[1] * phi * x, phi]
     }
@@ -200,7 +204,8 @@ mod tests {
         }
     }
 
-    /// The mean lies between the three, and does not depend on the creepage's size.
+    /// The mean lies between the three flexibilities and does not depend on the size of the
+    /// creepage.
     #[test]
     fn mixed_creepages() {
         let mixed = [1e-3, -2e-3, 0.03];
@@ -211,7 +216,7 @@ mod tests {
         assert!((same / flexibility - 1.0).abs() < 1e-15);
     }
 
-    /// Kalker's sum of 1982 by hand: of 3:4:0 and of 1:2:2 parts.
+    /// Kalker's sum of 1982 computed by hand, for parts in the ratios 3:4:0 and 1:2:2.
     #[test]
     fn the_sum_of_1982() {
         for (creepage, expected) in [
@@ -224,9 +229,9 @@ mod tests {
         }
     }
 
-    /// CONTACT r2707, example fastsim: a = 8 mm, b = 4 mm, f N = 24.6 kN, G = 82 GPa, ν = 0.28, η = −6.25e-4 and
-    /// φ = 0.625/m have the flexibilities 4.937, 5.152 and 4.090e-14 m/Pa there. Tolerance: Kalker's coefficients by
-    /// another interpolation.
+    /// CONTACT r2707, example fastsim, has the flexibilities 4.937, 5.152 and 4.090e-14 m/Pa for
+    /// a = 8 mm, b = 4 mm, f N = 24.6 kN, G = 82 GPa, ν = 0.28, η = −6.25e-4 and φ = 0.625/m.
+    /// Tolerance: another interpolation of Kalker's coefficients.
     #[test]
     fn flexibilities_of_contact() {
         let [a, b] = [8e-3, 4e-3];

@@ -1,4 +1,4 @@
-//! The march from the leading to the trailing edge of every strip.
+//! Integration from the leading to the trailing edge of every strip.
 //!
 //! **Strips.** The strips stand at y = b sin θ with θ in equal steps h = π/n, n even, and have the
 //! half length a η, η = cos θ, and the weight π b η/n. In θ the area π a b and the volume of the
@@ -6,10 +6,11 @@
 //! contact grid strip j covers b sin(θ ± h/2), which differs from its weight by the factor
 //! sin(h/2)/(h/2) common to all.
 //!
-//! **Cells.** A strip has m cells, of equal length Δ under the parabolic bound (`bound` has the other). With the traction p at a cell's front, the
-//! rigid slip w at its middle and the springs L, the predictor p* = p − Δ w/L is the traction at
-//! its rear if |p*| ≤ g there; otherwise the slip over V is s = L (p_rear − p*)/Δ, against the mean
-//! of the directions n and n_rear of the tractions at both ends: p_rear = p* − ½μ(n + n_rear) with
+//! **Cells.** A strip has m cells, of equal length Δ under the parabolic bound (see `bound` for the
+//! elliptic one). With the traction p at a cell's front, the rigid slip w at its middle and the
+//! springs L, the predictor p* = p − Δ w/L is the traction at its rear if |p*| ≤ g there; otherwise
+//! the slip over V is s = L (p_rear − p*)/Δ, against the mean of the directions n and n_rear of the
+//! tractions at both ends: p_rear = p* − ½μ(n + n_rear) with
 //! |p_rear| = g, so that n_rear is the direction of p* − ½μ n with μ = (|p*|² − g²)/(g + p*·n).
 //! Where spin turns the tractions this is of second order; along p* alone, as in a cell that does
 //! not slip at its front, it is of first. In adhesion p is exact, since w is linear in x. The bound
@@ -18,17 +19,20 @@
 //! there, where |p| = g, so that slip zones much shorter than a cell are resolved, and Kalker's
 //! slopes with them.
 //!
-//! **Means.** A cell's traction is p̄ = (p + p_rear)/2. Then p̄·s = p̄·w + L(p_rear² − p²)/(2Δ); the
-//! second term adds up to nothing over a strip, which ends with g = 0 on either side, so that
-//! Σ −p̄·s ΔA = −(ξ F_x + η F_y + φ M_z) holds to rounding at every resolution. (Kalker's FASTSIM
-//! takes the traction at one end of the cell, which leaves an error of first order.) With three
-//! flexibilities M_z is replaced by ∫(L2/L3 x p_y − L1/L3 y p_x) dA, see `flexibility`.
+//! **Means.** A cell's traction is p̄ = (p + p_rear)/2. Then p̄·s = p̄·w + L(p_rear² − p²)/(2Δ).
+//! The second term sums to zero over a strip, which ends with g = 0 on either side, so that Σ −p̄·s
+//! ΔA = −(ξ F_x + η F_y + φ M_z) holds to rounding at every resolution. (Kalker's FASTSIM takes the
+//! traction at one end of the cell, which leaves an error of first order.) With three flexibilities
+//! M_z is replaced by ∫(L2/L3 x p_y − L1/L3 y p_x) dA, see `flexibility`.
 //!
-//! **Local friction.** A law that is not one coefficient for all gives every node a bound of its own: `limit` makes it of the place and of the
-//! bound by the mean coefficient. The sums above then are those of the trapezoidal rule, of second order, and the power balance holds as before.
+//! **Local friction.** A law beyond a single coefficient gives every node a bound of its own:
+//! `limit` computes it from the position and from the bound under the mean coefficient. The sums
+//! above are then those of the trapezoidal rule, of second order, and the power balance holds as
+//! before.
 //!
-//! Where spin turns the slip around within one cell, −p̄·s could be negative: such a cell is halved
-//! until it is not. That ends, because it is positive once Δ |w|/L is below g or p follows −w.
+//! Where spin turns the slip within one cell, −p̄·s could be negative. Such a cell is halved until
+//! the value is positive. The halving ends, because the value is positive once Δ |w|/L is below g
+//! or p follows −w.
 //!
 //! Deviation from the source: the slip against the mean direction is this project's.
 //!
@@ -39,7 +43,7 @@ use super::bound::Bound;
 use super::flexibility::{Creepage, Springs};
 use std::f64::consts::PI;
 
-/// The strips and cells of an ellipse.
+/// Strips and cells of an ellipse.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// Semi-axis a along x [m].
@@ -50,35 +54,35 @@ pub struct Lattice {
     pub strips: usize,
     /// Number m of cells of a strip, at least two.
     pub cells: usize,
-    /// Traction bound, to which the cells are fitted.
+    /// Traction bound, which determines the cells.
     pub bound: Bound,
 }
 
 /// One strip of a lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strip {
-    /// Its line y [m].
+    /// Lateral coordinate y of the strip [m].
     pub y: f64,
-    /// The values of y between which it lies on the grid [m].
+    /// Range of y that the strip covers on the grid [m].
     pub span: [f64; 2],
     /// Half length over a, η [-].
     pub eta: f64,
-    /// Width that its integrals count with [m].
+    /// Width of the strip in integrals [m].
     pub width: f64,
 }
 
-/// The state of one cell, or of a part of it.
+/// State of a cell, or of a part of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cell {
-    /// x of the rear and of the front [m].
+    /// Coordinate x of the rear and of the front [m].
     pub ends: [f64; 2],
     /// Mean traction on the upper body [Pa].
     pub traction: [f64; 2],
     /// Mean slip over V [-].
     pub slip: [f64; 2],
-    /// It slips.
+    /// The cell slips.
     pub slips: bool,
-    /// Larger traction of its two ends [Pa].
+    /// Larger magnitude of traction at the two ends [Pa].
     pub largest_traction: f64,
 }
 
@@ -112,19 +116,19 @@ impl Lattice {
         })
     }
 
-    /// x at which cell `index` of a strip, counted from the leading edge, starts [m].
+    /// Coordinate x at which cell `index` of a strip, counted from the leading edge, starts [m].
     #[inline]
     pub fn node(&self, strip: &Strip, index: usize) -> f64 {
         self.bound.node(index, self.cells, self.semi_axis_a * strip.eta)
     }
 
-    /// The sum over the strips of half an ellipsoid of height one, 2/3 π a b (1 + O(n⁻⁴)) [m²].
+    /// Sum over the strips of half an ellipsoid of height one, 2/3 π a b (1 + O(n⁻⁴)) [m²].
     pub fn half_ellipsoid(&self) -> f64 {
         let strip = |strip: Strip| strip.width * self.semi_axis_a * strip.eta * strip.eta;
         0.5 * PI * self.strips().map(strip).sum::<f64>()
     }
 
-    /// The bound at the centre with which its sum is f N [Pa].
+    /// Bound at the centre that makes the sum f N [Pa].
     pub fn largest_bound(&self, friction_bound: f64) -> f64 {
         match self.bound {
             Bound::Parabolic => 2.0 * friction_bound / (PI * self.semi_axis_a * self.semi_axis_b),
@@ -133,9 +137,9 @@ impl Lattice {
     }
 }
 
-/// Data of the march along the strips of one contact.
+/// Data of the integration along the strips of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct March {
+pub struct StripIntegration {
     /// Strips and cells.
     pub lattice: Lattice,
     /// Springs of the surfaces.
@@ -146,8 +150,8 @@ pub struct March {
     pub largest_bound: f64,
 }
 
-impl March {
-    /// Traction bound at the nodes of a strip by the mean coefficient, with their x [m, Pa].
+impl StripIntegration {
+    /// Coordinate x and traction bound under the mean coefficient at the nodes of a strip [m, Pa].
     pub fn nodes(&self, strip: &Strip) -> impl Iterator<Item = (f64, f64)> + '_ {
         let strip = *strip;
         (0..=self.lattice.cells).map(move |index| self.node(&strip, index))
@@ -160,8 +164,8 @@ impl March {
         (self.lattice.node(strip, index), largest * bound.shape(index, cells))
     }
 
-    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds that `limit` makes of x and of the bound by the mean
-    /// coefficient.
+    /// Visits the cells of a strip from the leading to the trailing edge. `limit` computes the
+    /// bound from x and the bound under the mean coefficient.
     pub fn strip(
         &self,
         strip: &Strip,
@@ -198,7 +202,7 @@ impl March {
         Traction::of(std::array::from_fn(|i| front.traction.vector[i] - change(i)))
     }
 
-    /// Passes over one cell with this predictor; returns the traction at its rear.
+    /// Integrates over one cell with this predictor; returns the traction at the rear.
     #[inline]
     fn advance(
         &self,
@@ -230,7 +234,7 @@ impl March {
         reached
     }
 
-    /// Passes over both halves of a cell.
+    /// Integrates over both halves of a cell.
     #[cold]
     fn halve(
         &self,
@@ -268,9 +272,9 @@ fn slipping(front: &Front, predictor: &Traction, bound: f64) -> Traction {
     Traction { vector: towards.vector.map(|component| component * share), size: bound }
 }
 
-/// Place in a cell that sticks at its front from which it slips: |p + t d| = g + t e, with the changes d of the
-/// traction and e of the bound over the cell, has one root t in (0, 1), since the left side is smaller
-/// at t = 0 and larger at t = 1.
+/// Point at which a cell that sticks at its front begins to slip. |p + t d| = g + t e, with the
+/// changes d of the traction and e of the bound over the cell, has one root t in (0, 1), since the
+/// left side is smaller at t = 0 and larger at t = 1.
 #[inline]
 fn onset(front: &Front, rear: Node, predictor: &Traction) -> Option<Node> {
     let (node, traction) = (front.node, &front.traction);
@@ -293,15 +297,16 @@ fn onset(front: &Front, rear: Node, predictor: &Traction) -> Option<Node> {
     })
 }
 
-/// Tractions this close to the bound slip already, and parts of a cell this short are not cut off.
+/// Tractions this close to the bound count as slipping, and parts of a cell this short are not
+/// split off.
 const AT_THE_BOUND: f64 = 1e-9;
-/// A cell with a wrong sign is halved at most so often: its length is then below rounding.
+/// Limit of halvings of a cell with the wrong sign: its length is then below rounding.
 const HALVINGS: u32 = 50;
 
 /// An end of a cell.
 #[derive(Clone, Copy)]
 struct Node {
-    /// Its x [m].
+    /// Coordinate x [m].
     x: f64,
     /// Traction bound [Pa].
     bound: f64,
@@ -328,7 +333,7 @@ struct Front {
     traction: Traction,
 }
 
-/// Magnitude, without overflow or underflow on the way.
+/// Magnitude, computed without overflow or underflow.
 pub fn norm(vector: [f64; 2]) -> f64 {
     const SAFE: std::ops::Range<f64> = 1e-280..1e280;
     let square = dot(vector, vector);

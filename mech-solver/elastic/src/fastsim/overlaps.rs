@@ -1,7 +1,7 @@
-//! Parts of an interval in the elements of a grid.
+//! Overlaps of an interval with the elements of a grid.
 
-/// Visits the unit intervals [i, i + 1), i < count, that overlap an interval, with the length of the
-/// overlap; what rounding puts outside goes to the first or the last.
+/// Visits the unit intervals [i, i + 1), i < count, that overlap an interval, with the length of
+/// the overlap. Parts outside by rounding are assigned to the first or last interval.
 pub fn overlaps([from, to]: [f64; 2], count: usize, mut visit: impl FnMut(usize, f64)) {
     let last = count - 1;
     let index = |place: f64| (place.max(0.0) as usize).min(last);

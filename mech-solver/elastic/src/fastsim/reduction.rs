@@ -1,29 +1,30 @@
-//! Kalker's reduction factor: a creep curve whose slope at small creepage is less than that of smooth elastic bodies, and
-//! which saturates more slowly.
+//! Kalker's reduction factor: a creep curve with a lower slope at small creepage than smooth
+//! elastic bodies have, and with slower saturation.
 //!
 //! All flexibilities are divided by
 //!
 //! k = k_0 (α + (1 − α)/(1 + β ε)),  ε = k_0 · G π a b C11 |w|/(4 f N),
 //!
-//! where k_0 is the factor at vanishing creepage, α that at large creepage over k_0, and ε is Polach's gradient of the
-//! tangential stress, a measure of the area of slip over that of adhesion. w is the creepage, with the spin at the leading
-//! edge where it adds to the lateral one: |w|² = ξ² + ν², ν = η + a φ, or η if that is larger in magnitude.
+//! where k_0 is the factor at vanishing creepage, α the factor at large creepage over k_0, and ε
+//! Polach's gradient of the tangential stress, a measure of the area of slip over the area of
+//! adhesion. w is the creepage, with the spin at the leading edge where it adds to the lateral
+//! creepage: |w|² = ξ² + ν², with ν the larger in magnitude of η and η + a φ.
 //!
-//! ε k rises with the creepage for every k_0, α > 0 and β, so that the force does.
+//! ε k rises with the creepage for every k_0, α > 0 and β, hence also the force.
 //!
-//! Source: Spiryagin, Polach, Cole, Creep force modelling for rail traction vehicles based on the Fastsim algorithm,
-//! Vehicle System Dynamics 51 (2013) 1765–1783; ν as CONTACT (r2707) has it.
+//! Source: Spiryagin, Polach, Cole, Creep force modelling for rail traction vehicles based on the
+//! Fastsim algorithm, Vehicle System Dynamics 51 (2013) 1765–1783; ν as in CONTACT r2707.
 
 use super::flexibility::Creepage;
 
 /// Reduction of the slope of a creep curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
-    /// k_0 [-].
+    /// Factor k_0 at vanishing creepage [-].
     factor: f64,
-    /// α [-].
+    /// Factor α at large creepage, over k_0 [-].
     ratio: f64,
-    /// β [-].
+    /// Decrease β of the factor with ε [-].
     decrease: f64,
 }
 
@@ -31,13 +32,14 @@ impl Reduction {
     /// No reduction: smooth elastic bodies.
     pub const NONE: Self = Self { factor: 1.0, ratio: 1.0, decrease: 0.0 };
 
-    /// The factor at small creepage k_0 and what it falls with, α and β [-].
+    /// Creates a reduction from the factor k_0 at small creepage and the parameters α and β of its
+    /// decrease [-].
     #[must_use]
     pub fn new(factor: f64, ratio: f64, decrease: f64) -> Self {
         Self { factor, ratio, decrease }
     }
 
-    /// k at a creepage, where ε/k_0 is `gradient` times |w|, on a semi-axis a [m].
+    /// Factor k at a creepage, with the semi-axis a [m]; ε/k_0 is `gradient` times |w|.
     pub fn at(&self, creepage: Creepage, semi_axis_a: f64, gradient: f64) -> f64 {
         let [xi, eta, phi] = creepage;
         let front = eta + semi_axis_a * phi;
@@ -46,8 +48,8 @@ impl Reduction {
         self.factor * (self.ratio + (1.0 - self.ratio) / (1.0 + slip))
     }
 
-    /// The ξ > 0 at which k ξ has a value: with s = β k_0 times the gradient, the positive root of
-    /// α k_0 s ξ² + (k_0 − s·value) ξ − value = 0.
+    /// The ξ > 0 at which k ξ = `value`. With s = β k_0 times the gradient it is the positive root
+    /// of α k_0 s ξ² + (k_0 − s·value) ξ − value = 0.
     pub fn unreduced(&self, value: f64, gradient: f64) -> f64 {
         let Self { factor, ratio, decrease } = *self;
         let slip = decrease * factor * gradient;
@@ -64,14 +66,14 @@ mod tests {
 
     const GRADIENT: f64 = 2e3;
 
-    /// Limits of the factor, and the creepage at which spin enters.
+    /// Limits of the factor, and the effect of spin.
     #[test]
     fn factor_between_its_limits() {
         let reduction = Reduction { factor: 0.54, ratio: 0.02, decrease: 0.62 };
         let at = |xi, eta, phi| reduction.at([xi, eta, phi], 1e-2, GRADIENT);
         assert_eq!(at(0.0, 0.0, 0.0), 0.54);
         assert!((at(1e9, 0.0, 0.0) / (0.54 * 0.02) - 1.0).abs() < 1e-9);
-        // ε = 1.08 at a creepage of 1e-3: 0.54 (0.02 + 0.98/(1 + 0.62·1.08)).
+        // A creepage of 1e-3 has ε = 1.08: 0.54 (0.02 + 0.98/(1 + 0.62·1.08)).
         let expected = 0.54 * (0.02 + 0.98 / 1.6696);
         for value in
             [at(-1e-3, 0.0, 0.0), at(0.0, 1e-3, 0.0), at(0.0, 0.0, -0.1), at(0.0, 1e-3, -0.1)]

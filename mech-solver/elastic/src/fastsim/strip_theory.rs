@@ -1,36 +1,42 @@
-//! Strip theory where a strip sticks, the simplified theory where it slips: FASTRIP.
+//! FASTRIP: strip theory in the stick zone, the simplified theory in the slip zone.
 //!
-//! Kalker's strip theory has the traction of a half-space that rolls, strip by strip in plane strain, where the simplified
-//! theory has straight lines. With f p₀ the bound at the centre and the reduced creepages
+//! Kalker's strip theory takes the traction of a rolling half-space in plane strain, strip by
+//! strip, where the simplified theory has straight lines. With f p₀ the bound at the centre and the
+//! reduced creepages
 //!
-//! ξ' = −(1 − ν) 16 a ξ/(3π² L1 f p₀),  η' = −(1 − ν) 16 a η/(3π² L2 f p₀),  φ' = −3 a² φ/(8 L3 f p₀),
+//! ξ' = −(1 − ν) 16 a ξ/(3π² L1 f p₀),  η' = −(1 − ν) 16 a η/(3π² L2 f p₀),
+//! φ' = −3 a² φ/(8 L3 f p₀),
 //!
-//! which are those of strips, scaled so that an ellipse has Kalker's slopes, a strip of half length a_y sticks over
-//! −a_y + 2d < x < a_y,
+//! which are those of strips, scaled so that an ellipse has Kalker's slopes, a strip of half length
+//! a_y sticks in −a_y + 2d < x < a_y,
 //!
 //! d = a/(1 − ν) · [√(η'² + (1 − φ'²)(ξ' − φ' y/a)²) + η' φ']/(1 − φ'²),
 //!
-//! with the traction, of S = √(a_y² − x²)/a and S_d = √((a_y − d)² − (x − d)²)/a,
+//! with the traction, in terms of S = √(a_y² − x²)/a and S_d = √((a_y − d)² − (x − d)²)/a,
 //!
 //! p_x = f p₀ κ (S − S_d),  p_y = f p₀ (λ S − (λ − φ') S_d),
 //!
-//! where (κ, λ) is the unit vector along (ξ' − φ' y/a, η' + φ' d/a). Behind, p is f times Hertz's pressure in the direction
-//! in which the simplified theory slips under the elliptic bound. Where d has no real value, or is none or more than a_y, all of the strip slips.
-//! Where φ' is large the traction that sticks could pass the bound, and where friction is not one coefficient times Hertz's pressure the theory
-//! has no traction: such a strip is left to the simplified theory.
+//! where (κ, λ) is the unit vector along (ξ' − φ' y/a, η' + φ' d/a). Behind the stick zone, p is f
+//! times Hertz's pressure, in the direction in which the simplified theory slips under the elliptic
+//! bound. The whole strip slips if d is not real, is negative or is not below a_y. A strip is left
+//! to the simplified theory in two cases: if φ' is large enough for the sticking traction to exceed
+//! the bound, and if friction is not a uniform coefficient times Hertz's pressure, for which the
+//! theory has no traction.
 //!
-//! Without spin the force is 1 − (3/2)(s − s³/3 − δ θ) of f N, δ = d/a = cos θ < 1, s = sin θ (Haines and Ollerton; worked out here). Cells have
-//! exact mean tractions, and full slip carries f N.
+//! Without spin the force is 1 − (3/2)(s − s³/3 − δ θ) of f N, δ = d/a = cos θ < 1, s = sin θ
+//! (Haines and Ollerton; derived here). Cells have exact mean tractions, and full slip carries f N.
 //!
-//! **Slip.** Strip theory gives none with spin. Where a cell slips it is that of the simplified theory, times one factor for the
-//! whole contact, with which friction dissipates the power of the creepages.
+//! **Slip.** Strip theory does not give the slip under spin. The slip of a cell is that of the
+//! simplified theory, times one factor for the whole contact, chosen so that friction dissipates
+//! the power of the creepages.
 //!
-//! Sources: Sichani, Enblom, Berg, An alternative to FASTSIM for tangential solution of the wheel–rail contact, Vehicle
-//! System Dynamics 54 (2016) 748–764; Kalker, A strip theory for rolling with slip and spin, Proc. Kon. Ned. Akad. Wet. B 70
-//! (1967) 10–62. Deviations: a reduction factor acts on both theories; the factor of the slip.
+//! Sources: Sichani, Enblom, Berg, An alternative to FASTSIM for tangential solution of the
+//! wheel–rail contact, Vehicle System Dynamics 54 (2016) 748–764; Kalker, A strip theory for
+//! rolling with slip and spin, Proc. Kon. Ned. Akad. Wet. B 70 (1967) 10–62. Deviations: a
+//! reduction factor acts on both theories; the factor of the slip.
 
 use super::flexibility::Creepage;
-use super::integration::{Cell, March, Strip, norm};
+use super::integration::{Cell, Strip, StripIntegration, norm};
 use crate::strips::semi_ellipse::segment_area;
 use std::f64::consts::PI;
 
@@ -38,16 +44,16 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StripTheory {
     /// The simplified theory, with the elliptic bound.
-    march: March,
-    /// f p₀ with the factor that makes the sum over the strips exact [Pa].
+    march: StripIntegration,
+    /// Bound f p₀, with the factor that makes the sum over the strips exact [Pa].
     amplitude: f64,
-    /// (ξ', η', φ') [-].
+    /// Reduced creepages (ξ', η', φ') [-].
     reduced: [f64; 3],
-    /// 1/(1 − ν) [-].
+    /// Factor 1/(1 − ν) [-].
     stretch: f64,
 }
 
-/// The part of a strip that sticks.
+/// Sticking part of a strip.
 struct Stick<'a> {
     theory: &'a StripTheory,
     /// Half length of the strip, and d [m].
@@ -58,14 +64,16 @@ struct Stick<'a> {
 }
 
 impl StripTheory {
-    /// Beside a march with the elliptic bound, with Kalker's flexibilities L1, L2, L3 [m/Pa] and Poisson's ratio.
-    pub fn new(march: March, flexibilities: [f64; 3], poisson_ratio: f64) -> Self {
+    /// Adds strip theory to an integration with the elliptic bound, from Kalker's flexibilities L1,
+    /// L2, L3 [m/Pa] and Poisson's ratio.
+    pub fn new(march: StripIntegration, flexibilities: [f64; 3], poisson_ratio: f64) -> Self {
         Self::of_strip(march, march.creepage, 0.0, flexibilities, poisson_ratio)
     }
 
-    /// For a strip whose middle is at x [m], and at these creepages at x = 0; the march has those in its middle.
+    /// Theory of a strip whose middle is at x [m], with the given creepages at x = 0; the creepages
+    /// of `march` apply at the middle.
     pub fn of_strip(
-        march: March,
+        march: StripIntegration,
         [xi, eta, phi]: Creepage,
         x: f64,
         [l1, l2, l3]: [f64; 3],
@@ -78,7 +86,8 @@ impl StripTheory {
         Self { march, amplitude: bound, reduced, stretch: (1.0 - poisson_ratio).recip() }
     }
 
-    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of [`March::strip`].
+    /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of
+    /// [`StripIntegration::strip`].
     pub fn strip(
         &self,
         strip: &Strip,
@@ -101,14 +110,14 @@ impl StripTheory {
         }
     }
 
-    /// The bounds of a strip are not those of its mean coefficient.
+    /// Returns true if the bounds of a strip differ from those of its mean coefficient.
     fn is_limited(&self, strip: &Strip, limit: impl Fn(f64, f64) -> f64) -> bool {
         /// Rounding of a mean of equal coefficients.
         const ROUNDING: f64 = 1e-9;
         self.march.nodes(strip).any(|(x, bound)| (limit(x, bound) - bound).abs() > ROUNDING * bound)
     }
 
-    /// The part that sticks, if any does.
+    /// Sticking part of a strip, if any.
     fn stick(&self, strip: &Strip) -> Option<Stick<'_>> {
         let a = self.march.lattice.semi_axis_a;
         let half_length = a * strip.eta;
@@ -118,7 +127,7 @@ impl StripTheory {
         let square = eta * eta + left * along * along;
         let share = self.stretch * (square.sqrt() + eta * phi) / left;
         let slipping = a * share;
-        // False for what is no number too.
+        // The condition is also false for NaN.
         if !(slipping >= 0.0 && slipping < half_length) {
             return None;
         }
@@ -128,7 +137,7 @@ impl StripTheory {
         Some(Stick { theory: self, half_length, slipping, direction })
     }
 
-    /// A cell that slips, in the direction in which the simplified theory has it.
+    /// Replaces the traction of a slipping cell, keeping the direction of the simplified theory.
     fn sliding(&self, half_length: f64, cell: Cell) -> Cell {
         let scale = self.amplitude / self.march.lattice.semi_axis_a;
         let bound = scale * mean_root(&cell, 0.0, half_length);
@@ -142,13 +151,13 @@ impl StripTheory {
 }
 
 impl Stick<'_> {
-    /// Shares of the outer and of the inner half ellipse in the traction, along x and y [-].
+    /// Weights of the outer and of the inner half ellipse in the traction, along x and y [-].
     fn shares(&self) -> [[f64; 2]; 2] {
         let [kappa, lambda] = self.direction;
         [[kappa, kappa], [lambda, lambda - self.theory.reduced[2]]]
     }
 
-    /// The traction passes the bound at a node.
+    /// Returns true if the traction exceeds the bound at a node.
     fn beyond_bound(&self, strip: &Strip) -> bool {
         /// Rounding of the difference of two half ellipses.
         const ROUNDING: f64 = 1e-9;
@@ -161,7 +170,8 @@ impl Stick<'_> {
         })
     }
 
-    /// Visits a cell of the simplified theory, cut where the part that sticks ends.
+    /// Visits the slipping part of a cell of the simplified theory, cut at the border of the stick
+    /// zone.
     fn cut(&self, cell: &Cell, border: f64, visit: &mut impl FnMut(&Cell)) {
         let [rear, front] = cell.ends;
         if border < front {
@@ -173,7 +183,7 @@ impl Stick<'_> {
         }
     }
 
-    /// A cell that sticks.
+    /// Replaces the traction of a sticking cell.
     fn sticking(&self, cell: Cell) -> Cell {
         let scale = self.theory.amplitude / self.theory.march.lattice.semi_axis_a;
         let outer = scale * mean_root(&cell, 0.0, self.half_length);
@@ -184,7 +194,7 @@ impl Stick<'_> {
     }
 }
 
-/// √(r² − x²) [m]; nothing beyond.
+/// √(r² − x²) [m]; zero beyond the radius.
 fn root(x: f64, radius: f64) -> f64 {
     ((radius - x) * (radius + x)).max(0.0).sqrt()
 }

@@ -4,12 +4,12 @@
 //! Over u = 1 + X from the trailing edge, with the slipping fraction m and k = 1 − m:
 //!
 //! - slip √((2 − u)(2m − u)): H(2m) − H(2m − u), H(d) = k²/4 (sinh 2t − 2t), cosh t = 1 + d/k;
-//! - traction: the segment of the half ellipse in the slip zone; in the stick zone the difference
-//!   of two half ellipses, whose leading terms are subtracted analytically, so that it keeps its
-//!   relative accuracy however small the slip zone is;
+//! - traction: the segment of the half ellipse in the slip zone. In the stick zone, the difference
+//!   of two half ellipses, with the leading terms subtracted analytically to keep the relative
+//!   accuracy for any size of the slip zone;
 //! - friction power, in the slip zone u ∈ [0, 2m]: (2 − u) √(u(2m − u)), in units of
 //!   f p_0 √(1 − y²/b²) and V A. With u = m(1 + τ) its integral from the trailing edge is
-//!   m² [(2 − m)(½(τ√(1 − τ²) + asin τ) + π/4) + m/3 (1 − τ²)^{3/2}], in all π/2 m²(2 − m).
+//!   m² [(2 − m)(½(τ√(1 − τ²) + asin τ) + π/4) + m/3 (1 − τ²)^{3/2}], in total π/2 m²(2 − m).
 
 use super::StripDensity;
 use super::semi_ellipse::{segment_area, sine_remainder};
@@ -24,7 +24,7 @@ pub struct CarterTraction {
 }
 
 impl CarterTraction {
-    /// For the fraction m of the strip that slips, in (0, 1).
+    /// Creates the density for the slipping fraction m of the strip, in (0, 1).
     pub fn new(fraction: f64) -> Self {
         let border = 2.0 * fraction;
         Self { fraction, offset: segment_area(border) - stick_antiderivative(border, fraction) }
@@ -69,12 +69,12 @@ fn stick_antiderivative(u: f64, m: f64) -> f64 {
 pub struct CarterSlip {
     /// Fraction m of the strip that slips, in (0, 1).
     fraction: f64,
-    /// H(2m), the integral over the whole strip.
+    /// Integral H(2m) over the whole strip.
     total: f64,
 }
 
 impl CarterSlip {
-    /// For the fraction m of the strip that slips, in (0, 1).
+    /// Creates the density for the slipping fraction m of the strip, in (0, 1).
     pub fn new(fraction: f64) -> Self {
         Self { fraction, total: slip_from_border(2.0 * fraction, 1.0 - fraction) }
     }
@@ -91,8 +91,8 @@ impl StripDensity for CarterSlip {
     }
 }
 
-/// H(d): the integral of the slip from the border of the stick zone, of half length k, over the
-/// length d behind it.
+/// H(d): integral of the slip from the border of the stick zone, of half length k, over the length
+/// d behind it.
 fn slip_from_border(d: f64, k: f64) -> f64 {
     let root = (d * (d + 2.0 * k)).sqrt();
     let t = ((d + root) / k).ln_1p();
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use numerics::quadrature::simpson;
 
-    /// The integrals against quadrature of the closed forms they come from. Tolerance: Simpson's
+    /// The integrals agree with quadrature of their closed-form integrands. Tolerance: Simpson's
     /// rule, relative to the whole strip.
     #[test]
     fn integrals_of_the_closed_forms() {
@@ -152,7 +152,7 @@ mod tests {
         }
     }
 
-    /// Tolerance: rounding, which the slip zone's small share of the force magnifies by 1/√m.
+    /// Tolerance: rounding, magnified by 1/√m through the slip zone's small share of the force.
     #[test]
     fn force_of_a_strip() {
         for m in [1e-12f64, 1e-9, 1e-3, 0.1, 0.5, 0.8, 0.99, 1.0 - 1e-9, 1.0 - 1e-15] {

@@ -1,5 +1,5 @@
-//! The half ellipse √(u(2 − u)) along a strip, and the series that keep its integral, and that of
-//! the slip, accurate near an end.
+//! The half ellipse √(u(2 − u)) along a strip, and the series that keep its integral and the
+//! integral of the slip accurate near an end.
 
 use super::StripDensity;
 use std::f64::consts::FRAC_PI_2;
@@ -31,7 +31,7 @@ pub fn segment_area(u: f64) -> f64 {
 
 /// Σ_{n≥0} zⁿ/(2n + 3)!, |z| ≤ 1: (x − sin x)/x³ for z = −x² and (sinh x − x)/x³ for z = x².
 pub fn sine_remainder(z: f64) -> f64 {
-    // Quotients (2n + 2)(2n + 3) of successive terms; the term left out is below 1e-17.
+    // Quotients (2n + 2)(2n + 3) of successive terms; the omitted term is below 1e-17.
     const QUOTIENTS: [f64; 7] = [272.0, 210.0, 156.0, 110.0, 72.0, 42.0, 20.0];
     QUOTIENTS.iter().fold(1.0, |sum, quotient| 1.0 + sum * z / quotient) / 6.0
 }

@@ -1,5 +1,5 @@
-//! Slip and friction power along a strip that slides everywhere, as integrals over u = 1 + X from the
-//! trailing edge.
+//! Slip and friction power along a strip that slides everywhere, as integrals over u = 1 + X from
+//! the trailing edge.
 
 use super::StripDensity;
 use super::semi_ellipse::segment_area;

@@ -4,12 +4,14 @@
 //!
 //! ½ u_j(P) + ∫ T_ij(Q − P) u_i(Q) ds = ∫ U_ij(Q − P) t_i(Q) ds,
 //!
-//! U and T being those of [`super::kernel`], with the normal out of the body. u and t are constant on elements; it is demanded in their middles.
+//! U and T are the kernels of [`super::kernel`], with the normal out of the body. u and t are
+//! constant on each element, and the identity is collocated at the midpoints of the elements.
 //!
-//! A circle in plane strain (k = 0) has to be in balance: a line of force through its centre holds it, and its motion as
-//! a rigid body is taken out.
+//! In plane strain (k = 0) the load on a circle has to be in balance. A line force through the
+//! centre balances it, and the rigid-body motion is removed.
 //!
-//! Components are along x (with the factor i), along the surface, and along the common normal of both bodies.
+//! Components are along x (with the factor i), along the surface, and along the common normal of
+//! both bodies.
 //!
 //! Source: Brebbia, Telles, Wrobel, Boundary Element Techniques (1984), ch. 5.
 
@@ -19,11 +21,11 @@ use faer::Mat;
 use faer::prelude::Solve;
 use numerics::quadrature::{GAUSS_4, GAUSS_8, GAUSS_16};
 
-/// e^{−NOTHING}, by which waves decay, is nothing.
+/// Waves that decay by more than e^{−NOTHING} are neglected.
 const NOTHING: f64 = 45.0;
-/// The same over which the outline is followed from the contact: e^{−FAR} of the displacement is nothing.
+/// Reach of the outline beyond the contact, over 1/k: displacements there have decayed to e^{−FAR}.
 const FAR: f64 = 25.0;
-/// Power by which points gather at the middle of an element, for the logarithm there.
+/// Power that clusters quadrature points at the middle of an element, for the logarithm there.
 const GATHERED: i32 = 5;
 
 /// A prismatic body.
@@ -31,15 +33,15 @@ const GATHERED: i32 = 5;
 pub(super) struct Body {
     /// Elastic constants.
     pub(super) material: ElasticConstants,
-    /// Its surface.
+    /// Surface of the body.
     pub(super) outline: Outline,
-    /// 1 for the body below the surface, −1 for that above.
+    /// 1 for the body below the surface, −1 for the body above.
     pub(super) outward: f64,
 }
 
 impl Body {
-    /// Displacements of the contact's elements by tractions on them [m/Pa], at the wave number k [1/m]; row and column 3j + c of
-    /// component c on element j.
+    /// Returns the displacements of the contact's elements under tractions on them [m/Pa], at the
+    /// wave number k [1/m]. Component c on element j has row and column 3j + c.
     #[must_use]
     pub(super) fn flexibility(&self, k: f64) -> Mat<f64> {
         let (elements, contact) = (self.outline.near_contact(FAR / k), self.outline.contact);
@@ -60,7 +62,7 @@ impl Body {
                 }
             }
         }
-        // Inside a circle; long waves are not held otherwise.
+        // A closed body bounded by the circle is not held at k = 0.
         if k == 0.0 && self.outline.closed && self.outward * elements[0].curvature < 0.0 {
             self.balance(&mut left, &mut right);
         }
@@ -68,8 +70,8 @@ impl Body {
         solved.subrows(0, 3 * contact).to_owned()
     }
 
-    /// Integrals of U and T over a source, from the middle of a target: rows are components along the source's axes, columns
-    /// along y and z.
+    /// Integrals of U and T over a source element, seen from the middle of a target. Rows are
+    /// components along the source's axes, columns along y and z.
     fn integrals(&self, k: f64, target: &Arc, source: &Arc, own: bool) -> [Tensor; 2] {
         let mut sums = [[[0.0; 3]; 3]; 2];
         let half = 0.5 * source.length;
@@ -115,18 +117,19 @@ impl Body {
         sums
     }
 
-    /// Holds a closed body at its centre.
+    /// Holds a closed body at the centre.
     fn balance(&self, left: &mut Mat<f64>, right: &mut Mat<f64>) {
         let elements = &self.outline.elements;
         let curvature = elements[0].curvature;
         let centre = [0.0, 1.0 / curvature];
-        // Minus the force of each traction, at the centre.
+        // Subtracts the force of each traction, applied at the centre.
         for (p, target) in elements.iter().enumerate() {
             let d = [centre[0] - target.centre[0], centre[1] - target.centre[1]];
             let [u, _] = kernel(&self.material, 0.0, d, [0.0, 1.0]);
             for (q, source) in elements[..self.outline.contact].iter().enumerate() {
                 let turned = axes(source.direction);
-                // An arc's mean direction is that of its middle, shorter by its turn.
+                // The mean direction over an arc is the direction of its middle, shortened by the
+                // turn of the arc.
                 let half = 0.5 * source.curvature * source.length;
                 let mean = source.length * half.sin() / half;
                 for i in 0..3 {
@@ -138,7 +141,8 @@ impl Body {
                 }
             }
         }
-        // Rigid motions: along x, y and z, and round the centre; what is known by its parts along the elements' axes is demanded along y and z.
+        // Rigid motions: along x, y and z, and about the centre. Columns are along the axes of the
+        // elements, rows along y and z.
         let motion = |kind: usize, element: &Arc| -> [f64; 3] {
             let arm = [0, 1].map(|k| (element.centre[k] - centre[k]) * curvature);
             match kind {

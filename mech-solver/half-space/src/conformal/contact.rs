@@ -1,25 +1,27 @@
 //! Normal and tangential contact on a curved surface, in steady rolling.
 //!
-//! The bodies approach by δ along the normal at s = 0, so that they do by δ cos α where the surface has the direction α. With the numbers A
-//! of [`super::numbers`] the gap is
+//! The bodies approach by δ along the normal at s = 0, hence by δ cos α where the surface has the
+//! direction α. With the influence numbers A of [`super::numbers`] the gap is
 //!
 //! e = h − δ cos α + A_nn p_n + A_nt p_t,
 //!
 //! and the slip of a step Δx is S = w Δx + D(A_tt p_t + A_tn p_n), with the difference D of
-//! [`crate::difference`]. The rigid slip w is that of the creepages ξ, η, φ at s = 0
-//! and of the rolling curvature c = 1/R₁ + 1/R₂ about the direction of s there:
+//! [`crate::difference`]. The rigid slip w follows from the creepages ξ, η, φ at s = 0 and from the
+//! rolling curvature c = 1/R₁ + 1/R₂ about the direction of s there:
 //!
-//! w_x = ξ − φ y + c z,   w_s = (η + φ x) cos α + (ζ − c x) sin α,   with y(s), z(s) on the surface,
+//! w_x = ξ − φ y + c z,  w_s = (η + φ x) cos α + (ζ − c x) sin α,  with y(s), z(s) on the surface,
 //!
 //! or, in the plane at s = 0, (ξ − φ s, η + φ x).
 //!
-//! Pressure and tractions are solved for in turn until the pressure rests, as for bodies of different constants. The tangential solver has the
-//! operator of half-spaces; what A_tt differs from it by is taken with the tractions before. So is the approach under a given force along z,
-//! F_z = ∫ (p_n cos α + p_s sin α) dA.
+//! Pressure and tractions are solved in turn until the pressure settles, as for bodies of different
+//! constants. The tangential solver uses the operator of half-spaces. The difference between A_tt
+//! and this operator acts with the tractions of the previous turn. The approach under a given force
+//! along z, F_z = ∫ (p_n cos α + p_s sin α) dA, is iterated in the same way.
 //!
-//! Sources: Z. Li, Wheel–rail rolling contact and its application to wear simulation, thesis, Delft (2002), for the creepages; Vollebregt,
-//! Vehicle System Dynamics 56 (2018) 1622, where the yaw of a wheel has a part ζ along the normal. Where the origin is the place of the
-//! contact, to which a yaw moves it, there is none.
+//! Sources: Z. Li, Wheel–rail rolling contact and its application to wear simulation, thesis, Delft
+//! (2002), for the creepages; Vollebregt, Vehicle System Dynamics 56 (2018) 1622, where the yaw of
+//! a wheel has a part ζ along the normal. ζ is zero if the origin is the place of the contact after
+//! the yaw, which moves the contact.
 
 use super::elastic::ElasticPair;
 use super::numbers::{InfluenceNumbers, SurfaceGrid};
@@ -35,47 +37,49 @@ use elastic::Material;
 use grids::Structured;
 use std::sync::Arc;
 
-/// Change of the pressure over the largest at which it rests: far below the error of any grid.
+/// Change of the pressure, over the largest, at which the pressure has settled: far below the error
+/// of any grid.
 const REST: f64 = 1e-6;
-/// Accuracy of the tractions over the largest.
+/// Accuracy of the tractions, over the largest traction.
 const TOLERANCE: f64 = 1e-4;
-/// A given force is met to this share of it.
+/// Error allowed in a given force, as a share of the force.
 const FORCE_TOLERANCE: f64 = 1e-9;
-/// Turns of normal and tangential contact, and of approaches, after which they are given up.
+/// Limit of turns between normal and tangential contact, and of steps of the approach.
 const MOST_TURNS: usize = 40;
 
-/// Why there is no solution.
+/// Reason why a conformal contact has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConformalError {
-    /// The normal contact has none.
+    /// The normal contact has no solution.
     #[error(transparent)]
     Normal(#[from] NormalError),
-    /// The tangential contact has none.
+    /// The tangential contact has no solution.
     #[error(transparent)]
     Tangential(#[from] TangentialError),
-    /// They do not settle.
+    /// Normal and tangential contact do not converge in turn.
     #[error(
-        "normal and tangential contact did not converge in {MOST_TURNS} turns: the pressure still changes by {change:.1e} of its maximum"
+        "normal and tangential contact did not converge in {MOST_TURNS} turns: the pressure \
+         still changes by {change:.1e} of its maximum"
     )]
     Unsettled {
         /// Change of the pressure over its maximum.
         change: f64,
     },
-    /// No approach has the force.
+    /// No approach carries the force.
     #[error("no approach was found under which the contact carries {force:.4e} N along its normal")]
     NoApproach {
-        /// The force asked for [N].
+        /// Prescribed force [N].
         force: f64,
     },
     /// The bodies are apart.
     #[error("under an approach of {approach:.4e} m the bodies do not touch")]
     Apart {
-        /// The approach asked for [m].
+        /// Prescribed approach [m].
         approach: f64,
     },
 }
 
-/// Prescribed values of one row.
+/// Prescribed values of one contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prescription {
     /// Force along the normal at s = 0, or approach there.
@@ -84,11 +88,11 @@ pub struct Prescription {
     pub creepage: Creepage,
     /// Relative velocity ζ along the normal at s = 0, over the speed.
     pub normal_creepage: f64,
-    /// Rigid slip is that of the creepages in the plane at s = 0, as half-spaces have it.
+    /// Takes the rigid slip of the creepages in the plane at s = 0, as half-spaces do.
     pub in_plane: bool,
     /// Friction coefficient f [-].
     pub friction: f64,
-    /// Adhesion is possible; if not, everything slides.
+    /// Adhesion is possible; otherwise the whole contact slides.
     pub adheres: bool,
 }
 
@@ -109,7 +113,7 @@ pub struct Conformal {
     pub newton_steps: usize,
 }
 
-/// The solvers of one grid.
+/// Solver of conformal contacts on one grid.
 #[derive(Debug)]
 pub struct ConformalSolver {
     grid: Structured,
@@ -120,8 +124,9 @@ pub struct ConformalSolver {
 }
 
 impl ConformalSolver {
-    /// For body 1 (upper) and body 2, on a grid along x and s; the surfaces turn by `turn` [rad] in all and are straight beyond. The
-    /// semi-axis along x is roughly `a`, that along s `b` [m].
+    /// Creates the solver for body 1 (upper) and body 2, on a grid along x and s. The surfaces turn
+    /// by `turn` [rad] in all and are straight beyond. `semi_axes` are approximate, along x and
+    /// along s [m].
     #[must_use]
     pub fn new(
         materials: &[Material; 2],
@@ -156,10 +161,11 @@ impl ConformalSolver {
         Self { grid: *grid, arcs, elastic, levels, difference }
     }
 
-    /// Solves one row, from nothing.
+    /// Solves one contact from scratch.
     ///
     /// # Errors
-    /// No normal or tangential solution, no contact, an approach that is not found.
+    /// The normal or tangential contact has no solution, the bodies do not touch, or no approach
+    /// carries the force.
     pub fn solve(&mut self, prescription: &Prescription) -> Result<Conformal, ConformalError> {
         let points = self.grid.points();
         let mut found = Conformal { pressure: vec![0.0; points], ..Conformal::default() };
@@ -187,7 +193,7 @@ impl ConformalSolver {
         Err(ConformalError::Unsettled { change })
     }
 
-    /// The pressure with a normal displacement by tractions [m].
+    /// Solves for the pressure, with the opening of the gap by the tractions `closer` [m].
     fn press(
         &mut self,
         prescription: &Prescription,
@@ -225,7 +231,8 @@ impl ConformalSolver {
         }
     }
 
-    /// The approach of this force as one approach for all of the surface has it.
+    /// First estimate of the approach under this force: the one that applies if it is uniform over
+    /// the surface.
     fn first_approach(&mut self, force: f64, found: &mut Conformal) -> Result<f64, ConformalError> {
         let undeformed = self.undeformed(0.0, &[]);
         Ok(self.elastic.approach(&undeformed, force, &mut found.pressure)?)
@@ -261,7 +268,7 @@ impl ConformalSolver {
         Ok(())
     }
 
-    /// The tractions under this bound.
+    /// Solves for the tractions under this bound.
     fn slide(
         &mut self,
         prescription: &Prescription,
@@ -287,8 +294,8 @@ impl ConformalSolver {
         Ok(())
     }
 
-    /// Slip of a step that half-spaces on a plane do not have [m]: by the pressure, by what A_tt differs from theirs with the
-    /// latest tractions, and by the turn of the surface.
+    /// Slip of a step that is missing in the model of plane half-spaces [m]: by the pressure, by
+    /// the change of A_tt with the latest tractions, and by the turn of the surface.
     fn slip_besides(&mut self, prescription: &Prescription, found: &Conformal) -> [Vec<f64>; 2] {
         let [x, s] = &found.state.traction;
         let mut slip = [0, 1].map(|_| vec![0.0; found.pressure.len()]);
@@ -304,7 +311,8 @@ impl ConformalSolver {
         slip
     }
 
-    /// Rigid slip over the way at an element, as prescribed and on the plane at s = 0 [-].
+    /// Rigid slip at an element over the distance rolled: as prescribed, and in the plane at s = 0
+    /// [-].
     fn rigid_slips(&self, prescription: &Prescription, index: usize) -> [[f64; 2]; 2] {
         let Prescription { creepage: [xi, eta, phi], normal_creepage: zeta, .. } = *prescription;
         let (grid, arcs) = (&self.grid, &self.arcs);
@@ -320,7 +328,7 @@ impl ConformalSolver {
         [if prescription.in_plane { plane } else { curved }, plane]
     }
 
-    /// Traction f p against the rigid slip, which is all the slip there is.
+    /// Sets the traction to f p against the rigid slip, which is the whole slip.
     fn slide_everywhere(&self, prescription: &Prescription, bound: &[f64], found: &mut Conformal) {
         let mut state = TangentialState::at_rest(bound, prescription.creepage);
         for (index, bound) in bound.iter().enumerate() {
@@ -340,7 +348,7 @@ impl ConformalSolver {
     }
 
     /// Friction power of every element [W/m²]: −p·S_I V/Δx plus the numerical dissipation, which is
-    /// that of half-spaces. The traction p is the one that works on the slip of the difference.
+    /// taken from half-spaces. p is the traction that does work on the slip of the difference.
     #[must_use]
     pub fn friction_power(&mut self, found: &Conformal, speed: f64) -> Vec<f64> {
         let (nx, rate) = (self.grid.ni, speed / self.grid.dx());

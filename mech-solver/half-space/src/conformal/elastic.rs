@@ -1,9 +1,11 @@
-//! What two prismatic bodies displace each other under pressure and tractions on a part of the surface between them.
+//! Displacements of two prismatic bodies under pressure and tractions on a part of their common
+//! surface.
 //!
-//! The normal contact has the products with A_nn of [`super::numbers`]. Pressure and tractions act on each other:
-//! tractions displace the surfaces along the normal by A_nt p_t, pressure along the surface by A_tn p_n; and of
-//! A_tt what it differs by from that of half-spaces, whose operator the tangential solver has, is given with the tractions before.
-//! Slip of a step Δx is the displacement of an element less that of the one ahead.
+//! The normal contact uses the products with A_nn of [`super::numbers`]. Pressure and tractions are
+//! coupled: tractions displace the surfaces along the normal by A_nt p_t, and pressure displaces
+//! them along the surface by A_tn p_n. The tangential solver uses the operator of half-spaces. The
+//! difference between A_tt and this operator acts with the tractions of the previous iteration. The
+//! slip of a step Δx is the displacement of an element less that of the element ahead.
 
 use super::numbers::InfluenceNumbers;
 use crate::difference::Difference;
@@ -14,7 +16,7 @@ use elastic::Material;
 use numerics::rows::{Kernel, Rows};
 use std::sync::Arc;
 
-/// The bodies on a grid of nx × ny elements.
+/// Two elastic bodies on a grid of nx × ny elements.
 #[derive(Debug)]
 pub struct ElasticPair {
     numbers: Arc<InfluenceNumbers>,
@@ -25,22 +27,23 @@ pub struct ElasticPair {
     by_tractions: Option<ByTractions>,
 }
 
-/// Operators of the tractions, made when there are some.
+/// Operators of the tractions, created on first use.
 #[derive(Debug)]
 struct ByTractions {
     /// A_nx, A_ns.
     distance: [Kernel; 2],
     /// A_xn, A_sn.
     displacement_by_pressure: [Kernel; 2],
-    /// A_tt less that of half-spaces: xx, xs, sx, ss.
+    /// A_tt less the A_tt of half-spaces: xx, xs, sx, ss.
     change: [[Kernel; 2]; 2],
 }
 
 impl ElasticPair {
-    /// Body 1 (upper) and body 2, with these numbers on a part of their grid: `counts` elements along x and s, from the row `first` on.
+    /// Creates the operators of body 1 (upper) and body 2 on a part of the grid of `numbers`:
+    /// `counts` elements along x and s, starting at the row `first`.
     ///
     /// # Panics
-    /// If the numbers are those of a smaller grid.
+    /// If the grid of the numbers is smaller.
     #[must_use]
     pub fn new(
         materials: &[Material; 2],
@@ -69,18 +72,18 @@ impl ElasticPair {
         (by_tractions, rows)
     }
 
-    /// The tolerance of the pressure.
+    /// Sets the tolerance of the pressure.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.normal.tolerance = tolerance;
         self
     }
 
-    /// The pressure under which the gap closes [Pa], looked for from the one that is there; `distance` is that of the bodies in their places, of which
-    /// the negative is penetration [m].
+    /// Finds the pressure that closes the gap [Pa], starting from `pressure`. `distance` is the
+    /// distance of the undeformed bodies at their approach [m]; negative values are penetration.
     ///
     /// # Errors
-    /// There is none.
+    /// The distances are not finite, or the pressure does not converge.
     pub fn press(
         &mut self,
         distance: &[f64],
@@ -89,10 +92,11 @@ impl ElasticPair {
         self.normal.solve(distance, Prescribed::Approach(0.0), pressure)
     }
 
-    /// The approach under which the pressure has this force as half-spaces of the same numbers in one direction have it [m].
+    /// Returns the approach under which the pressure has this force [m], if the approach is uniform
+    /// over the surface as for half-spaces.
     ///
     /// # Errors
-    /// There is none.
+    /// The force is negative or not finite, or the pressure does not converge.
     pub fn approach(
         &mut self,
         distance: &[f64],
@@ -102,19 +106,19 @@ impl ElasticPair {
         Ok(self.normal.solve(distance, Prescribed::Load(force), pressure)?.approach)
     }
 
-    /// A_nn p_n of the pressure that was found last [m].
+    /// Displacement A_nn p_n of the latest pressure [m].
     #[must_use]
     pub fn displacement(&self) -> &[f64] {
         self.normal.displacement()
     }
 
-    /// By how much tractions open the gap [m].
+    /// Opening of the gap by tractions [m].
     pub fn opening(&mut self, [x, s]: [&[f64]; 2], opening: &mut [f64]) {
         let (ByTractions { distance: [by_x, by_s], .. }, rows) = self.by_tractions();
         rows.apply(&[(by_x, x), (by_s, s)], opening);
     }
 
-    /// Slip of a step that half-spaces do not have under these tractions and this pressure [m].
+    /// Slip of a step by these tractions and this pressure, less the slip of half-spaces [m].
     pub fn slip_besides(
         &mut self,
         difference: Difference,

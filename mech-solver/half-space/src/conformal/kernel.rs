@@ -1,23 +1,26 @@
-//! Displacement and traction of an elastic space by forces that vary like a wave along x.
+//! Displacement and traction of an elastic space under forces that vary like a wave along x.
 //!
-//! A line of forces along x through a point of the plane (y, z), with the components f_j e^{ikx}, displaces
-//! an infinite elastic body, at the distance (y, z) from the line, by u_i e^{ikx} with u_i = U_ij f_j. U is the transform along x of
-//! Kelvin's solution, U_ij = C ½ [(4 − 4ν) δ_ij g − h,ij], C = 1/(8πG(1 − ν)), with the transforms g = 2 K₀(kρ) of 1/R and h
-//! of R, whose gradients are h,α = y_α g. Tractions on a plane with the normal n (n_x = 0) are t_i = T_ij f_j,
+//! A line of forces along x through a point of the plane (y, z), with the components f_j e^{ikx},
+//! displaces an infinite elastic body, at the distance (y, z) from the line, by u_i e^{ikx} with
+//! u_i = U_ij f_j. U is the transform along x of Kelvin's solution,
+//! U_ij = C ½ [(4 − 4ν) δ_ij g − h,ij], C = 1/(8πG(1 − ν)), with the transforms g = 2 K₀(kρ) of 1/R
+//! and h of R, whose gradients are h,α = y_α g. Tractions on a plane with the normal n (n_x = 0)
+//! are t_i = T_ij f_j,
 //!
 //! T_ij = C G {2ν n_i g,j + (2 − 2ν)(n_j g,i + δ_ij g,n) − h,ijn}.
 //!
-//! Components along x carry a factor i, so that all numbers are real: u_x = i ũ_x, f_x = i f̃_x.
+//! Components along x carry a factor i, so all numbers are real: u_x = i ũ_x, f_x = i f̃_x.
 //!
-//! As k → 0 this is Kelvin's solution of plane strain, and that of antiplane shear.
+//! As k → 0 this becomes Kelvin's solution of plane strain, and the solution of antiplane shear.
 //!
-//! Source: C. A. Brebbia, J. C. F. Telles, L. C. Wrobel, Boundary Element Techniques (1984), §5.2, for Kelvin's solution; the
-//! transform is worked out here. Tadeu and Kausel, J. Eng. Mech. 126 (2000) 1093, have that of dynamics.
+//! Source: C. A. Brebbia, J. C. F. Telles, L. C. Wrobel, Boundary Element Techniques (1984), §5.2,
+//! for Kelvin's solution. The transform is derived here. Tadeu and Kausel, J. Eng. Mech. 126 (2000)
+//! 1093, give the dynamic case.
 
 use numerics::bessel::k0_k1;
 use std::f64::consts::PI;
 
-/// A 3 × 3 tensor, components x, y, z; the row is that of the displacement or traction.
+/// A 3 × 3 tensor with components x, y, z; rows belong to the displacement or traction.
 pub(super) type Tensor = [[f64; 3]; 3];
 
 /// An elastic body.
@@ -37,8 +40,8 @@ impl ElasticConstants {
     }
 }
 
-/// U [1/Pa] and T [1/m] of a wave number k [1/m], at (y, z) [m] from the line, on a plane of this normal. At k = 0
-/// displacements are less a translation.
+/// U [1/Pa] and T [1/m] of a wave number k [1/m], at (y, z) [m] from the line, on a plane with this
+/// normal. At k = 0 displacements are determined up to a translation.
 #[must_use]
 pub(super) fn kernel(
     material: &ElasticConstants,
@@ -66,7 +69,7 @@ pub(super) fn kernel(
     u[0][0] = 0.5 * c * ((4.0 - 4.0 * nu) * f - h_xx);
     t[0][0] = cg * along * ((2.0 - 2.0 * nu) * g + k * k * f);
     for a in 0..2 {
-        // ∂x = ik: over i for a component x of the row, times i for one of the column.
+        // ∂x = ik: divided by i if the row is x, multiplied by i if the column is x.
         let u_x = -0.5 * c * k * d[a] * f;
         (u[0][a + 1], u[a + 1][0]) = (u_x, -u_x);
         let shared = normal[a] * f + d[a] * along * g;
@@ -90,7 +93,7 @@ pub(super) fn kernel(
 mod tests {
     use super::*;
 
-    /// Tractions by the differences of displacements, through Hooke's law.
+    /// Tractions agree with Hooke's law on differences of the displacements.
     #[test]
     fn tractions_are_those_of_the_displacements() {
         let material = ElasticConstants { shear_modulus: 3.0, poisson_ratio: 0.3 };

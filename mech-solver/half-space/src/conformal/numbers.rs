@@ -1,22 +1,27 @@
 //! Influence numbers of a pair of prismatic bodies with a curved surface.
 //!
-//! The number A_ab(i; t, q) is the displacement difference u = u₁ − u₂ along a at the middle of element (i, t) by a
-//! unit traction along b over element (0, q), on body 1 and its opposite on body 2; a, b are x, s or n. It is that
-//! of half-spaces ([`crate::influence`]) at the distance along the surface, and what curvature changes:
+//! The number A_ab(i; t, q) is the displacement difference u = u₁ − u₂ along a at the middle of
+//! element (i, t) by a unit traction along b over element (0, q), on body 1 and its opposite on
+//! body 2; a, b are x, s or n. It is the number of half-spaces ([`crate::influence`]) at the
+//! distance along the surface, plus the change by curvature:
 //!
 //! A_ab = A⁰_ab + (1/π) ∫₀^∞ [M_ab(k) − M⁰_ab(k)] (2/k) sin(kΔx/2) e(kx) dk,
 //!
-//! M being the flexibility of the bodies for the wave number k ([`super::boundary`]), M⁰ that of flat bodies with the same elements, so that the
-//! error of the elements, which is that of constant tractions, cancels where it is large; e is cos for components of which both or none
-//! are along x, and ± sin for the others. The difference decays like the curvature over k², and grows like ln k for long waves.
+//! M is the flexibility of the bodies for the wave number k ([`super::boundary`]), and M⁰ that of
+//! flat bodies with the same elements. The error of constant tractions on elements thus cancels
+//! where it is large. e is cos for components of which both or none are along x, and ± sin for the
+//! others. The difference decays like the curvature over k², and grows like ln k for long waves.
 //!
-//! What curvature changes of M is a field of the size of the radius, so that the boundary elements are [`MOST_TURN`] of it long if the rows are finer;
-//! between their middles it is linear.
+//! The change of M by curvature varies over lengths of the radius. If rows are finer than
+//! [`MOST_TURN`] of the radius, boundary elements of that length are used, with linear
+//! interpolation between their midpoints.
 //!
-//! The integral is taken over k₀ < k < k₁ with cubics in ln k between the wave numbers that M is computed for.
+//! The integral over k₀ < k < k₁ uses cubics in ln k between the wave numbers at which M is
+//! computed.
 //!
-//! Sources: Kalker (1990) §1.6 for influence numbers of bodies that are no half-spaces; Vollebregt and Segal, Vehicle System Dynamics
-//! 52 (2014) suppl. 455, who take them from finite elements. The transform along the axis and the boundary elements are this project's.
+//! Sources: Kalker (1990) §1.6 for influence numbers of bodies that are not half-spaces; Vollebregt
+//! and Segal, Vehicle System Dynamics 52 (2014) suppl. 455, who compute them by finite elements.
+//! The transform along the axis and the boundary elements are this project's.
 
 use super::boundary::Body;
 use super::kernel::ElasticConstants;
@@ -31,36 +36,37 @@ use numerics::rows::{Kernel, Parity, Rows};
 use numerics::team::{self, Team};
 use std::f64::consts::PI;
 
-/// Longest wave that is computed, over the length of the grid or the radius of the surface, divided by 2π. With ten times longer waves, two thirds of
-/// the step between them and elements that grow by 1.35 in place of 1.5 forces in a gauge corner change by 1e-3.
+/// Longest wave computed, divided by 2π, over the length of the grid or the radius of the surface.
+/// Tested against ten times longer waves, two thirds of the step between wave numbers and elements
+/// that grow by 1.35 in place of 1.5: forces in a gauge corner change by 1e-3.
 const LONGEST: f64 = 100.0;
-/// Shortest wave number times the width of an element.
+/// Shortest wave: wave number times the width of an element.
 const SHORTEST: f64 = 3.0;
-/// Wave numbers for each factor of two.
+/// Wave numbers per factor of two.
 const DENSITY: f64 = 2.0;
-/// Reach of the outline, over the longest wave number's inverse.
+/// Reach of the outline, over the inverse of the smallest wave number.
 const REACH: f64 = 5.0;
-/// Angle by which a boundary element of the contact may turn where rows are finer [rad].
+/// Largest angle that a boundary element of the contact turns where rows are finer [rad].
 const MOST_TURN: f64 = 0.01;
-/// Boundary elements of the contact at least, where rows are finer.
+/// Least number of boundary elements in the contact where rows are finer.
 const FEWEST: usize = 16;
 /// Phase of the shortest step of the quadrature.
 const PHASE: f64 = 1.0;
-/// The grid along x and s.
+/// Grid of the contact along x and s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceGrid {
     /// Elements along x and s.
     pub counts: [usize; 2],
-    /// Their sides [m].
+    /// Sides of an element along x and s [m].
     pub sides: [f64; 2],
-    /// The lower end of the grid along s [m].
+    /// Lower end of the grid along s [m].
     pub first: f64,
 }
 
 /// Component of a traction or displacement: x, s, n.
 const COMPONENTS: usize = 3;
 
-/// The numbers A, and the products with them.
+/// The influence numbers A, and products with them.
 #[derive(Debug)]
 pub struct InfluenceNumbers {
     patch: SurfaceGrid,
@@ -69,7 +75,7 @@ pub struct InfluenceNumbers {
 }
 
 impl InfluenceNumbers {
-    /// Influence numbers of body 1 (upper) and body 2, with these sections over the same s.
+    /// Computes the numbers of body 1 (upper) and body 2, whose sections share the coordinate s.
     #[must_use]
     pub fn new(
         materials: &[Material; 2],
@@ -94,12 +100,12 @@ impl InfluenceNumbers {
         numbers
     }
 
-    /// Adds what curvature changes, by boundary elements of so many rows.
+    /// Adds the change by curvature, from boundary elements of `joined` rows each.
     fn add(&mut self, materials: &[Material; 2], sections: &[CrossSection; 2], joined: usize) {
         let SurfaceGrid { counts: [nx, rows], sides: [dx, side], first } = self.patch;
         let (ny, ds) = (rows.div_ceil(joined), joined as f64 * side);
         let bent = sections.iter().filter(|section| section.turn() > 0.0);
-        // Of an arc its radius.
+        // Radius of an arc.
         let radius = |section: &CrossSection| {
             let [from, to] = section.ends();
             (to - from) / section.turn()
@@ -145,7 +151,8 @@ impl InfluenceNumbers {
             1
         });
         let [even, odd] = weights(&waves, self.patch);
-        // Of a row the element below its middle, and how far it is from that to the next.
+        // Boundary element below the middle of a row, and the row's relative distance to the next
+        // one.
         let between = |row: usize| {
             let at = (row as f64 + 0.5) / joined as f64 - 0.5;
             let below = at.max(0.0).min(ny.saturating_sub(2) as f64).floor();
@@ -190,15 +197,15 @@ impl InfluenceNumbers {
         }
     }
 
-    /// A_ab at a distance of i ≥ 0 elements along x, on row t of row q [m/Pa].
+    /// A_ab at a distance of i ≥ 0 elements along x, on row t by row q [m/Pa].
     #[must_use]
     pub fn value(&self, [a, b]: [usize; 2], i: usize, [t, q]: [usize; 2]) -> f64 {
         let [nx, ny] = self.patch.counts;
         self.values[(((COMPONENTS * a + b) * ny + t) * ny + q) * nx + i]
     }
 
-    /// The transform of A_ab between the rows from `first` on, as many as `rows` has; of a component by itself, which is symmetric,
-    /// the mean of both directions.
+    /// Transform of A_ab for as many rows as `rows` has, starting at the row `first`. For a = b,
+    /// which is symmetric, both directions are averaged.
     #[must_use]
     pub(super) fn kernel(&self, rows: &mut Rows, first: usize, [a, b]: [usize; 2]) -> Kernel {
         rows.kernel(parity([a, b]), |i, t, q| {
@@ -208,7 +215,8 @@ impl InfluenceNumbers {
         })
     }
 
-    /// The same of what A_ab differs by from that of half-spaces.
+    /// Transform of the difference between A_ab and the number of half-spaces, like
+    /// [`Self::kernel`].
     #[must_use]
     pub(super) fn change(
         &self,
@@ -224,14 +232,14 @@ impl InfluenceNumbers {
         })
     }
 
-    /// The grid.
+    /// Returns the grid.
     #[must_use]
     pub fn patch(&self) -> &SurfaceGrid {
         &self.patch
     }
 }
 
-/// Rows that are one boundary element.
+/// Number of rows per boundary element.
 fn joined(sections: &[CrossSection; 2], patch: &SurfaceGrid) -> usize {
     let SurfaceGrid { counts: [_, rows], sides: [_, side], first } = *patch;
     let edge = |row: usize| first + row as f64 * side;
@@ -243,7 +251,7 @@ fn joined(sections: &[CrossSection; 2], patch: &SurfaceGrid) -> usize {
     ((MOST_TURN / most) as usize).clamp(1, (rows / FEWEST).max(1))
 }
 
-/// The flexibility of the flat body on the other side of the surface.
+/// Flexibility of the flat body on the opposite side of the surface.
 fn mirrored(flexibility: Mat<f64>) -> Mat<f64> {
     let along_normal = |at: usize| at % COMPONENTS == 2;
     Mat::from_fn(flexibility.nrows(), flexibility.ncols(), |row, column| {
@@ -270,12 +278,13 @@ fn of_half_spaces(influence: &Influence, pair: usize, i: i32, j: i32) -> f64 {
     }
 }
 
-/// Weights of the values at the wave numbers in the even and the odd integral, one row an offset along x [1].
+/// Weights of the values at the wave numbers in the even and the odd integral, one row per offset
+/// along x [1].
 fn weights(waves: &[f64], patch: SurfaceGrid) -> [Vec<f64>; 2] {
     let ([nx, _], [dx, _]) = (patch.counts, patch.sides);
     let count = waves.len();
     let [mut even, mut odd] = [vec![0.0; nx * count], vec![0.0; nx * count]];
-    // Below the first wave number the value there.
+    // Below the first wave number the value is taken as constant.
     for row in even.chunks_exact_mut(count) {
         row[0] += waves[0] * dx / PI;
     }

@@ -1,23 +1,24 @@
-//! The outline of a prismatic body across its axis, as boundary elements.
+//! The outline of a prismatic body across the axis, as boundary elements.
 //!
-//! Elements are arcs. Those of the contact are equal, and numbered along the surface; the outline goes on from them
-//! on both sides, along the section as far as it is given and straight from there, in elements that grow. A closed outline is a circle.
+//! Elements are arcs. The elements of the contact are equal and numbered along the surface. The
+//! outline continues on both sides in growing elements: along the section as far as it is given,
+//! and straight beyond. A closed outline is a circle.
 
 use super::section::CrossSection;
 
-/// Length of an element over that of the one before, away from the contact.
+/// Length of an element over the length of its inner neighbour, away from the contact.
 const GROWTH: f64 = 1.5;
-/// Angle that an element spans at most, away from the contact [rad].
+/// Largest angle that an element spans away from the contact [rad].
 const MOST_ANGLE: f64 = 0.2;
-/// Rounding of an angle that is met [rad].
+/// Rounding allowed in that angle, as a share.
 const ROUNDING: f64 = 1e-9;
 
 /// A boundary element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Arc {
-    /// Its middle [m].
+    /// Middle of the element [m].
     pub(super) centre: [f64; 2],
-    /// Direction θ of the surface there [rad].
+    /// Direction θ of the surface at the middle [rad].
     pub(super) direction: f64,
     /// Length along s [m].
     pub(super) length: f64,
@@ -26,7 +27,7 @@ pub(super) struct Arc {
 }
 
 impl Arc {
-    /// The place [m] and direction [rad] at the distance s from the middle [m].
+    /// Position [m] and direction [rad] at the distance s from the middle [m].
     #[must_use]
     pub(super) fn at(&self, s: f64) -> ([f64; 2], f64) {
         let half = 0.5 * self.curvature * s;
@@ -38,21 +39,22 @@ impl Arc {
     }
 }
 
-/// A body's outline; the first elements are those of the contact.
+/// Outline of a body; the elements of the contact come first.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Outline {
-    /// Elements of the contact.
+    /// Number of elements of the contact.
     pub(super) contact: usize,
-    /// All elements, those beyond the contact by their distance from it.
+    /// All elements; those beyond the contact are sorted by their distance from it.
     pub(super) elements: Vec<Arc>,
-    /// Distance along an open outline at which those beyond begin [m].
+    /// Distances along an open outline at which the elements beyond the contact begin [m].
     away: Vec<f64>,
-    /// A circle whose elements reach round it.
+    /// The outline is a circle whose elements cover the whole circumference.
     pub(super) closed: bool,
 }
 
 impl Outline {
-    /// A section as far as `reach` [m]; with `count` elements of the contact, of this length [m], from `first` on [m].
+    /// Outline of a section up to `reach` [m] beyond the contact, whose `count` elements of the
+    /// given length [m] begin at `first` [m].
     #[must_use]
     pub(super) fn open(
         section: &CrossSection,
@@ -74,7 +76,7 @@ impl Outline {
             let (mut at, mut size) = (start, length);
             while (at - start).abs() < reach {
                 size *= GROWTH;
-                // Up to where the section begins or ends to turn.
+                // Ends an element where the section begins or ends to turn.
                 for end in ends {
                     let left = sign * (end - at);
                     if left > 1e-9 * length && size > 0.75 * left {
@@ -96,7 +98,8 @@ impl Outline {
         Self { contact: count, elements, away, closed: false }
     }
 
-    /// The elements of the contact, and those that are no farther from it along the outline [m]; of a circle all.
+    /// Elements of the contact and those within `reach` of it along the outline [m]; all elements
+    /// of a circle.
     #[must_use]
     pub(super) fn near_contact(&self, reach: f64) -> &[Arc] {
         match self.closed {
@@ -108,7 +111,7 @@ impl Outline {
         }
     }
 
-    /// A circle of this curvature [1/m] in `count` elements, of which the middle of the contact's is at s = 0.
+    /// Circle of this curvature [1/m] in `count` elements; the middle of the contact is at s = 0.
     #[must_use]
     pub(super) fn circle(curvature: f64, count: usize, contact: usize) -> Self {
         let length = std::f64::consts::TAU / curvature.abs() / count as f64;

@@ -1,10 +1,12 @@
 //! A pin in a hole in plane strain, without friction.
 //!
-//! Both are circles, the pin's radius smaller by ΔR ≪ R; the pin, held at its centre, is pressed by a force Q per length into the hole of an
-//! infinite body. At the angle φ from the force the gap is ΔR − (ΔR + δ) cos φ + (A p)(φ), δ being the approach, and A the
-//! flexibility of both bodies by boundary elements ([`super::boundary`]).
+//! Pin and hole are circles; the radius of the pin is smaller by ΔR ≪ R. The pin is held at its
+//! centre and pressed by a force Q per length into the hole of an infinite body. At the angle φ
+//! from the force the gap is ΔR − (ΔR + δ) cos φ + (A p)(φ), with the approach δ and the
+//! flexibility A of both bodies by boundary elements ([`super::boundary`]).
 //!
-//! Source: A. Persson, On the Stress Distribution of Cylindrical Elastic Bodies in Contact (Chalmers, 1964), for the problem.
+//! Source: A. Persson, On the Stress Distribution of Cylindrical Elastic Bodies in Contact
+//! (Chalmers, 1964), for the problem.
 
 use super::boundary::Body;
 use super::kernel::ElasticConstants;
@@ -15,7 +17,7 @@ use elastic::Elasticity;
 use elastic::Material;
 use numerics::rows::{Parity, Rows};
 
-/// A pin that is pressed into a hole.
+/// Solution for a pin pressed into a hole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pin {
     /// Angle φ of every element [rad].
@@ -26,8 +28,8 @@ pub struct Pin {
     pub force: f64,
 }
 
-/// Presses a pin (body 1) of this radius [m] by an approach [m] into a hole that is wider by `clearance` [m] in radius; with so many elements round
-/// the circle.
+/// Presses a pin (body 1) of this radius [m] by an approach [m] into a hole whose radius is larger
+/// by `clearance` [m]. `count` is the number of elements round the circle.
 ///
 /// # Errors
 /// The normal contact does not converge.
@@ -38,7 +40,7 @@ pub fn press(
     approach: f64,
     count: usize,
 ) -> Result<Pin, NormalError> {
-    // Where the surfaces face each other; all but a few elements.
+    // Elements whose surfaces face each other: all but a few.
     let contact = count - 3;
     let outline = Outline::circle(1.0 / radius, count, contact);
     let length = outline.elements[0].length;
@@ -53,7 +55,7 @@ pub fn press(
     let mut rows = Rows::new(1, contact);
     let kernel = rows.kernel(Parity::Even, |_, t, q| numbers(t, q));
     let elasticity = Elasticity::of_pair(&materials[0], &materials[1]);
-    // So wide that the numbers of half-planes are positive round the circle.
+    // Wide enough to make the influence numbers of half-planes positive round the circle.
     let width = 20.0 * radius;
     let influence = Influence { dx: length, dy: width, elasticity, plane_strain: true };
     let mut solver = NormalSolver::curved(rows, kernel, &influence);
@@ -73,14 +75,15 @@ mod tests {
     use numerics::search::root_between;
     use std::f64::consts::PI;
 
-    /// Persson's load over the clearance, E' ΔR/Q, and his pressure p R/Q at the angle φ, at which tan φ/2 = t, of a contact that reaches as far
-    /// as tan(φ/2) = b; for bodies of the same material, E' = E/(1 − ν²).
+    /// Persson's clearance over load, E' ΔR/Q, and his pressure p R/Q at the angle φ with
+    /// t = tan φ/2. The contact extends to tan(φ/2) = b. For bodies of the same material,
+    /// E' = E/(1 − ν²).
     fn persson(b: f64) -> (f64, impl Fn(f64) -> f64) {
         let logarithm = move |t: f64| {
             let (whole, part) = ((b * b + 1.0).sqrt(), (b * b - t * t).max(0.0).sqrt());
             ((whole + part) / (whole - part)).ln()
         };
-        // t = b sin u leaves out the singular ends.
+        // Substituting t = b sin u removes the singular ends.
         let steps = 2000;
         let integral: f64 = (0..steps)
             .map(|n| {
@@ -100,7 +103,7 @@ mod tests {
         (load, pressure)
     }
 
-    /// The closed form is in balance: it was taken from memory.
+    /// Checks the closed form, which was written from memory, for balance of forces.
     #[test]
     fn the_closed_form_carries_its_load() {
         let b = 0.6;
@@ -116,7 +119,8 @@ mod tests {
         assert!((carried - 1.0).abs() < 1e-4, "{carried}");
     }
 
-    /// From a shallow contact to one that reaches over most of the half circle; elements of 1.1°. The extent of the closed form is that which has the load.
+    /// From a shallow contact to one over most of the half circle, with elements of 1.1°. The
+    /// extent of the closed form is the one that carries the load.
     #[test]
     fn pins_press_as_persson_has_it() {
         let material = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
@@ -131,12 +135,12 @@ mod tests {
             let scale = pin.force / radius;
             for (phi, p) in pin.angle.iter().zip(&pin.pressure) {
                 let error = (p - scale * exact((0.5 * phi).tan())) / largest;
-                // Where the edge cuts an element, less.
+                // Elements cut by the edge have a larger error.
                 let near = ((0.5 * phi.abs()).tan() - extent).abs() < 0.03;
                 assert!(error.abs() < if near { 0.1 } else { 0.01 }, "{approach}: {phi} {error}");
             }
             let error = largest / (scale * exact(0.0)) - 1.0;
-            // Elements, of which few are in the shallow contact.
+            // The shallow contact has few elements.
             assert!(error.abs() < tolerance, "{approach}: {error}");
         }
     }

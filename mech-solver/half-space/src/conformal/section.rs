@@ -1,25 +1,27 @@
-//! Where the surface of a prismatic body goes across its axis.
+//! Cross-section of the surface of a prismatic body.
 //!
-//! A section is made of arcs: its direction θ is linear in the length s between the places where it is given, and the
-//! same beyond the first and the last, where the surface is straight. Places follow by (dy, dz) = (cos θ, sin θ) ds,
-//! exactly. y is across, z up; the common normal of both bodies is (−sin θ, cos θ), from the lower into the upper body.
+//! A section is made of arcs. The direction θ is linear in the length s between the given points
+//! and constant beyond the first and the last, where the surface is straight. Positions follow
+//! exactly from (dy, dz) = (cos θ, sin θ) ds. y is across, z up; the common normal of both bodies
+//! is (−sin θ, cos θ), from the lower into the upper body.
 
-/// The section of a body.
+/// Cross-section of a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossSection {
-    /// s where the direction is given, rising [m].
+    /// Lengths s at which the direction is given, rising [m].
     at: Vec<f64>,
-    /// θ there [rad].
+    /// Direction θ at each s [rad].
     directions: Vec<f64>,
-    /// y and z there [m].
+    /// Coordinates y and z at each s [m].
     places: Vec<[f64; 2]>,
 }
 
 impl CrossSection {
-    /// With these directions [rad] at these lengths, rising [m]; the first of them is at y = z = 0.
+    /// Creates a section with these directions [rad] at these rising lengths [m]; the first point
+    /// is at y = z = 0.
     ///
     /// # Panics
-    /// If none is given, or their numbers differ.
+    /// If the lists are empty or differ in length.
     #[must_use]
     pub fn new(at: Vec<f64>, directions: Vec<f64>) -> Self {
         assert!(!at.is_empty() && at.len() == directions.len(), "a direction at every length");
@@ -31,7 +33,7 @@ impl CrossSection {
         Self { at, directions, places }
     }
 
-    /// An arc of this curvature dθ/ds [1/m] over |s| ≤ `half` [m].
+    /// Creates an arc of curvature dθ/ds [1/m] over |s| ≤ `half` [m].
     #[must_use]
     pub fn arc(curvature: f64, half: f64) -> Self {
         let turned = curvature * half;
@@ -44,20 +46,20 @@ impl CrossSection {
         section
     }
 
-    /// A straight line.
+    /// Creates a straight line.
     #[must_use]
     pub(super) fn straight() -> Self {
         Self::new(vec![0.0], vec![0.0])
     }
 
-    /// The place [m] and the direction [rad] at s [m].
+    /// Position [m] and direction [rad] at s [m].
     #[must_use]
     pub fn at(&self, s: f64) -> ([f64; 2], f64) {
         let right = self.at.partition_point(|at| *at <= s);
         let left = right.saturating_sub(1);
         let (length, direction) = (s - self.at[left], self.directions[left]);
         let turn = match (left, right) {
-            // Beyond an end.
+            // The surface is straight beyond the ends.
             (0, 0) => 0.0,
             (_, right) if right == self.at.len() => 0.0,
             _ => {
@@ -68,13 +70,13 @@ impl CrossSection {
         (along(self.places[left], direction, turn, length), direction + turn)
     }
 
-    /// The first and the last length at which the direction is given [m].
+    /// First and last length at which the direction is given [m].
     #[must_use]
     pub fn ends(&self) -> [f64; 2] {
         [self.at[0], self.at[self.at.len() - 1]]
     }
 
-    /// By how much the direction varies in all [rad].
+    /// Range of the direction over the whole section [rad].
     #[must_use]
     pub fn turn(&self) -> f64 {
         let range = self.directions.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |range, at| {
@@ -84,7 +86,8 @@ impl CrossSection {
     }
 }
 
-/// The end of an arc that begins at a place in a direction [rad], and turns by `turn` [rad] over its length [m].
+/// End of an arc that begins at a point in a direction [rad] and turns by `turn` [rad] over its
+/// length [m].
 fn along([y, z]: [f64; 2], direction: f64, turn: f64, length: f64) -> [f64; 2] {
     let half = 0.5 * turn;
     let chord = if half.abs() > 1e-8 { length * half.sin() / half } else { length };
@@ -115,7 +118,7 @@ mod tests {
         assert!((arc.turn() - 2.0 * quarter).abs() < 1e-15);
     }
 
-    /// Given at many places it is the same as given at its ends.
+    /// An arc given at many points equals the arc given at its ends.
     #[test]
     fn pieces_of_an_arc_are_the_arc() {
         let at: Vec<f64> = (0..=8).map(|k| -4e-3 + 1e-3 * f64::from(k)).collect();

@@ -1,8 +1,10 @@
-//! Two arcs that touch: their distance across, and the directions of the surface between them.
+//! Two arcs that touch: the distance between them across, and the direction of the surface between.
 //!
-//! The surface of the contact is the arc of the mean curvature κ = ½(κ₁ + κ₂), so that at the distance s along it the direction is
-//! α = κs. A body's arc, through the origin with the curvature κ_b, is at the distance t along the normal with
-//! ½κ_b(y² + z²) = z. The undeformed distance along the normal is t₁ − t₂ and, along x, x²/2 of the relative curvature of rolling.
+//! The surface of the contact is the arc of the mean curvature κ = ½(κ₁ + κ₂), so the direction at
+//! the distance s along it is α = κs. The arc of a body passes through the origin with the
+//! curvature κ_b. A normal to the surface meets it at the distance t where ½κ_b(y² + z²) = z. The
+//! undeformed distance is t₁ − t₂ along the normal, plus x²/2 times the relative curvature of
+//! rolling.
 
 /// The arcs of body 1 (upper) and body 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,11 +15,11 @@ pub struct Arcs {
     pub rolling_curvature: f64,
 }
 
-/// Distance where a body has no surface: so large that nothing touches [m].
+/// Distance at points where a body has no surface, large enough to exclude contact [m].
 const NOTHING: f64 = 1e3;
 
 impl Arcs {
-    /// κ [1/m].
+    /// Mean curvature κ [1/m].
     #[must_use]
     pub fn curvature(&self) -> f64 {
         0.5 * (self.curvatures[0] + self.curvatures[1])
@@ -29,7 +31,7 @@ impl Arcs {
         self.curvature() * s
     }
 
-    /// Place (y, z) on the surface [m].
+    /// Position (y, z) on the surface [m].
     #[must_use]
     pub fn place(&self, s: f64) -> [f64; 2] {
         let half = 0.5 * self.direction(s);
@@ -37,7 +39,7 @@ impl Arcs {
         [chord * half.cos(), chord * half.sin()]
     }
 
-    /// Undeformed distance [m].
+    /// Undeformed distance of the bodies [m].
     #[must_use]
     pub fn distance(&self, x: f64, s: f64) -> f64 {
         let [y, z] = self.place(s);
@@ -59,7 +61,7 @@ impl Arcs {
 mod tests {
     use super::*;
 
-    /// Of circles about centres on one line: by the law of cosines from the mean arc.
+    /// Circles with centres on one line: distances by the law of cosines from the mean arc.
     #[test]
     fn distances_of_circles() {
         let (inner, outer) = (10e-3_f64, 10.2e-3_f64);
@@ -67,10 +69,10 @@ mod tests {
         let mean = 1.0 / arcs.curvature().abs();
         for s in [-9e-3, 1e-3, 6e-3] {
             let angle = s / mean;
-            // Of the ray from the mean arc's centre.
+            // Along the ray from the centre of the mean arc.
             let along = |radius: f64| {
                 let d = radius - mean;
-                // The circle's centre is lower by d.
+                // The centre of the circle is lower by d.
                 -d * angle.cos() + (radius * radius - (d * angle.sin()).powi(2)).sqrt()
             };
             let exact = along(outer) - along(inner);

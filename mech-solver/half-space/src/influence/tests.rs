@@ -6,7 +6,8 @@ const POLYMER: Material = Material { youngs_modulus: 3e9, poisson_ratio: 0.42 };
 
 type Component = fn(&Influence, f64, f64) -> f64;
 
-/// A component, its point load at the unit circle as a function of (x, y), and its mirror signs.
+/// Component, its point-load kernel on the unit circle as a function of (x, y), and its mirror
+/// signs.
 struct Case {
     name: &'static str,
     component: Component,
@@ -38,13 +39,13 @@ fn influence() -> Influence {
 }
 
 impl Case {
-    /// Kernel at (x, y) [m/N]: all fall like 1/R along a ray.
+    /// Kernel at (x, y) [m/N]; every kernel falls like 1/R along a ray.
     fn kernel(&self, e: &Elasticity, x: f64, y: f64) -> f64 {
         let distance = x.hypot(y);
         (self.point_load)(e, x / distance, y / distance) / (PI * distance)
     }
 
-    /// Largest value of the kernel at a distance, as a scale for errors.
+    /// Largest value of the kernel at a distance, as the scale of errors.
     fn scale(&self, e: &Elasticity, area: f64, distance: f64) -> f64 {
         let largest = match self.name {
             "xy" => 0.5 * e.poisson_compliance,
@@ -72,7 +73,7 @@ fn adaptive(function: &dyn Fn(f64) -> f64, from: f64, to: f64, tolerance: f64) -
         + adaptive(function, middle, to, 0.5 * tolerance)
 }
 
-/// Integral of the kernel over an element that does not hold the target.
+/// Integral of the kernel over an element that does not contain the target.
 fn outside(case: &Case, of: &Influence, x: f64, y: f64, scale: f64) -> f64 {
     let (half_x, half_y) = (0.5 * of.dx, 0.5 * of.dy);
     let tolerance = 1e-12 * scale;
@@ -83,8 +84,8 @@ fn outside(case: &Case, of: &Influence, x: f64, y: f64, scale: f64) -> f64 {
     adaptive(&row, x - half_x, x + half_x, tolerance)
 }
 
-/// The same over an element that holds the target: in polar coordinates the kernel's 1/R goes,
-/// leaving the length of the ray to the element's edge.
+/// Integral over an element that contains the target. Polar coordinates remove the kernel's 1/R and
+/// leave the length of the ray to the element's edge.
 fn inside(case: &Case, of: &Influence, x: f64, y: f64, scale: f64) -> f64 {
     let (half_x, half_y) = (0.5 * of.dx, 0.5 * of.dy);
     let ray = |angle: f64| {
@@ -100,7 +101,7 @@ fn inside(case: &Case, of: &Influence, x: f64, y: f64, scale: f64) -> f64 {
     breaks.windows(2).map(|pair| adaptive(&ray, pair[0], pair[1], 1e-13 * scale)).sum()
 }
 
-/// Tolerance: what the quadrature is asked for, and the rounding of the corner sum.
+/// Tolerance: the target of the quadrature, and the rounding of the corner sum.
 #[test]
 fn closed_forms_equal_quadrature() {
     let of = influence();
@@ -122,7 +123,8 @@ fn closed_forms_equal_quadrature() {
     }
 }
 
-/// The two ways of integration meet. Tolerance: Gauss's error and the corner sum's rounding there.
+/// The corner sum and the far rule meet. Tolerance: the errors of Gauss's rule and of the corner
+/// sum's rounding there.
 #[test]
 fn no_jump_where_the_far_rule_takes_over() {
     let of = influence();
@@ -177,7 +179,7 @@ fn self_terms() {
     assert_eq!([of.xy(0, 0), of.xz(0, 0), of.yz(3, 1)], [0.0; 3]);
 }
 
-/// A slender element against the logarithm of its slenderness: ∫∫ 1/R → 2 dx (ln(2 dy/dx) + 1).
+/// A slender element follows the logarithm of its slenderness: ∫∫ 1/R → 2 dx (ln(2 dy/dx) + 1).
 /// Tolerance: the next term, (dx/dy)².
 #[test]
 fn slender_elements() {
@@ -189,7 +191,7 @@ fn slender_elements() {
     }
 }
 
-/// Halves of an element add up to it. Tolerance: rounding.
+/// The halves of an element add up to the whole. Tolerance: rounding.
 #[test]
 fn additive_in_the_element() {
     let of = influence();
@@ -224,8 +226,8 @@ fn constants_of_a_pair() {
     assert!(!Elasticity::of_pair(&STEEL, &STEEL).is_coupled());
 }
 
-/// Signs: a pressed soft body 1 draws its surface towards the load, so the difference u_x points
-/// to the source; a traction along +x raises the difference ahead of it.
+/// Signs: a soft body 1 under pressure draws its surface towards the load, so the difference u_x
+/// points to the source. A traction along +x raises the difference ahead of it.
 #[test]
 fn signs_of_the_coupling() {
     let of = influence();

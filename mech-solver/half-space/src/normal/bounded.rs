@@ -1,21 +1,21 @@
 //! Normal contact whose pressure has an upper bound p̂.
 //!
-//! Under a given approach the iteration holds both bounds. The load N(δ) then carried grows with the
-//! approach, without a jump, and is as large as asked for at one δ: it is found between two approaches
-//! by secants whose resting end counts half (Illinois), each solve from the pressure of the one before.
-//! If the pressure of the contact without a bound stays below it, that is the solution.
+//! Under a given approach the iteration enforces both bounds. The load N(δ) is continuous and grows
+//! with the approach, so one δ carries the given load. Secants between two approaches find it, with
+//! half weight for an end that stays (Illinois); each solve starts from the previous pressure. If
+//! the pressure of the contact without a bound stays below p̂, it is the solution.
 
 use super::{NormalContact, NormalError, NormalSolver, Prescribed};
 
-/// Difference of the load that is left, over the load: that of the iteration.
+/// Error allowed in the load, over the load: that of the iteration.
 const TOLERANCE: f64 = 1e-9;
-/// Approaches tried at most.
+/// Limit of approaches tried.
 const MOST_STEPS: usize = 80;
-/// Growth of the penetration while the load is too small, at least.
+/// Least growth of the penetration while the load is too small.
 const GROWTH: f64 = 1.05;
 
 impl NormalSolver {
-    /// Solves within the bound.
+    /// Solves with the upper bound of the pressure.
     pub(super) fn bounded(
         &mut self,
         distance: &[f64],
@@ -35,7 +35,7 @@ impl NormalSolver {
         }
     }
 
-    /// Finds the approach under which the load is carried, from that of the contact without a bound.
+    /// Finds the approach that carries the load, starting from the approach without a bound.
     fn search(
         &mut self,
         distance: &[f64],
@@ -55,7 +55,7 @@ impl NormalSolver {
             convolutions += found.convolutions;
             let missing = load - found.normal_force;
             residual = missing.abs() / load;
-            // Of a grid that is too small nothing more can be had.
+            // A contact that has outgrown the grid cannot gain more load.
             if residual <= TOLERANCE || (found.touches_edge && missing > 0.0) {
                 return Ok(NormalContact { iterations, convolutions, ..found });
             }

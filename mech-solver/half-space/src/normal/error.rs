@@ -1,19 +1,19 @@
-//! What can go wrong in a normal contact.
+//! Errors of a normal contact.
 
 use crate::prescribed::Prescribed;
 use thiserror::Error;
 
-/// Why a normal contact has no solution, or none was found.
+/// Reason why a normal contact has no solution, or none was found.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum NormalError {
     /// The load is negative or not finite.
-    #[error("a normal force of {force} N cannot press two bodies together")]
+    #[error("a normal force of {force} N is not possible: it must be finite and not negative")]
     Load {
         /// Prescribed normal force [N].
         force: f64,
     },
     /// The approach is not finite.
-    #[error("an approach of {approach} m is not a number to work with")]
+    #[error("an approach of {approach} m is not finite")]
     Approach {
         /// Prescribed approach [m].
         approach: f64,
@@ -26,7 +26,7 @@ pub enum NormalError {
         /// Undeformed distance there [m].
         distance: f64,
     },
-    /// The contact outgrows the largest grid allowed.
+    /// The contact outgrows the largest allowed grid.
     #[error(
         "the contact reaches the edge of a grid of {nx} x {ny} elements, and a larger one would \
          exceed {limit} elements"
@@ -36,26 +36,26 @@ pub enum NormalError {
         nx: usize,
         /// Elements along y.
         ny: usize,
-        /// Most elements allowed.
+        /// Largest allowed number of elements.
         limit: usize,
     },
-    /// The bodies touch at places too far apart for one grid.
+    /// The bodies touch at points too far apart for one grid.
     #[error(
-        "the bodies also touch at {y:.4e} m from the first touch, and a grid that holds both places \
-         would have {elements} elements, more than {limit}"
+        "the bodies also touch {y:.4e} m to the side of the first point of contact; a grid that \
+         holds both would have {elements} elements, more than the limit of {limit}"
     )]
     FarApart {
-        /// Lateral coordinate of the farther place [m].
+        /// Lateral coordinate of the farther point [m].
         y: f64,
-        /// Elements of that grid.
+        /// Number of elements of a grid that holds both points.
         elements: usize,
-        /// Most elements allowed.
+        /// Largest allowed number of elements.
         limit: usize,
     },
-    /// The contact reaches lateral coordinates for which a shape is not given.
+    /// The contact reaches a lateral coordinate where a shape is not defined.
     #[error("the contact reaches the end of a profile")]
     EndOfShape,
-    /// The contact reaches the edge of a grid that does not grow.
+    /// The contact reaches the edge of a grid of fixed size.
     #[error("the contact reaches the edge of its grid of {nx} x {ny} elements")]
     Edge {
         /// Elements along x.
@@ -69,16 +69,16 @@ pub enum NormalError {
          iterations, tolerance {tolerance:.1e}"
     )]
     NotConverged {
-        /// Iterations done.
+        /// Number of iterations.
         iterations: usize,
         /// Residual reached [-].
         residual: f64,
-        /// Residual asked for [-].
+        /// Residual required [-].
         tolerance: f64,
     },
 }
 
-/// Refuses what has no solution.
+/// Checks that the distances and the load or approach are valid.
 pub(super) fn check(distance: &[f64], prescribed: Prescribed) -> Result<(), NormalError> {
     match prescribed {
         Prescribed::Load(force) if !(force >= 0.0 && force.is_finite()) => {

@@ -1,27 +1,30 @@
-//! Normal contact of bodies with a memory, whose influence numbers K are not symmetric.
+//! Normal contact of viscoelastic bodies, whose influence numbers K are not symmetric.
 //!
-//! There is no energy whose minimum is the contact. K + Kᵀ is positive definite still, so that there is one
-//! solution, and pressures p > 0 and gaps e > 0 with p·e = μ in every element lead to it as μ → 0. A step of Newton's method
-//! from (p, e, δ) towards the μ aimed at solves
+//! The contact is not the minimum of an energy. K + Kᵀ is still positive definite, so there is one
+//! solution, and points with p > 0, e > 0 and p·e = μ in every element lead to it as μ → 0. A
+//! Newton step from (p, e, δ) towards the target μ solves
 //!
 //! (K + e/p) dp − dδ = −(h + K p − δ) + μ/p,   Σ dp = 0,   de = (μ − p e − e dp)/p,
 //!
-//! dδ and the sum under a given load only. It is cut where p or e would become negative, and μ falls the more the longer
-//! it was. The first δ is below all h + K p, so that nothing is to be made good but μ.
+//! where dδ and the sum apply under a given load only. The step is cut where p or e would become
+//! negative, and the longer it was, the more μ is reduced. The first δ is below all h + K p, so
+//! that only μ has to be reduced.
 //!
-//! Rows are weighted by w = K₀/(K₀ + e/p), K₀ the number of an element on itself, since beside the contact e/p has no bound.
-//! GMRES is preconditioned by the inverse of K's symbol on the elements with e/p < K₀, cut to them, and
-//! by 1/(K₀ + e/p) beside them; dδ is chosen so that the sum holds.
+//! Rows are weighted by w = K₀/(K₀ + e/p), with K₀ the number of an element on itself, because e/p
+//! is unbounded outside the contact. GMRES is preconditioned by the inverse of K's symbol, cut to
+//! the elements with e/p < K₀, and by 1/(K₀ + e/p) elsewhere; dδ is chosen so that the sum holds.
 //!
-//! An active set, which guesses the elements in contact and corrects the guess, would be cheaper by two, but it cycles if the
-//! delayed compliance is ten times the instantaneous one: where the load has just been the surface yields more than under it.
+//! An active-set method, which guesses the elements in contact and corrects the guess, would cost
+//! half as much. It cycles if the delayed compliance is ten times the instantaneous one, since the
+//! surface then yields more behind the load than under it.
 //!
 //! Sources: M. Kojima, N. Megiddo, T. Noma and A. Yoshise, *A Unified Approach to Interior Point
-//! Algorithms for Linear Complementarity Problems* (1991); Keller, Gould and Wathen, SIAM J. Matrix Anal. Appl. 21
-//! (2000) 1300, for the constraint in the preconditioner.
+//! Algorithms for Linear Complementarity Problems* (1991); Keller, Gould and Wathen, SIAM J. Matrix
+//! Anal. Appl. 21 (2000) 1300, for the constraint in the preconditioner.
 //!
-//! Round contacts of a/10 to a/30 take 30 to 210 products with K, f from 0.1 to 100 and l/a from 10⁻³ to 10³ (at a/16 test
-//! `a_memory_of_any_length`), where elastic ones take 6; a line of 200 elements 70 for f ≤ 1, and 740 in the worst case of f = 100.
+//! Round contacts at a/10 to a/30 take 30 to 210 products with K, for f from 0.1 to 100 and l/a
+//! from 10⁻³ to 10³ (at a/16 in the test `a_memory_of_any_length`); elastic contacts take 6. A line
+//! of 200 elements takes 70 for f ≤ 1, and 740 in the worst case of f = 100.
 
 use super::point::InteriorPoint;
 use super::{
@@ -31,19 +34,19 @@ use super::{
 use numerics::convolution::{Convolution, Spectrum};
 use numerics::gmres::Preconditioned;
 
-/// Steps after which it gives up.
+/// Limit of Newton steps.
 const MOST_STEPS: usize = 100;
 /// Smallest pressure at the start, over the mean.
 const FIRST_PRESSURE: f64 = 0.03;
 /// Smallest gap at the start, over the mean displacement.
 const FIRST_GAP: f64 = 0.1;
-/// Reduction of the linear residual.
+/// Reduction of the linear residual in GMRES.
 const REDUCTION: f64 = 0.1;
-/// Part of the way to the nearest bound that a step may go.
+/// Share of the way to the nearest bound that a step may go.
 const NEAR: f64 = 0.98;
 
 impl NormalSolver {
-    /// Solves from this pressure.
+    /// Solves, starting from this pressure.
     pub(super) fn interior_point(
         &mut self,
         distance: &[f64],
@@ -88,7 +91,7 @@ impl NormalSolver {
         })
     }
 
-    /// Lifts pressures and gaps off their bounds; the mean pressure of the contact [Pa].
+    /// Lifts pressures and gaps off their bounds; returns the mean pressure of the contact [Pa].
     fn first_point(
         &mut self,
         distance: &[f64],
@@ -117,8 +120,8 @@ impl NormalSolver {
         mean
     }
 
-    /// Makes the weighted right side towards p·e = `product` [Pa m]; root mean square of what the gaps are not those of the
-    /// pressures by, weighted too [m].
+    /// Computes the weighted right side for the target p·e = `product` [Pa m]. Returns the weighted
+    /// root mean square of the difference between the gaps and those under the pressures [m].
     fn linearise(
         &self,
         distance: &[f64],
@@ -139,7 +142,7 @@ impl NormalSolver {
         (squares / weights).sqrt()
     }
 
-    /// Finds dp, and dδ under a given load.
+    /// Solves for dp, and for dδ under a given load.
     fn find_step(
         &mut self,
         prescribed: Prescribed,
@@ -170,7 +173,7 @@ impl NormalSolver {
         progress.convolutions += 2 * achieved.steps;
     }
 
-    /// Leaves of the pressures those of elements in contact.
+    /// Sets the pressure of elements outside the contact to zero.
     fn finish(
         &mut self,
         prescribed: Prescribed,
@@ -190,7 +193,8 @@ impl NormalSolver {
 }
 
 impl InteriorPoint {
-    /// Goes the step towards p·e = `product`, as far as pressures and gaps stay positive; by how much of it.
+    /// Takes the step towards p·e = `product`, as far as pressures and gaps stay positive; returns
+    /// the share taken.
     fn advance(&mut self, pressure: &mut [f64], product: f64) -> f64 {
         let mut most = f64::INFINITY;
         for (at, p) in pressure.iter().enumerate() {
@@ -212,7 +216,7 @@ impl InteriorPoint {
     }
 }
 
-/// The system of a step.
+/// Linear system of a Newton step.
 struct System<'a> {
     flexibility: &'a mut Flexibility,
     preconditioner: &'a mut (Convolution, Spectrum),
@@ -225,7 +229,7 @@ struct System<'a> {
 }
 
 impl System<'_> {
-    /// out ≈ (K + e/p)⁻¹ x.
+    /// Sets out ≈ (K + e/p)⁻¹ x.
     fn approximate(&mut self, x: impl Fn(usize) -> f64, out: &mut [f64]) {
         let touches = |at: usize| self.stiffness[at] < self.own;
         for (at, value) in self.field.iter_mut().enumerate() {

@@ -23,8 +23,8 @@ fn roughness(amplitude: f64) -> impl Fn(f64, f64) -> f64 {
     }
 }
 
-/// The conditions of contact, with direct sums. Tolerance: ten times the iteration's residual, for
-/// the largest against the mean square.
+/// Checks the conditions of contact with direct sums. Tolerance: ten times the residual of the
+/// iteration, since the largest value is compared with a mean square.
 fn assert_contact(grid: Structured, distance: &[f64], pressure: &[f64], contact: &NormalContact) {
     let of = influence(grid.dx(), grid.dy());
     let displacement = |target: usize| -> f64 {
@@ -64,19 +64,19 @@ fn solve(
     assert!(contact.iterations <= iterations, "{} iterations", contact.iterations);
     assert!((contact.normal_force / load - 1.0).abs() < 1e-12);
     assert_contact(grid, &distance, &pressure, &contact);
-    // The approach found, prescribed, gives the same contact. Tolerance: both residuals, of which
-    // the load has a multiple.
+    // The approach found, when prescribed, gives the same contact. Tolerance: both residuals,
+    // multiplied in the load.
     let mut again = vec![0.0; grid.points()];
     let prescribed = Prescribed::Approach(contact.approach);
     let reverse = solver.solve(&distance, prescribed, &mut again).unwrap();
     assert!((reverse.normal_force / load - 1.0).abs() < 1e-7, "{}", reverse.normal_force);
-    // And its pressure as the first guess is the solution at once.
+    // With its pressure as the first guess the solver stops at once.
     let warm = solver.solve(&distance, Prescribed::Load(load), &mut pressure).unwrap();
     assert!(warm.iterations <= 1, "{} iterations", warm.iterations);
     contact
 }
 
-/// An odd number of elements each way, one of them at the origin.
+/// Grid with an odd number of elements each way, one of them at the origin.
 fn centred(nx: usize, ny: usize, dx: f64, dy: f64) -> Structured {
     let (x0, y0) = (-((nx / 2) as f64) * dx, -((ny / 2) as f64) * dy);
     Structured::contact_plane(x0, y0, dx, dy, nx, ny)
@@ -117,7 +117,7 @@ fn slender_elements_and_contacts() {
     solve(grid, |x, y| 0.01 * x * x + 5.0 * y * y, 10.0, 15);
 }
 
-/// Flat punch over the whole grid: N E*/(δ c) = π·0.366787 for a rigid square of side c, by the
+/// Flat punch over the whole grid: N E*/(δ c) = π·0.366787 for a rigid square of side c, from the
 /// capacitance of the square. Tolerance: the singular edge at 61 elements.
 #[test]
 fn flat_punch() {
@@ -171,9 +171,9 @@ fn reports_that_it_did_not_converge() {
     assert!(residual > tolerance && error.to_string().contains("did not converge"));
 }
 
-/// A bound that the pressure does not reach changes nothing, to the bit; one that it reaches holds, and
-/// the conditions of contact with it: p = p̂ only where the bodies would penetrate each other. Tolerance:
-/// ten times the iteration's residual, for the largest against the mean square.
+/// A bound above the pressure changes nothing, to the bit. A lower bound is met with the conditions
+/// of contact: p = p̂ only where the bodies would penetrate each other. Tolerance: ten times the
+/// residual of the iteration, since the largest value is compared with a mean square.
 #[test]
 fn a_bound_of_the_pressure() {
     let grid = square(41);
@@ -208,8 +208,8 @@ fn a_bound_of_the_pressure() {
     }
 }
 
-/// Under a bound far below what elasticity asks for the contact is all at the bound: its area is N/p̂.
-/// Tolerance: the free elements of its edge.
+/// Under a bound far below the elastic pressure the whole contact is at the bound and has the area
+/// N/p̂. Tolerance: the free elements at the edge.
 #[test]
 fn a_contact_that_yields_everywhere_has_the_area_of_its_load() {
     let (grid, load, bound) = (square(101), 2000.0, 1e8);

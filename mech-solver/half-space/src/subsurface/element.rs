@@ -1,4 +1,4 @@
-//! Stresses below one rectangle under uniform tractions; the equations stand in [`super`].
+//! Stresses below one rectangle under uniform tractions; see the equations in [`super`].
 
 use elastic::Stress;
 use numerics::quadrature::GAUSS_4;
@@ -7,10 +7,10 @@ use std::f64::consts::{E, PI};
 /// Distance, in units of the rectangle's longer side, from which Gauss's rule is used.
 const FAR: f64 = 16.0;
 
-/// Distance, in units of a side, up to which a point is on an edge.
+/// Distance from an edge, in units of a side, below which a point counts as on the edge.
 const ON_EDGE: f64 = 1e-9;
 
-/// Added under roots, in place of a case distinction on the edges of the rectangle [m²].
+/// Term added under roots to avoid a case distinction on the edges of the rectangle [m²].
 const TINY: f64 = 1e-300;
 
 /// Stresses by a unit of pressure, of traction along x and of traction along y.
@@ -62,10 +62,10 @@ impl Element {
     /// Stresses at (x, y) from the centre of the rectangle, z ≥ 0 below the surface [m], for unit
     /// tractions on it [-].
     ///
-    /// At z = 0 these are the limits from inside; on the edges the mean of the limits of both
-    /// sides. Λ and the other logarithm are infinite on edges and corners, where uniform tractions
-    /// end abruptly: their mean over half an element around is taken, which drops out between
-    /// neighbours of equal traction.
+    /// Values at z = 0 are the limits from inside the body; on the edges, the mean of the limits of
+    /// both sides. Λ and the other logarithm are infinite on edges and corners, where uniform
+    /// tractions end abruptly. They are replaced by their mean over half an element around the
+    /// point, which cancels between neighbours of equal traction.
     #[must_use]
     pub fn at(&self, x: f64, y: f64, z: f64) -> UnitStresses {
         let (half_x, half_y) = (0.5 * self.dx, 0.5 * self.dy);
@@ -80,7 +80,7 @@ impl Element {
         edge(x + half_x).plus(-1.0, &edge(x - half_x))
     }
 
-    /// Gauss's rule over the rectangle.
+    /// Stresses by Gauss's rule over the rectangle.
     fn by_quadrature(&self, x: f64, y: f64, z: f64) -> UnitStresses {
         let mut sum = UnitStresses::default();
         for (s, weight_x) in GAUSS_4 {
@@ -133,8 +133,8 @@ impl Element {
     }
 }
 
-/// The radial part of the stresses, −3 x_i x_j x_k/R⁵ or an antiderivative of it: the third index
-/// is the load's, and all three may be exchanged.
+/// Radial part of the stresses, −3 x_i x_j x_k/R⁵ or an antiderivative of it. The third index
+/// belongs to the load; all three may be exchanged.
 struct Radial {
     xxx: f64,
     yyy: f64,
@@ -149,7 +149,7 @@ struct Radial {
 }
 
 impl Radial {
-    /// Stresses with the `plane` parts A_xx, A_yy, A_xy of each load.
+    /// Stresses from the radial parts and the `plane` parts A_xx, A_yy, A_xy of each load.
     fn with_plane(&self, poisson_ratio: f64, plane: [[f64; 3]; 3]) -> UnitStresses {
         let Self { xxx, yyy, zzz, xxy, xyy, xxz, yyz, xzz, yzz, xyz } = *self;
         let unit = 0.5 / PI;
@@ -175,8 +175,9 @@ fn odd_logarithm(t: f64, distance: f64, across: f64) -> f64 {
     if t == 0.0 { 0.0 } else { ((distance + t.abs()) / across).ln().copysign(t) }
 }
 
-/// A coordinate and the distance from the edge where it is zero, as logarithms take it: on the edge
-/// no coordinate, and the distance whose logarithm is the mean of ln |t| over |t| < `side`/2.
+/// Coordinate and distance from the edge where the coordinate is zero, as arguments of logarithms.
+/// On the edge the coordinate is zero and the distance is the one whose logarithm is the mean of ln
+/// |t| over |t| < `side`/2.
 fn off_edge(coordinate: f64, distance: f64, side: f64) -> (f64, f64) {
     if distance < ON_EDGE * side { (0.0, 0.5 * side / E) } else { (coordinate, distance) }
 }

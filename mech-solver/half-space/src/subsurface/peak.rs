@@ -1,33 +1,37 @@
-//! Where in a body an equivalent stress is largest, found over its whole volume.
+//! Point of a body at which an equivalent stress is largest, searched over the whole volume.
 //!
-//! First below the elements' centres of a grid so coarse that a few hundred of them are loaded, whose loads are means of
-//! those that they cover, at depths from the surface to twice the contact's half size, and below the elements of the
-//! largest pressure and the largest traction, at depths of some elements: the former is where smooth contacts have it, the latter
-//! where roughness or friction has. From the three highest of these points a search goes uphill, along x, y and depth
-//! in steps that are halved where none is higher, under the loads as they are near the point and their means beyond. The
-//! stress at the place that is found is that of all loads as they are. Next to the surface only the centres of elements count.
+//! The search starts from two sets of points. The first lies below the elements' centres of a
+//! coarse grid with a few hundred loaded elements, whose loads are means over the original
+//! elements, at depths from the surface to twice the contact's half size; smooth contacts have
+//! their peak there. The second lies below the elements of the largest pressure and the largest
+//! traction, at depths of some elements; roughness or friction puts the peak there. From the three
+//! highest of these points the search climbs along x, y and depth, in steps that are halved where
+//! no neighbour is higher. It uses the original loads near the point and their means farther away.
+//! The final stress is computed from all original loads. Next to the surface only the centres of
+//! elements count.
 //!
-//! Deviation from an exhaustive search: a peak between the points that is narrower than they are apart, and lower than its
-//! surroundings at all of them, is missed.
+//! Deviation from an exhaustive search: a peak is missed if it is narrower than the spacing of the
+//! start points and all of them lie beside it.
 
 use super::{Element, Section, SurfaceLoad};
 use elastic::Stress;
 use grids::Structured;
 
-/// Elements of the coarse grid that are loaded, at most.
+/// Largest number of loaded elements in the coarse grid.
 const COARSE: usize = 400;
-/// Depths of the coarse grid, over half the larger side of what is loaded.
+/// Depths on the coarse grid, over half the larger side of the loaded rectangle.
 const DEPTHS: [f64; 12] = [0.0, 0.03, 0.08, 0.15, 0.25, 0.35, 0.45, 0.6, 0.8, 1.0, 1.4, 2.0];
-/// Depths below single elements, over their longer side.
+/// Depths below single elements, over the longer side of an element.
 const SHALLOW: [f64; 5] = [0.0, 0.5, 1.0, 2.0, 4.0];
-/// Points from which the search goes uphill.
+/// Number of points from which the search climbs.
 const STARTS: usize = 3;
-/// Loads nearer than this, in elements of the coarse grid, are taken as they are.
+/// Distance within which original loads are used, in elements of the coarse grid.
 const NEAR: f64 = 3.0;
-/// Next to the surface, within this share of an element's side, stresses are those of the elements' centres: between two elements their
-/// tractions jump, which none does that they stand for, and stresses in the surface are infinite there.
+/// Depth, as a share of an element's side, above which stresses are taken at the elements' centres.
+/// Between two elements the piecewise constant tractions jump, unlike the real ones, and stresses
+/// in the surface are infinite there.
 const ON_SURFACE: f64 = 0.5;
-/// The last step, over half the larger side of what is loaded.
+/// Last step of the search, over half the larger side of the loaded rectangle.
 const LAST_STEP: f64 = 1e-3;
 
 /// A point of a body, and its stress.
@@ -40,8 +44,9 @@ pub struct Peak {
 }
 
 impl SurfaceLoad<'_> {
-    /// The point with the largest `equivalent` stress, such as [`Stress::von_mises`]; `None` without load. A line of contact, a single
-    /// row, is looked at in the middle of its width.
+    /// Finds the point with the largest `equivalent` stress, such as [`Stress::von_mises`]; `None`
+    /// without load. For a line of contact (a single row), only the middle of the width is
+    /// searched.
     #[must_use]
     pub fn peak(&self, poisson_ratio: f64, equivalent: fn(&Stress) -> f64) -> Option<Peak> {
         let extent = Extent::of(self)?;
@@ -51,8 +56,9 @@ impl SurfaceLoad<'_> {
         search.highest(search.starts(extent.size), extent.size)
     }
 
-    /// The same below each of some patches of elements, under the loads of all of them: a patch's search does not leave the rectangle
-    /// of its elements, and begins from where its own loads alone are worst.
+    /// Finds the peak below each of several patches of elements, under the loads of all patches.
+    /// The search of a patch stays within the rectangle of the patch, and starts where the patch's
+    /// own loads alone give the highest stress.
     #[must_use]
     pub fn peaks<'b>(
         &self,
@@ -81,14 +87,14 @@ impl SurfaceLoad<'_> {
     }
 }
 
-/// The rectangle of elements outside which nothing is loaded.
+/// Smallest rectangle of elements that contains all loads.
 struct Extent {
-    /// First and last.
+    /// First and last column.
     columns: [usize; 2],
     rows: [usize; 2],
-    /// Elements that are loaded.
+    /// Number of loaded elements.
     count: usize,
-    /// Half its larger side [m].
+    /// Half the larger side [m].
     size: f64,
 }
 
@@ -112,7 +118,7 @@ impl Extent {
         Some(Self { columns, rows, count, size })
     }
 
-    /// Its sides, along x and along y [m].
+    /// Sides along x and along y [m].
     fn sides(&self, grid: &Structured) -> [[f64; 2]; 2] {
         let side = |[first, last]: [usize; 2], origin: f64, step: f64| {
             [(first as f64 - 0.5) * step + origin, (last as f64 + 0.5) * step + origin]
@@ -121,22 +127,22 @@ impl Extent {
     }
 }
 
-/// A point that has been looked at.
+/// Point that has been evaluated.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     place: [f64; 3],
     value: f64,
-    /// First steps from here along x, y and depth [m].
+    /// First steps of a search from here along x, y and depth [m].
     steps: [f64; 3],
 }
 
-/// The loads as means over blocks of elements.
+/// Loads averaged over blocks of elements.
 struct Coarse {
     grid: Structured,
     /// Elements of a block along x and along y.
     block: [usize; 2],
     first: [usize; 2],
-    /// Pressures, and tractions along x and y after each other [Pa].
+    /// Pressures, and tractions first along x, then along y [Pa].
     pressure: Vec<f64>,
     traction: Vec<f64>,
     element: Element,
@@ -192,12 +198,12 @@ struct Search<'a> {
     coarse: &'a Coarse,
     poisson_ratio: f64,
     equivalent: fn(&Stress) -> f64,
-    /// Along x and along y [m]; anywhere without.
+    /// Limits along x and along y [m]; `None` for no limits.
     within: Option<[[f64; 2]; 2]>,
 }
 
 impl Search<'_> {
-    /// Points from which to go uphill, the highest first.
+    /// Start points of the search, highest first.
     fn starts(&self, size: f64) -> Vec<Point> {
         let mut points = self.over_the_volume(size);
         points.extend(self.below_the_largest());
@@ -205,7 +211,7 @@ impl Search<'_> {
         points
     }
 
-    /// The highest point uphill from the first of these, in a contact of this size [m].
+    /// Highest point reached from the first of these starts, in a contact of this size [m].
     fn highest(&self, starts: Vec<Point>, size: f64) -> Option<Peak> {
         let found = starts.iter().take(STARTS).map(|start| self.uphill(start, LAST_STEP * size));
         let best = found.max_by(|one, other| one.value.total_cmp(&other.value))?;
@@ -213,7 +219,7 @@ impl Search<'_> {
         Some(Peak { place: best.place, stress })
     }
 
-    /// The highest points of every row of the coarse grid, under its loads.
+    /// Highest point of each row of the coarse grid, under the coarse loads.
     fn over_the_volume(&self, size: f64) -> Vec<Point> {
         let (grid, load) = (&self.coarse.grid, self.coarse.load());
         let depths = DEPTHS.map(|depth| depth * size);
@@ -258,7 +264,7 @@ impl Search<'_> {
         points
     }
 
-    /// The place itself, or next to the surface below the centre of the element that it is in.
+    /// Returns the point itself; next to the surface, the point below the centre of the element.
     fn meant(&self, [x, y, depth]: [f64; 3]) -> [f64; 3] {
         let grid = self.load.grid;
         if depth >= ON_SURFACE * grid.dx().min(grid.dy()) {
@@ -270,7 +276,7 @@ impl Search<'_> {
         [centre(x, grid.x(0), grid.dx(), grid.ni), centre(y, grid.y(0), grid.dy(), grid.nj), depth]
     }
 
-    /// Uphill from a point, to steps this small [m].
+    /// Climbs from a point until the steps are at most `last` [m].
     fn uphill(&self, start: &Point, last: f64) -> Point {
         let mixed = Mixed::around(self, start.place);
         let mut here = Point { value: mixed.value(start.place), ..*start };
@@ -305,7 +311,7 @@ impl Search<'_> {
     }
 }
 
-/// Loads as they are near a place, and their means beyond.
+/// Original loads near a point, and averaged loads farther away.
 struct Mixed<'a> {
     search: &'a Search<'a>,
     near: Vec<([f64; 3], [f64; 3])>,

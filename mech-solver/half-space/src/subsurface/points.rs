@@ -1,27 +1,34 @@
-//! Stresses at points anywhere: one by one, and on lattices of points.
+//! Stresses at arbitrary points: one by one, and on lattices of points.
 //!
-//! The corner sums of all elements are one sum over the nodes of the grid. With F the antiderivatives of [`super`] and f the load,
+//! The corner sums of all elements are one sum over the nodes of the grid. With F the
+//! antiderivatives of [`super`] and f the load,
 //!
-//! σ(x, y, z) = Σ_n w_n F(x − X_n, y − Y_n, z), w_n = f₋₋ − f₊₋ − f₋₊ + f₊₊ of the four elements around node n with the signs of their corners:
+//! σ(x, y, z) = Σ_n w_n F(x − X_n, y − Y_n, z), w_n = f₋₋ − f₊₋ − f₋₊ + f₊₊ of the four elements
+//! around node n with the signs of their corners:
 //!
-//! one evaluation a node where the load changes in both directions, none within and along the edges of uniform loads.
+//! with one evaluation per node at which the load changes in both directions; nodes inside and
+//! along the edges of uniform loads have no weight.
 //!
-//! On a lattice x × y × depths the points are taken layer by layer. Points of a layer that lie alike in their elements, at whole numbers
-//! of elements from each other, have one kernel: their stresses are a convolution of it with the loads, done by Fourier transforms. A
-//! lattice with the spacing of the elements, or a whole multiple of it, is one such set, one with half of it four. Sets of too few points for that, as of
-//! any other spacing, are summed over the nodes.
+//! On a lattice x × y × depths the points are processed layer by layer. Points of a layer at the
+//! same position in their elements share one kernel. Their stresses are a convolution of the kernel
+//! with the loads, by Fourier transforms. A lattice with the spacing of the elements, or a whole
+//! multiple of it, is one such set; a lattice with half the spacing has four. Sets of too few
+//! points, as with any other spacing, are summed over the nodes.
 //!
-//! Accuracy: both right to about 1e-13 of the largest traction, and far from the contact no better than that; [`SurfaceLoad::stresses_at`] keeps its digits there.
+//! Accuracy: both methods are right to about 1e-13 of the largest traction, and no better far from
+//! the contact. [`SurfaceLoad::stresses_at`] keeps its relative accuracy there.
 
 use super::{Element, SurfaceLoad, UnitStresses};
 use elastic::Stress;
 use grids::Structured;
 use numerics::convolution::Convolution;
 
-/// Difference of the places of points in their elements that counts as none, in elements over their number: rounding of coordinates.
+/// Difference of positions within elements that counts as zero, in elements over their number:
+/// rounding of coordinates.
 const ALIKE: f64 = 1e-12;
 
-/// Cost of an element of a convolution, in evaluations at a node: four corners of its kernel, and its share of the transforms.
+/// Cost of an element of a convolution, in evaluations at a node: four corners of the kernel, and a
+/// share of the transforms.
 const CONVOLUTION: usize = 16;
 
 /// Nodes of the grid where the load changes, with their weights for p, q_x, q_y [Pa].
@@ -32,7 +39,7 @@ pub struct Nodes {
 }
 
 impl Nodes {
-    /// Stresses of a load on a body of this Poisson's ratio [-].
+    /// Collects the nodes of a load on a body of this Poisson's ratio [-].
     #[must_use]
     pub fn of(load: &SurfaceLoad<'_>, poisson_ratio: f64) -> Self {
         let grid = load.grid;
@@ -58,7 +65,7 @@ impl Nodes {
         Self { element, nodes }
     }
 
-    /// Number of points.
+    /// Number of nodes.
     #[must_use]
     pub fn count(&self) -> usize {
         self.nodes.len()
@@ -90,8 +97,8 @@ impl SurfaceLoad<'_> {
         let layer = xs.len() * ys.len();
         let mut stresses = vec![Stress::default(); layer * depths.len()];
         let Some(loaded) = Loaded::of(self) else { return stresses };
-        let alike = |values: &[f64], first: f64, side: f64| -> Vec<Alike> {
-            Alike::sets(values.iter().map(|value| (value - first) / side))
+        let alike = |values: &[f64], first: f64, side: f64| -> Vec<CoordinateClass> {
+            CoordinateClass::sets(values.iter().map(|value| (value - first) / side))
         };
         let columns = alike(xs, loaded.origin[0], nodes.element.dx);
         let rows = alike(ys, loaded.origin[1], nodes.element.dy);
@@ -118,13 +125,13 @@ impl SurfaceLoad<'_> {
     }
 }
 
-/// The rectangle of elements outside which nothing is loaded.
+/// Smallest rectangle of elements that contains all loads.
 struct Loaded {
-    /// Centre of its first element [m].
+    /// Centre of the first element [m].
     origin: [f64; 2],
     /// Elements along x and along y.
     counts: [usize; 2],
-    /// p, q_x, q_y [Pa]; empty where all is zero.
+    /// Fields p, q_x, q_y [Pa]; empty if zero everywhere.
     fields: [Vec<f64>; 3],
 }
 
@@ -150,19 +157,19 @@ impl Loaded {
     }
 }
 
-/// Coordinates that lie alike in their elements.
-struct Alike {
+/// Coordinates at the same position within their elements.
+struct CoordinateClass {
     /// Distance beyond the middle of the element, in elements.
     beyond: f64,
-    /// Place in the axis, and the element counted from the first that is loaded.
+    /// Index in the axis, and number of the element counted from the first loaded one.
     members: Vec<(usize, i32)>,
 }
 
-impl Alike {
+impl CoordinateClass {
     fn sets(values: impl Iterator<Item = f64>) -> Vec<Self> {
         let mut sets: Vec<Self> = Vec::new();
         for (place, value) in values.enumerate() {
-            // Half an element is rounded to one side, whatever its rounding.
+            // Half an element is always rounded to the same side, whatever its own rounding.
             let element = (value - ALIKE.sqrt()).round();
             let beyond = value - element;
             let near = ALIKE * value.abs().max(1.0);
@@ -175,7 +182,7 @@ impl Alike {
         sets
     }
 
-    /// First and last element of points and loads together.
+    /// First and last element of the points and loads together.
     fn range(&self, loaded: usize) -> [i32; 2] {
         let last = i32::try_from(loaded).expect("a grid in memory has fewer elements") - 1;
         let all = || self.members.iter().map(|(_, element)| *element);
@@ -183,36 +190,36 @@ impl Alike {
     }
 }
 
-/// Points of a layer that have one kernel.
+/// Points of a layer that share one kernel.
 struct Set<'a> {
-    column: &'a Alike,
-    row: &'a Alike,
+    column: &'a CoordinateClass,
+    row: &'a CoordinateClass,
 }
 
 impl Set<'_> {
-    /// Convolution of their stresses, if that is less work than sums over so many nodes.
-    fn convolution(&self, loaded: &Loaded, nodes: usize) -> Option<Convolved> {
+    /// Prepares the convolution if it is cheaper than sums over `nodes` nodes.
+    fn convolution(&self, loaded: &Loaded, nodes: usize) -> Option<LayerConvolution> {
         let ranges = [self.column.range(loaded.counts[0]), self.row.range(loaded.counts[1])];
         let counts = ranges.map(|[first, last]| last.abs_diff(first) as usize + 1);
         let points = self.column.members.len() * self.row.members.len();
         let cost = counts[0].saturating_mul(counts[1]).saturating_mul(CONVOLUTION);
-        (points.saturating_mul(nodes) > cost).then(|| Convolved::new(loaded, ranges, counts))
+        (points.saturating_mul(nodes) > cost).then(|| LayerConvolution::new(loaded, ranges, counts))
     }
 }
 
-/// Working memory for the layers of a set.
-struct Convolved {
+/// Working memory of a set for all layers.
+struct LayerConvolution {
     plan: Convolution,
     counts: [usize; 2],
-    /// Elements of the first value.
+    /// Element of the first value.
     first: [i32; 2],
-    /// p, q_x, q_y on the elements of points and loads together; empty where all is zero.
+    /// Fields p, q_x, q_y on the elements of points and loads together; empty if zero everywhere.
     fields: [Vec<f64>; 3],
     sums: [Vec<f64>; 6],
     part: Vec<f64>,
 }
 
-impl Convolved {
+impl LayerConvolution {
     fn new(loaded: &Loaded, ranges: [[i32; 2]; 2], counts: [usize; 2]) -> Self {
         let first = ranges.map(|[first, _]| first);
         let [skip_x, skip_y] = first.map(|first| first.unsigned_abs() as usize);
@@ -235,7 +242,7 @@ impl Convolved {
         }
     }
 
-    /// Stores the stresses of a layer.
+    /// Computes and stores the stresses of a layer.
     fn layer(
         &mut self,
         element: &Element,
@@ -269,8 +276,8 @@ impl Convolved {
     }
 }
 
-/// Stresses by unit loads at all offsets between elements, row after row from the most negative ones: by p, q_x and q_y, components after
-/// [`Stress::components`].
+/// Stresses by unit loads p, q_x and q_y at all offsets between elements, row after row from the
+/// most negative offsets; components as in [`Stress::components`].
 fn unit_stresses(
     element: &Element,
     beyond: [f64; 2],

@@ -1,14 +1,14 @@
 //! Stresses on a vertical section y = constant below all columns of a grid.
 //!
-//! σ(x_i, z) = Σ_j Σ_i' K(x_i − x_i', y − y_j, z) f(i', j): for each depth and row of elements a
-//! convolution along x, done by real Fourier transforms of length P ≥ 2 n_x − 1. The rows' results
-//! are added in Fourier space, so that a depth takes six transforms back. With the stresses of one
-//! load, those even in x and those odd in x, two share a transform: that of an even sequence is
-//! real, of an odd one imaginary. Four transforms then give the six stresses, as the sums
-//! xx + xy, yy + xz, and zz and yz alone, for each of the three loads.
+//! σ(x_i, z) = Σ_j Σ_i' K(x_i − x_i', y − y_j, z) f(i', j): for each depth and row of elements this
+//! is a convolution along x, done by real Fourier transforms of length P ≥ 2 n_x − 1. The results
+//! of the rows are added in Fourier space, so that a depth takes six inverse transforms. A stress
+//! even in x and a stress odd in x by the same load share a transform, since the transform of an
+//! even sequence is real and that of an odd one imaginary. Four transforms, of the sums xx + xy,
+//! yy + xz, and of zz and yz alone, then give the six stresses for each of the three loads.
 //!
-//! Where y is halfway between rows or on one, rows at ±(y − y_j) have the same kernels but for
-//! signs: they are taken together, by sums and differences of their loads.
+//! Where y lies on a row or halfway between rows, rows at ±(y − y_j) have the same kernels except
+//! for signs, and are combined by sums and differences of their loads.
 //!
 //! Corners are shared: the antiderivatives on an edge line between two rows are evaluated once.
 
@@ -20,18 +20,19 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Distance from half a row, in rows, up to which y counts as symmetric to the rows: rounding of y_j.
+/// Distance from half a row, in rows, within which y counts as symmetric to the rows: rounding of
+/// y_j.
 const SYMMETRIC: f64 = 1e-10;
 
 /// Kinds of load: q_x, q_y.
 const ALONG_X: usize = 1;
 const ALONG_Y: usize = 2;
 
-/// Components that share a transform: the first is even in x and the second odd, under q_x the
-/// reverse. Numbered as in [`Stress::components`].
+/// Components that share a transform: the first is even in x and the second odd, and the reverse
+/// under q_x. Numbers follow [`Stress::components`].
 const PAIRS: [(usize, Option<usize>); 4] = [(0, Some(5)), (1, Some(4)), (2, None), (3, None)];
 
-/// Components that are odd in y, under q_y the others.
+/// Components that are odd in y; under q_y the other components are.
 const ODD_IN_Y: [bool; 6] = [false, false, false, true, false, true];
 
 /// Rows of elements whose distance |y − y_j| is the same.
@@ -42,7 +43,7 @@ struct EquidistantRows {
     members: Vec<(usize, f64)>,
 }
 
-/// Work done for one section.
+/// Cost of the stresses on one section.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SectionCost {
     /// Corners at which antiderivatives were evaluated.
@@ -66,15 +67,15 @@ pub struct Section {
     scratch: Vec<Complex64>,
     /// Transformed sums and differences of the loads of `rows`, for p, q_x, q_y.
     loads: [[Vec<Complex64>; 2]; 3],
-    /// Loads in use of each of `rows`.
+    /// Load components in use, for each of `rows`.
     active: Vec<[bool; 3]>,
-    /// Antiderivatives on the lower and upper edge line of the row in work, and their keys.
+    /// Antiderivatives on the lower and upper edge line of the current row, and their keys.
     edges: [(Option<i64>, Vec<UnitStresses>); 2],
-    /// Unit stresses by p, q_x, q_y at offsets 0..ni of the row in work.
+    /// Unit stresses by p, q_x, q_y at offsets 0..ni of the current row.
     kernels: Vec<[[f64; 6]; 3]>,
-    /// Transformed stresses of the depth in work, components after [`Stress::components`].
+    /// Transformed stresses of the current depth; components as in [`Stress::components`].
     sums: [Vec<Complex64>; 6],
-    /// The stresses themselves.
+    /// Stresses of the current depth.
     lines: [Vec<f64>; 6],
     effort: SectionCost,
 }
@@ -87,8 +88,8 @@ impl std::fmt::Debug for Section {
 }
 
 impl Section {
-    /// A section at `y` [m] with points below the centres of all columns of a contact-plane grid,
-    /// at `depths` ≥ 0 [m], in a body of the given Poisson's ratio [-].
+    /// Creates a section at `y` [m], with points below the centres of all columns of a
+    /// contact-plane grid, at `depths` ≥ 0 [m], in a body of the given Poisson's ratio [-].
     ///
     /// # Panics
     /// If the grid is empty, `y` not finite, or a depth negative or not finite.
@@ -135,8 +136,8 @@ impl Section {
         self.grid.ni * self.depths.len()
     }
 
-    /// Stresses under a load [Pa], point (i, d) at index d·ni + i. Rows and kinds of load that are
-    /// zero cost nothing.
+    /// Computes the stresses under a load [Pa]; point (i, d) has the index d·ni + i. Rows and load
+    /// components that are zero cost nothing.
     ///
     /// # Panics
     /// If the load is on another grid or `output` has another length than [`Section::points`].
@@ -145,8 +146,8 @@ impl Section {
         self.solve(load, |index, stress| output[index] = stress)
     }
 
-    /// Equivalent stress of von Mises and largest shear stress under a load [Pa], in the order of
-    /// [`Section::stresses`], with the stresses that there are `besides`, if any.
+    /// Computes the von Mises stress and the largest shear stress under a load [Pa], in the order
+    /// of [`Section::stresses`]. The stresses `besides`, if any, are added first.
     ///
     /// # Panics
     /// If the load is on another grid or a slice has another length than [`Section::points`].
@@ -217,7 +218,7 @@ impl Section {
         }
     }
 
-    /// Adds up the transformed stresses at a depth by all rows.
+    /// Sums the transformed stresses at a depth over all rows.
     fn sum_rows(&mut self, depth: f64) {
         self.sums.iter_mut().for_each(|sum| sum.fill(Complex64::default()));
         self.edges.iter_mut().for_each(|edge| edge.0 = None);
@@ -235,7 +236,7 @@ impl Section {
         }
     }
 
-    /// Unit stresses by an element of the rows with this key, over P.
+    /// Unit stresses by an element of the rows with this key, divided by the transform length P.
     fn unit_stresses(&mut self, key: i64, depth: f64) {
         if self.edges[1].0 == Some(key - 1) {
             self.edges.swap(0, 1);
@@ -264,7 +265,7 @@ impl Section {
         self.effort.corners += self.grid.ni + 1;
     }
 
-    /// Adds the effect of one kind of load on a set of rows to one or two components.
+    /// Adds the effect of one load component on a set of rows to one or two stress components.
     fn add_pair(&mut self, place: usize, kind: usize, (first, second): (usize, Option<usize>)) {
         let first_even = kind != ALONG_X;
         let mirrored = if first_even { 1.0 } else { -1.0 };
@@ -300,7 +301,7 @@ impl Section {
     /// Transforms the stresses of a depth back.
     fn transform_back(&mut self) {
         for (sum, output) in self.sums.iter_mut().zip(&mut self.lines) {
-            // Zero but for rounding; the plan insists on it.
+            // The imaginary parts are zero except for rounding; the plan requires exact zeros.
             sum[0].im = 0.0;
             sum.last_mut().expect("a spectrum is not empty").im = 0.0;
             self.inverse
@@ -312,7 +313,7 @@ impl Section {
     }
 }
 
-/// Rows by their distance from `y`, nearest or lowest first, and the distance of key 0.
+/// Rows by distance from `y`, nearest or lowest first, and the distance of key 0.
 fn distances(grid: &Structured, y: f64) -> (Vec<EquidistantRows>, f64) {
     let from_first = y - grid.y(0);
     let halves = 2.0 * from_first / grid.dy();

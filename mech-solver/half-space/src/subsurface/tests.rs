@@ -13,7 +13,7 @@ fn largest(stress: &Stress) -> f64 {
     stress.components().into_iter().fold(0.0, |max, value| value.abs().max(max))
 }
 
-/// Reproducible values in (−1, 1) without a pattern.
+/// Reproducible pseudo-random values in (−1, 1).
 fn noise(len: usize, seed: u64) -> Vec<f64> {
     let mut state = seed;
     let mut next = || {

@@ -1,17 +1,20 @@
-//! Stresses inside a half-space that is warm, moves steadily past its heat and is free of tractions.
+//! Thermal stresses inside a half-space that moves steadily past a heat source and is free of
+//! tractions.
 //!
-//! Frame of [`super`]: z is the depth, and the material moves towards −x at the speed V. The rise ϑ satisfies
-//! −V ∂ϑ/∂x = κ ∇²ϑ, so that a wave e^{i(k_x x + k_y y)} of it decays as e^{−γz},
+//! Frame of [`super`]: z is the depth, and the material moves towards −x at the speed V. The rise ϑ
+//! satisfies −V ∂ϑ/∂x = κ ∇²ϑ, so that its wave e^{i(k_x x + k_y y)} decays as e^{−γz},
 //!
 //! γ² = k² − i k_x V/κ, k² = k_x² + k_y²,
 //!
-//! and follows from its integral Ŵ = ∫ϑ̂ e^{−kz} dz, which is what raises the surface: ϑ̂ = (γ + k) Ŵ e^{−γz}. Goodier's potential
-//! of the displacement, ∇²φ = m ϑ with m = α(1 + ν)/(1 − ν), is chosen to vanish at the surface, φ̂ = m F:
+//! and follows from the integral Ŵ = ∫ϑ̂ e^{−kz} dz as ϑ̂ = (γ + k) Ŵ e^{−γz}. The same integral
+//! determines the thermal displacement of the surface. Goodier's potential of the displacement,
+//! ∇²φ = m ϑ with m = α(1 + ν)/(1 − ν), is chosen to vanish at the surface, φ̂ = m F:
 //!
 //! F = Ŵ (e^{−γz} − e^{−kz})/(γ − k).
 //!
-//! It leaves the surface shear σ_nz = −i k Ŵ S, S = Eα/(1 − ν), along the direction n of the wave, and no pressure; Airy's function
-//! −S Ŵ z e^{−kz} takes that away. With H = F + Ŵ z e^{−kz} and t across the wave the sum is
+//! This potential leaves a surface shear σ_nz = −i k Ŵ S, S = Eα/(1 − ν), along the direction n of
+//! the wave, and no pressure. Airy's function −S Ŵ z e^{−kz} cancels the shear. With H = F + Ŵ z
+//! e^{−kz} and t across the wave the sum is
 //!
 //! | stress over S | |
 //! |---|---|
@@ -20,15 +23,18 @@
 //! | σ_zz | k²H |
 //! | σ_nz | −ik(γH − (γ − k)Ŵ z e^{−kz}) |
 //!
-//! In a skin that is thin against the waves σ_nn = σ_tt = −Sϑ; at rest H = 0, and a steady temperature leaves no stress but σ_tt.
+//! In a skin that is thin against the waves σ_nn = σ_tt = −Sϑ. At rest H = 0, and a steady
+//! temperature leaves only the stress σ_tt.
 //!
-//! The integrals are those of the elements of a grid, the waves along x all those that the grid resolves, as an integral over k_x and not as
-//! a series: the wake of a periodic image would reach the contact. Behind the grid W goes on as a wake that falls over fifty times its
-//! length: heat that has come in stays, while material is fast. Across, the grid repeats with as much room again. Waves near the surface are exact, as far as the means
-//! of elements are: a rise that varies within an element is smoothed.
+//! The integrals Ŵ come from the elements of a grid. Along x all waves that the grid resolves are
+//! integrated over k_x; a series would add periodic images whose wake reaches the contact. Behind
+//! the grid W continues as a wake that decays over fifty times the length of the grid, since fast
+//! material keeps the heat. Across, the grid repeats with as much free space again. Waves near the
+//! surface are exact within the means over elements: variations of the rise within an element are
+//! smoothed.
 //!
-//! Source: J. N. Goodier, Phil. Mag. 23 (1937) 1017–1032; J. R. Barber, *Elasticity* (2010), ch. 22 and 23. Deviation: the rise is written by W.
-//! Assumes steady motion and one diffusivity.
+//! Source: J. N. Goodier, Phil. Mag. 23 (1937) 1017–1032; J. R. Barber, *Elasticity* (2010), ch. 22
+//! and 23. Deviation: the rise is expressed by W. Assumes steady motion and uniform diffusivity.
 
 use elastic::Stress;
 use grids::Structured;
@@ -38,7 +44,7 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// A body that is warm.
+/// Heated body in motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WarmBody {
     /// Young's modulus E [Pa].
@@ -53,44 +59,47 @@ pub struct WarmBody {
     pub speed: f64,
 }
 
-/// Integrals W of the rise over the depth, which the elements of a grid have [K·m].
+/// Integrals W of the temperature rise over the depth, one for each element of a grid [K·m].
 #[derive(Clone, Copy, Debug)]
 pub struct RiseIntegral<'a> {
-    /// The grid, along x in i and along y in j.
+    /// Grid, along x in i and along y in j.
     pub grid: &'a Structured,
-    /// A value for each element.
+    /// One value for each element.
     pub values: &'a [f64],
 }
 
-/// Length of the wake in which W falls to 1/e, over that of the grid.
+/// Length over which W falls to 1/e in the wake, over the length of the grid.
 const WAKE: f64 = 50.0;
 
-/// Phase of a panel of the rule, over the largest distance between a heated place and one of the section.
+/// Width of a quadrature panel in k_x, times the largest distance between a heated point and a
+/// point of the section.
 const PHASE: f64 = 10.0;
 
-/// Panels towards k_x = 0, each a quarter of the one before: there the waves vary like √k_x.
+/// Number of panels towards k_x = 0, each a quarter of the previous one: waves vary like √k_x
+/// there.
 const FINER: i32 = 12;
 
-/// Distances between depths that count as equal, over the depth.
+/// Relative difference below which spacings of depths count as equal.
 const EQUAL: f64 = 1e-12;
 
-/// Decay, in powers of e, beyond which a wave is left out.
+/// Exponent of the decay beyond which a wave is neglected.
 const FAINT: f64 = 36.0;
 
 impl WarmBody {
-    /// Thermal stress Eα/(1 − ν) of a plate that may not stretch, for a kelvin [Pa/K].
+    /// Thermal stress per kelvin Eα/(1 − ν) of a plate whose expansion is prevented [Pa/K].
     #[must_use]
     pub fn stress_per_kelvin(&self) -> f64 {
         self.youngs_modulus * self.expansion / (1.0 - self.poisson_ratio)
     }
 
-    /// Decay of a wave: its length, and γ.
+    /// Wave number k and decay constant γ of a wave [1/m].
     pub(super) fn decay(&self, [kx, ky]: [f64; 2]) -> (f64, Complex64) {
         let k = kx.hypot(ky);
         (k, Complex64::new(k * k, -kx * self.speed / self.diffusivity).sqrt())
     }
 
-    /// Stresses over Eα/(1 − ν) by a wave Ŵ = 1 at a depth z, with its decays there e^{−kz} and e^{−γz}.
+    /// Stresses over Eα/(1 − ν) by a wave Ŵ = 1 at a depth z, where the decays are e^{−kz} and
+    /// e^{−γz}.
     pub(super) fn wave(
         &self,
         (k, gamma): (f64, Complex64),
@@ -113,10 +122,11 @@ impl WarmBody {
         }
     }
 
-    /// Stresses [Pa] in a section at `y` [m] below the places `xs` [m], at `depths` > 0 [m], depth after depth.
+    /// Stresses [Pa] in a section at `y` [m] below the points `xs` [m], at `depths` > 0 [m], depth
+    /// after depth.
     ///
     /// # Panics
-    /// If a length is not that of the grid.
+    /// If a length does not match the grid.
     #[must_use]
     pub fn stresses(
         &self,
@@ -153,7 +163,7 @@ impl WarmBody {
         stresses.into_iter().map(tensor).collect()
     }
 
-    /// Adds the stresses by the waves at ±k_y, whose sum and difference are given.
+    /// Adds the stresses by the waves at ±k_y; `even` and `odd` are their sum and difference.
     fn add(
         &self,
         [kx, ky]: [f64; 2],
@@ -164,7 +174,7 @@ impl WarmBody {
         let (k, gamma) = self.decay([kx, ky]);
         let (cx, cy) = (kx / k, ky / k);
         let decays = |z: f64| ((-k * z).exp(), (-gamma * z).exp());
-        // Depths mostly follow each other at one distance.
+        // Decays are reused, as depths mostly have equal spacing.
         let (mut last, mut there) = (0.0, (1.0, Complex64::ONE));
         let (mut step, mut over) = (0.0, there);
         for (&z, [xx, yy, zz, yz, xz, xy]) in depths.iter().zip(sums) {
@@ -188,12 +198,12 @@ impl WarmBody {
     }
 }
 
-/// Stresses over Eα/(1 − ν) that a wave Ŵ = 1 makes at a depth.
+/// Stresses over Eα/(1 − ν) at a depth by a wave Ŵ = 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     /// Normal stress along the wave.
     pub(super) along: Complex64,
-    /// Normal stress across it.
+    /// Normal stress across the wave, parallel to the surface.
     pub(super) across: Complex64,
     /// Normal stress along the depth.
     pub(super) down: Complex64,
@@ -217,10 +227,10 @@ fn rule(reach: f64, finest: f64) -> impl Iterator<Item = (f64, f64)> {
     })
 }
 
-/// The integrals as waves.
+/// Integrals W as waves.
 struct Sources<'a> {
     heat: &'a RiseIntegral<'a>,
-    /// Rows, the empty ones included that separate the repetitions.
+    /// Number of rows, including the empty rows that separate the repetitions.
     rows: usize,
     /// Distance of the section from the first row [m].
     from_first: f64,
@@ -231,7 +241,7 @@ impl<'a> Sources<'a> {
     fn new(heat: &'a RiseIntegral<'a>, y: f64) -> Self {
         let grid = heat.grid;
         assert_eq!(heat.values.len(), grid.points(), "integrals on the grid");
-        // A single row stands for all places across.
+        // A single row represents a load that is uniform across.
         let rows = if grid.nj == 1 { 1 } else { smooth_size(2 * grid.nj) };
         let transform = FftPlanner::new().plan_fft_forward(rows);
         Self { heat, rows, from_first: y - grid.y(0), transform }
@@ -241,14 +251,15 @@ impl<'a> Sources<'a> {
         vec![Complex64::default(); self.rows]
     }
 
-    /// Largest distance along x between a heated place and one of the section [m].
+    /// Largest distance along x between a heated point and a point of the section [m].
     fn reach(&self, xs: &[f64]) -> f64 {
         let grid = self.heat.grid;
         let ends = [grid.x(0), grid.x(grid.ni - 1)];
         xs.iter().flat_map(|x| ends.map(|end| (x - end).abs())).fold(grid.dx(), f64::max)
     }
 
-    /// The waves of this length along x, one for each l of the waves across, with the origin in the first row.
+    /// Waves with the wave number k_x along x, one for each wave l across, with the origin in the
+    /// first row.
     fn along(&self, kx: f64, rows: &mut [Complex64]) {
         let grid = self.heat.grid;
         let step = Complex64::from_polar(1.0, -kx * grid.dx());
@@ -257,7 +268,7 @@ impl<'a> Sources<'a> {
         for column in 1..grid.ni {
             phases[column] = phases[column - 1] * step;
         }
-        // The first column stands for itself and for the wake behind it, a geometric series.
+        // The first column also carries the wake behind the grid, a geometric series.
         phases[0] = first / (1.0 - step.conj() * (-1.0 / (WAKE * grid.ni as f64)).exp());
         rows.fill(Complex64::default());
         for (row, values) in rows.iter_mut().zip(self.heat.values.chunks_exact(grid.ni)) {
@@ -266,7 +277,8 @@ impl<'a> Sources<'a> {
         self.transform.process(rows);
     }
 
-    /// Waves across, k_y ≥ 0, with the sum and the difference of those at k_y and −k_y in the section.
+    /// Waves across, k_y ≥ 0, each with the sum and the difference of the waves at k_y and −k_y in
+    /// the section.
     fn waves<'b>(
         &'b self,
         rows: &'b [Complex64],

@@ -1,25 +1,29 @@
-//! A prescribed force where Newton's method does not end that has its creepage among the unknowns.
+//! Fallback for a prescribed force, used when Newton's method with the creepage as an unknown
+//! fails.
 //!
-//! The force falls as its creepage grows, F'(c) ≤ 0. Where next to nothing adheres it does so in steps, on whose treads
-//! Newton's method learns nothing of the creepage: a line of different bodies that roll freely under little friction
-//! slips forwards in its middle and backwards beside it, and elements change from the one to the other one by one.
-//! Between two creepages whose forces are on either side there is the one looked for: secants through both ends, or
-//! their middle where the secant before has not halved their distance, each a problem whose creepages are all known.
+//! The force falls as its creepage grows, F'(c) ≤ 0. If almost nothing adheres, it falls in steps,
+//! and on their flat parts Newton's method has no slope for the creepage. Example: a line contact
+//! of different bodies in free rolling under little friction slips forwards in its middle and
+//! backwards beside it, and elements switch between both one by one. The creepage lies between two
+//! creepages with forces on either side of the prescribed one. Each step takes the secant through
+//! both ends, or the midpoint if the previous secant did not halve the interval. Each problem has
+//! known creepages.
 
 use super::newton::{Effort, NotConverged, TangentialSolver};
 use super::problem::Problem;
 use super::state::TangentialState;
 
-/// Solves at most, of those that look for the other side and of those between: halving alone takes 50 to rounding.
+/// Limit of solves, to bracket the creepage and to narrow the bracket: halving alone takes 50 to
+/// rounding.
 const MOST_SOLVES: usize = 100;
 /// First step, as a share of the creepage.
 const STEP: f64 = 1e-3;
 
 impl TangentialSolver {
-    /// Solves for the force of component `k` alone, from the given state, near its creepage.
+    /// Solves for the force of component `k` alone, starting from the given state and its creepage.
     ///
     /// # Errors
-    /// A problem of given creepages did not converge, or no creepage has the force.
+    /// A problem of given creepages does not converge, or no creepage carries the force.
     pub fn solve_by_bracket(
         &mut self,
         problem: &Problem,
@@ -30,7 +34,7 @@ impl TangentialSolver {
         let Some(wanted) = problem.wanted else { return self.solve(problem, state, tolerance) };
         let given = Problem { wanted: None, ..*problem };
         let mut effort = Effort::default();
-        // What the force lacks grows with its creepage; [creepage, lack] of both sides.
+        // The missing force grows with its creepage; both sides hold [creepage, missing force].
         let [mut below, mut above]: [Option<[f64; 2]>; 2] = [None; 2];
         let unit = if k == 2 { wanted.length.recip() } else { 1.0 };
         let mut step = (STEP * state.creepage[k].abs()).max(wanted.creepage * unit);

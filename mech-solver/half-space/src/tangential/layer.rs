@@ -1,25 +1,26 @@
-//! A layer that yields, over the elements of a problem.
+//! Yielding layer over the elements of a problem.
 //!
-//! In a shift, and in a step of transient rolling, the plastic shift κ' before the step is known. In steady rolling it is what a particle has
-//! gathered on its way from the front, Σ λ of the elements upstream in its row, so that the bound of an element changes with the slip of
-//! those ahead of it too.
+//! In a shift, and in a step of transient rolling, the plastic shift κ' before the step is known.
+//! In steady rolling it is the shift that a particle has accumulated since the leading edge, Σ λ of
+//! the elements upstream in its row. The bound of an element then also depends on the slip of the
+//! elements ahead.
 
 use super::state::{ElementState, TangentialState};
-use crate::yielding::{Carried, Yield};
+use crate::yielding::{SliderState, Yield};
 
-/// A layer that yields.
+/// Layer that yields.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
-    /// Its law.
+    /// Law of the yield stress.
     pub law: Yield,
     /// Plastic shift κ' of every element before the step [m]; `None` in steady rolling.
     pub before: Option<&'a [f64]>,
 }
 
 impl Layer<'_> {
-    /// Takes tractions that a step has changed to what friction and the layer let them be, row by row from the front. What adhered and
-    /// is beyond its bound slips from now on: of a layer that hardens by as much as its own compliance `own` [m/Pa] gives back. How many
-    /// elements that are.
+    /// Limits the tractions after a step to friction and the layer, row by row from the leading
+    /// edge. Elements of adhesion beyond their bound begin to slip; on a hardening layer, by as
+    /// much as their own compliance `own` [m/Pa] gives back. Returns the number of these elements.
     pub(super) fn yield_to(
         &self,
         nx: usize,
@@ -64,14 +65,15 @@ impl Layer<'_> {
     }
 }
 
-/// States of both sliders of every element.
+/// States of the two sliders of every element.
 #[derive(Debug, Default)]
 pub(super) struct Sliders {
-    pub(super) carried: Vec<Carried>,
+    pub(super) carried: Vec<SliderState>,
 }
 
 impl Sliders {
-    /// Follows the slips of a state, row by row from the front; its plastic shifts become those that belong to them.
+    /// Updates the sliders from the slips of a state, row by row from the leading edge, and sets
+    /// the plastic shifts of the state.
     pub(super) fn follow(
         &mut self,
         layer: &Layer<'_>,
@@ -80,7 +82,7 @@ impl Sliders {
         state: &mut TangentialState,
     ) {
         let count = friction.len();
-        self.carried.resize(count, Carried::default());
+        self.carried.resize(count, SliderState::default());
         for values in [&mut state.plastic, &mut state.yielded] {
             values.resize(count, 0.0);
         }
@@ -99,7 +101,7 @@ impl Sliders {
         }
     }
 
-    /// Makes the tractions of the slip area those that its slip leaves.
+    /// Sets the tractions of the slip area to their bounds after the slip.
     pub(super) fn begin(&self, state: &mut TangentialState) {
         let [px, py] = &mut state.traction;
         for (index, element) in state.element.iter().enumerate() {
@@ -112,7 +114,7 @@ impl Sliders {
     }
 }
 
-/// The slip of an element against its traction [m]; 0 where it adheres.
+/// Slip of an element against its traction [m]; 0 in adhesion.
 fn against(state: &TangentialState, index: usize) -> f64 {
     if state.element[index] != ElementState::Slip {
         return 0.0;

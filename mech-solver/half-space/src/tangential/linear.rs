@@ -1,26 +1,27 @@
-//! The linear system of a Newton step, bordered by the creepages that are unknown.
+//! The linear system of a Newton step, bordered by the unknown creepages.
 //!
 //! Unknown are the steps dp of the tractions, both components in the adhesion area and across the
 //! traction in the slip area, and the steps dc of the creepages whose forces F* are prescribed:
 //!
 //! K dp + W dc = −S,  G dp = F* − F,
 //!
-//! with K the linearised slip, W the rigid slip of unit creepages and G the sums that make forces of
-//! tractions. With P an approximate inverse of K (that of [`SlipOperator`] in the adhesion area, the
+//! with K the linearised slip, W the rigid slip of unit creepages and G the sums from tractions to
+//! forces. With P an approximate inverse of K (that of [`SlipOperator`] in the adhesion area, the
 //! diagonal in the slip area) the constraint preconditioner
 //!
 //! dc = (G P W)⁻¹ (G P r − f),  dp = P r − P W dc
 //!
-//! meets G dp = f exactly, whatever P is. GMRES so runs over steps that leave the forces alone, from
-//! one that makes the forces what they have to be.
+//! meets G dp = f exactly for any P. GMRES therefore searches among steps that do not change the
+//! forces, starting from a step that meets the forces.
 //!
-//! Under a layer that yields the size of a traction in the slip area is unknown besides, dp·n along the traction: with g(λ) the bound after
-//! the slip λ = −n·S and the plastic shift κ' before,
+//! On a yielding layer the size of a traction in the slip area is unknown too, dp·n along the
+//! traction. With the bound g(λ) after the slip λ = −n·S and the plastic shift κ' before,
 //!
 //! dn − g' (dκ' + dλ) = g − |p|,  dλ = −n·(B dp + W dc),
 //!
-//! where κ' of steady rolling is what the elements ahead have gathered, dκ = dκ' + dλ of those that flow. The row is scaled by
-//! A/(1 + |g'| A), A the slip of an element by its own traction.
+//! where in steady rolling κ' is accumulated over the elements ahead, dκ = dκ' + dλ in elements
+//! that flow. The row is scaled by A/(1 + |g'| A), with A the slip of an element by its own
+//! traction.
 //!
 //! Source: Keller, Gould and Wathen, SIAM J. Matrix Anal. Appl. 21 (2000) 1300, for the
 //! preconditioner.
@@ -29,16 +30,16 @@ use super::layer::Sliders;
 use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
 use crate::slip_operator::SlipOperator;
-use crate::yielding::Carried;
+use crate::yielding::SliderState;
 use nalgebra::{Matrix3, Vector3};
 use numerics::gmres::Preconditioned;
 
-/// The preconditioner takes no smaller diagonal than this for sizes that fall with the slip.
+/// Smallest diagonal in the preconditioner for bounds that fall with the slip.
 const LEAST_DIAGONAL: f64 = 0.1;
 
 /// An element of the slip area.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
+pub(super) struct SlipDirectionUnknown {
     pub(super) index: usize,
     /// Unit vector across the traction.
     pub(super) across: [f64; 2],
@@ -46,24 +47,25 @@ pub(super) struct Turn {
     stiffness: f64,
 }
 
-/// The size of a traction in the slip area that changes with the slip.
+/// Size of a traction in the slip area, if it changes with the slip.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Along {
+pub(super) struct SlipMagnitudeUnknown {
     pub(super) index: usize,
     /// Unit vector along the traction.
     pub(super) direction: [f64; 2],
-    carried: Carried,
+    carried: SliderState,
     /// g − |p| [Pa].
     pub(super) lack: f64,
 }
 
-/// The unknown tractions: of the adhesion area along x, then along y, then of the slip area across, and along where sizes change.
+/// Unknown tractions: in the adhesion area along x, then along y; in the slip area across the
+/// traction, and along it if sizes change.
 #[derive(Debug, Default)]
 pub(super) struct Unknowns {
     pub(super) sticking: Vec<usize>,
-    pub(super) slipping: Vec<Turn>,
-    pub(super) yielding: Vec<Along>,
-    /// Elements of a row along which plastic shifts gather.
+    pub(super) slipping: Vec<SlipDirectionUnknown>,
+    pub(super) yielding: Vec<SlipMagnitudeUnknown>,
+    /// Number of elements in a row, if plastic shifts accumulate along rows.
     pub(super) gathers: Option<usize>,
 }
 
@@ -72,7 +74,8 @@ impl Unknowns {
         2 * self.sticking.len() + self.slipping.len() + self.yielding.len()
     }
 
-    /// Takes the elements of a state under its bound, or under that of sliders in the place of the bound.
+    /// Chooses the unknowns from the states of the elements, under `bound` or under the bound of
+    /// the sliders.
     pub(super) fn choose(
         &mut self,
         state: &TangentialState,
@@ -94,27 +97,32 @@ impl Unknowns {
                         let direction = [px[index] / g, py[index] / g];
                         let carried = sliders.carried[index];
                         let lack = carried.bound - g;
-                        self.yielding.push(Along { index, direction, carried, lack });
+                        self.yielding.push(SlipMagnitudeUnknown {
+                            index,
+                            direction,
+                            carried,
+                            lack,
+                        });
                     }
                     let across = [-py[index] / g, px[index] / g];
                     let stiffness = sx[index].hypot(sy[index]) / g;
-                    self.slipping.push(Turn { index, across, stiffness });
+                    self.slipping.push(SlipDirectionUnknown { index, across, stiffness });
                 }
             }
         }
     }
 
-    /// The values of a vector field at the unknowns.
+    /// Values of a vector field at the unknowns.
     pub(super) fn restrict(&self, field: impl Fn(usize) -> [f64; 2], out: &mut Vec<f64>) {
         out.clear();
         out.extend(self.sticking.iter().map(|at| field(*at)[0]));
         out.extend(self.sticking.iter().map(|at| field(*at)[1]));
-        let across = |Turn { index, across, .. }: &Turn| {
+        let across = |SlipDirectionUnknown { index, across, .. }: &SlipDirectionUnknown| {
             let [x, y] = field(*index);
             across[0] * x + across[1] * y
         };
         out.extend(self.slipping.iter().map(across));
-        let along = |Along { index, direction, .. }: &Along| {
+        let along = |SlipMagnitudeUnknown { index, direction, .. }: &SlipMagnitudeUnknown| {
             let [x, y] = field(*index);
             direction[0] * x + direction[1] * y
         };
@@ -125,8 +133,10 @@ impl Unknowns {
     fn follow_slip(&self, own: f64, slips: &mut [f64]) {
         let mut gathered = 0.0;
         let mut row = None;
-        for (Along { index, carried, .. }, slip) in self.yielding.iter().zip(slips).rev() {
-            let Carried { slope, passes, grows, .. } = *carried;
+        for (SlipMagnitudeUnknown { index, carried, .. }, slip) in
+            self.yielding.iter().zip(slips).rev()
+        {
+            let SliderState { slope, passes, grows, .. } = *carried;
             let this = self.gathers.map(|columns| index / columns);
             if this.is_none() || this != row {
                 gathered = 0.0;
@@ -138,14 +148,15 @@ impl Unknowns {
         }
     }
 
-    /// The right side of the sizes.
+    /// Right side of the rows for the sizes.
     pub(super) fn lacks(&self, own: f64, out: &mut [f64]) {
-        for (Along { carried, lack, .. }, out) in self.yielding.iter().zip(out) {
+        for (SlipMagnitudeUnknown { carried, lack, .. }, out) in self.yielding.iter().zip(out) {
             *out = scale(own, carried.slope) * lack;
         }
     }
 
-    /// The values of the adhesion area over `unit` as a vector field, zero elsewhere.
+    /// Writes values of the adhesion area, divided by `unit`, into a vector field that is zero
+    /// elsewhere.
     fn spread_sticking(&self, x: &[f64], unit: f64, field: &mut [Vec<f32>; 2]) {
         let count = self.sticking.len();
         for (component, values) in field.iter_mut().zip([&x[..count], &x[count..]]) {
@@ -156,20 +167,22 @@ impl Unknowns {
         }
     }
 
-    /// The values of the slip area over `unit` as a part of a vector field.
+    /// Writes values of the slip area, divided by `unit`, into a vector field.
     fn spread_slipping(&self, x: &[f64], unit: f64, [along_x, along_y]: &mut [Vec<f32>; 2]) {
         let sizes = &x[self.slipping.len()..];
-        for (Turn { index, across, .. }, value) in self.slipping.iter().zip(x) {
+        for (SlipDirectionUnknown { index, across, .. }, value) in self.slipping.iter().zip(x) {
             along_x[*index] = (across[0] * value / unit) as f32;
             along_y[*index] = (across[1] * value / unit) as f32;
         }
-        for (Along { index, direction, .. }, value) in self.yielding.iter().zip(sizes) {
+        for (SlipMagnitudeUnknown { index, direction, .. }, value) in
+            self.yielding.iter().zip(sizes)
+        {
             along_x[*index] += (direction[0] * value / unit) as f32;
             along_y[*index] += (direction[1] * value / unit) as f32;
         }
     }
 
-    /// The values of a vector field at the adhesion area, times a factor.
+    /// Reads the values of a vector field in the adhesion area, times a factor.
     fn gather_sticking(&self, field: &[Vec<f32>; 2], factor: f64, out: &mut [f64]) {
         let (x, y) = out.split_at_mut(self.sticking.len());
         for (component, out) in field.iter().zip([x, y]) {
@@ -181,8 +194,8 @@ impl Unknowns {
     }
 }
 
-/// The power of two next below the largest of these values, in which single precision holds them whatever their
-/// own unit; a quotient by it is exact.
+/// The power of two next below the largest of these values. Divided by it, values of any unit fit
+/// single precision; the quotient is exact.
 fn unit_of(values: &[f64]) -> f64 {
     const EXPONENT: u64 = 0x7ff << 52;
     let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
@@ -192,26 +205,26 @@ fn unit_of(values: &[f64]) -> f64 {
     }
 }
 
-/// By what the row of a size is multiplied [m/Pa].
+/// Scale of the row for a size [m/Pa].
 fn scale(own: f64, slope: f64) -> f64 {
     own / (1.0 + slope.abs() * own)
 }
 
-/// Creepages that are unknown, and the forces that they have to make.
+/// Unknown creepages and the forces prescribed for them.
 #[derive(Debug, Default)]
 pub(super) struct Border {
-    /// Components of the creepage that are unknown; those below are in their order.
+    /// Unknown components of the creepage; the fields below follow their order.
     pub(super) components: Vec<usize>,
     /// W, G and P W at the unknown tractions.
     rigid_slip: [Vec<f64>; 3],
     force: [Vec<f64>; 3],
     answer: [Vec<f64>; 3],
-    /// (G P W)⁻¹; `None` where tractions do not change the forces, as where all slips alike.
+    /// (G P W)⁻¹; `None` if tractions do not change the forces, as when everything slips alike.
     inverse: Option<Matrix3<f64>>,
 }
 
 impl Border {
-    /// A creepage is unknown, and tractions know how.
+    /// Returns true if tractions do not determine the unknown creepages.
     pub(super) fn is_singular(&self) -> bool {
         self.inverse.is_none()
     }
@@ -225,21 +238,21 @@ impl Border {
         sum
     }
 
-    /// (G P W)⁻¹ of forces [N], into the creepages.
+    /// Creepages (G P W)⁻¹ f of forces f [N].
     fn creepages(&self, force: Vector3<f64>, out: &mut [f64]) {
         let found = self.inverse.unwrap_or_else(Matrix3::zeros) * force;
         out.copy_from_slice(&found.as_slice()[..out.len()]);
     }
 }
 
-/// Adds columns by factors.
+/// Adds a combination of columns.
 fn add(columns: &[Vec<f64>; 3], factors: &[f64], sign: f64, out: &mut [f64]) {
     for (column, factor) in columns.iter().zip(factors) {
         out.iter_mut().zip(column).for_each(|(out, value)| *out += sign * factor * value);
     }
 }
 
-/// The system.
+/// Linear system of a Newton step.
 pub(super) struct System<'a> {
     pub(super) operator: &'a mut SlipOperator,
     pub(super) field: &'a mut [Vec<f32>; 2],
@@ -249,7 +262,7 @@ pub(super) struct System<'a> {
 }
 
 impl System<'_> {
-    /// Makes the border for the creepages that a problem leaves unknown.
+    /// Builds the border for the unknown creepages of a problem.
     pub(super) fn make_border(&mut self, problem: &Problem) {
         self.border.components.clear();
         let Some(wanted) = &problem.wanted else { return };
@@ -278,7 +291,7 @@ impl System<'_> {
             product.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite()));
     }
 
-    /// The step that makes up for what forces lack, as far as P knows.
+    /// Step that makes up for the missing forces, as far as P determines it.
     pub(super) fn towards(&self, lack: [f64; 3], out: &mut [f64]) {
         let components = &self.border.components;
         let lack = Vector3::from_fn(|at, _| components.get(at).map_or(0.0, |k| -lack[*k]));
@@ -288,7 +301,7 @@ impl System<'_> {
         add(&self.border.answer, creepage, -1.0, step);
     }
 
-    /// out = P x.
+    /// Sets out = P x.
     fn approximate(&mut self, x: &[f64], out: &mut [f64]) {
         let unknowns = self.unknowns;
         let count = 2 * unknowns.sticking.len();
@@ -325,7 +338,7 @@ impl Preconditioned for System<'_> {
         let [ix, iy] = &*self.image;
         for ((turn, out), x) in unknowns.slipping.iter().zip(&mut out[count..]).zip(&step[count..])
         {
-            let Turn { index, across, stiffness } = turn;
+            let SlipDirectionUnknown { index, across, stiffness } = turn;
             let along = across[0] * f64::from(ix[*index]) + across[1] * f64::from(iy[*index]);
             *out = by_unit * along + stiffness * x;
         }

@@ -1,21 +1,24 @@
 //! A semismooth Newton method for the tangential problem.
 //!
-//! Unknown are both components of p in the adhesion area, and in the slip area the change τ of p across its direction n,
-//! since its size is known: turning p by τ/g turns the slip that has to be opposite by as much, so that
-//! n·(B n τ) + |S|/g τ = −n·S. Where forces are prescribed, their creepages are unknown besides
-//! ([`super::linear`]). The system is solved by GMRES, to a modest reduction while elements still change, then as far as the
-//! tolerance asks. Then p is cut to the bound; an element of adhesion whose traction exceeds the bound slips from
-//! now on, one of slip whose traction would push with the slip adheres.
+//! The unknowns are both components of p in the adhesion area and, in the slip area, the change τ
+//! of p across its direction n, since its size is known. Turning p by τ/g turns the opposite slip
+//! by the same angle, so that n·(B n τ) + |S|/g τ = −n·S. If forces are prescribed, their creepages
+//! are unknown too ([`super::linear`]). GMRES solves the system to a modest reduction while
+//! elements still change, then as far as the tolerance requires. Then p is cut to the bound. An
+//! element of adhesion whose traction exceeds the bound begins to slip; an element of slip whose
+//! traction would push with the slip begins to adhere.
 //!
-//! It ends when no element changes, the forces are met, and the next step would be below the tolerance: the last one
-//! times what is left of the residual.
+//! The iteration ends when no element changes, the forces are met, and the next step would be below
+//! the tolerance. The next step is estimated as the last one times the remaining share of the
+//! residual.
 //!
-//! A Newton method needs no relaxation here, and none is used, but for creepages that are unknown: towards f N
-//! they grow without bound, so that a step changes them by a part of themselves at most. Where all
-//! slips, tractions say nothing of them, and they are cut.
+//! Newton's method needs no relaxation here, except for unknown creepages. Towards f N they grow
+//! without bound, so a step changes them by a limited share. If everything slips, tractions do not
+//! determine the creepages, and the creepages are reduced.
 //!
-//! Sources: Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353, and Hüeber and Wohlmuth, ibid. 194 (2005)
-//! 3147, for Newton methods on Coulomb friction. The combination, and creepages in it, are this project's.
+//! Sources: Alart and Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353, and Hüeber and
+//! Wohlmuth, ibid. 194 (2005) 3147, for Newton methods on Coulomb friction. The combination, and
+//! creepages as unknowns, are this project's.
 
 use super::layer::{Layer, Sliders};
 use super::linear::{Border, System, Unknowns};
@@ -24,24 +27,25 @@ use super::state::{ElementState, TangentialState};
 use crate::slip_operator::SlipOperator;
 use numerics::gmres::{Achieved, Gmres, Preconditioned};
 
-/// Newton steps after which a solve is given up.
+/// Limit of Newton steps in a solve.
 const MOST_STEPS: usize = 60;
-/// Reduction of the linear residual asked of GMRES.
+/// Reduction of the linear residual required of GMRES.
 const LINEAR_REDUCTION: f64 = 0.3;
-/// The same at the most, once no element changes.
+/// Strongest reduction required of GMRES, once no element changes.
 const LEAST_REDUCTION: f64 = 1e-3;
-/// Newton steps after which elements that change to and fro are kept from it: linear systems are solved to the reduction above throughout,
-/// and no element adheres again in a step in which another one has begun to slip. Two of them at mirrored places may otherwise take
-/// turns for ever, each of which adheres only together with the other.
+/// Newton steps after which alternating elements are suppressed: linear systems are solved to the
+/// reduction above, and no element adheres again in a step in which another begins to slip.
+/// Otherwise two elements at mirrored places, each of which adheres only together with the other,
+/// may alternate endlessly.
 const LOOSE_STEPS: usize = 20;
-/// The next step is below this share of the tolerance in the end.
+/// Share of the tolerance that the next step must be below at the end.
 const ERROR_SHARE: f64 = 0.3;
-/// Steps of tractions below this share of the largest are rounding; also of the largest at the start, where nothing moves any more and
-/// tractions go to zero.
+/// Steps of tractions below this share of the largest are rounding. The largest traction at the
+/// start counts too, since tractions go to zero where nothing moves any more.
 const ROUNDING: f64 = 1e-13;
-/// Most that a step changes creepages, as a share of them.
+/// Largest change of creepages in a step, as a share of them.
 const GROWTH: f64 = 0.6;
-/// Forces that lack less than this share of their tolerance are left as they are.
+/// Share of the tolerance below which missing forces are ignored.
 const FORCE_SHARE: f64 = 0.1;
 
 /// Effort of a solve.
@@ -59,7 +63,7 @@ pub struct Effort {
     pub force_error: f64,
 }
 
-/// A solve that did not end.
+/// A solve that did not converge.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the tangential problem did not converge in {MOST_STEPS} Newton steps: {} elements still \
@@ -69,12 +73,12 @@ pub struct Effort {
 pub struct NotConverged(pub Effort);
 
 impl Effort {
-    /// Words about forces that are not met.
+    /// Part of the message about forces that are not met.
     fn unmet(&self) -> String {
         match self.force_error > 1.0 {
             true => format!(
-                ", and the prescribed forces are missed by {:.1e} of their tolerance; together they may be \
-                 beyond what friction carries",
+                ", and the prescribed forces are missed by {:.1e} times their tolerance; together \
+                 they may exceed what friction carries",
                 self.force_error
             ),
             false => String::new(),
@@ -82,7 +86,7 @@ impl Effort {
     }
 }
 
-/// The solver on one grid: operator and working memory.
+/// Solver of tangential problems on one grid, with operator and working memory.
 #[derive(Debug)]
 pub struct TangentialSolver {
     pub(super) operator: SlipOperator,
@@ -98,7 +102,7 @@ pub struct TangentialSolver {
 }
 
 impl TangentialSolver {
-    /// A solver with this operator.
+    /// Creates a solver with this operator.
     #[must_use]
     pub fn new(operator: SlipOperator) -> Self {
         let (field, image) = Default::default();
@@ -124,11 +128,11 @@ impl TangentialSolver {
         self.operator.apply(traction, slip);
     }
 
-    /// Solves from the given state, with its creepages, until tractions change by less than
-    /// `tolerance` of the largest; creepages whose forces are prescribed are found.
+    /// Solves from the given state and its creepages, until tractions change by less than
+    /// `tolerance` of the largest. Finds the creepages of prescribed forces.
     ///
     /// # Errors
-    /// It did not converge; the state is what was reached.
+    /// The iteration did not converge; the state holds the last iterate.
     pub fn solve(
         &mut self,
         problem: &Problem,
@@ -187,7 +191,7 @@ impl TangentialSolver {
         Err(NotConverged(effort))
     }
 
-    /// Chooses the unknowns and the right side of a state; the norm of the latter [m].
+    /// Chooses the unknowns and the right side of a state; returns the norm of the right side [m].
     fn linearise(&mut self, problem: &Problem, state: &TangentialState) -> f64 {
         let sliders = problem.layer.is_some().then_some(&self.sliders);
         self.unknowns.choose(state, problem.bound, sliders);
@@ -222,8 +226,8 @@ impl TangentialSolver {
         }
     }
 
-    /// Solves the linearised problem, whose right side is there, for a step of the tractions, and of the creepages
-    /// that are unknown.
+    /// Solves the linearised problem for a step of the tractions and of the unknown creepages, from
+    /// the right side made before.
     fn linear_step(
         &mut self,
         problem: &Problem,
@@ -253,7 +257,8 @@ impl TangentialSolver {
         achieved
     }
 
-    /// Shortens the step to what creepages may change by; false if it was longer.
+    /// Shortens the step to the largest change allowed in the creepages; returns false if it was
+    /// longer.
     fn limit_creepages(&mut self, problem: &Problem, state: &TangentialState) -> bool {
         let Some(wanted) = &problem.wanted else { return true };
         let (tractions, creepages) = self.step.split_at_mut(self.unknowns.len());
@@ -277,7 +282,7 @@ impl TangentialSolver {
         false
     }
 
-    /// Adds the step, and takes tractions to what friction and the layer let them be.
+    /// Adds the step and limits the tractions to friction and the layer.
     fn advance_on_layer(
         &self,
         problem: &Problem,
@@ -315,7 +320,7 @@ impl TangentialSolver {
         change
     }
 
-    /// Adds the step and cuts tractions to the bound.
+    /// Adds the step and cuts the tractions to the bound.
     fn advance(&self, problem: &Problem, state: &mut TangentialState) -> Change {
         if let Some(layer) = &problem.layer {
             return self.advance_on_layer(problem, layer, state);
@@ -349,7 +354,8 @@ impl TangentialSolver {
         change
     }
 
-    /// Elements that slipped and whose traction now pushes with the slip adhere from now on.
+    /// Changes elements that slip to adhesion where the traction pushes with the slip; returns
+    /// their number.
     fn stick(&self, state: &mut TangentialState) -> usize {
         let ([px, py], [sx, sy]) = (&state.traction, &state.slip);
         let mut stuck = 0;

@@ -1,22 +1,25 @@
-//! Steady rolling over a layer that yields where Newton's method does not follow the shifts that gather along the rows.
+//! Steady rolling over a softening layer, where Newton's method overshoots: plastic shifts
+//! accumulate along the rows.
 //!
-//! The plastic shifts with which particles come to an element are those of the solve before, until they rest: so every problem is one of
-//! known shifts, as a step of transient rolling is. A pass changes the shifts by k A of their change, A the flexibility of the whole contact,
-//! so that this is the way for layers that soften, whose |k| A is below one unless the contact itself jumps.
+//! Particles arrive at an element with the plastic shifts of the previous solve, and solves repeat
+//! until the shifts settle. Each problem thus has known shifts, like a step of transient rolling. A
+//! pass multiplies the change of the shifts by about k A, with the flexibility A of the whole
+//! contact. The method therefore suits layers that soften, whose |k| A is below one unless the
+//! contact itself is unstable.
 
 use super::layer::Layer;
 use super::newton::{Effort, NotConverged, TangentialSolver};
 use super::problem::Problem;
 use super::state::TangentialState;
 
-/// Passes at most: thirty are enough for the smallest tolerance where one leaves half of a change.
+/// Limit of passes: thirty reach the smallest tolerance if each leaves half of a change.
 const MOST_PASSES: usize = 60;
 
 impl TangentialSolver {
     /// Solves for the forces or creepages of a problem over a layer, pass by pass.
     ///
     /// # Errors
-    /// A pass did not converge, or the shifts do not rest.
+    /// A pass does not converge, or the shifts do not settle.
     pub fn solve_by_passes(
         &mut self,
         problem: &Problem,

@@ -1,26 +1,26 @@
-//! The tangential problem on one grid, and what is prescribed of it.
+//! The tangential problem on one grid, and its prescribed quantities.
 
 use super::layer::Layer;
 use super::state::{Creepage, TangentialState};
 
-/// A force for some components, a creepage for the others.
+/// Prescribed force for some components, prescribed creepage for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrescribedMotion {
-    /// Creepages [-, -, rad/m], or shifts [m, m, rad]; where a force is prescribed, not used.
+    /// Creepages [-, -, rad/m], or shifts [m, m, rad]; ignored where a force is prescribed.
     pub creepage: Creepage,
-    /// Longitudinal and lateral force [N] and spin moment [N m] on body 1; `None` where the creepage
-    /// is prescribed.
+    /// Longitudinal and lateral force [N] and spin moment [N m] on body 1; `None` where the
+    /// creepage is prescribed.
     pub force: [Option<f64>; 3],
 }
 
 impl PrescribedMotion {
-    /// All creepages.
+    /// Prescribes all creepages.
     #[must_use]
     pub fn creepages(creepage: Creepage) -> Self {
         Self { creepage, force: [None; 3] }
     }
 
-    /// A longitudinal force [N]; no lateral creepage and no spin.
+    /// Prescribes a longitudinal force [N], with no lateral creepage and no spin.
     #[must_use]
     pub fn longitudinal_force(force: f64) -> Self {
         Self { creepage: [0.0; 3], force: [Some(force), None, None] }
@@ -38,8 +38,8 @@ impl PrescribedMotion {
 pub struct Problem<'a> {
     /// Elements along x.
     pub nx: usize,
-    /// Distance Δq rolled in the step [m]; 1 in a shift, where the creepages are distances [m] and a
-    /// rotation [rad].
+    /// Distance Δq rolled in the step [m]; 1 in a shift, where the creepages are distances [m] and
+    /// a rotation [rad].
     pub distance: f64,
     /// Distance ahead of an element's centre at which the rigid slip is taken; 0 in a shift [m].
     pub ahead: f64,
@@ -51,21 +51,21 @@ pub struct Problem<'a> {
     pub y: &'a [f64],
     /// Traction bound g = f p_n [Pa]; 0 outside the contact.
     pub bound: &'a [f64],
-    /// Slip s₀ that is there without tractions, x and y [m].
+    /// Slip s₀ without tractions, x and y [m].
     pub slip_history: Option<[&'a [f64]; 2]>,
-    /// A layer that yields.
+    /// Yielding layer.
     pub layer: Option<Layer<'a>>,
-    /// Forces that are prescribed; their creepages are unknown.
-    pub wanted: Option<Wanted>,
+    /// Prescribed forces; their creepages are unknown.
+    pub wanted: Option<PrescribedForces>,
 }
 
 /// Forces that a contact has to carry.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wanted {
-    /// Longitudinal and lateral force [N] and spin moment [N m] on body 1; `None` where the creepage is
-    /// given.
+pub struct PrescribedForces {
+    /// Longitudinal and lateral force [N] and spin moment [N m] on body 1; `None` where the
+    /// creepage is given.
     pub force: [Option<f64>; 3],
-    /// Largest error of the forces [N], and of the moment over the length.
+    /// Error allowed in the forces [N], and in the moment over the length.
     pub tolerance: f64,
     /// A length of the contact [m].
     pub length: f64,
@@ -73,8 +73,8 @@ pub struct Wanted {
     pub creepage: f64,
 }
 
-impl Wanted {
-    /// Size of creepages, or of their steps.
+impl PrescribedForces {
+    /// Size of the unknown creepages, or of their steps.
     pub(super) fn size(&self, creepage: Creepage) -> f64 {
         let of = |k: usize| if self.force[k].is_some() { creepage[k] } else { 0.0 };
         of(0).hypot(of(1)).hypot(of(2) * self.length)
@@ -98,7 +98,8 @@ impl Problem<'_> {
         sum.map(|value| value * self.element_area)
     }
 
-    /// Rigid slip of an element in the step by one unit of a component of the creepage [m per unit].
+    /// Rigid slip of an element in the step by a unit of one component of the creepage [m per
+    /// unit].
     pub(super) fn rigid_slip(&self, component: usize, index: usize) -> [f64; 2] {
         let (x, y) = (self.x[index % self.nx] + self.ahead, self.y[index / self.nx]);
         let slip = match component {
@@ -109,7 +110,8 @@ impl Problem<'_> {
         slip.map(|value| value * self.distance)
     }
 
-    /// A component of the forces by a unit of traction on an element, along x and along y [N/Pa].
+    /// Contribution of a unit of traction on an element, along x and along y, to one component of
+    /// the forces [N/Pa].
     pub(super) fn force_of(&self, component: usize, index: usize) -> [f64; 2] {
         let (x, y) = (self.x[index % self.nx], self.y[index / self.nx]);
         let force = match component {
@@ -120,14 +122,14 @@ impl Problem<'_> {
         force.map(|value| value * self.element_area)
     }
 
-    /// F* − F of the forces that are prescribed [N], [N m].
+    /// Missing force F* − F of the prescribed components [N], [N m].
     pub(super) fn lack(&self, state: &TangentialState) -> [f64; 3] {
         let Some(wanted) = &self.wanted else { return [0.0; 3] };
         let forces = self.forces(state);
         std::array::from_fn(|k| wanted.force[k].map_or(0.0, |wanted| wanted - forces[k]))
     }
 
-    /// The largest of what forces lack, over their tolerance.
+    /// Largest missing force over its tolerance.
     pub(super) fn error(&self, lack: [f64; 3]) -> f64 {
         let Some(wanted) = &self.wanted else { return 0.0 };
         lack[0].abs().max(lack[1].abs()).max(lack[2].abs() / wanted.length) / wanted.tolerance

@@ -1,4 +1,4 @@
-//! Tractions, slips and what every element does.
+//! Tractions, slips and states of the elements.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,14 +27,14 @@ pub struct TangentialState {
     pub element: Vec<ElementState>,
     /// Creepages.
     pub creepage: Creepage,
-    /// Plastic shift of a layer after the step, accumulated [m]; empty without one that yields.
+    /// Accumulated plastic shift of a layer after the step [m]; empty without a yielding layer.
     pub plastic: Vec<f64>,
-    /// Its growth in the step, a part of the slip [m].
+    /// Growth of the plastic shift in the step, a part of the slip [m].
     pub yielded: Vec<f64>,
 }
 
 impl TangentialState {
-    /// It belongs to a grid of this many elements.
+    /// Returns true if the state belongs to a grid of this many elements.
     #[must_use]
     pub fn fits(&self, count: usize) -> bool {
         let pairs = [&self.traction, &self.slip];
@@ -44,7 +44,7 @@ impl TangentialState {
         self.element.len() == count && pairs.into_iter().all(whole) && layer
     }
 
-    /// Everything adheres, nothing pulls.
+    /// State in which everything adheres without traction.
     #[must_use]
     pub fn at_rest(bound: &[f64], creepage: Creepage) -> Self {
         let zeros = vec![0.0; bound.len()];
@@ -62,8 +62,8 @@ impl TangentialState {
         }
     }
 
-    /// Makes the state fit for another bound: elements enter and leave the contact, tractions are
-    /// cut, those that slip grow with the bound.
+    /// Adapts the state to another bound: elements enter and leave the contact, tractions are cut,
+    /// and tractions in slip grow with the bound.
     pub fn fit(&mut self, bound: &[f64]) {
         let [px, py] = &mut self.traction;
         for (index, (element, g)) in self.element.iter_mut().zip(bound).enumerate() {

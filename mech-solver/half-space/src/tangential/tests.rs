@@ -15,12 +15,12 @@ struct Disc {
 }
 
 impl Disc {
-    /// Of radius 1, under a bound of 1 at most.
+    /// Disc of radius 1 under a bound of 1 at most.
     fn new(n: usize) -> Self {
         Self::of_size(n, [1.0; 2])
     }
 
-    /// Of this radius, under a bound of `most` at most.
+    /// Disc of this radius under a bound of `most` at most.
     fn of_size(n: usize, [radius, most]: [f64; 2]) -> Self {
         let half = n as f64 + 1.0;
         let x: Vec<f64> = (0..2 * n + 3).map(|i| (i as f64 - half) / n as f64).collect();
@@ -67,7 +67,7 @@ impl Disc {
 }
 
 /// GMRES iterations to 1e-6 on the leading three tenths of the disc, sticking. They rise by three
-/// with every doubling; that they do not double is what the preconditioner is for.
+/// with every doubling, where without the preconditioner they would double.
 #[test]
 fn linear_steps_hardly_depend_on_the_resolution() {
     for (n, most) in [(10, 14), (20, 17), (40, 20), (80, 23)] {
@@ -98,8 +98,8 @@ fn linear_steps_hardly_depend_on_the_resolution() {
 }
 
 /// Work of a whole solve from rest: a snapshot of the Newton and GMRES steps with some room, so
-/// that the method cannot silently become slower. From rest they rise with the resolution, which is
-/// why [`super::super::grid_continuation`] starts on coarse grids.
+/// that the method cannot silently become slower. The steps rise with the resolution, so
+/// [`super::super::grid_continuation`] starts on coarse grids.
 #[test]
 fn newton_steps_of_a_solve_from_rest() {
     for (n, newton, linear) in [(10, 12, 45), (20, 15, 65), (40, 22, 90)] {
@@ -112,8 +112,8 @@ fn newton_steps_of_a_solve_from_rest() {
     }
 }
 
-/// Coulomb's law in every element: within the bound and no slip, or on it and against the slip. The
-/// tolerances are those of the Newton iteration, 1e-4 of the largest bound in the traction.
+/// Coulomb's law in every element: within the bound without slip, or on the bound against the slip.
+/// The tolerances are those of the Newton iteration, 1e-4 of the largest bound in the traction.
 fn assert_solved(problem: &Problem, state: &TangentialState) {
     let [xi, eta, phi] = state.creepage;
     let rigid = (xi.hypot(eta) + phi.abs()) * problem.distance;
@@ -135,13 +135,14 @@ fn assert_solved(problem: &Problem, state: &TangentialState) {
     }
 }
 
-/// Kalker's coefficients for a circle and ν = ¼: F_x = −G a² C_11 ξ, F_y = −G a² (C_22 η + a C_23 φ),
-/// C = 4.12, 3.67, 1.47. Two per cent cover the grid (first order in Δx at the edge) and the digits.
+/// Kalker's coefficients for a circle and ν = ¼: F_x = −G a² C_11 ξ, F_y = −G a² (C_22 η + a C_23
+/// φ), C = 4.12, 3.67, 1.47. Two per cent cover the grid (first order in Δx at the edge) and the
+/// digits.
 #[test]
 fn kalkers_coefficients_of_the_circle() {
     let disc = Disc::new(40);
     let problem = disc.problem();
-    // G of the test material; creepages so small that hardly anything slips.
+    // Shear modulus G of the test material; creepages so small that hardly anything slips.
     let (shear, small) = (2.0 / (2.0 * 1.25), 1e-4);
     let force = |creepage: Creepage, component: usize| {
         let mut state = TangentialState::at_rest(problem.bound, creepage);
@@ -158,7 +159,7 @@ fn kalkers_coefficients_of_the_circle() {
     }
 }
 
-/// Where nothing moves any more nothing is left of the tractions of the solve before.
+/// Tractions of an earlier solve vanish when nothing moves any more.
 #[test]
 fn no_creepage_after_another_one() {
     let disc = Disc::new(10);
@@ -170,7 +171,7 @@ fn no_creepage_after_another_one() {
     assert!(state.traction.iter().flatten().all(|traction| *traction == 0.0));
 }
 
-/// Mirrored in y, and with the direction of the creepage reversed.
+/// Mirrored in y, and with the creepage reversed.
 #[test]
 fn mirror_and_reversal() {
     let disc = Disc::new(12);
@@ -186,14 +187,14 @@ fn mirror_and_reversal() {
     let signs = [(reversed, [-1.0, -1.0, -1.0]), (mirrored, [1.0, -1.0, -1.0])];
     for (other, sign) in signs {
         for k in 0..3 {
-            // The iteration's own tolerance.
+            // Tolerance: the iteration.
             assert!((other[k] - sign[k] * forces[k]).abs() < 1e-7, "{forces:?} {other:?}");
         }
     }
 }
 
 impl Disc {
-    /// f N, and forces over it, the moment over the radius besides.
+    /// Problem with forces as shares of f N, and the moment as a share of f N times the radius.
     fn wanting(&self, shares: [Option<f64>; 3]) -> (Problem<'_>, f64) {
         let bounds = self.bound.iter();
         let (largest, sum) = (bounds.clone().copied().fold(0.0, f64::max), bounds.sum::<f64>());
@@ -201,15 +202,16 @@ impl Disc {
         let moment = most * self.radius;
         let [x, y, spin] = shares;
         let force = [x.map(|x| x * most), y.map(|y| y * most), spin.map(|spin| spin * moment)];
-        // Half of the largest bound, as G is 0.8: a good part of this disc slips.
+        // Half of the largest bound, as G is 0.8: at this creepage much of the disc slips.
         let creepage = 0.5 * largest;
-        let wanted = Wanted { force, tolerance: 1e-6 * most, length: self.radius, creepage };
+        let wanted =
+            PrescribedForces { force, tolerance: 1e-6 * most, length: self.radius, creepage };
         (Problem { wanted: Some(wanted), ..self.problem() }, most)
     }
 }
 
-/// The creepages that are found for forces give those forces, whichever of them are prescribed. The tolerances: of
-/// the forces, 1e-6 f N, and of tractions that settle to 1e-7.
+/// Creepages found for forces give those forces, for any choice of prescribed components.
+/// Tolerances: 1e-6 f N for the forces, and tractions that settle to 1e-7.
 #[test]
 fn creepages_of_forces_make_those_forces() {
     let disc = Disc::new(12);
@@ -242,8 +244,8 @@ fn creepages_of_forces_make_those_forces() {
     }
 }
 
-/// Nothing has a size of its own: lengths and tractions of another order of magnitude, as under a load of 1e-100 N, give the same
-/// creepages over the tractions, powers of two to the bit.
+/// The solver has no built-in scale. Lengths and tractions of another order of magnitude, as under
+/// a load of 1e-100 N, give the same creepages over the tractions; for powers of two, to the bit.
 #[test]
 fn contacts_of_any_size_are_the_same() {
     let creepages = |radius: i32, bound: i32| {
@@ -259,7 +261,7 @@ fn contacts_of_any_size_are_the_same() {
     }
 }
 
-/// A force takes hardly more products with the operator than its creepage.
+/// A prescribed force takes hardly more products with the operator than its creepage.
 #[test]
 fn a_force_costs_no_more_than_its_creepage() {
     for n in [10, 20, 40] {
@@ -280,7 +282,7 @@ fn a_force_costs_no_more_than_its_creepage() {
     }
 }
 
-/// Closer and closer to full slip the creepage grows, and a start from full slip comes back.
+/// The creepage grows towards full slip, and a start from full slip returns to the solution.
 #[test]
 fn forces_up_to_full_slip() {
     let disc = Disc::new(12);
@@ -302,12 +304,12 @@ fn forces_up_to_full_slip() {
     assert!((problem.forces(&state)[0] / most - 0.5).abs() <= 1e-6, "{:?}", state.creepage);
 }
 
-/// Forces and a moment that friction does not carry together.
+/// Forces and a moment that friction cannot carry together are an error.
 #[test]
 fn forces_out_of_reach_are_said() {
     let disc = Disc::new(10);
     let (problem, _) = disc.wanting([Some(0.9), Some(0.0), Some(0.6)]);
     let mut state = TangentialState::at_rest(problem.bound, [0.0; 3]);
     let error = disc.solver().solve(&problem, &mut state, 1e-4).unwrap_err();
-    assert!(error.to_string().contains("beyond what friction carries"), "{error}");
+    assert!(error.to_string().contains("exceed what friction carries"), "{error}");
 }

@@ -15,8 +15,9 @@ fn tangential(influence: &Influence, x: f64, y: f64) -> [f64; 4] {
     [influence.zz_at(x, y), influence.xx_at(x, y), influence.yy_at(x, y), influence.xy_at(x, y)]
 }
 
-/// ∫₀^∞ A(x + s) e^{−s/l} ds/l by Simpson's rule between the edges of the element and beyond, after a substitution that is flat
-/// at both ends of a part and thus turns branch points there into smooth functions.
+/// ∫₀^∞ A(x + s) e^{−s/l} ds/l by Simpson's rule, between the edges of the element and beyond. A
+/// substitution that is flat at both ends of a part turns branch points there into smooth
+/// functions.
 fn memory(length: f64, dx: f64, from: f64, kernel: impl Fn(f64) -> f64) -> f64 {
     let part = |low: f64, high: f64| -> f64 {
         let steps = 4000;
@@ -38,14 +39,15 @@ fn memory(length: f64, dx: f64, from: f64, kernel: impl Fn(f64) -> f64) -> f64 {
     ends.windows(2).map(|pair| part(pair[0], pair[1])).sum()
 }
 
-/// Over the largest number at the offset. Tolerance: that of the reference, for memories of a thousandth of an element.
+/// Errors are relative to the largest number at the offset. Tolerance: the reference quadrature,
+/// for memories of a thousandth of an element.
 #[test]
 fn numbers_against_quadrature() {
     let mut worst = 0.0_f64;
     for [dx, dy] in [[1.0, 1.0], [1.0, 0.1], [0.2, 1.0], [1.0, 1e4]] {
         for length in [1e-3, 0.1, 1.0, 30.0, 1e3] {
             let bodies = bodies(4.0, length * dx);
-            let numbers = Numbers::new([5, 4], [dx, dy], &bodies, tangential);
+            let numbers = RollingInfluenceNumbers::new([5, 4], [dx, dy], &bodies, tangential);
             let own = Influence { dx, dy, elasticity: bodies.instantaneous, plane_strain: false };
             for (i, j) in [(-4, 0), (-1, 0), (0, 0), (1, 0), (5, 0), (-2, 1), (0, 1), (3, 3)] {
                 let (x, y) = (f64::from(i) * dx, f64::from(j) * dy);
@@ -63,11 +65,12 @@ fn numbers_against_quadrature() {
     assert!(worst < 1e-9, "{worst:e}");
 }
 
-/// Bodies that have all the time, and none.
+/// Limits of very short and very long memory.
 #[test]
 fn fast_and_slow_limits() {
     for (length, factor) in [(1e-7, 5.0), (1e9, 1.0)] {
-        let numbers = Numbers::new([4, 3], [1.0, 0.7], &bodies(4.0, length), tangential);
+        let numbers =
+            RollingInfluenceNumbers::new([4, 3], [1.0, 0.7], &bodies(4.0, length), tangential);
         let elasticity = bodies(4.0, length).instantaneous.scaled(factor);
         let elastic = Influence { dx: 1.0, dy: 0.7, elasticity, plane_strain: false };
         for (i, j) in [(-3, 0), (0, 0), (4, 2), (1, 1)] {

@@ -20,11 +20,12 @@ const TOLERANCE: &str = "profile_tolerance";
 
 fn keys() -> Vec<KeySpec> {
     let of = |name: &str| format!("bodies.*.{name}");
-    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
+    let smoothing =
+        "largest distance by which smoothing moves a point of the profile; absent: no smoothing";
     vec![
         KeySpec::file(
             &of(PROFILE),
-            "measured lateral profile of the body: a table of `y [mm]` and `z [mm]` as it stands, y to the left and z up, or a file of SIMPACK (.prw, .prr) or Miniprof (.whl, .ban)",
+            "measured lateral profile of the body: a table of `y [mm]` (to the left) and `z [mm]` (up), or a file of SIMPACK (.prw, .prr) or Miniprof (.whl, .ban)",
         ),
         KeySpec::quantity(&of(TOLERANCE), "m", smoothing).at_least(0.0),
     ]
@@ -41,7 +42,7 @@ fn read(
         return match within {
             Some(_) => Err(Refusal::new(
                 &tolerance,
-                "smooths a measured profile, and there is none",
+                "smooths a measured profile, but there is none",
                 format!("add `{key}`, or remove the key"),
             )),
             None => Ok(None),
@@ -49,7 +50,7 @@ fn read(
     }
     let path = case.text(&key)?;
     let wrong = |error: ProfileError| {
-        let fix = "give a table of `y [mm]` and `z [mm]`, or a file of SIMPACK or Miniprof; docs/how-to/use-a-table.md has the format";
+        let fix = "give a table of `y [mm]` and `z [mm]`, or a file of SIMPACK or Miniprof; see docs/how-to/use-a-table.md";
         Refusal::new(&key, format!("`{path}` {error}"), fix)
     };
     let of = if body == UPPER { Body::Wheel } else { Body::Rail };
@@ -85,7 +86,7 @@ impl LateralShape for Profile {
             done.push(format!("{ends} at y = {}", millimetres(curve.kinks())));
         }
         if curve.moved() > 0.0 {
-            done.push(format!("smoothed, by {:.3} µm at most", 1e6 * curve.moved()));
+            done.push(format!("smoothed by at most {:.3} µm", 1e6 * curve.moved()));
         }
         (!done.is_empty()).then(|| format!("{} points, {}", curve.points(), done.join(", ")))
     }

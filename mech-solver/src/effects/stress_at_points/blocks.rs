@@ -27,8 +27,8 @@ fn columns() -> [Column; 3] {
 pub(super) fn keys() -> Vec<KeySpec> {
     let key = |name: &str| format!("{TABLE}.*.{name}");
     let mut keys = vec![
-        KeySpec::text(&key("body"), "name of the body that the points of the block are in"),
-        KeySpec::table(&key("file"), &columns(), "points, in the place of x, y and z"),
+        KeySpec::text(&key("body"), "name of the body that contains the points"),
+        KeySpec::table(&key("file"), &columns(), "points, in place of x, y and z"),
     ];
     for (axis, others) in
         AXES.into_iter().zip(["centres of all columns", "centres of all rows", ""])
@@ -109,14 +109,14 @@ pub(super) fn read(
     if blocks.is_empty() {
         return Err(Refusal::new(
             TABLE,
-            "it has no block of points",
+            "there is no block of points",
             format!("add [{TABLE}.NAME] with `body`, and `z` or `file`"),
         ));
     }
     let count = blocks.iter().map(PointBlock::count).fold(0, usize::saturating_add);
     if count > MOST_POINTS {
         let reason = format!("{count} points are more than {MOST_POINTS}");
-        return Err(Refusal::new(TABLE, reason, "ask for fewer points, or in several runs"));
+        return Err(Refusal::new(TABLE, reason, "request fewer points, or use several runs"));
     }
     Ok(blocks)
 }
@@ -200,7 +200,7 @@ fn rising(key: &str, mut values: Vec<f64>) -> Result<Vec<f64>, Refusal> {
     values.iter_mut().for_each(|value| *value += 0.0);
     match values.windows(2).find(|pair| pair[0] == pair[1]) {
         Some(pair) => {
-            let reason = format!("{} m stands twice", pair[0]);
+            let reason = format!("{} m occurs twice", pair[0]);
             Err(Refusal::new(key, reason, "write every coordinate once"))
         }
         None => Ok(values),

@@ -11,7 +11,7 @@ use elastic::Material;
 use half_space::conformal::contact::Prescription;
 use half_space::conformal::shape::Arcs;
 use half_space::difference::Difference;
-use half_space::extent::{Fitted, Moments, fit_grid};
+use half_space::extent::{FittedContact, Moments, fit_grid};
 use half_space::normal::Prescribed;
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
@@ -58,15 +58,15 @@ pub(super) fn keys() -> Vec<KeySpec> {
         .at_most(5.0 * PI / 6.0),
         KeySpec::number(
             NORMAL_CREEPAGE,
-            "relative velocity along the normal in the middle of the surface, over the speed: lateral slip \
-             where the surface turns, and none in the plane; 0 where the contact is steady",
+            "relative velocity along the normal in the middle of the surface, over the speed; causes lateral slip \
+             where the surface turns; 0 in a steady contact",
         )
         .default_value(0.0)
         .varies(),
         KeySpec::choice(
             RIGID_SLIP,
             &["surfaces", "plane"],
-            "rigid slip turns with the surface, or is that in the plane of its middle, as half-spaces have it",
+            "rigid slip on the curved surface, or in the plane of its middle as for half-spaces",
         )
         .default_value("surfaces"),
         KeySpec::integer(
@@ -113,8 +113,8 @@ impl Case {
         if let Some(histories) = &configuration.histories {
             let shape = |key: &&String| key.starts_with("bodies.");
             if let Some(key) = histories.values.keys().find(shape) {
-                let fix = "run each shape as a case of its own, or with `coordinator sweep`";
-                return Err(Refusal::new(key, "the influence numbers are those of one shape", fix));
+                let fix = "run each shape as a separate case, or use `coordinator sweep`";
+                return Err(Refusal::new(key, "the influence numbers belong to one shape", fix));
             }
         }
         let arcs = arcs(&scene);
@@ -129,8 +129,8 @@ impl Case {
         if upper <= lower {
             return Err(Refusal::new(
                 &scene.names.key(UPPER, "radius_y"),
-                "the arcs touch at their ends: the hollow body is narrower than what lies in it",
-                "make the radius of the hollow body the larger one",
+                "the arcs touch at their ends: the concave body is narrower than the convex one",
+                "give the concave body the larger radius",
             ));
         }
         let lateral = match checked.has(LATERAL_RESOLUTION) {
@@ -158,7 +158,7 @@ impl Case {
         let Drive::Creepage { xi, eta, phi } = scene.drive else {
             return Err(Refusal::new(
                 "motion.creepage.xi",
-                "the contact is driven by creepages",
+                "this model is driven by creepages only",
                 "prescribe motion.creepage",
             ));
         };
@@ -166,7 +166,7 @@ impl Case {
         if speed == 0.0 {
             return Err(Refusal::new(
                 crate::case::scene::SPEED,
-                "the bodies roll steadily",
+                "this model needs bodies that roll steadily",
                 "give a speed above 0, or write [mech] model = \"half-space\" for a shift",
             ));
         }
@@ -261,7 +261,7 @@ impl Footprint {
 }
 
 /// Solves the contact of half-spaces with the undeformed distance of the arcs, on a coarse grid.
-fn coarse(case: &Case, params: &Params) -> Result<Fitted, Refusal> {
+fn coarse(case: &Case, params: &Params) -> Result<FittedContact, Refusal> {
     let scene = Scene::read(params)?;
     let ellipse = Ellipse::solve(&scene, None)?;
     let arcs = case.arcs;
@@ -281,14 +281,14 @@ fn coarse(case: &Case, params: &Params) -> Result<Fitted, Refusal> {
     fit_grid(grid, pair, &distance, load, within, MOST_COARSE, f64::INFINITY).map_err(|error| {
         Refusal::new(
             "load",
-            format!("{error}; the contact reaches round more of the surface than ±81°"),
-            "lower the load, or make the radii differ by more",
+            format!("{error}; the contact spans more than ±81° of the surface"),
+            "lower the load, or increase the difference of the radii",
         )
     })
 }
 
 /// Range of the elements in contact along an axis [m].
-fn range(fitted: &Fitted, axis: usize) -> [f64; 2] {
+fn range(fitted: &FittedContact, axis: usize) -> [f64; 2] {
     let grid = &fitted.grid;
     let pressed = fitted.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0);
     let place = |at: usize| match axis {

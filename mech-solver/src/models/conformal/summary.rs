@@ -17,7 +17,7 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
         FigureSpec::new(
             "contact.lateral_force_n",
             "N",
-            "force across on the upper body, in the plane that touches the curved surface in its middle",
+            "lateral force on the upper body, in the tangent plane at the middle of the curved surface",
         ),
     ]
 }

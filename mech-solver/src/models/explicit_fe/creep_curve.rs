@@ -58,7 +58,7 @@ impl CreepCurve {
         let setup = (half_space::MODEL.configure)(&configuration, terms)?;
         let mut model = setup.build(&Progress::default())?;
         let none = |error: &dyn std::fmt::Display| {
-            let reason = format!("half-spaces have no creepage for it: {error}");
+            let reason = format!("the half-space model has no creepage for it: {error}");
             Refusal::new("motion.traction_coefficient", reason, "write motion.creepage")
         };
         model.solve(&Step::STEADY, &Nothing, &mut Nothing).map_err(|error| none(&error))?;

@@ -35,7 +35,7 @@ fn spec() -> ModelSpec {
     keys.push(resolution::key(RESOLUTION));
     ModelSpec {
         name: MODEL.name.to_owned(),
-        summary: "explicit finite elements of both bodies, rolling until that is steady".to_owned(),
+        summary: "explicit finite elements of both bodies, rolling until steady".to_owned(),
         source: "Flanagan & Belytschko, Int. J. Numer. Meth. Engng 17 (1981) 679-706; Carpenter, Taylor & \
                  Katona, ibid. 32 (1991) 103-128"
             .to_owned(),
@@ -55,7 +55,7 @@ fn spec() -> ModelSpec {
                 source: STUDY.to_owned(),
             }),
             simplifications: vec![Simplification::always(
-                "blocks of elements that are held six semi-axes away",
+                "blocks of elements that are fixed six semi-axes away",
                 0.01,
                 STUDY,
             )],

@@ -89,7 +89,7 @@ fn warm(
             let Some(softening) = &terms.softening[body] else { return Ok([1.0; 2]) };
             let shares = softening.at(integrals[body].at(x, y) / depth).map_err(|temperature| {
                 StepError::NoSolution(format!(
-                    "elements of `{}` come to {temperature:.1} K, beyond their softening_table; extend it, or write \
+                    "elements of `{}` reach {temperature:.1} K, beyond their softening_table; extend it, or write \
                      effects.{}.beyond = \"hold\"",
                     scene.names.0[body],
                     terms.effect_of(Kind::Softening).unwrap_or_default(),

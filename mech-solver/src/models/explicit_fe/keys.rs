@@ -53,13 +53,13 @@ pub(super) fn own_keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             PENALTY,
             "Pa/m",
-            "stiffness of a penalty contact, of an overlap and of a node that sticks; absent: multipliers, \
-             surfaces that do not overlap",
+            "stiffness of a penalty contact, for overlap and for sticking; absent: Lagrange multipliers \
+             without overlap",
         )
         .above(0.0),
         KeySpec::number(
             MASS_SCALING,
-            "how much heavier the elements are than their material: steps are longer by its root, inertia matters more",
+            "density of the elements over that of their material: steps grow with its square root, and inertia matters more",
         )
         .at_least(1.0)
         .at_most(VERIFIED_SCALING)
@@ -67,7 +67,7 @@ pub(super) fn own_keys() -> Vec<KeySpec> {
         KeySpec::quantity(
             DEPTH,
             "m",
-            "depth of the elements of a body; absent: half as much as their length",
+            "depth of the elements of a body; absent: half of their length",
         )
         .above(0.0),
     ]
@@ -122,8 +122,9 @@ impl Extent {
             for body in &scene.bodies {
                 let most = CURVED * [body.radius_y, body.radius_x][of].abs();
                 if size > most {
-                    let reason =
-                        format!("with {size:.4e} m elements reach the middle of a curve of a body");
+                    let reason = format!(
+                        "with {size:.4e} m elements reach the centre of curvature of a body"
+                    );
                     let fix =
                         format!("write less than {:.4e} m, or leave it out", [2.0, 1.0][of] * most);
                     return Err(Refusal::new(key, reason, fix));

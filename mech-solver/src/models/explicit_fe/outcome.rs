@@ -44,7 +44,7 @@ pub(super) fn check(rolling: &Rolling, means: &Means) -> Result<(), Refusal> {
     if (deposited - whole).abs() > ROUNDING * whole {
         return Err(Refusal::new(
             "load.normal_force",
-            "the contact reaches beyond where it is watched, which Hertz's contact sizes",
+            "the contact reaches beyond the searched region, whose size follows from Hertz's contact",
             "check radii, load and irregularity, or write mech.model = \"half-space\"",
         ));
     }

@@ -180,7 +180,7 @@ fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<
         if configuration.mode == Mode::Steady {
             return Err(Refusal::new(
                 &format!("effects.{effect}"),
-                "steady rolling does not depend on what carries the load",
+                "steady rolling does not depend on the axle that carries the load",
                 "write time.mode = \"transient\" with a window and an end, or remove the effect",
             ));
         }
@@ -197,7 +197,7 @@ fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<
         if CheckedParams::new(&configuration.case, own_keys()).number(MASS_SCALING)? > 1.0 {
             return Err(Refusal::new(
                 MASS_SCALING,
-                "elements that are heavier than their material are for steady rolling",
+                "mass scaling is for steady rolling",
                 "leave it out",
             ));
         }
@@ -205,22 +205,22 @@ fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<
     if configuration.histories.is_some() {
         return Err(Refusal::new(
             "mech.model",
-            "explicit elements do not follow histories",
-            "write numbers in the place of columns, or mech.model = \"half-space\"",
+            "explicit elements do not support histories",
+            "write numbers in place of columns, or mech.model = \"half-space\"",
         ));
     }
     Ellipse::refuse_rest(scene)?;
     if GivenPatch::read(&configuration.case)?.is_some() {
         return Err(Refusal::new(
             "contact",
-            "explicit elements find their own contact",
+            "explicit elements compute the contact themselves",
             "remove [contact], or write mech.model = \"half-space\"",
         ));
     }
     if let Load::Approach(_) = scene.load {
         return Err(Refusal::new(
             "load.approach",
-            "explicit elements are pressed by a force",
+            "explicit elements need a prescribed normal force",
             "write load.normal_force",
         ));
     }
@@ -243,8 +243,8 @@ fn check(configuration: &Configuration, scene: &Scene, terms: &Terms) -> Result<
     {
         return Err(Refusal::new(
             "motion.creepage",
-            "explicit elements roll straight on: lateral creepage and spin are not among what they know",
-            "leave out eta and phi, or write mech.model = \"half-space\"",
+            "explicit elements roll straight ahead, without lateral creepage and spin",
+            "remove eta and phi, or write mech.model = \"half-space\"",
         ));
     }
     if scene.speeds.prescribed.is_some() {
@@ -301,7 +301,7 @@ fn solid(
     if nu >= 0.4999 {
         return Err(Refusal::new(
             &format!("materials.{name}.poisson_ratio"),
-            format!("with {nu} waves have no limit of their speed"),
+            format!("with {nu} the wave speed is unbounded"),
             "write 0.499 or less",
         ));
     }

@@ -32,13 +32,13 @@ pub(super) fn own_keys() -> Vec<KeySpec> {
         KeySpec::choice(
             TRACTION_BOUND,
             &["parabolic", "elliptic"],
-            "bound of the traction: a parabola of the same sum, or the friction coefficient times Hertz's pressure",
+            "traction bound: a parabola with the same integral, or the friction coefficient times Hertz's pressure",
         )
         .default_value("parabolic"),
         KeySpec::choice(
             STICK_ZONE,
             &["springs", "strips"],
-            "traction where surfaces stick: of the springs (FASTSIM), or of Kalker's strip theory under the elliptic \
+            "traction where surfaces stick: from the springs (FASTSIM), or from Kalker's strip theory under the elliptic \
              bound (FASTRIP)",
         )
         .default_value("springs"),

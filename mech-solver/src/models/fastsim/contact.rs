@@ -7,7 +7,7 @@ use crate::case::scene::Speeds;
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_density, power_imbalance};
 use crate::models::summary::extend;
 use elastic::fastsim::flexibility::{Creepage, Flexibilities, Kind};
-use elastic::fastsim::integration::{Cell, Lattice, March, Strip, norm};
+use elastic::fastsim::integration::{Cell, Lattice, Strip, StripIntegration, norm};
 use elastic::fastsim::reduction::Reduction;
 use elastic::fastsim::strip_theory::StripTheory;
 use numerics::search::root_in_bracket;
@@ -47,13 +47,13 @@ impl Problem {
     }
 
     /// Simplified theory at a creepage, and the factor by which its flexibilities are divided.
-    fn march(&self, creepage: Creepage) -> (March, f64) {
+    fn march(&self, creepage: Creepage) -> (StripIntegration, f64) {
         let Lattice { semi_axis_a: a, semi_axis_b: b, .. } = self.lattice;
         let reach = 3.0 * self.friction_bound() / (8.0 * a * a * b);
         let factor = self.reduction.at(creepage, a, self.gradient());
         let springs = self.flexibilities.springs(self.kind, creepage, reach).reduced(factor);
         let largest_bound = self.lattice.largest_bound(self.friction_bound());
-        (March { lattice: self.lattice, springs, creepage, largest_bound }, factor)
+        (StripIntegration { lattice: self.lattice, springs, creepage, largest_bound }, factor)
     }
 
     /// Polach's gradient of the tangential stress, relative to the creepage, G π a b C11/(4 f N)
@@ -206,11 +206,11 @@ impl Problem {
 /// Tangential theory that gives the tractions at a creepage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Tangential {
-    /// With a stick zone, by springs.
-    Partial(March),
-    /// With a stick zone, by strip theory.
+    /// Stick zone by springs.
+    Partial(StripIntegration),
+    /// Stick zone by strip theory.
     Strips(StripTheory),
-    /// Without a stick zone.
+    /// No stick zone.
     Sliding(Sliding),
 }
 
@@ -343,7 +343,7 @@ impl FastsimContact {
             return Ok(());
         }
         let reason = format!(
-            "friction dissipates {:.6e} W where the forces give {:.6e} W over the creepages",
+            "friction dissipates {:.6e} W, but the creep forces supply {:.6e} W",
             self.problem.speeds.rolling * self.totals.power,
             self.problem.speeds.rolling * self.creep_power()
         );
@@ -387,7 +387,7 @@ mod tests {
 
     /// Contact of CONTACT's example fastsim, with the flexibilities printed by CONTACT: a = 8 mm, b
     /// = 4 mm, f = 0.3, N = 82 kN, η = −6.25e-4, φ = 0.625/m.
-    fn published(bound: Bound) -> March {
+    fn published(bound: Bound) -> StripIntegration {
         let lattice =
             Lattice { semi_axis_a: 8e-3, semi_axis_b: 4e-3, strips: 400, cells: 800, bound };
         let flexibilities = Flexibilities {
@@ -400,7 +400,7 @@ mod tests {
         let creepage = [0.0, -6.25e-4, 0.625];
         let springs = flexibilities.springs(Kind::Three, creepage, 1.0);
         let largest_bound = lattice.largest_bound(0.3 * 82e3);
-        March { lattice, springs, creepage, largest_bound }
+        StripIntegration { lattice, springs, creepage, largest_bound }
     }
 
     /// CONTACT r2707, examples/fastsim.inp, cases 2 and 5 (FASTSIM, parabolic bound): F_y = −15.05
@@ -476,7 +476,7 @@ mod tests {
             let factor = Reduction::new(0.54, 0.02, 0.62).at(creepage, a, gradient);
             let springs = flexibilities.springs(Kind::Blended, creepage, 1.0).reduced(factor);
             let largest_bound = lattice.largest_bound(friction_bound);
-            let march = March { lattice, springs, creepage, largest_bound };
+            let march = StripIntegration { lattice, springs, creepage, largest_bound };
             let found = -Totals::of(&lattice, &Tangential::Partial(march), MEAN).force[0];
             assert!((found / force - 1.0).abs() < 2e-3, "{xi}: {found}");
         }

@@ -39,7 +39,7 @@ pub(super) fn write(
             values.copy_from_slice(&speeds.of_surfaces(contact.creepage[0]));
         }
         field::CONTACT_FORCE => values.copy_from_slice(&contact.force()),
-        _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
+        _ => unreachable!("a field without provider is refused earlier: {}", spec.name),
     }
 }
 

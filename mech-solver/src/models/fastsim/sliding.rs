@@ -30,7 +30,7 @@ impl Sliding {
     }
 
     /// Visits the cells of a strip from the leading to the trailing edge, under the bounds of
-    /// [`elastic::fastsim::integration::March::strip`].
+    /// [`elastic::fastsim::integration::StripIntegration::strip`].
     pub(super) fn strip(
         &self,
         strip: &Strip,

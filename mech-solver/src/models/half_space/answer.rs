@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 /// Fields on the grid of the case; components x and y one after the other.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Answer {
+pub(super) struct ContactFields {
     pub(super) pressure: Vec<f64>,
     pub(super) traction: Vec<f64>,
     pub(super) slip_velocity: Vec<f64>,
@@ -38,14 +38,14 @@ pub(super) struct Answer {
     /// Power dissipated inside creeping bodies in a step, by pressure and tractions [W].
     dissipated: Option<f64>,
     /// Plastic flow of a layer between the surfaces.
-    flowed: Option<Flowed>,
+    flowed: Option<LayerFlow>,
     /// Thermal inputs of both bodies, if they expand and are observed.
     heated: Option<[KeptSurface; 2]>,
 }
 
 /// Plastic flow of a layer.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Flowed {
+struct LayerFlow {
     /// Largest plastic shift accumulated by a particle in the contact [m].
     largest_shift: f64,
     /// Share of the contact area that flows plastically [-].
@@ -54,7 +54,7 @@ struct Flowed {
     power: f64,
 }
 
-impl Flowed {
+impl LayerFlow {
     /// Evaluates a state with its friction power [W/m²] on elements of this area [m²]; `None`
     /// without a yielding layer.
     fn of(state: &TangentialState, power: &[f64], area: f64) -> Option<Self> {
@@ -81,7 +81,7 @@ impl Flowed {
     }
 }
 
-impl Answer {
+impl ContactFields {
     /// Answer of a contact that slides everywhere, against the rigid slip.
     pub(super) fn sliding(case: &Case, contact: &ContactSolver) -> Self {
         let creepage = case.driven.at(0.0).creepage;
@@ -128,7 +128,7 @@ impl Answer {
         let before = before.map(|before| before.concat());
         answer.set(case, state.traction.concat(), state.slip.concat(), before.as_deref());
         answer.flowed =
-            Flowed::of(state, &answer.friction_power, case.footprint.grid.element_area());
+            LayerFlow::of(state, &answer.friction_power, case.footprint.grid.element_area());
         answer
     }
 
@@ -243,7 +243,7 @@ impl Answer {
         if let Some(power) = self.dissipated {
             figures["hysteresis_power_w"] = power.into();
         }
-        if let Some(Flowed { largest_shift, area_ratio, power }) = self.flowed {
+        if let Some(LayerFlow { largest_shift, area_ratio, power }) = self.flowed {
             figures["layer_plastic_shift_m"] = largest_shift.into();
             figures["layer_area_ratio"] = area_ratio.into();
             figures["layer_power_w"] = power.into();
@@ -321,7 +321,7 @@ impl Answer {
 
 impl Case {
     /// Writes the observations of an accepted window.
-    pub(super) fn observe(&mut self, answer: &Answer, outputs: &mut dyn Outputs) {
+    pub(super) fn observe(&mut self, answer: &ContactFields, outputs: &mut dyn Outputs) {
         let accepted = answer.accepted();
         self.terms.removal.iter().for_each(|removal| removal.write(outputs));
         for term in &mut self.terms.observations {
@@ -331,7 +331,7 @@ impl Case {
     }
 
     /// Sections of `summary.json`.
-    pub(super) fn summary(&self, answer: &Answer) -> Value {
+    pub(super) fn summary(&self, answer: &ContactFields) -> Value {
         let mut summary = json!({ "contact": answer.figures(self) });
         let removed = self.terms.removal.iter().map(|removal| removal.summary());
         let observed = self.terms.observations.iter().filter_map(|term| term.summary());

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the power balance of the contact does not hold: friction dissipates {friction:.6e} W where \
-     {given:.6e} W are supplied, which differ by {imbalance:.1e} of all that is exchanged; the \
+     {given:.6e} W are supplied, which differs by {imbalance:.1e} of the exchanged power; the \
      contact is not solved: change mech.resolution"
 )]
 pub(super) struct PowerError {

@@ -16,7 +16,9 @@ use half_space::friction::ElementFriction;
 use half_space::grid_continuation::{Contact, History, Levels, Motion, Solution, TangentialError};
 use half_space::influence::Influence;
 use half_space::normal::{NormalError, NormalSolver, Prescribed};
-use half_space::slip_iteration::{Settling, Unsettled, first_velocities, slip_velocities};
+use half_space::slip_iteration::{
+    SlipFrictionIteration, Unsettled, first_velocities, slip_velocities,
+};
 use half_space::slip_operator::Displacement;
 use half_space::tangential::{self, Creepage, TangentialState};
 use proto::model::{Inputs, StepError};
@@ -52,7 +54,7 @@ pub(super) enum ContactError {
     Friction(#[from] Unsettled),
     #[error(transparent)]
     Power(#[from] PowerError),
-    #[error("under this approach of {approach:.4e} m the bodies do not touch")]
+    #[error("the bodies do not touch at an approach of {approach:.4e} m")]
     Apart { approach: f64 },
 }
 
@@ -229,7 +231,7 @@ impl ContactSolver {
         let duration = case.passage().duration;
         let scale = (self.pressure.len(), duration, case.scene.speeds.rolling);
         let first = first_velocities(start, near.as_ref().map(|near| &near.state), scale);
-        let mut settling = Settling::from(first);
+        let mut settling = SlipFrictionIteration::from(first);
         self.velocity = Some(settling.velocity().to_vec());
         let before = near.as_ref().filter(|_| driven.has_force()).map(|near| near.state.creepage);
         let creepage = before.unwrap_or(driven.at(0.0).creepage);

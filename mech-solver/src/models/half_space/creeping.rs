@@ -2,13 +2,13 @@
 
 use super::case::Case;
 use elastic::Elasticity;
-use half_space::retarded::{Delay, Field3, Retarded, within_step};
+use half_space::retarded::{Delay, Field3, RetardedOperators, within_step};
 use serde::{Deserialize, Serialize};
 
 /// Creeping bodies, with the data of the current step.
 #[derive(Debug)]
-pub(super) struct Creeping {
-    operators: Retarded,
+pub(super) struct CreepingBodies {
+    operators: RetardedOperators,
     delays: Vec<Delay>,
     at_once: Elasticity,
     /// Duration of the step [s].
@@ -19,7 +19,7 @@ pub(super) struct Creeping {
 
 /// Creep state passed from one step to the next.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Crept {
+pub(super) struct CreepState {
     retarded: Vec<Field3>,
     /// Normal displacement [m].
     normal: Vec<f64>,
@@ -28,7 +28,7 @@ pub(super) struct Crept {
     stored: [f64; 2],
 }
 
-impl Crept {
+impl CreepState {
     /// Returns whether both states belong to the same grid and the same number of bodies.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let lengths = |crept: &Self| -> Vec<usize> {
@@ -54,7 +54,7 @@ impl<'a> Instant<'a> {
 
 /// Energies of a step divided by the area of an element [Pa m].
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Kept {
+pub(super) struct StepEnergies {
     /// Stored energy of the tangential displacements, before and after the step.
     pub(super) stored: [f64; 2],
     /// Energy dissipated along the plane.
@@ -63,18 +63,18 @@ pub(super) struct Kept {
     pub(super) dissipated: f64,
 }
 
-impl Creeping {
+impl CreepingBodies {
     /// Creates the bodies of a case and their initial state under a pressure that causes the normal
     /// displacement `normal` [m].
-    pub(super) fn new(case: &Case, pressure: &[f64], normal: Vec<f64>) -> (Self, Crept) {
+    pub(super) fn new(case: &Case, pressure: &[f64], normal: Vec<f64>) -> (Self, CreepState) {
         let delays = case.delays.clone();
-        let operators = Retarded::new(&case.footprint.grid, &delays);
+        let operators = RetardedOperators::new(&case.footprint.grid, &delays);
         let retarded = operators.fresh();
         let stored = 0.5 * pressure.iter().zip(&normal).map(|(p, u)| p * u).sum::<f64>();
         let at_once = case.bodies.instantaneous;
         let displaced = [0, 1, 2].map(|_| vec![0.0; pressure.len()]);
         let creeping = Self { operators, delays, at_once, duration: f64::NAN, displaced };
-        (creeping, Crept { retarded, normal, stored: [stored, 0.0] })
+        (creeping, CreepState { retarded, normal, stored: [stored, 0.0] })
     }
 
     /// Sets the duration of a step [s]. Returns the elastic constants effective within the step, if
@@ -86,7 +86,7 @@ impl Creeping {
     }
 
     /// Computes the displacements that the loads up to now leave at the end of the step.
-    pub(super) fn recall(&mut self, crept: &Crept, now: Instant<'_>) {
+    pub(super) fn recall(&mut self, crept: &CreepState, now: Instant<'_>) {
         let Self { operators, duration, displaced, .. } = self;
         operators.recall(&crept.retarded, now.load(), *duration, displaced);
     }
@@ -107,11 +107,11 @@ impl Creeping {
     /// that of earlier loads [m].
     pub(super) fn end(
         &mut self,
-        crept: &mut Crept,
+        crept: &mut CreepState,
         before: Instant<'_>,
         after: Instant<'_>,
         mut normal: Vec<f64>,
-    ) -> Kept {
+    ) -> StepEnergies {
         normal.iter_mut().zip(&self.displaced[0]).for_each(|(sum, more)| *sum += more);
         let work = |k: usize, from: &[f64], to: &[f64]| -> f64 {
             let [start, end] = [before.load()[k], after.load()[k]];
@@ -127,7 +127,7 @@ impl Creeping {
         let from = std::mem::replace(&mut crept.stored, stored);
         crept.normal = normal;
         let along_plane = on_plane - (stored[1] - from[1]);
-        Kept {
+        StepEnergies {
             stored: [from[1], stored[1]],
             along_plane,
             dissipated: along_plane + on_normal - (stored[0] - from[0]),

@@ -19,11 +19,13 @@ const SPIN_MOMENT: &str = "motion.spin_moment";
 /// Keys in addition to those of the scene.
 pub(super) fn keys() -> Vec<KeySpec> {
     let mut keys = vec![
-        KeySpec::number(LATERAL_CREEPAGE, "lateral creepage beside a prescribed force").varies(),
+        KeySpec::number(LATERAL_CREEPAGE, "lateral creepage in addition to a prescribed force")
+            .varies(),
         KeySpec::quantity(LATERAL_FORCE, "N", "lateral force on the upper body")
             .magnitude_below(&["friction.coefficient", "load.normal_force"])
             .varies(),
-        KeySpec::quantity(SPIN_CREEPAGE, "1/m", "spin [rad/m] beside a prescribed force").varies(),
+        KeySpec::quantity(SPIN_CREEPAGE, "1/m", "spin [rad/m] in addition to a prescribed force")
+            .varies(),
         KeySpec::quantity(SPIN_MOMENT, "N m", "spin moment on the upper body").varies(),
     ];
     keys.extend(shift_keys());
@@ -81,8 +83,8 @@ impl Driven {
         if scene.width.is_some() && spin != Component::Creepage(0.0) {
             return Err(Refusal::new(
                 WIDTH,
-                "excludes spin and turning: their slip varies across, and a line of contact is the same all over its width",
-                "leave out the spin, or give radii for an ellipse",
+                "excludes spin and turning: their slip varies across, but a line contact is uniform across its width",
+                "remove the spin, or give radii for an ellipse",
             ));
         }
         let normal_force = match (given, scene.load) {
@@ -151,14 +153,14 @@ impl Driven {
         Err(Refusal::new("motion", reason, "write less, or prescribe motion.creepage"))
     }
 
-    /// Without partial slip all creepages must be known. For a longitudinal force, the creepage
-    /// follows from Carter's law, as in `hertz-carter`.
+    /// Completes the motion of a contact that slides everywhere, whose creepages must all be known.
+    /// For a longitudinal force, the creepage follows from Carter's law, as in `hertz-carter`.
     fn sliding(self, scene: &Scene, ellipse: Option<&Ellipse>) -> Result<Self, Refusal> {
         let [along, across, spin] = self.components;
         let known = |component: Component| matches!(component, Component::Creepage(_));
         if !known(across) || !known(spin) || (!known(along) && ellipse.is_none()) {
             let reason =
-                "a contact that slides everywhere has the force f N, whatever is prescribed";
+                "a contact that slides everywhere has the force f N, whatever the case prescribes";
             let Refusal { fix, .. } = effects::lacking(Kind::Adhesion, reason);
             let fix = format!("{fix}, or prescribe motion.creepage");
             return Err(Refusal::new("motion", reason, fix));

@@ -14,20 +14,20 @@ pub(super) fn refuse(case: &Case, effect: &str) -> Result<(), Refusal> {
     };
     if case.bodies.are_coupled() {
         return refused(
-            "bodies of different elastic constants slip under their pressure, and the power of surfaces that rise is not in \
+            "bodies of different elastic constants slip under their pressure, and the power of rising surfaces is missing in \
              the balance",
             "give both bodies the same elastic constants",
         );
     }
     if case.scene.speeds.rolling == 0.0 {
         return refused(
-            "a shift has memory: its tractions meet another pressure as heat changes it",
+            "a shift has memory: heat would change the pressure under its tractions",
             "write a motion.speed above 0",
         );
     }
     if case.memory {
         return refused(
-            "tractions of one step meet another pressure in the next, which their balance does not know",
+            "the tractions of one step would meet another pressure in the next, which the power balance does not include",
             "write mech.rolling = \"steady\"",
         );
     }

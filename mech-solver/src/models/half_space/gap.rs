@@ -10,7 +10,7 @@ use crate::case::keys::CheckedParams;
 use crate::case::scene::Scene;
 use crate::case::shape::lateral::millimetres;
 use crate::case::shape::{self, BodyShape};
-use half_space::extent::Fitted;
+use half_space::extent::FittedContact;
 use half_space::patches::patches;
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::{Configuration, Refusal};
@@ -151,7 +151,7 @@ impl Gap {
     }
 
     /// Remarks on modifications of the shapes and on kinks within the contact.
-    pub(super) fn remarks(&self, fitted: &Fitted) -> Vec<String> {
+    pub(super) fn remarks(&self, fitted: &FittedContact) -> Vec<String> {
         let mut remarks: Vec<String> =
             self.sides.iter().rev().filter_map(BodyShape::remark).collect();
         let under = self.kinks_under(&fitted.grid, &fitted.pressure);
@@ -172,7 +172,7 @@ impl Gap {
     }
 
     /// Refuses a contact that is too steep anywhere.
-    pub(super) fn refuse_steep(&self, fitted: &Fitted) -> Result<(), Refusal> {
+    pub(super) fn refuse_steep(&self, fitted: &FittedContact) -> Result<(), Refusal> {
         let rows = fitted.pressure.chunks_exact(fitted.grid.ni).enumerate();
         for (row, _) in rows.filter(|(_, row)| row.iter().any(|p| *p > 0.0)) {
             let y = fitted.grid.y(row) + self.origin;
@@ -182,8 +182,12 @@ impl Gap {
                 let angle = slope.atan();
                 return Err(Refusal::new(
                     self.profile_key(),
-                    format!("the bodies touch at y = {y:.4} m under {angle:.2} rad to the plane"),
-                    format!("shift or turn the profiles until all contact is below {STEEPEST} rad"),
+                    format!(
+                        "the bodies touch at y = {y:.4} m at an angle of {angle:.2} rad to the plane"
+                    ),
+                    format!(
+                        "shift or turn the profiles until the whole contact is below {STEEPEST} rad"
+                    ),
                 ));
             }
         }

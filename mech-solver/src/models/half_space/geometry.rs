@@ -13,7 +13,7 @@ use crate::case::scene::{Load, Scene, WIDTH};
 use crate::case::shape;
 use crate::terms::{Kind, Terms};
 use half_space::difference::Difference;
-use half_space::extent::{Fitted, Moments, fit_grid};
+use half_space::extent::{FittedContact, Moments, fit_grid};
 use half_space::normal::{NormalError, Prescribed};
 use half_space::patches::{Patch, patches};
 use half_space::retarded::Delay;
@@ -63,8 +63,8 @@ pub(super) fn keys() -> Vec<KeySpec> {
     keys.push(
         KeySpec::integer(
             LATERAL_RESOLUTION,
-            "elements per semi-axis b, that of the narrowest patch: dy = b/lateral_resolution; \
-             absent: dy = dx, or less where a patch is narrow",
+            "elements per semi-axis b of the narrowest patch: dy = b/lateral_resolution; \
+             absent: dy = dx, or less if a patch is narrow",
         )
         .at_least(1.0)
         .at_most(2000.0),
@@ -126,7 +126,7 @@ pub(in crate::models) fn footprint(
         if !gap.is_quadric() {
             return Err(Refusal::new(
                 &format!("effects.{effect}"),
-                "the contact of measured profiles is not looked for on bodies whose compliance grows",
+                "the contact of measured profiles is not supported for bodies whose compliance grows",
                 "give radii, or remove the effect",
             ));
         }
@@ -136,7 +136,7 @@ pub(in crate::models) fn footprint(
     }
     if given.is_some() || gap.is_quadric() {
         if given.is_some() && (rough || !gap.is_quadric()) {
-            let reason = "a given pressure leaves no room for profiles or effects that change it";
+            let reason = "a given pressure excludes profiles and effects that change it";
             return Err(Refusal::new("contact", reason, "remove [contact], or the others"));
         }
         let ellipse = given.map_or_else(|| Ellipse::solve(scene, None), Ok)?;
@@ -200,7 +200,7 @@ pub(in crate::models) fn footprint(
 
 /// Refuses lateral variation for bodies in line contact.
 fn refuse_in_plane(scene: &Scene, gap: &Gap, rows: bool) -> Result<(), Refusal> {
-    let line = "bodies that touch along a line are the same all over their width";
+    let line = "bodies that touch along a line are uniform across their width";
     match scene.width {
         Some(_) if !gap.is_quadric() => Err(Refusal::new(
             WIDTH,
@@ -271,7 +271,7 @@ fn growth(shapes: &Shapes<'_>, line: bool) -> f64 {
 }
 
 /// Lateral position of the maximum pressure [m].
-fn highest(fitted: &Fitted) -> f64 {
+fn highest(fitted: &FittedContact) -> f64 {
     let pressures = fitted.pressure.iter().enumerate();
     let highest = pressures.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(at, _)| at);
     fitted.grid.y(highest / fitted.grid.ni)
@@ -281,7 +281,7 @@ fn highest(fitted: &Fitted) -> f64 {
 /// [`LEAST_ROWS`] across its half width. Fewer rows are used if a grid over this area [m²] would
 /// become too large. Adds remarks on unresolved patches.
 fn row_width(
-    coarse: &Fitted,
+    coarse: &FittedContact,
     dx: f64,
     lateral: Option<f64>,
     area: f64,
@@ -314,7 +314,7 @@ fn row_width(
 }
 
 /// Patches that carry more than [`PATCH_SHARE`] of the load.
-fn of_weight(fitted: &Fitted) -> impl Iterator<Item = Patch> {
+fn of_weight(fitted: &FittedContact) -> impl Iterator<Item = Patch> {
     let found = patches(&fitted.grid, &fitted.pressure);
     let all: f64 = found.iter().map(|patch| patch.sum).sum();
     found.into_iter().filter(move |patch| patch.sum > PATCH_SHARE * all)
@@ -323,7 +323,7 @@ fn of_weight(fitted: &Fitted) -> impl Iterator<Item = Patch> {
 /// Moves a grid along x by a fraction of an element, so that the leading edge of an ellipse falls
 /// between two elements in the mean over the rows, weighted by the square of their chords.
 ///
-/// With the second-order difference, nearly all of the remaining error of the forces is due to the
+/// Nearly all of the remaining error of the forces, with the second-order difference, is due to the
 /// positions of the element edges. It is proportional to that mean (correlation 0.96 to 0.99 over
 /// 32 positions of the grid at a/7 to a/20; docs/theory/half-space.md).
 fn align(grid: &mut Structured, [a, b]: [f64; 2]) {
@@ -377,7 +377,7 @@ pub(in crate::models) fn prescribed(load: Load) -> Prescribed {
     }
 }
 
-fn fit(gap: &Gap, shapes: &Shapes<'_>, grid: Structured) -> Result<Fitted, Refusal> {
+fn fit(gap: &Gap, shapes: &Shapes<'_>, grid: Structured) -> Result<FittedContact, Refusal> {
     let Shapes { scene, bodies, terms, .. } = *shapes;
     let distance = |x: f64, y: f64| gap.distance(x, y) + terms.height(x, y);
     let within = gap.range().map(|end| end - gap.origin);
@@ -393,7 +393,12 @@ fn refused(error: NormalError) -> Refusal {
 /// Solves the contact of profiles on a coarse grid around the first point of contact, and wherever
 /// else the gap closes. `low` is the lowest y of the points that touch first [m]. The rows are
 /// refined until the narrowest patch is resolved.
-fn coarse_contact(gap: &Gap, low: f64, scene: &Scene, bodies: &Bodies) -> Result<Fitted, Refusal> {
+fn coarse_contact(
+    gap: &Gap,
+    low: f64,
+    scene: &Scene,
+    bodies: &Bodies,
+) -> Result<FittedContact, Refusal> {
     let (radius, compliance) =
         (scene.relative_radius_x(), bodies.instantaneous.contact_compliance());
     let estimate = match scene.load {
@@ -433,14 +438,14 @@ fn no_coarse_contact(gap: &Gap, error: NormalError) -> Refusal {
         NormalError::FarApart { .. } => Refusal::new(
             gap.profile_key(),
             error.to_string(),
-            "raise the load, or give the profiles as far as the contact that matters reaches",
+            "raise the load, or limit the profiles to the extent of the relevant contact",
         ),
         error => refused(error),
     }
 }
 
 /// Ranges of x and y of the elements in contact, including a margin [m].
-fn bounds(fitted: &Fitted) -> [[f64; 2]; 2] {
+fn bounds(fitted: &FittedContact) -> [[f64; 2]; 2] {
     let grid = &fitted.grid;
     let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for (index, _) in fitted.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0) {

@@ -41,7 +41,7 @@
 //! ([`half_space::retarded`]). For different elastic constants the energy of the normal contact
 //! takes part too; it is not stored, and there is no balance.
 
-use super::answer::Answer;
+use super::answer::ContactFields;
 use super::balance::{Balance, Hysteresis, PressurePower};
 use super::case::Case;
 use proto::grid::Structured;
@@ -58,7 +58,7 @@ impl Balance {
     /// Balance of an instant without history.
     pub(super) fn steady(
         case: &Case,
-        answer: &Answer,
+        answer: &ContactFields,
         pressure: Option<PressurePower>,
         hysteresis: Option<Hysteresis>,
     ) -> Self {
@@ -90,7 +90,7 @@ impl Balance {
     /// along the plane dissipated by creeping bodies [Pa m].
     pub(super) fn step(
         case: &Case,
-        answer: &Answer,
+        answer: &ContactFields,
         creepage: [f64; 3],
         before: &[Vec<f64>; 2],
         energy: [f64; 2],
@@ -121,7 +121,7 @@ impl Balance {
     }
 }
 
-fn friction(grid: &Structured, answer: &Answer) -> f64 {
+fn friction(grid: &Structured, answer: &ContactFields) -> f64 {
     answer.friction_power.iter().sum::<f64>() * grid.element_area()
 }
 

@@ -21,23 +21,26 @@ pub(super) fn refuse(
     let rolls = scene.speeds.rolling > 0.0;
     if rolls && memory {
         return refused(
-            "of such bodies that roll the displacement is known in the steady state only",
+            "if such bodies roll, their displacement is known in the steady state only",
             "write mech.rolling = \"steady\"",
         );
     }
     if rolls && varies {
         return refused(
-            "of such bodies that roll the displacement is known in the steady state only, and a load or a speed that varies is none",
-            "write numbers in the place of columns and no axle",
+            "if such bodies roll, their displacement is known in the steady state only, which excludes a varying load or speed",
+            "write numbers in place of columns and no axle",
         );
     }
     if patch.is_some() {
-        return refused("such bodies change the pressure, which is given", "remove [contact]");
+        return refused(
+            "such bodies change the pressure, but the case gives it",
+            "remove [contact]",
+        );
     }
     if terms.pressure_bound() < f64::INFINITY {
         let bound = terms.effect_of(Kind::PressureBound).unwrap_or_default();
         return refused(
-            "with a largest pressure such a contact is not solved",
+            "such a contact does not support a pressure bound",
             &format!("remove effects.{bound}"),
         );
     }

@@ -5,7 +5,7 @@
 //! depends on the inputs only. If values vary, every window is solved, starting from the accepted
 //! solution of an earlier one.
 
-use super::answer::Answer;
+use super::answer::ContactFields;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
@@ -42,7 +42,7 @@ pub(super) struct Steady {
 
 /// A solved time window.
 pub(super) struct Window {
-    answer: Answer,
+    answer: ContactFields,
     report: StepReport,
     step: Step,
     /// For varying values: solution of the last row that has one, from which the next row starts.
@@ -55,7 +55,7 @@ pub(super) struct Window {
 type Near = Option<(Solution, Vec<f64>)>;
 
 /// An answer, its cost, and the solution with partial slip, if any.
-type Solved = (Answer, StepReport, Option<Solution>);
+type Solved = (ContactFields, StepReport, Option<Solution>);
 
 impl Steady {
     pub(super) fn new(case: Case, following: Option<Following>) -> Self {
@@ -164,12 +164,12 @@ impl Steady {
         let mut report = StepReport { substeps: 1, ..StepReport::default() };
         let mut found: Option<Solution> = None;
         let mut answer = match case.terms.adhesion {
-            false => Answer::sliding(case, contact),
+            false => ContactFields::sliding(case, contact),
             true => {
                 let solution = contact.solve_settled(case, inputs, &driven, near, None)?;
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
-                let mut answer = Answer::partial(case, contact, &solution, None);
+                let mut answer = ContactFields::partial(case, contact, &solution, None);
                 if let Some(power) = contact.numerical_dissipation(case, &solution.state) {
                     answer.add_numerical_dissipation(case, &power);
                 }
@@ -283,7 +283,7 @@ impl Contact for Steady {
         }
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
-        type State = (Near, Answer, (u64, u32, f64, f64));
+        type State = (Near, ContactFields, (u64, u32, f64, f64));
         let state: Option<State> = bincode::serde::decode_from_std_read(&mut from, config)
             .map_err(|error| wrong(error.to_string()))?;
         let Some((near, answer, (window, iteration, start, end))) = state else { return Ok(None) };
@@ -292,7 +292,7 @@ impl Contact for Steady {
             solution.state.fits(count) && pressure.len() == count
         });
         if !fits || !answer.is_on(count) {
-            return Err(wrong("it is a state on another grid".to_owned()));
+            return Err(wrong("the state belongs to another grid".to_owned()));
         }
         let (step, report) = (Step { window, iteration, start, end }, StepReport::default());
         Ok(Some(Window { answer, report, step, near, shortfall: None }))

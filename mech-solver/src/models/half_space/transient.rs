@@ -27,11 +27,11 @@
 //! and friction acts while the first load is applied. Rolling bodies may start from their steady
 //! state (`mech.begin`).
 
-use super::answer::Answer;
+use super::answer::ContactFields;
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
-use super::creeping::{Creeping, Crept, Instant};
+use super::creeping::{CreepState, CreepingBodies, Instant};
 use super::steady::{Following, MOST_BYTES};
 use crate::models::contact_model::Contact;
 use crate::models::shortfall::Shortfall;
@@ -58,7 +58,7 @@ pub(super) struct Transient {
     contact: ContactSolver,
     /// Solver of the later steps, if it differs from the first.
     further: Option<ContactSolver>,
-    creeping: Option<Creeping>,
+    creeping: Option<CreepingBodies>,
     /// State before the first window.
     start: StepState,
     /// True until the start from steady rolling has been computed (`mech.begin = "steady"`).
@@ -86,9 +86,9 @@ struct StepState {
     /// State one step earlier, kept where later steps use a different solver.
     earlier: Option<Tangential>,
     /// Creep state of the bodies; empty for bodies without creep.
-    crept: Crept,
+    crept: CreepState,
     /// Fields of the step in progress.
-    answer: Answer,
+    answer: ContactFields,
     /// Remaining time of the step in progress [s].
     left: f64,
     /// Accumulated shift [m, m, rad]; contacts without rolling only.
@@ -156,8 +156,8 @@ impl StepState {
             approach: contact.approach,
             displacement,
             earlier: None,
-            crept: Crept::default(),
-            answer: Answer::at_rest(case, contact),
+            crept: CreepState::default(),
+            answer: ContactFields::at_rest(case, contact),
             left: 0.0,
             shift: [0.0; 3],
         }
@@ -225,7 +225,7 @@ impl Transient {
                 Some(_) => zeros.clone(),
                 None => contact.normal_displacement(&start.solution.state),
             };
-            let (operators, crept) = Creeping::new(&case, &start.pressure, normal);
+            let (operators, crept) = CreepingBodies::new(&case, &start.pressure, normal);
             start.crept = crept;
             creeping = Some(operators);
         }
@@ -246,7 +246,7 @@ impl Transient {
         steady.set_friction(case, inputs, driven.at(0.0).creepage)?;
         let solution = steady.solve_settled(case, inputs, &driven, None, None)?;
         let start = &mut self.start;
-        start.answer = Answer::partial(case, &steady, &solution, None);
+        start.answer = ContactFields::partial(case, &steady, &solution, None);
         if let Some(power) = steady.numerical_dissipation(case, &solution.state) {
             start.answer.add_numerical_dissipation(case, &power);
         }
@@ -279,7 +279,7 @@ impl Transient {
             }
             creeping.recall(&before.crept, before.instant());
         }
-        let displaced = self.creeping.as_ref().map(Creeping::normal);
+        let displaced = self.creeping.as_ref().map(CreepingBodies::normal);
         for contact in self.further.iter_mut().chain([&mut self.contact]) {
             contact.pressure.clone_from(&before.pressure);
             contact.follow(&self.case, true, displaced).map_err(no_solution)?;
@@ -372,7 +372,8 @@ impl Transient {
         };
         trial.solution = contact.solve_settled(case, inputs, &driven, near, Some(history))?;
         let shortfall = contact.shortfall;
-        trial.answer = Answer::partial(case, contact, &trial.solution, Some(&before.traction));
+        trial.answer =
+            ContactFields::partial(case, contact, &trial.solution, Some(&before.traction));
         let state = &trial.solution.state;
         if let Some(power) = contact.numerical_dissipation(case, state) {
             trial.answer.add_numerical_dissipation(case, &power);
@@ -529,7 +530,7 @@ impl Contact for Transient {
         let layer = memory.solution.state.plastic.len() == self.start.solution.state.plastic.len();
         let creeps = memory.crept.is_like(&self.start.crept);
         if !memory.fits(self.start.pressure.len()) || !layer || !creeps {
-            return Err(wrong("it is a state on another grid".to_owned()));
+            return Err(wrong("the state belongs to another grid".to_owned()));
         }
         let (power, report) = (memory.answer.friction_power.clone(), StepReport::default());
         Ok(Some(Window { memory, power, report, shortfall: None }))

@@ -144,7 +144,7 @@ impl Amount {
             if value == 0.0 {
                 return Ok(());
             }
-            let reason = "hertz-carter takes longitudinal creepage only";
+            let reason = "hertz-carter supports longitudinal creepage only";
             Err(Refusal::new(key, reason, "write 0, or remove the key"))
         };
         match ellipse.prescribed(scene)? {

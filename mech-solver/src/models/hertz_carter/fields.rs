@@ -38,7 +38,7 @@ pub(super) fn write(
         field::CONTACT_FORCE => {
             values.copy_from_slice(&[contact.creep_force(), 0.0, contact.ellipse.normal_force]);
         }
-        _ => unreachable!("a field that nobody provides is refused before: {}", spec.name),
+        _ => unreachable!("a field without provider is refused earlier: {}", spec.name),
     }
 }
 

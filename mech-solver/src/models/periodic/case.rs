@@ -31,25 +31,25 @@ impl Case {
             for (radius, key) in [(of.radius_x, "radius_x"), (of.radius_y, "radius_y")] {
                 if radius.is_finite() {
                     let key = scene.names.key(body, key);
-                    let reason = "bodies whose contact repeats are flat on the whole";
+                    let reason = "bodies with a periodic contact are nominally flat";
                     let fix = "remove the key, or write [mech] model = \"half-space\"";
                     return Err(Refusal::new(&key, reason, fix));
                 }
             }
         }
         let Load::NormalForce(load) = scene.load else {
-            let reason = "the approach of bodies without end has no meaning";
+            let reason = "the approach of infinite bodies has no meaning";
             return Err(Refusal::new(
                 APPROACH,
                 reason,
-                "write load.normal_force, that on one cell",
+                "write load.normal_force, the load on one cell",
             ));
         };
         let creepage = match scene.drive {
             Drive::Creepage { xi, eta, phi: 0.0 } => [xi, eta],
             Drive::Shift([0.0, 0.0, 0.0]) => [0.0; 2],
             _ => {
-                let reason = "all of a contact that repeats slides, by what the creepages say";
+                let reason = "a periodic contact slides everywhere, with the prescribed creepages";
                 let fix = "write motion.creepage without spin, or a surface_speed of the bodies";
                 return Err(Refusal::new(DRIVE, reason, fix));
             }

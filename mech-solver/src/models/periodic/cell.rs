@@ -19,9 +19,9 @@ const MOST: f64 = 16384.0;
 /// Keys read by [`grid`].
 pub(super) fn keys() -> Vec<KeySpec> {
     vec![
-        KeySpec::quantity(PERIODS[0], "m", "length of the cell that repeats").required().above(0.0),
-        KeySpec::quantity(PERIODS[1], "m", "width of the cell that repeats").required().above(0.0),
-        KeySpec::integer(RESOLUTION, "elements along the cell, an even number")
+        KeySpec::quantity(PERIODS[0], "m", "length of the periodic cell").required().above(0.0),
+        KeySpec::quantity(PERIODS[1], "m", "width of the periodic cell").required().above(0.0),
+        KeySpec::integer(RESOLUTION, "even number of elements along the cell")
             .default_value(ALONG)
             .at_least(4.0)
             .at_most(MOST),
@@ -57,7 +57,7 @@ pub(super) fn grid(params: &Params) -> Result<Structured, Refusal> {
     let (along, across) = (count(RESOLUTION)?, count(LATERAL_RESOLUTION)?);
     if !along.is_multiple_of(2) {
         let fix = format!("write {} or {}", along - 1, along + 1);
-        return Err(Refusal::new(RESOLUTION, format!("{along} elements are an odd number"), fix));
+        return Err(Refusal::new(RESOLUTION, format!("{along} is an odd number of elements"), fix));
     }
     let (dx, dy) = (length / along as f64, width / across as f64);
     let first = |count: usize, step: f64| -((count / 2) as f64) * step;

@@ -21,7 +21,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::params::Params;
 use std::sync::LazyLock;
-use wheel_rail::balance::{Given, WheelsetOnTrack};
+use wheel_rail::balance::{WheelsetLoads, WheelsetOnTrack};
 use wheel_rail::contact::WheelOnRail;
 use wheel_rail::profile::orientation::Body;
 use wheel_rail::rail::{Deviation, Placing, Side, Track};
@@ -58,7 +58,7 @@ pub(super) struct Case {
 pub(super) struct Position {
     pub(super) motion: Motion,
     pub(super) deviation: Deviation,
-    pub(super) given: Given,
+    pub(super) given: WheelsetLoads,
     pub(super) friction: f64,
 }
 
@@ -79,8 +79,8 @@ impl Case {
         if bodies.is_coupled() {
             return Err(Refusal::new(
                 &names.key(UPPER, "material"),
-                "wheel and rail of different elastic constants act on each other by pressures and tractions, which \
-                 this model leaves out",
+                "different elastic constants of wheel and rail couple pressures and tractions, which \
+                 this model neglects",
                 "give both bodies the same material, or write [mech] model = \"half-space\"",
             ));
         }
@@ -170,7 +170,7 @@ impl Case {
             let wheel =
                 WheelOnRail::of_surfaces(&self.surfaces, *side, &self.track, wheelset, settings);
             let wheel = wheel.map_err(|error| {
-                let fix = format!("give more of the profile, or write another {GAUGE_HEIGHT}");
+                let fix = format!("extend the profile, or write another {GAUGE_HEIGHT}");
                 Refusal::new(&self.rail_key, error.to_string(), fix)
             })?;
             Ok((*side, wheel))
@@ -210,7 +210,7 @@ impl Case {
                 roll: off("roll")?,
                 rates: [off("y_rate")?, off("z_rate")?, off("roll_rate")?],
             },
-            given: Given { vertical, torque: case.maybe_number(TORQUE)? },
+            given: WheelsetLoads { vertical, torque: case.maybe_number(TORQUE)? },
             friction: case.number(FRICTION)?,
         })
     }
@@ -230,24 +230,24 @@ impl Case {
             (None, None, Some(_)) => Ok([Vertical::Height; 2]),
             (Some(force), None, None) if !both => Ok([Vertical::Force(force); 2]),
             (None, Some(_), None) if both && case.number(ROLL)? != 0.0 => {
-                let reason = "the roll of the wheelset is found from the loads of both wheels";
-                refuse(ROLL, reason, format!("write 0, or {HEIGHT} in the place of {AXLE_LOAD}"))
+                let reason = "the roll of the wheelset follows from the loads of both wheels";
+                refuse(ROLL, reason, format!("write 0, or {HEIGHT} in place of {AXLE_LOAD}"))
             }
             (None, Some(load), None) if both => {
                 let share = case.number(LEFT_SHARE)?;
                 Ok([share, 1.0 - share].map(|share| Vertical::Force(share * load)))
             }
             (Some(_), None, None) => {
-                let reason = "of both wheels the load of the axle is given, and how they share it";
+                let reason = "both wheels need the load of the axle and its distribution";
                 refuse(VERTICAL_FORCE, reason, format!("write {AXLE_LOAD}, with {LEFT_SHARE}"))
             }
             (None, Some(_), None) => {
-                let reason = "one wheel carries a part of it alone";
+                let reason = "a single wheel carries only a part of it";
                 refuse(AXLE_LOAD, reason, format!("write {VERTICAL_FORCE}, or {SIDE} = \"both\""))
             }
             _ => {
                 let force = if both { AXLE_LOAD } else { VERTICAL_FORCE };
-                let reason = "one of force and height is needed";
+                let reason = "a force or a height is needed";
                 refuse(force, reason, format!("write {force} or {HEIGHT}"))
             }
         }
@@ -272,13 +272,13 @@ fn refuse_on_springs(
     names: &Bodies,
 ) -> Result<(), Refusal> {
     if settings.layer > 0.0 {
-        let reason = "asks for springs, and a layer between the bodies is on half-spaces alone";
-        let fix = "write \"half-space\" here, or leave the layer out";
+        let reason = "asks for springs, but a layer between the bodies needs half-spaces";
+        let fix = "write \"half-space\" here, or remove the layer";
         return Err(Refusal::new(TANGENTIAL, reason, fix));
     }
     if terms.friction.follows_elements().is_some() {
-        let reason = "asks for springs, and friction that follows the slip of every element is on half-spaces alone";
-        let fix = "write \"half-space\" here, or let friction follow the slip of rigid bodies";
+        let reason = "asks for springs, but friction that depends on the slip of every element needs half-spaces";
+        let fix = "write \"half-space\" here, or let friction depend on the slip of rigid bodies";
         return Err(Refusal::new(TANGENTIAL, reason, fix));
     }
     if poisson_ratio < 0.0 {
@@ -297,8 +297,8 @@ fn refuse_stresses_of_both(sides: &[Side], terms: &Terms) -> Result<(), Refusal>
     match terms.effect_of(crate::terms::Kind::Observation) {
         Some(effect) if sides.len() > 1 => Err(Refusal::new(
             &format!("effects.{effect}"),
-            "of two rails that lie side by side on one grid the one would be loaded by the other",
-            format!("look at one wheel at a time, by {SIDE}, or remove the effect"),
+            "two rails lie side by side on one grid, so that the stresses of one would include the load of the other",
+            format!("run one wheel at a time with {SIDE}, or remove the effect"),
         )),
         _ => Ok(()),
     }
@@ -312,7 +312,7 @@ fn refuse_rough(settings: &Settings, terms: &Terms) -> Result<(), Refusal> {
     match (terms.effect_of(crate::terms::Kind::Gap), exact.into_iter().find(|(_, exact)| !exact)) {
         (Some(effect), Some((key, _))) => {
             let reason =
-                format!("asks for a theory of smooth strips, and effects.{effect} gives heights");
+                format!("asks for a theory of smooth strips, but effects.{effect} adds heights");
             Err(Refusal::new(key, reason, "write \"half-space\", or remove the effect"))
         }
         _ => Ok(()),
@@ -330,15 +330,15 @@ fn refuse_curved(
         Err(Refusal::new(key, reason, fix))
     };
     if let Some(effect) = terms.effect_of(crate::terms::Kind::Observation) {
-        let reason = "the stresses are those below a plane, and patches are on curved surfaces";
+        let reason = "the stresses are those below a plane, but patches lie on curved surfaces";
         return refuse(&format!("effects.{effect}"), reason, "remove the effect");
     }
     if surfaces.iter().any(|surface| surface.constant().is_none()) {
         let reason =
-            "asks for prisms along the track, and these bodies vary along the rolling direction";
-        return refuse(PATCH_SURFACE, reason, "leave slices and irregularities out");
+            "asks for prisms along the track, but these bodies vary along the rolling direction";
+        return refuse(PATCH_SURFACE, reason, "remove slices and irregularities");
     }
-    let theory = "asks for strips in a plane, and patches are on curved surfaces";
+    let theory = "asks for strips in a plane, but patches lie on curved surfaces";
     if settings.normal != Normal::HalfSpace {
         return refuse(NORMAL, theory, "write \"half-space\"");
     }
@@ -346,11 +346,11 @@ fn refuse_curved(
         return refuse(TANGENTIAL, theory, "write \"half-space\"");
     }
     if settings.mutual {
-        let reason = "patches on curved surfaces act on each other where they are one";
+        let reason = "on curved surfaces only regions of the same patch act on each other";
         return refuse(
             PATCH_INFLUENCE,
             reason,
-            "write \"none\" here, and a longer mech.joining_distance",
+            "write \"none\" here, and a larger mech.joining_distance",
         );
     }
     Ok(())
@@ -364,8 +364,8 @@ fn refuse_approximate(settings: &Settings, surfaces: &[Surface; 2]) -> Result<()
         false => Ok(()),
         true => Err(Refusal::new(
             NORMAL,
-            "asks for a theory of bodies that are round along x, and these vary along the rolling direction",
-            "write \"half-space\", or leave slices and irregularities out",
+            "asks for a theory of bodies that are round along x, but these vary along the rolling direction",
+            "write \"half-space\", or remove slices and irregularities",
         )),
     }
 }
@@ -379,7 +379,7 @@ fn refuse_radii(case: &CheckedParams<'_>, names: &Bodies) -> Result<(), Refusal>
         let key = names.key(body, name);
         if case.has(&key) {
             let reason = "a wheel on a track has a profile and a nominal radius";
-            let fix = format!("remove the key; {NOMINAL_RADIUS} is that of the wheel");
+            let fix = format!("remove the key; {NOMINAL_RADIUS} is the radius of the wheel");
             return Err(Refusal::new(&key, reason, fix));
         }
     }

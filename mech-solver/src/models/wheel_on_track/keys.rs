@@ -58,15 +58,18 @@ fn track() -> Vec<KeySpec> {
     let deviation = |name: &str, unit: &str, help: &str| {
         KeySpec::quantity(&format!("track.deviation.{name}"), unit, help)
             .default_value(0.0)
-            .expected(0.0..=of_unit(unit), "a rail off its place by more is broken; check the unit")
+            .expected(
+                0.0..=of_unit(unit),
+                "a larger displacement would break the rail; check the unit",
+            )
             .varies()
     };
     vec![
         KeySpec::quantity(GAUGE, "m", "distance of the gauge points of both rails")
-            .expected(0.5..=3.0, "from mines to the broadest; check the unit")
+            .expected(0.5..=3.0, "from mine railways to the broadest gauge; check the unit")
             .default_value(1.435)
             .above(0.0),
-        KeySpec::quantity(GAUGE_HEIGHT, "m", "how far below the top of the rail it is measured")
+        KeySpec::quantity(GAUGE_HEIGHT, "m", "depth below the top of the rail at which the gauge is measured")
             .expected(1e-3..=0.05, "from 10 to 16 mm on railways; check the unit")
             .default_value(0.014)
             .above(0.0),
@@ -79,7 +82,7 @@ fn track() -> Vec<KeySpec> {
         KeySpec::quantity(CURVATURE, "1/m", "curvature of the line, positive to the left")
             .expected(1e-6..=0.1, "the tightest curves of trams have 15 m; this is 1/R, not R")
             .default_value(0.0),
-        deviation("y", "m", "shift of the rail off its place, to the left"),
+        deviation("y", "m", "displacement of the rail to the left"),
         deviation("z", "m", "the same, up"),
         deviation("roll", "1", "turn of the rail about the origin of its profile, from y to z [rad]"),
         deviation("y_rate", "m/s", "rate of the shift to the left"),
@@ -93,11 +96,11 @@ fn wheelset() -> Vec<KeySpec> {
         KeySpec::quantity(&format!("wheelset.{name}"), unit, help).default_value(0.0).varies()
     };
     let small = |name: &str, unit: &str, help: &str| {
-        let why = "a wheelset on the track is nearer to its place; check the unit";
+        let why = "a wheelset on the track deviates by less; check the unit";
         varying(name, unit, help).expected(0.0..=of_unit(unit), why)
     };
     vec![
-        KeySpec::choice(SIDE, &["left", "right", "both"], "which wheel and rail, or both")
+        KeySpec::choice(SIDE, &["left", "right", "both"], "side of wheel and rail, or both")
             .default_value("left"),
         KeySpec::quantity(FLANGE_BACK_DISTANCE, "m", "distance of the flange backs of the wheels")
             .expected(0.4..=3.0, "somewhat less than the gauge; check the unit")
@@ -116,15 +119,15 @@ fn wheelset() -> Vec<KeySpec> {
         varying(
             "way",
             "m",
-            "way of the wheelset along the track, over which the rail and friction may vary",
+            "distance of the wheelset along the track, over which the rail and friction may vary",
         ),
         varying(
             "pitch",
             "1",
-            "angle by which the wheelset has turned, rolling forward [rad], which matters for wheels that are not round",
+            "angle by which the wheelset has turned, rolling forward [rad]; matters for wheels that are not round",
         ),
         small("y", "m", "shift of the wheelset to the left"),
-        small("roll", "1", "roll, from y to z [rad]; of both wheels under an axle load it is found"),
+        small("roll", "1", "roll, from y to z [rad]; computed for both wheels under an axle load"),
         small("yaw", "1", "yaw, from x to y [rad]"),
         small("lateral_velocity", "m/s", "velocity to the left"),
         small("vertical_velocity", "m/s", "velocity up"),
@@ -141,7 +144,7 @@ fn wheelset() -> Vec<KeySpec> {
         KeySpec::quantity(
             TORQUE,
             "N m",
-            "torque that drives the axle forward, in balance with the contact forces; 0: it rolls freely; the angular velocity is found",
+            "torque that drives the axle forward, in balance with the contact forces; 0: free rolling; the angular velocity is computed",
         )
         .one_of_or_none(TURNING)
         .varies(),
@@ -158,7 +161,7 @@ fn load() -> Vec<KeySpec> {
         KeySpec::quantity(
             AXLE_LOAD,
             "N",
-            "vertical force on both wheels together; height and roll of the wheelset are found",
+            "vertical force on both wheels together; height and roll of the wheelset are computed",
         )
         .expected(1e-6..=1e7, "heavy axles press with 4e5 N; check the unit")
         .one_of(VERTICAL)
@@ -172,12 +175,12 @@ fn load() -> Vec<KeySpec> {
         KeySpec::quantity(
             HEIGHT,
             "m",
-            "height of the wheelset over that at which circles of the nominal radius touch the tops of the rails",
+            "height of the wheelset above the position in which circles of the nominal radius touch the tops of the rails",
         )
         .one_of(VERTICAL)
         .varies(),
         KeySpec::quantity(SPEED, "m/s", "speed of the wheelset along the track")
-            .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is a unit, too")
+            .expected(0.0..=200.0, "the fastest trains reach 160 m/s; km/h is accepted too")
             .required()
             .above(0.0)
             .varies(),
@@ -200,40 +203,40 @@ fn elements() -> Vec<KeySpec> {
         KeySpec::quantity(
             JOINING,
             "m",
-            "regions that are nearer to each other than this are one patch",
+            "distance below which two regions form one patch",
         )
         .default_value(4e-3)
         .at_least(0.0),
         KeySpec::choice(
             RIGID_SLIP,
             &["surfaces", "plane"],
-            "where rigid slip is taken: on the surfaces, whose rolling radius varies across a patch, or in the plane of the patch",
+            "location of the rigid slip: the surfaces, whose rolling radius varies across a patch, or the plane of the patch",
         )
         .default_value("surfaces"),
         KeySpec::choice(
             PATCH_INFLUENCE,
             &["none", "elastic"],
-            "what patches do to each other: nothing, or the pressure of each displaces the surfaces under the others",
+            "mutual influence of patches: none, or the pressure of each displaces the surfaces under the others",
         )
         .default_value("none"),
         KeySpec::choice(
             PATCH_SURFACE,
             &["plane", "curved"],
-            "what a patch is on: a plane between half-spaces, or a surface that turns with the profiles (conformal \
-             contact), between bodies that are prisms of these along the track",
+            "surface of a patch: a plane between half-spaces, or a surface that follows the profiles (conformal \
+             contact) between bodies that are prisms along the track",
         )
         .default_value("plane"),
         KeySpec::choice(
             NORMAL,
             &["half-space", "kpec", "analyn"],
-            "what gives the pressure: half-spaces, or approximately virtual penetration with an equivalent ellipse \
+            "theory of the pressure: half-spaces, or as an approximation virtual penetration with an equivalent ellipse \
              (KPEC), or Hertz row by row (ANALYN)",
         )
         .default_value("half-space"),
         KeySpec::choice(
             TANGENTIAL,
             &["half-space", "fastsim", "fastrip"],
-            "what gives the tractions where surfaces may stick: half-spaces, or approximately springs under the bound \
+            "theory of the tractions where surfaces may stick: half-spaces, or as an approximation springs under the bound \
              of the pressure (FASTSIM), or strip theory where they stick (FASTRIP)",
         )
         .default_value("half-space"),

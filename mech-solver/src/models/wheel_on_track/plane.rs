@@ -11,7 +11,7 @@ use crate::terms::Place;
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
 use proto::model::StepError;
-use wheel_rail::balance::{Balanced, Given};
+use wheel_rail::balance::{WheelsetLoads, WheelsetSolution};
 use wheel_rail::developed::Developed;
 use wheel_rail::patch::Patch;
 use wheel_rail::rail::Side;
@@ -128,7 +128,7 @@ impl Plane {
             let Position { motion, deviation, given, .. } = &position;
             let between = FrictionInterface { case, position: &position, solving: None };
             // Patches hardly depend on the angular velocity that follows from a torque.
-            let given = Given { torque: None, ..*given };
+            let given = WheelsetLoads { torque: None, ..*given };
             match wheelset.solve(motion, deviation, &given, &between) {
                 Ok(balanced) => {
                     if let Some(own) = Self::around(&balanced, coarser, margin) {
@@ -149,7 +149,7 @@ impl Plane {
 
     /// Returns the grid around patches whose elements are `coarser` times larger; `None` without
     /// patches.
-    fn around(balanced: &Balanced, coarser: f64, margin: usize) -> Option<Self> {
+    fn around(balanced: &WheelsetSolution, coarser: f64, margin: usize) -> Option<Self> {
         let finer = |at: i64| (coarser * at as f64).round() as i64;
         let of = |patch: &Patch| (patch.fields.counts[0] * patch.fields.counts[1]) as f64;
         let load = |patch: &&Patch| patch.load.force[2];
@@ -257,7 +257,7 @@ impl Plane {
     ///
     /// # Errors
     /// A patch that reaches beyond the grid.
-    pub(super) fn fields(&self, balanced: &Balanced) -> Result<Developed, StepError> {
+    pub(super) fn fields(&self, balanced: &WheelsetSolution) -> Result<Developed, StepError> {
         let mut fields = Developed::empty(self.first(), self.counts());
         for (side, solved) in
             balanced.wheels.iter().filter(|(_, solved)| !solved.patches.is_empty())
@@ -271,8 +271,7 @@ impl Plane {
                     fields.take(&solved.patches, lane.shift);
                 }
                 _ => {
-                    let reason =
-                        "a patch reaches beyond the grid that was laid for the rows of the history";
+                    let reason = "a patch reaches beyond the grid made for the rows of the history";
                     return Err(StepError::NoSolution(reason.to_owned()));
                 }
             }

@@ -13,7 +13,7 @@ use proto::field::{self, FieldSpec};
 use proto::model::{Inputs, Outputs, Step, StepError, StepReport};
 use serde_json::Value;
 use std::iter;
-use wheel_rail::balance::{Balanced, WheelsetOnTrack};
+use wheel_rail::balance::{WheelsetOnTrack, WheelsetSolution};
 use wheel_rail::developed::Developed;
 use wheel_rail::patch::Patch;
 use wheel_rail::rail::Side;
@@ -24,7 +24,7 @@ const ROWS_OF_A_THREAD: usize = 4;
 /// A solved time window.
 pub(super) struct Window {
     position: Position,
-    balanced: Balanced,
+    balanced: WheelsetSolution,
     fields: Developed,
 }
 

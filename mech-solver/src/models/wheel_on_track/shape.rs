@@ -25,45 +25,46 @@ const SIZES: [&str; 4] = ["depth", "length", "at", "crown_radius"];
 
 /// Keys of the shape of the bodies.
 pub(super) fn keys() -> Vec<KeySpec> {
-    let smoothing = "how far smoothing may move a point of the profile; absent: through all points";
+    let smoothing =
+        "largest distance by which smoothing moves a point of the profile; absent: no smoothing";
     let size = |name: &str, help: &str| {
         KeySpec::quantity(&format!("bodies.*.irregularity.{name}"), "m", help)
     };
     vec![
         KeySpec::file(
             "bodies.*.profile",
-            "profile of the wheel or the rail: .prw, .prr, Miniprof, or a table of `y [mm]`, to the field side, and `z [mm]`; or several at \
-             positions, of a body that varies: .slcw, .slcs, or .slices with a table of `position [m]` and `profile`",
+            "profile of the wheel or the rail: .prw, .prr, Miniprof, or a table of `y [mm]` (to the field side) and `z [mm]`; or several at \
+             positions, for a body that varies: .slcw, .slcs, or .slices with a table of `position [m]` and `profile`",
         )
         .required(),
         KeySpec::quantity("bodies.*.profile_tolerance", "m", smoothing).at_least(0.0),
         KeySpec::choice(
             "bodies.*.profile_heights",
             &["usual", "up", "down"],
-            "which way heights of the profile point; usual: down in .prr and .prw, and else as the shape shows",
+            "direction of the heights of the profile; usual: down in .prr and .prw, otherwise detected from the shape",
         )
         .default_value("usual"),
         KeySpec::quantity(
             "bodies.*.smoothing_wavelength",
             "m",
-            "smoothing that halves waves of the profile of this length, of all slices alike; in place of the tolerance",
+            "smoothing that halves waves of this length in the profile, equally in all slices; in place of the tolerance",
         )
         .above(0.0),
         KeySpec::choice(
             "bodies.*.irregularity.form",
             &FORMS,
-            "hollow of the surface, all across the profile: of a rail a period of a cosine (dip), ramps that meet in a kink (joint) or waves \
-             (corrugation), of a wheel a period of a cosine (flat)",
+            "hollow across the whole profile: in a rail a period of a cosine (dip), ramps that meet in a kink (joint) or waves \
+             (corrugation), in a wheel a period of a cosine (flat)",
         ),
-        size("depth", "its depth, of waves from crest to trough").above(0.0),
-        size("length", "its length, of waves from crest to crest").above(0.0),
+        size("depth", "depth (waves: from crest to trough)").above(0.0),
+        size("length", "length (waves: from crest to crest)").above(0.0),
         size(
             "at",
-            "way along the rail, or that the wheel rolls, to the middle of it; of waves to the first crest",
+            "distance along the rail, or rolled by the wheel, to its middle (waves: to the first crest)",
         ),
         size(
             "crown_radius",
-            "of a flat, radius across of the rail that wore it: shallower by y^2/2R beside the tape circle; absent: as deep all across",
+            "for a flat, lateral radius R of the rail that wore it: shallower by y^2/2R beside the tape circle; absent: constant depth across",
         )
         .above(0.0),
     ]
@@ -93,7 +94,7 @@ pub(super) fn surface(
         Refusal::new(
             &key,
             reason,
-            "give the profile of a wheel or a rail, in one of its formats; docs/how-to/use-a-table.md has them",
+            "give the profile of a wheel or a rail, in one of its formats; see docs/how-to/use-a-table.md",
         )
     };
     let name = &names.0[body];
@@ -123,7 +124,7 @@ fn smoothing(case: &CheckedParams<'_>, names: &Bodies, body: usize) -> Result<Sm
         ["profile_tolerance", "smoothing_wavelength"].map(|name| names.key(body, name));
     match (case.maybe_number(&tolerance)?, case.maybe_number(&wavelength)?) {
         (Some(_), Some(_)) => {
-            let reason = format!("`{tolerance}` says already how the profile is smoothed");
+            let reason = format!("`{tolerance}` already sets the smoothing of the profile");
             Err(Refusal::new(&wavelength, reason, "remove one of the two"))
         }
         (_, Some(wavelength)) => Ok(Smoothing::Halving(wavelength)),
@@ -147,7 +148,7 @@ fn heights(
 /// Description of a profile: points, kinks and smoothing.
 fn described(outline: &Outline) -> String {
     format!(
-        "{} points, {} kinks, smoothing moves none by more than {:.2} µm",
+        "{} points, {} kinks, smoothing moves points by at most {:.2} µm",
         outline.points().len(),
         outline.kinks().count(),
         1e6 * outline.moved()
@@ -251,7 +252,7 @@ fn irregularity(
         return match SIZES.into_iter().find(|name| case.has(&key(name))) {
             None => Ok(None),
             Some(name) => {
-                let reason = "a size of an irregularity is given, but none of its form";
+                let reason = "an irregularity has a size, but no form";
                 Err(Refusal::new(&key(name), reason, format!("add `{form_key}`")))
             }
         };
@@ -274,13 +275,13 @@ fn irregularity(
     let size = |name: &str| {
         let key = key(name);
         case.maybe_number(&key)?.ok_or_else(|| {
-            let reason = "an irregularity has a depth, a length and a place";
+            let reason = "an irregularity needs a depth, a length and a position";
             Refusal::new(&key, reason, format!("add `{key}`"))
         })
     };
     let crown = key("crown_radius");
     if of == Body::Rail && case.has(&crown) {
-        let reason = "a hollow of a rail is as deep all across";
+        let reason = "a hollow of a rail has a constant depth across";
         return Err(Refusal::new(&crown, reason, "remove the key"));
     }
     let (depth, length, at) = (size("depth")?, size("length")?, size("at")?);

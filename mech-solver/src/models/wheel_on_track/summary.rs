@@ -5,7 +5,7 @@ use super::wheels::{of_wheel, wheel_figures};
 use proto::diagram::{Curve, Diagram};
 use proto::figure::{FigureSpec, Style};
 use serde_json::{Value, json};
-use wheel_rail::balance::{Balanced, Given, WheelsetOnTrack};
+use wheel_rail::balance::{WheelsetLoads, WheelsetOnTrack, WheelsetSolution};
 use wheel_rail::patch::{Patch, Solved};
 use wheel_rail::rail::Side;
 use wheel_rail::settings::Vertical;
@@ -40,27 +40,27 @@ pub(in crate::models) fn figures() -> Vec<FigureSpec> {
             "moment on the wheel about the track's x through the middle of the axle",
             "M_x",
         ),
-        wheelset("moment_y_nm", "Nm", "the same about y", "M_y"),
-        wheelset("moment_z_nm", "Nm", "the same about z", "M_z"),
+        wheelset("moment_y_nm", "Nm", "moment on the wheel about the track's y", "M_y"),
+        wheelset("moment_z_nm", "Nm", "moment on the wheel about the track's z", "M_z"),
         turned(
             "force_x_n",
             "N",
             "force on the wheel across the axle, forward, in the wheelset's axes",
         ),
-        turned("force_y_n", "N", "the same along the axle, to the left"),
-        turned("force_z_n", "N", "the same across the axle, up"),
+        turned("force_y_n", "N", "force on the wheel along the axle, to the left"),
+        turned("force_z_n", "N", "force on the wheel across the axle, up"),
         turned("moment_x_nm", "Nm", "moment on the wheel about the wheelset's x"),
-        turned("moment_y_nm", "Nm", "the same about the axle, which it turns"),
-        turned("moment_z_nm", "Nm", "the same about the wheelset's z"),
+        turned("moment_y_nm", "Nm", "moment on the wheel about the axle"),
+        turned("moment_z_nm", "Nm", "moment on the wheel about the wheelset's z"),
         patch("angle_rad", "rad", "contact angle, from the track's y to the patch's")
             .on("patch", "angle")
             .digits(4),
-        patch("track_y_m", "m", "place in track axes, y")
+        patch("track_y_m", "m", "position in track axes, y")
             .on("patch", "track y")
             .style(Style::Place),
-        patch("track_z_m", "m", "place in track axes, z"),
-        patch("rail_y_m", "m", "place on the rail's profile, y to the left"),
-        patch("wheel_y_m", "m", "place on the wheel's profile, y to the left"),
+        patch("track_z_m", "m", "position in track axes, z"),
+        patch("rail_y_m", "m", "position on the rail's profile, y to the left"),
+        patch("wheel_y_m", "m", "position on the wheel's profile, y to the left"),
         patch("approach_m", "m", "approach"),
         patch("area_m2", "m2", "area"),
         patch("creep_force_x_n", "N", "creep force x"),
@@ -96,7 +96,7 @@ const POINTS: usize = 120;
 /// Summary of a solution; `shift` is the difference between y on the grid and the tape distance of
 /// a rail [m].
 pub(super) fn summary(
-    balanced: &Balanced,
+    balanced: &WheelsetSolution,
     position: &Position,
     wheelset: &WheelsetOnTrack,
     shift: &dyn Fn(Side) -> f64,
@@ -160,7 +160,7 @@ pub(super) fn summary(
 }
 
 /// Figures of the wheelset.
-fn of_wheelset(balanced: &Balanced, given: &Given) -> Value {
+fn of_wheelset(balanced: &WheelsetSolution, given: &WheelsetLoads) -> Value {
     let sum = |of: fn(&Solved) -> [f64; 3]| balanced.sum(of);
     let ([fx, fy, fz], [mx, my, mz]) = (sum(|solved| solved.force), sum(|solved| solved.moment));
     let [ax, ay, az] = sum(|solved| solved.force_wheelset);

@@ -18,7 +18,7 @@ pub(super) fn wheel_figures() -> Vec<FigureSpec> {
             shown("force_y_n", "force to the left", "F_y"),
             shown("force_z_n", "force up", "F_z").headline(),
             figure("normal_force_n", "N", "normal force"),
-            figure("axle_moment_nm", "Nm", "moment about the axle, which it turns"),
+            figure("axle_moment_nm", "Nm", "moment about the axle"),
             figure("friction_power_w", "W", "friction power"),
             figure("patches", "1", "number of patches"),
         ]

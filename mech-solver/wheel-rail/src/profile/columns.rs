@@ -1,4 +1,4 @@
-//! Two columns of numbers: y and z, in the units of a header or, without one, in millimetres.
+//! Two columns of numbers: y and z, in the units of a header or, without a header, in millimetres.
 //!
 //! ```text
 //! # rail 3, km 12.4, left
@@ -7,16 +7,16 @@
 //! -35.9, -13.87
 //! ```
 //!
-//! The format is that of every table ([`tables::table`]): columns in any order, set apart by blanks, tabs, commas
-//! or semicolons. What follows `#`, `%` or `!` is a comment.
+//! The format is that of every table ([`tables::table`]): columns in any order, separated by
+//! blanks, tabs, commas or semicolons. Text behind `#`, `%` or `!` is a comment.
 
 use super::error::ProfileError;
 use tables::table::{Column, Reading, Table};
 
-/// Points in the axes of the file [m].
+/// Reads the points in the axes of the file [m].
 ///
 /// # Errors
-/// A line that is not two numbers, a column that is missing, or a unit that is not one of length.
+/// Fails if a line does not hold two numbers, a column is missing, or a unit is not a length.
 pub fn points(text: String) -> Result<Vec<[f64; 2]>, ProfileError> {
     let wrong = |error: tables::table::TableError| ProfileError::Table(error.to_string());
     let table = Table::parse(text, Reading::PROFILE).map_err(wrong)?;

@@ -1,53 +1,53 @@
-//! What may be wrong with the file of a profile.
+//! Errors in the file of a profile.
 
 use crate::outline::OutlineError;
 
-/// Why a profile cannot be used.
+/// Reason why a profile cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ProfileError {
-    /// It is not text.
+    /// The file is not text.
     #[error("{0}")]
     NotText(String),
-    /// It is not a table of points.
+    /// The file is not a table of points.
     #[error("{0}")]
     Table(String),
-    /// A line is not what it should be.
+    /// A line does not match the format.
     #[error("line {line} {what}")]
     Line {
         /// Number of the line, from 1.
         line: usize,
-        /// The fault, and the remedy.
+        /// Fault and remedy.
         what: String,
     },
-    /// Something that has to be there is not.
+    /// A required entry is missing.
     #[error("it has no {0}")]
     Missing(&'static str),
-    /// The file announces another number of points than it has.
+    /// The header announces another number of points than the file has.
     #[error("its header announces {announced} points, and {found} follow; is it complete?")]
     Count {
-        /// Number in the header.
+        /// Number of points announced in the header.
         announced: usize,
-        /// Number of points.
+        /// Number of points in the file.
         found: usize,
     },
-    /// A wheel in the place of a rail, or the reverse.
-    #[error("it is the profile of a {0}, and stands for the other body")]
+    /// The profile is that of a wheel where a rail is expected, or vice versa.
+    #[error("it is the profile of a {0}, but the other body is expected here")]
     OtherBody(&'static str),
     /// The flange is on the field side.
     #[error(
         "its flange, lowest at y = {0:.4e} m, is on the field side; mirror the profile along y"
     )]
     FlangeOutside(f64),
-    /// The size is none of a profile.
+    /// The size is implausible for a profile.
     #[error("its size is {0:.3e} m, where 5 mm to 500 mm are expected; check the unit of length")]
     Size(f64),
-    /// The points are no curve.
+    /// The points do not form a curve.
     #[error(transparent)]
     Curve(#[from] OutlineError),
 }
 
 impl ProfileError {
-    /// Something wrong with a line, counted from 1.
+    /// Fault in a line, counted from 1.
     pub(super) fn line(line: usize, what: impl Into<String>) -> Self {
         Self::Line { line, what: what.into() }
     }

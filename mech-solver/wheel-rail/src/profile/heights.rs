@@ -1,11 +1,12 @@
 //! A measured lateral profile: heights over the lateral coordinate, from a file.
 //!
-//! The formats are those of [`crate::profile`]. Columns of numbers are taken as they stand, y to the left
-//! and z up, in either order of their rows; files of SIMPACK and Miniprof are turned into these axes. Here a
-//! profile is a height over y: one with upright flanks is refused.
+//! The formats are those of [`crate::profile`]. Columns of numbers are taken as in the file, with y
+//! to the left and z up, in ascending or descending order of y. Files of SIMPACK and Miniprof are
+//! converted to these axes. Here a profile is a height over y: a profile with upright flanks is
+//! refused.
 //!
-//! Between the points lie natural cubic splines, whose curvature is continuous, as a contact needs it, and which
-//! end at kinks ([`crate::curve`]).
+//! Natural cubic splines interpolate between the points and end at kinks ([`crate::curve`]). Their
+//! curvature is continuous, as a contact requires.
 
 use crate::curve::Curve;
 use crate::profile::orientation::{Body, Heights, oriented};
@@ -13,31 +14,31 @@ use crate::profile::{self, Format, columns, miniprof, simpack};
 use std::path::Path;
 use tables::input_file::{self, InputFileError};
 
-/// Fewest points of a profile.
+/// Least number of points of a profile.
 const FEWEST: usize = 4;
-/// Larger files are refused [byte].
+/// Largest file accepted [byte].
 const MOST_BYTES: u64 = 64 << 20;
 
 /// A lateral profile z(y).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile(Curve);
 
-/// Why a profile cannot be used.
+/// Reason why a profile cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ProfileError {
     /// The file cannot be read.
     #[error(transparent)]
     File(#[from] InputFileError),
-    /// It is not of its format.
+    /// The file does not match its format.
     #[error(transparent)]
     Format(#[from] profile::ProfileError),
-    /// The lateral coordinates do not rise.
+    /// The lateral coordinates are not in ascending order.
     #[error(
         "is not a height over y: y does not rise at point {point}, y = {y:.4e} m; cut upright flanks off, or use the \
          model wheel-on-track"
     )]
     Order {
-        /// Number of the point, from 1, in the order of rising y.
+        /// Number of the point, from 1, in ascending order of y.
         point: usize,
         /// Lateral coordinate of the point [m].
         y: f64,
@@ -51,7 +52,8 @@ impl Profile {
     /// Reads the file of a body, and smooths it by no more than `tolerance` [m] at any point.
     ///
     /// # Errors
-    /// The file cannot be read, is too large, or is not a profile.
+    /// Fails if the file cannot be read, is too large, or does not hold a profile that is a height
+    /// over y.
     pub fn read(path: &Path, body: Body, tolerance: f64) -> Result<Self, ProfileError> {
         let text = input_file::read_text(path, MOST_BYTES)?;
         let points = match Format::of(path) {
@@ -62,10 +64,10 @@ impl Profile {
         Self::through(points, tolerance)
     }
 
-    /// Reads a text of columns, and smooths as [`Profile::read`] does.
+    /// Parses a text of columns, and smooths it like [`Profile::read`].
     ///
     /// # Errors
-    /// It is not a profile.
+    /// Fails if the text does not hold a profile that is a height over y.
     pub fn parse(text: &str, tolerance: f64) -> Result<Self, ProfileError> {
         Self::through(columns::points(text.to_owned())?, tolerance)
     }
@@ -84,19 +86,19 @@ impl Profile {
         Ok(Self(Curve::new(y, z, tolerance)))
     }
 
-    /// The curve through the points.
+    /// Curve through the points.
     #[must_use]
     pub fn curve(&self) -> &Curve {
         &self.0
     }
 
-    /// The first and the last lateral coordinate [m].
+    /// First and last lateral coordinate [m].
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         self.0.range()
     }
 
-    /// Height at y [m]; beyond the ends the straight continuation.
+    /// Height at y [m]. Beyond the ends the profile continues straight.
     #[must_use]
     pub fn height(&self, y: f64) -> f64 {
         self.0.at(y)[0]
@@ -122,7 +124,8 @@ mod tests {
         format!("# a comment\ny [m], z [m]\n{}", (0..count).map(point).collect::<String>())
     }
 
-    /// A spline errs by the fourth power of the spacing where the end conditions hold, here sin πy.
+    /// The error of the spline is of fourth order in the spacing if the end conditions hold, as for
+    /// sin πy.
     #[test]
     fn converges_with_the_fourth_order() {
         let error = |count: usize| {
@@ -161,7 +164,7 @@ mod tests {
         assert!(matches!(nowhere, Err(ProfileError::File(_))));
     }
 
-    /// In every dress that the model wheel-on-track takes.
+    /// All layouts that the model wheel-on-track reads.
     #[test]
     fn order_header_and_separators_are_free() {
         let rising = Profile::parse("y [m], z [m]\n0,1\n1,2\n2,1\n3,0\n", 0.0).unwrap();
@@ -176,7 +179,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the text, there is an answer.
+        /// Any text gives a profile or an error.
         #[test]
         fn any_text(text in "[-0-9eEyzm.,; \\[\\]\t\n]{0,200}") {
             let _ = Profile::parse(&text, 0.0);

@@ -1,17 +1,20 @@
-//! Miniprof files, `.ban` of rails and `.whl` of wheels: lines `Key=Value`, then one point a line.
+//! Miniprof files, `.ban` for rails and `.whl` for wheels: lines `Key=Value`, then one point per
+//! line.
 //!
-//! `ColumnDef` names the columns, of which X (lateral) and Y (vertical) count, `XYPoints` the number of
-//! points. Lengths are in millimetres. X usually points from the field side to the middle of the track, and Y
-//! up or down as the instrument was set: [`super::read::Reading`] says how it is taken. What the instrument
-//! says of areas, tilts and reference points is of no meaning here; points are as measured.
+//! `ColumnDef` names the columns, of which X (lateral) and Y (vertical) are read; `XYPoints` is the
+//! number of points. Lengths are in millimetres. X usually points from the field side to the middle
+//! of the track. Y points up or down, depending on the setting of the instrument:
+//! [`super::read::Reading`] chooses. Areas, tilts and reference points of the instrument are
+//! ignored; points are as measured.
 
 use super::error::ProfileError;
 use super::text::{lines, numbers};
 
-/// Points in the axes of the file [m].
+/// Reads the points in the axes of the file [m].
 ///
 /// # Errors
-/// A line is neither a key with a value nor a point; other points than announced.
+/// Fails if a line is neither a key with a value nor a point, or if the number of points differs
+/// from the announced one.
 pub fn points(text: &str) -> Result<Vec<[f64; 2]>, ProfileError> {
     let (mut found, mut announced) = (Vec::new(), None);
     let (mut columns, mut count) = ([0, 1], 2);
@@ -32,7 +35,7 @@ pub fn points(text: &str) -> Result<Vec<[f64; 2]>, ProfileError> {
         found.push(columns.map(|at| 1e-3 * values[at]));
     }
     match announced {
-        // Some writers announce none.
+        // Some writers announce no number or zero.
         Some(announced) if announced > 0 && announced != found.len() => {
             Err(ProfileError::Count { announced, found: found.len() })
         }
@@ -40,7 +43,7 @@ pub fn points(text: &str) -> Result<Vec<[f64; 2]>, ProfileError> {
     }
 }
 
-/// Places of X and Y among the columns, and the number of columns.
+/// Positions of X and Y among the columns, and the number of columns.
 fn column_places(line: usize, value: &str) -> Result<([usize; 2], usize), ProfileError> {
     let names: Vec<&str> = value.split([',', ';']).map(str::trim).collect();
     let of = |name: &str| names.iter().position(|one| one.eq_ignore_ascii_case(name));

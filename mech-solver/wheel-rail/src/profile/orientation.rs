@@ -1,16 +1,17 @@
-//! From the axes of a file to those of a profile: y to the field side, z up, points with y rising.
+//! Conversion from the axes of a file to those of a profile: y to the field side, z up, points with
+//! rising y.
 //!
-//! Whether heights are up or down shows in the shape: between its ends a rail rises above the straight line
-//! through them, and a wheel hangs below it, with its flange or without one. On which side the middle of the
-//! track is shows in a wheel only, by its flange: there it is checked, and for a rail the file has to be
-//! taken as it is.
+//! The shape shows whether heights point up or down. Between its ends a rail rises above the
+//! straight line through them, and a wheel hangs below that line, with or without its flange. The
+//! side of the middle of the track shows only in a wheel, by its flange. There it is checked; for a
+//! rail the file must be trusted.
 
 use super::error::ProfileError;
 
-/// Which way heights of a file point.
+/// Direction of the heights in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Heights {
-    /// As the shape shows.
+    /// Detected from the shape.
     #[default]
     Detected,
     /// Up.
@@ -28,15 +29,16 @@ pub enum Body {
     Wheel,
 }
 
-/// A flange hangs below the highest point of a profile by more than this [m].
+/// A profile has a flange if it hangs below its highest point by more than this [m].
 const FLANGE: f64 = 15e-3;
-/// Least and largest width of a profile [m]; its height is no more than the largest.
+/// Least and largest width of a profile [m]. The height is limited by the larger value too.
 const WIDTH: [f64; 2] = [5e-3, 0.5];
 
-/// Points in the axes of a profile [m]; `mirrored` if y of the file points to the middle of the track.
+/// Converts points to the axes of a profile [m]; `mirrored` if y of the file points to the middle
+/// of the track.
 ///
 /// # Errors
-/// A size that no profile has, or a flange on the field side.
+/// Fails if the size is implausible for a profile, or if the flange is on the field side.
 pub fn oriented(
     mut points: Vec<[f64; 2]>,
     body: Body,
@@ -72,7 +74,7 @@ pub fn oriented(
     Ok(points)
 }
 
-/// Height over the straight line through the ends where that is farthest from zero [m].
+/// Height over the straight line through the ends [m], at the point where its magnitude is largest.
 fn farthest(points: &[[f64; 2]], first: [f64; 2], last: [f64; 2]) -> f64 {
     let slope = match last[0] - first[0] {
         0.0 => 0.0,

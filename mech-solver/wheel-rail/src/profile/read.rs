@@ -1,4 +1,4 @@
-//! From the text of a file to the curve of a profile.
+//! Conversion of the text of a file to the curve of a profile.
 
 use super::error::ProfileError;
 use super::orientation::{Body, Heights, oriented};
@@ -8,7 +8,7 @@ use crate::outline::{Outline, Smoothing};
 use numerics::search::root_between;
 use std::path::Path;
 
-/// A format of files.
+/// File format of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Miniprof, `.ban` and `.whl`.
@@ -20,7 +20,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that the ending of a file's name tells; columns, if none.
+    /// Format by the extension of the file name; columns for any other extension.
     #[must_use]
     pub fn of(path: &Path) -> Self {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
@@ -35,20 +35,20 @@ impl Format {
 /// Settings with which a file is read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Its format.
+    /// Format of the file.
     pub format: Format,
-    /// Whose profile it is.
+    /// Body that the profile belongs to.
     pub body: Body,
-    /// y of the file points to the middle of the track, not to the field side.
+    /// True if y of the file points to the middle of the track instead of the field side.
     pub mirrored: bool,
-    /// Which way its heights point.
+    /// Direction of the heights.
     pub heights: Heights,
-    /// Smoothing of its points.
+    /// Smoothing of the points.
     pub smoothing: Smoothing,
 }
 
 impl Reading {
-    /// As files of a format usually are: Miniprof with y to the middle of the track, SIMPACK with z down.
+    /// Usual settings of a format: Miniprof with y to the middle of the track, SIMPACK with z down.
     #[must_use]
     pub fn usual(format: Format, body: Body) -> Self {
         let mirrored = format == Format::Miniprof;
@@ -60,10 +60,11 @@ impl Reading {
     }
 }
 
-/// The curve of a profile in its own axes, s = 0 at y = 0 on its upper or, of a wheel, lower side.
+/// Reads the curve of a profile in its own axes. s = 0 at y = 0 on the upper side of a rail or the
+/// lower side of a wheel.
 ///
 /// # Errors
-/// The text is not of the format, or its points are no profile.
+/// Fails if the text does not match the format, or if its points are not a profile.
 pub fn read(text: &[u8], reading: &Reading) -> Result<Outline, ProfileError> {
     let text = decoded(text)?;
     let points = match reading.format {
@@ -82,15 +83,15 @@ pub fn read(text: &[u8], reading: &Reading) -> Result<Outline, ProfileError> {
     Ok(from_origin(Outline::smoothed(&points, reading.smoothing)?, reading.body))
 }
 
-/// The curve with s = 0 where y = 0; at the highest point of a rail or the lowest of a wheel if it has no such
-/// place.
+/// Moves s = 0 to y = 0. If the curve has no such point, s = 0 is at the highest point of a rail or
+/// the lowest of a wheel.
 #[must_use]
 pub fn from_origin(curve: Outline, body: Body) -> Outline {
     let up = if body == Body::Rail { 1.0 } else { -1.0 };
     let [from, to] = curve.range();
     let outermost = curve.largest([from, to], |place| up * place.position[1]);
     let above = |s: f64| curve.at(s).position[0];
-    // From the outermost point towards y = 0: the first place on that way.
+    // First crossing on the way from the outermost point towards y = 0.
     let side = if above(outermost) > 0.0 { from } else { to };
     let steps = 2000;
     let place = |k: usize| outermost + (side - outermost) * k as f64 / f64::from(steps);

@@ -1,12 +1,19 @@
-//! SIMPACK files, `.prr` of rails and `.prw` of wheels: `key = value` between `….begin` and `….end`, points
-//! between `point.begin` and `point.end`, comments behind `!` or, as CONTACT's examples have them, `%`.
+//! SIMPACK files, `.prr` for rails and `.prw` for wheels: `key = value` between `….begin` and
+//! `….end`, points between `point.begin` and `point.end`, comments behind `!` or, as in CONTACT's
+//! examples, `%`.
 //!
-//! What the file asks for is done to its points in this order: points closer than `point.dist.min` are left
-//! out; shift by `shift.y`, `shift.z`; rotation about x by `rotate`, from y to z; what is outside
-//! `bound.y.min` to `bound.y.max` is left out, and likewise for z, where the maximum is larger than the
-//! minimum; `mirror.y`, `mirror.z`; `inversion` of their order. Lengths are over `units.len.f`, angles over
-//! `units.ang.f`. Smoothing is not what the file says, but what [`super::read::Reading`] does. Its axes are y
-//! to the field side and z down.
+//! The requests in the file are applied to its points in this order:
+//!
+//! 1. Omit points closer than `point.dist.min`.
+//! 2. Shift by `shift.y`, `shift.z`.
+//! 3. Rotate about x by `rotate`, from y to z.
+//! 4. Omit points outside `bound.y.min` to `bound.y.max`, likewise for z, if the maximum is larger
+//!    than the minimum.
+//! 5. Mirror by `mirror.y`, `mirror.z`.
+//! 6. Reverse the order with `inversion`.
+//!
+//! Lengths are divided by `units.len.f`, angles by `units.ang.f`. Smoothing follows
+//! [`super::read::Reading`], not the file. Axes of the file are y to the field side and z down.
 
 use super::error::ProfileError;
 use super::text::{lines, number, numbers};
@@ -14,7 +21,7 @@ use super::text::{lines, number, numbers};
 /// Contents of a file.
 #[derive(Debug)]
 struct Content {
-    /// 0 a rail, 1 a wheel.
+    /// 0 for a rail, 1 for a wheel.
     body: Option<f64>,
     closest: f64,
     shift: [f64; 2],
@@ -28,10 +35,11 @@ struct Content {
     points: Vec<[f64; 2]>,
 }
 
-/// Points in the axes of the file [m], and whether they are a wheel's, if it says so.
+/// Reads the points in the axes of the file [m]. The second value is true for a wheel, false for a
+/// rail, `None` if the file does not say.
 ///
 /// # Errors
-/// A line that is none of the format, or no points.
+/// Fails if a line does not match the format, or if there are no points.
 pub fn points(text: &str) -> Result<(Vec<[f64; 2]>, Option<bool>), ProfileError> {
     let content = parse(text)?;
     let is_wheel = content.body.map(|body| body != 0.0);
@@ -57,7 +65,7 @@ fn parse(text: &str) -> Result<Content, ProfileError> {
             section = name;
             has_points |= name == "point";
         } else if let Some(name) = entry.strip_suffix(".end") {
-            // Points stand within a spline.
+            // The points are nested in a spline section.
             section = if name == "point" { "spline" } else { "" };
         } else if section == "point" {
             let values = numbers(entry).filter(|values| (2..=3).contains(&values.len()));

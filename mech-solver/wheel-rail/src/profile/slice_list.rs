@@ -1,6 +1,8 @@
-//! Files that name profiles at positions: CONTACT's slices, `.slcs` of rails and `.slcw` of wheels, and columns, `.slices`.
+//! Files that name profiles at positions: CONTACT's slices, `.slcs` for rails and `.slcw` for
+//! wheels, and columns, `.slices`.
 //!
-//! **Columns** are a table ([`tables::table`]) of positions and names of profiles, from its folder, near which the surface is; positions are in m along the
+//! **Columns** are a table ([`tables::table`]) of positions and file names of profiles, relative to
+//! the folder of the table. The surface passes near these profiles. Positions are in m along the
 //! track or in rad round the wheel, or in the unit of a header:
 //!
 //! ```text
@@ -9,12 +11,14 @@
 //! 400, worn.prr
 //! ```
 //!
-//! **CONTACT's** have, each on a line of its own, offset and scale of the positions, in mm or rad for a unit; the number of slices;
-//! those of features, kinks and accelerations; the way of interpolation, 1 through the slices and 2 near them; then a position and a
-//! name in quotes for every slice. What follows the values on a line is passed over, comments stand behind `%` or `!`. Kinks and
-//! accelerations are read past. If there are two features or more a line for every slice follows, its position and the
-//! distance of each feature along the tape [mm]: from the first point, on the side of the track's middle of a rail and on the field side
-//! of a wheel. Features that a slice does not have, below zero there, and perturbations are refused.
+//! **CONTACT's files** hold, each on its own line: offset and scale of the positions, in mm or rad
+//! per unit; the number of slices; the numbers of features, kinks and accelerations; the
+//! interpolation, 1 through the slices and 2 near them; then a position and a quoted name for every
+//! slice. Further text behind the values on a line is ignored, and comments begin with `%` or `!`.
+//! Kinks and accelerations are skipped. With two features or more, a line for every slice follows.
+//! It holds the position and the distance of each feature along the tape [mm], counted from the
+//! first point: on the side of the track's middle for a rail, on the field side for a wheel.
+//! Perturbations are refused, and so are features that a slice lacks (negative values).
 //!
 //! Source: Vollebregt, *User guide for CONTACT* (2025) ch. 3 and appendix, slices-file.
 
@@ -26,14 +30,14 @@ use std::borrow::Cow;
 use std::path::Path;
 use tables::table::{Column, Reading, Table, TableError};
 
-/// Most slices of a file.
+/// Most slices in a file.
 const MOST_SLICES: usize = 10_000;
 /// Most features of a slice.
 const MOST_FEATURES: usize = 999;
-/// Positions of features and slices are one within this, of their size.
+/// Relative tolerance within which the positions of features and slices are equal.
 const SAME: f64 = 1e-6;
 
-/// A format of files that name profiles.
+/// Format of a file that names profiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SliceFormat {
     /// CONTACT's, `.slcs` and `.slcw`.
@@ -43,7 +47,7 @@ pub enum SliceFormat {
 }
 
 impl SliceFormat {
-    /// The format that the ending of a file's name tells; `None` for a profile.
+    /// Format by the extension of the file name; `None` for a profile.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
@@ -55,30 +59,31 @@ impl SliceFormat {
     }
 }
 
-/// A profile that is named.
+/// Profile named at a position.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Named {
+pub struct NamedProfile {
     /// Position along the track [m] or round the wheel [rad].
     pub at: f64,
     /// Name of the file.
     pub file: String,
-    /// Distances of its features along the tape, from the first point of the file's order [m].
+    /// Distances of the features along the tape, from the first point in the file's order [m].
     pub features: Vec<f64>,
 }
 
-/// Profiles at their positions, as a file names them.
+/// Profiles at their positions, as named in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SliceList {
     /// The profiles.
-    pub slices: Vec<Named>,
-    /// Course of the surface along them.
+    pub slices: Vec<NamedProfile>,
+    /// Course of the surface along the profiles.
     pub along: Along,
 }
 
-/// A profile that a file names.
+/// Reads the profiles that a file names.
 ///
 /// # Errors
-/// A line that is none of the format, or something that is not read.
+/// Fails if a line does not match the format, or if the file uses perturbations or incomplete
+/// features.
 pub fn read_slices(
     text: &[u8],
     format: SliceFormat,
@@ -91,7 +96,7 @@ pub fn read_slices(
     }
 }
 
-/// Rows of a position and a name.
+/// Reads rows of a position and a name.
 fn columns(text: String, body: Body) -> Result<SliceList, ProfileError> {
     let wrong = |error: TableError| ProfileError::Table(error.to_string());
     let table = Table::parse(text, Reading::NUMBERS).map_err(wrong)?;
@@ -110,25 +115,25 @@ fn columns(text: String, body: Body) -> Result<SliceList, ProfileError> {
 }
 
 /// A profile without features.
-fn named(line: usize, at: f64, name: &str) -> Result<Named, ProfileError> {
+fn named(line: usize, at: f64, name: &str) -> Result<NamedProfile, ProfileError> {
     let name = name.trim().replace('\\', "/");
     match name.is_empty() {
         true => Err(ProfileError::line(line, "names no profile at its position")),
-        false => Ok(Named { at, file: name, features: Vec::new() }),
+        false => Ok(NamedProfile { at, file: name, features: Vec::new() }),
     }
 }
 
 fn many(line: usize) -> ProfileError {
-    ProfileError::line(line, format!("is that of more than {MOST_SLICES} slices"))
+    ProfileError::line(line, format!("exceeds the limit of {MOST_SLICES} slices"))
 }
 
-/// A finite number; Fortran's exponents are known.
+/// Parses a finite number; Fortran's exponents `d` and `D` are accepted.
 fn parsed(line: usize, text: &str) -> Result<f64, ProfileError> {
     let number = text.replace(['d', 'D'], "e").parse::<f64>().ok().filter(|n| n.is_finite());
     number.ok_or_else(|| ProfileError::line(line, "has no number where one is expected"))
 }
 
-/// Groups of values, each of which begins on a line of its own.
+/// Reader of groups of values, each of which begins on its own line.
 struct Groups<I> {
     lines: I,
     /// Number of the last line.
@@ -136,7 +141,7 @@ struct Groups<I> {
 }
 
 impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
-    /// The next group of so many values, and the line at which it begins.
+    /// Next group of `count` values, and the line where it begins.
     fn group(
         &mut self,
         count: usize,
@@ -153,7 +158,7 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
         Ok((begin.unwrap_or(self.line), values))
     }
 
-    /// A group of numbers.
+    /// Next group of numbers.
     fn numbers(
         &mut self,
         count: usize,
@@ -164,7 +169,7 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
         Ok((line, numbers.collect::<Result<_, _>>()?))
     }
 
-    /// A group of counts.
+    /// Next group of counts.
     fn counts<const N: usize>(
         &mut self,
         most: usize,
@@ -183,7 +188,7 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
         Ok(counts)
     }
 
-    /// All of a file of CONTACT's.
+    /// Reads a complete file of CONTACT.
     fn list(mut self, body: Body) -> Result<SliceList, ProfileError> {
         let (_, scale) = self.numbers(2, "offset and scale of its positions")?;
         let [count] = self.counts(MOST_SLICES, "number of slices")?;
@@ -209,13 +214,13 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
                 let at = position(values[0]);
                 if (at - slice.at).abs() > SAME * slice.at.abs().max(unit) {
                     let what = format!(
-                        "has features of the position {}, which is not that of the next slice",
+                        "has features of the position {}, which differs from that of the next slice",
                         values[0]
                     );
                     return Err(ProfileError::line(line, what));
                 }
                 if values[1..].iter().any(|feature| *feature < 0.0) {
-                    let what = "leaves out features, below zero: slices that are interrupted are not read; give each part as a rail of its own";
+                    let what = "leaves out features (negative values): interrupted slices are not supported; give each part as a separate rail";
                     return Err(ProfileError::line(line, what));
                 }
                 slice.features = values[1..].iter().map(|feature| 1e-3 * feature).collect();
@@ -224,29 +229,29 @@ impl<'a, I: Iterator<Item = (usize, &'a str)>> Groups<I> {
         Ok(SliceList { slices, along })
     }
 
-    /// Course of the surface along the slices.
+    /// Reads the interpolation along the slices.
     fn way(&mut self) -> Result<Along, ProfileError> {
         let (line, content) =
-            self.lines.next().ok_or(ProfileError::Missing("way of interpolation"))?;
+            self.lines.next().ok_or(ProfileError::Missing("interpolation along the slices"))?;
         let mut values = words(content);
         let way = values.next().unwrap_or_default();
         if values.next().and_then(|value| value.parse::<i64>().ok()).is_some_and(|kind| kind != 0) {
-            let what =
-                "asks for perturbations, which are not read; write `irregularity` of the body";
+            let what = "asks for perturbations, which are not supported; use the body's key `irregularity`";
             return Err(ProfileError::line(line, what));
         }
         match way {
             "1" => Ok(Along::Through),
             "2" => Ok(Along::Near),
             _ => {
-                let what = "has another interpolation than 1, through the slices, or 2, near them";
+                let what =
+                    "has an interpolation other than 1 (through the slices) or 2 (near them)";
                 Err(ProfileError::line(line, what))
             }
         }
     }
 }
 
-/// The words of a line: between quotes, or between blanks and commas.
+/// Words of a line, separated by blanks and commas, or quoted.
 fn words(line: &str) -> impl Iterator<Item = &str> {
     let mut rest = line;
     std::iter::from_fn(move || {
@@ -318,8 +323,8 @@ mod tests {
         for (from, to, what) in [
             (" 2 NSLC", " 2.5", "line 4 has 2.5 where a whole number from 0 to 10000"),
             (" 2 NSLC", " 3", "line 12 has features of the position 1,"),
-            (" 1 U_INTPOL", " 3 U_INTPOL", "line 6 has another interpolation"),
-            (" 1 U_INTPOL", " 1 2", "perturbations, which are not read"),
+            (" 1 U_INTPOL", " 3 U_INTPOL", "line 6 has an interpolation other than"),
+            (" 1 U_INTPOL", " 1 2", "perturbations, which are not supported"),
             (" 34 999", " -1 999", "line 12 leaves out features"),
             (" 34 999", "", "no features of every slice"),
             ("\n 1.0 0", "\n 1.1 0", "line 12 has features of the position 1.1"),

@@ -1,4 +1,4 @@
-//! Files of every format, read; and bytes of any kind.
+//! Reading of all formats, and of arbitrary bytes.
 
 use super::error::ProfileError;
 use super::orientation::{Body, Heights};
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
 
-/// A curve as lines of a file, y and z turned by these signs, in millimetres.
+/// Writes a curve as lines of a file in millimetres, with y and z multiplied by these signs.
 fn lines(curve: &Outline, signs: [f64; 2]) -> String {
     let mut text = String::new();
     for [y, z] in curve.points() {
@@ -74,7 +74,7 @@ fn units_shifts_and_bounds() {
     let cut = read(cut.as_bytes(), &Reading::usual(Format::Simpack, Body::Rail)).unwrap();
     let ends = [cut.points()[0][0], cut.points()[cut.points().len() - 1][0]];
     assert!(ends[0] >= -20e-3 && ends[1] <= 20e-3 && ends[1] > 19e-3, "{ends:?}");
-    // The crown is at y = 3 mm now, and s = 0 stays at y = 0.
+    // The crown is now at y = 3 mm, and s = 0 stays at y = 0.
     assert!((cut.at(3e-3).position[0] - 3e-3).abs() < 1e-6);
 }
 
@@ -114,7 +114,7 @@ proptest! {
         let _ = read(&bytes, &Reading::usual(format, body));
     }
 
-    /// Numbers of any size in the place of points.
+    /// Numbers of any size in place of points.
     #[test]
     fn no_numbers_panic(
         points in prop::collection::vec((any::<f64>(), any::<f64>(), -80.0..80.0_f64), 0..30),

@@ -3,7 +3,7 @@
 use super::error::ProfileError;
 use tables::input_file::into_text;
 
-/// Lines without comments and without blanks around them, numbered from 1; empty ones are left out.
+/// Trimmed lines without comments, numbered from 1; empty lines are omitted.
 pub(super) fn lines<'a>(
     text: &'a str,
     comment: &'static [char],
@@ -13,19 +13,20 @@ pub(super) fn lines<'a>(
     numbered.filter(|(_, line)| !line.is_empty())
 }
 
-/// The text of bytes, without a byte order mark.
+/// Decodes a text and removes a byte order mark.
 pub(super) fn decoded(bytes: &[u8]) -> Result<String, ProfileError> {
     into_text(bytes.to_vec()).map_err(|error| ProfileError::NotText(error.to_string()))
 }
 
-/// The numbers of a line, between blanks, commas, semicolons and quotes; `None` where something else stands.
+/// Numbers of a line, separated by blanks, commas, semicolons or quotes; `None` if anything else
+/// occurs.
 pub(super) fn numbers(line: &str) -> Option<Vec<f64>> {
     let parts = line.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';' | '"'));
     let finite = |part: &str| part.parse::<f64>().ok().filter(|value| value.is_finite());
     parts.filter(|part| !part.is_empty()).map(finite).collect()
 }
 
-/// A finite number after `key =`.
+/// Parses a finite number after `key =`.
 pub(super) fn number(line: usize, key: &str, value: &str) -> Result<f64, ProfileError> {
     let value = value.trim();
     let found = value.parse::<f64>().ok().filter(|number| number.is_finite());

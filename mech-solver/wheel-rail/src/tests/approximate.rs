@@ -1,4 +1,4 @@
-//! Approximate theories of the normal and of the tangential contact, against closed forms and against half-spaces.
+//! Approximate theories of normal and tangential contact, against closed forms and half-spaces.
 
 use super::{STEEL, arc, line, rolling, single, solve, standard, steel};
 use crate::contact::WheelOnRail;
@@ -29,8 +29,8 @@ fn crown(normal: Normal, tangential: Tangential, elements: f64) -> (WheelOnRail,
     (single([&line(30e-3), &rail.starting_at(middle)], RADIUS, settings), hertz)
 }
 
-/// Both theories are exact on ellipses. Tolerances: elements, whose size their displacement and their means know to the second order,
-/// and the fourth order of circles.
+/// Both theories are exact on ellipses. Tolerances: displacements and means over elements are of
+/// second order in their size, and a circle deviates from a parabola in fourth order.
 #[test]
 fn ellipses_are_those_of_hertz() {
     for (elements, tolerance) in [(8.0, 4e-3), (32.0, 1e-3)] {
@@ -51,7 +51,7 @@ fn ellipses_are_those_of_hertz() {
     }
 }
 
-/// Creepages along both axes and spin, in slip and sticking.
+/// Creepages along both axes and spin.
 fn creeping(xi: f64, eta: f64, phi: f64) -> Motion {
     let speed = 2.0;
     // V is the mean of both speeds, which differ by ξV.
@@ -63,8 +63,8 @@ fn creeping(xi: f64, eta: f64, phi: f64) -> Motion {
     }
 }
 
-/// Small creepages of an ellipse have the slopes of the linear theory, one by one. Tolerance: what slips at the trailing edge,
-/// and the strips' lengths at the sides.
+/// For small creepages an ellipse has the slopes of the linear theory, each separately. Tolerance:
+/// slip at the trailing edge, and the lengths of the strips at the sides.
 #[test]
 fn springs_have_the_slopes_of_the_linear_theory() {
     let (mut pair, hertz) = crown(Normal::Analyn, Tangential::Fastsim(Kind::Three), 20.0);
@@ -90,7 +90,8 @@ fn springs_have_the_slopes_of_the_linear_theory() {
     }
 }
 
-/// Large creepage has all of f N against it, and FASTRIP less than half of the error of FASTSIM at small.
+/// Under large creepage the force is f N. Under small creepage FASTRIP has less than half the error
+/// of FASTSIM.
 #[test]
 fn large_creepage_takes_all_of_the_friction() {
     for tangential in [Tangential::Fastsim(Kind::Single), Tangential::Fastrip(Kind::Single)] {
@@ -109,7 +110,8 @@ fn settings(normal: Normal, tangential: Tangential) -> Settings {
     Settings { normal, tangential, ..Settings::new([3e-4, 3e-4], [STEEL; 2]) }
 }
 
-/// Power is that of the forces, on patches that are no ellipse, with yaw; what elements show has the sums of the strips.
+/// The friction power equals the power of the forces on patches that are no ellipse, with yaw. Sums
+/// over the elements equal those over the strips.
 #[test]
 fn friction_takes_what_the_forces_give() {
     for rigid_slip in [RigidSlip::Plane, RigidSlip::Surfaces] {
@@ -141,11 +143,11 @@ fn balanced(patch: &Patch) {
     for k in 0..2 {
         assert!((shown.force[k] - patch.load.force[k]).abs() < 1e-9 * patch.load.force[2]);
     }
-    // What a bound allows: f N.
+    // Upper bound f N.
     assert!(along.hypot(across) < 0.3 * patch.load.force[2] * (1.0 + 1e-6));
 }
 
-/// Exchange of left and right. Tolerance: a share of that to which the force is found.
+/// Exchange of left and right. Tolerance: a share of the tolerance of the force.
 #[test]
 fn a_mirrored_wheel_has_a_mirrored_patch() {
     for normal in [Normal::Kpec, Normal::Analyn] {

@@ -16,11 +16,11 @@ use half_space::difference::Difference;
 use half_space::normal::Prescribed;
 use std::f64::consts::FRAC_PI_6;
 
-/// Radii of a throat and of a corner [m].
+/// Radii of the throat and of the corner [m].
 const RADII: [f64; 2] = [10.2e-3, 10e-3];
-/// They turn by ±30°, and are straight from there.
+/// Both arcs turn by ±30°, and continue straight.
 const HALF: f64 = FRAC_PI_6;
-/// By how much they are in each other [m].
+/// Penetration of the arcs [m].
 const APPROACH: f64 = 10e-6;
 
 fn settings(side: f64, patch_surface: PatchSurface) -> Settings {
@@ -49,7 +49,7 @@ fn corner(settings: Settings) -> WheelOnRail {
     single([&throat, &corner], 0.46, settings)
 }
 
-/// [`APPROACH`] along the vertical into each other.
+/// Motion with the bodies pressed together by [`APPROACH`] along the vertical.
 fn close() -> Motion {
     Motion {
         z: -APPROACH,
@@ -75,8 +75,9 @@ fn sums(patch: &Patch) -> [f64; 3] {
     [&patch.fields.pressure, x, s].map(|field| field.iter().sum::<f64>() * dx * dy)
 }
 
-/// Arcs of a prism on its rolling curvature, by [`half_space::conformal`], are half-spaces with 1 to 3 % less force. Tolerance: the curvature
-/// along x of a wheel round its axle, cos α of that in the middle, α up to 0.25.
+/// Arcs of a prism with its rolling curvature, by [`half_space::conformal`], which gives 1 to 3 %
+/// less force than half-spaces. Tolerance: the curvature along x of a wheel about its axle, cos α
+/// of that in the middle, α up to 0.25.
 #[test]
 fn arcs_are_those_of_prisms() {
     let solved = solved(PatchSurface::Curved);
@@ -112,8 +113,9 @@ fn arcs_are_those_of_prisms() {
     }
 }
 
-/// What friction takes is what the tractions do on the rigid slip, and what the pressure does on the normal displacement of
-/// the particles that pass, which is less the undeformed distance: to the reciprocity of the numbers.
+/// The friction power equals the work of the tractions on the rigid slip plus the work of the
+/// pressure on the normal displacement of the passing particles, which is minus the undeformed
+/// distance. Tolerance: the reciprocity of the influence numbers.
 #[test]
 fn friction_takes_what_the_rigid_slip_gives() {
     let solved = solved(PatchSurface::Curved);
@@ -141,7 +143,8 @@ fn friction_takes_what_the_rigid_slip_gives() {
     );
 }
 
-/// A wheel in the corner of a rail, under a force: found from wherever, and mirrored on the other side. Tolerances: the force is met to 1e-5.
+/// A wheel in the corner of a rail under a force, reached from any position and mirrored on the
+/// other side. Tolerances: the force is met to 1e-5.
 #[test]
 fn a_force_is_met_from_any_position_and_on_either_side() {
     let mut pairs = [Side::Left, Side::Right]

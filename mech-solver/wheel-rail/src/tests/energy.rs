@@ -1,4 +1,4 @@
-//! Power and momentum: what friction takes is what the forces give.
+//! Balance of power and momentum: the friction power equals that of the forces.
 
 use super::{STEEL, rolling, solve, standard};
 use crate::contact::WheelOnRail;
@@ -36,7 +36,7 @@ fn balance(mut pair: WheelOnRail, plane: bool) {
             assert!(patch.friction_power > 0.0);
             patches += 1;
         }
-        // The whole is the sum of its parts, in either axes.
+        // The whole is the sum of its parts, in both systems of axes.
         let sum: f64 = solved.patches.iter().map(|patch| patch.force().z).sum();
         assert!((sum - solved.force[2]).abs() < 1e-9 * sum);
         let size = |force: [f64; 3]| force.iter().map(|f| f * f).sum::<f64>().sqrt();

@@ -1,4 +1,4 @@
-//! A cylinder on a crown: what Hertz has.
+//! A cylinder on a crown, against Hertz.
 
 use super::{arc, elements, line, rolling, single, solve, steel};
 use crate::outline::Outline;
@@ -6,7 +6,8 @@ use crate::settings::Vertical;
 use crate::wheelset::Motion;
 use elastic::hertz::elliptic_contact;
 
-/// Tolerances: the elements, 12 on the shorter semi-axis, and the fourth order of circles, (a/R)²/4.
+/// Tolerances: the elements, 12 on the shorter semi-axis, and the fourth order of circles,
+/// (a/R)²/4.
 #[test]
 fn a_cylinder_on_a_crown_is_hertzs_contact() {
     let (radius, crown, load) = (0.46, 0.3, 80e3);
@@ -25,13 +26,14 @@ fn a_cylinder_on_a_crown_is_hertzs_contact() {
     let area = std::f64::consts::PI * hertz.semi_axis_a * hertz.semi_axis_b;
     assert!((patch.area / area - 1.0).abs() < 3e-3, "{}", patch.area / area);
     assert!((solved.z + patch.approach).abs() < 1e-9);
-    // A cylinder that rolls with the speed of its rim does not creep, and nothing pulls.
+    // A cylinder that rolls with the speed of its rim has no creepage and no tangential force.
     assert!(patch.rolling.creepage.iter().all(|c| c.abs() < 1e-12), "{:?}", patch.rolling);
     assert!(patch.load.force[0].abs() < 1e-6 * load && patch.friction_power.abs() < 1e-6);
     assert!((patch.rolling.speed - 2.0).abs() < 1e-12);
 }
 
-/// Faster than its rim by 1 %, to the left by 0.2 %, and turning: signs and sizes of all three creepages.
+/// Faster than its rim by 1 %, to the left by 0.2 %, and turning: signs and magnitudes of all three
+/// creepages.
 #[test]
 fn creepages_are_of_the_wheel_over_the_rail() {
     let rail = Outline::new(&arc(0.0, 0.3, 0.08, 60), 0.0).unwrap();
@@ -46,7 +48,7 @@ fn creepages_are_of_the_wheel_over_the_rail() {
     for (found, expected) in [(xi, 0.02 / 2.01), (eta, 4e-3 / 2.01), (phi, 0.1 / 2.01)] {
         assert!((found - expected).abs() < 1e-9, "{found} {expected}");
     }
-    // The wheel is held back and pushed to the right.
+    // The wheel is braked and pushed to the right.
     let force = solved.force;
     assert!(force[0] < 0.0 && force[1] < 0.0, "{force:?}");
     assert!(solved.moment_wheelset[1] > 0.0);

@@ -1,4 +1,4 @@
-//! The same contact, seen from elsewhere or reached in another way.
+//! Invariance of the contact under changes of axes and of the path to a position.
 
 use super::{STEEL, arc, elements, line, rolling, single, solve, standard};
 use crate::interface::Constant;
@@ -48,7 +48,8 @@ fn left_and_right_are_mirror_images() {
     }
 }
 
-/// Rail and wheelset turned together about the origin of the track, as far as a flank.
+/// Rail and wheelset turned together about the origin of the track, up to the inclination of a
+/// flank.
 #[test]
 fn a_turned_pair_has_the_same_contact() {
     let rail = Outline::new(&arc(0.0, 60e-3, 0.4, 80), 0.0).unwrap();
@@ -82,7 +83,7 @@ fn a_turned_pair_has_the_same_contact() {
     }
 }
 
-/// A flank touches ahead of the axle, or behind it, by (r tan δ − y) yaw to first order.
+/// A flank touches ahead of the axle or behind it by (r tan δ − y) yaw to first order.
 #[test]
 fn yaw_moves_the_contact_along_the_rail() {
     let mut pair = standard(Side::Left, Settings::new([4e-4, 4e-4], [STEEL; 2]));
@@ -98,7 +99,8 @@ fn yaw_moves_the_contact_along_the_rail() {
     }
 }
 
-/// What a force finds, the height that it finds finds again; and it does not depend on what was before.
+/// Solving the height found under a force gives the same force again, independent of earlier
+/// positions.
 #[test]
 fn the_way_to_a_position_does_not_matter() {
     let settings = Settings::new([3e-4, 3e-4], [STEEL; 2]);

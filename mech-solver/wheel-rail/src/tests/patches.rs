@@ -33,7 +33,7 @@ fn two_crowns_carry_half_each() {
     for patch in [one, other] {
         assert!((patch.load.force[2] / 20e3 - 1.0).abs() < 1e-3, "{}", patch.load.force[2]);
     }
-    // On one half-space they push each other away: the same force takes more depth.
+    // On one half-space they push each other away: the same force needs more depth.
     let wide = Joining { distance: 20e-3, ..Joining::default() };
     let settings = Settings { joining: wide, ..Settings::new([2e-4, 2e-4], [STEEL; 2]) };
     let track = Track { placing: Placing::Origin { y: 0.0, z: 0.0 }, cant: 0.0, curvature: 0.0 };
@@ -46,8 +46,9 @@ fn two_crowns_carry_half_each() {
     assert!(together.z < solved.z - 3e-6, "{} {}", together.z, solved.z);
     let area = one.area + other.area;
     assert!((together.patches[0].area / area - 1.0).abs() < 0.05);
-    // So they do in planes of their own, if they act on each other: equal patches, mirrored, and as deep as on one half-space. Tolerances:
-    // blocks as point loads, and for the pressure where the middles of elements lie under a crown.
+    // Patches in different planes with mutual influence behave alike: equal, mirrored, and as deep
+    // as on one half-space. Tolerances: blocks as point loads, and for the pressure the position of
+    // the elements under a crown.
     let settings = Settings { mutual: true, ..Settings::new([2e-4, 2e-4], [STEEL; 2]) };
     let mut mutual = single([&wheel, &rail], 0.46, settings);
     let apart = solve(&mut mutual, &rolling(0.0, 0.0, 0.0), Vertical::Force(40e3));
@@ -60,8 +61,8 @@ fn two_crowns_carry_half_each() {
     assert!((left.max_pressure / highest - 1.0).abs() < 1e-2, "{} {highest}", left.max_pressure);
 }
 
-/// What patches do to each other falls with the distance: E* P/(π r) of the depth. Tolerance: the patches' sizes over r, squared, and
-/// what they carry less.
+/// The mutual influence of patches decreases with the distance: E* P/(π r) of the depth. Tolerance:
+/// the squared ratio of the patch size to r, and the lower load of the patches.
 #[test]
 fn far_patches_hardly_act_on_each_other() {
     let depth = |distance: f64, mutual: bool| {
@@ -81,7 +82,8 @@ fn far_patches_hardly_act_on_each_other() {
     }
 }
 
-/// Tread and flange at once: the elements of all patches are those of one grid along the rail, and none is of two.
+/// Tread and flange in contact at once: the elements of all patches belong to one grid along the
+/// rail, and none belongs to two patches.
 #[test]
 fn all_patches_are_on_one_grid() {
     let sides = [3e-4, 2e-4];
@@ -131,7 +133,7 @@ fn all_patches_are_on_one_grid() {
     assert!(most >= 2, "{most}");
 }
 
-/// Friction that grows along the tape.
+/// Friction that increases along the tape.
 struct AcrossTape;
 
 impl Interface for AcrossTape {
@@ -142,7 +144,7 @@ impl Interface for AcrossTape {
     }
 }
 
-/// Friction of elements, by their places; and what has no solution.
+/// Friction of elements by their position, and errors without a solution.
 #[test]
 fn friction_follows_the_grid_and_errors_are_told() {
     let mut pair = standard(Side::Left, Settings::new([4e-4, 4e-4], [STEEL; 2]));

@@ -1,4 +1,5 @@
-//! How near fast theories are to half-spaces: the positions of the Manchester benchmark, case, both wheels.
+//! Accuracy of fast theories relative to half-spaces: the positions of the Manchester benchmark,
+//! case, both wheels.
 
 use super::{STEEL, standard};
 use crate::interface::Constant;
@@ -12,7 +13,7 @@ use std::time::Instant;
 const FORCE: f64 = 10e3;
 const FRICTION: f64 = 0.3;
 
-/// Left and right, of S1002 on 60E1.
+/// Positions of the left and the right wheel, S1002 on 60E1.
 fn positions() -> impl Iterator<Item = (Side, Motion)> {
     let rows = include_str!("../../../../cases/contact/histories/manchester.csv").lines().skip(2);
     let motion = |line: &str| {
@@ -30,7 +31,7 @@ fn positions() -> impl Iterator<Item = (Side, Motion)> {
     rows.flat_map(move |line| [Side::Left, Side::Right].map(|side| (side, motion(line))))
 }
 
-/// Solutions, and the time of each [s].
+/// Solutions, and the run time of each [s].
 fn solved(normal: Normal, tangential: Tangential) -> Vec<(Solved, f64)> {
     let settings = Settings { normal, tangential, ..Settings::new([2e-4, 2e-4], [STEEL; 2]) };
     let mut wheels = [Side::Left, Side::Right].map(|side| standard(side, settings));
@@ -46,7 +47,8 @@ fn solved(normal: Normal, tangential: Tangential) -> Vec<(Solved, f64)> {
     positions().map(of).collect()
 }
 
-/// Largest pressure, area, approach and lateral force; of forces the tangential ones over f N.
+/// Errors of largest pressure, area, approach and lateral force; tangential forces are relative to
+/// f N.
 fn errors(one: &Solved, exact: &Solved) -> [f64; 4] {
     let most = |solved: &Solved| {
         let load = |patch: &&crate::patch::Patch| patch.load.force[2];
@@ -69,7 +71,8 @@ fn median(mut values: Vec<f64>) -> [f64; 2] {
     [values[values.len() / 2], values[values.len() - 1]]
 }
 
-/// Prints the table of docs/theory/wheel-on-track.md. Tolerances: what the theories have been found to be off by, median and largest.
+/// Prints the table of docs/theory/wheel-on-track.md. Tolerances: observed errors of the theories,
+/// median and largest.
 #[test]
 fn fast_theories_are_near_half_spaces() {
     use Tangential::{Fastrip, Fastsim, HalfSpace};

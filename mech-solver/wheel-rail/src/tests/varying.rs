@@ -1,4 +1,5 @@
-//! Bodies that vary along the rolling direction, against closed forms and against those that do not.
+//! Bodies that vary along the rolling direction, against closed forms and against bodies that do
+//! not vary.
 
 use super::{STEEL, arc, line, rolling, steel};
 use crate::contact::WheelOnRail;
@@ -17,7 +18,7 @@ use std::f64::consts::TAU;
 
 const RADIUS: f64 = 0.46;
 
-/// Slices of a profile that is raised, at positions.
+/// Slices of a raised profile, at these positions.
 fn raised(profile: &Outline, positions: &[f64], height: impl Fn(f64) -> f64) -> Vec<Slice> {
     let slice = |at: &f64| Slice {
         at: *at,
@@ -27,12 +28,12 @@ fn raised(profile: &Outline, positions: &[f64], height: impl Fn(f64) -> f64) -> 
     positions.iter().map(slice).collect()
 }
 
-/// A number of places at equal distances.
+/// Equidistant positions.
 fn places(from: f64, to: f64, count: i32) -> Vec<f64> {
     (0..=count).map(|k| from + (to - from) * f64::from(k) / f64::from(count)).collect()
 }
 
-/// These surfaces above each other.
+/// A wheel above a rail with these surfaces.
 fn single(surfaces: [Surface; 2], side: f64) -> WheelOnRail {
     let track = Track { placing: Placing::Origin { y: 0.0, z: 0.0 }, cant: 0.0, curvature: 0.0 };
     let wheelset =
@@ -57,16 +58,18 @@ fn solve(pair: &mut WheelOnRail, motion: &Motion, force: f64) -> Solved {
     pair.solve(motion, &Deviation::default(), Vertical::Force(force), &Constant(0.3)).unwrap()
 }
 
-/// A rail of a crown of 0.3 m.
+/// Rail with a crown of 0.3 m.
 fn crown() -> Outline {
     let rail = Outline::new(&arc(0.0, 0.3, 0.08, 60), 0.0).unwrap();
     let middle = 0.5 * rail.range()[1];
     rail.starting_at(middle)
 }
 
-/// Slices that are all one profile, of the wheel or of the rail, from the tread to the flange. The reference of a patch is a mean with weights of
-/// the gap as it is, and of round wheels with those of circles of one radius: on a patch of the tread 28 mm wide that shifts it by
-/// 4 µm, on the throat, where circles across the normal are far from parabolas, by 12 µm, which turns the patch by 1 mrad.
+/// Slices that all equal one profile, of the wheel or of the rail, from the tread to the flange.
+/// The reference of a patch is a mean. Its weights use the true gap, and for round wheels circles
+/// of one radius. On a patch of the tread 28 mm wide this shifts the reference by 4 µm. On the
+/// throat, where circles across the normal are far from parabolas, it shifts by 12 µm, which turns
+/// the patch by 1 mrad.
 #[test]
 fn equal_slices_have_the_contact_of_their_profile() {
     let settings = Settings::new([4e-4, 4e-4], [STEEL; 2]);
@@ -102,8 +105,8 @@ fn equal_slices_have_the_contact_of_their_profile() {
     }
 }
 
-/// A wheel of the radius 0.3 m about a point 0.16 m beside the axle, in slices over the angle: where it is lowest it is a
-/// cylinder of 0.3 m. Tolerances: those of a cylinder on a crown.
+/// A wheel of the radius 0.3 m about a point 0.16 m beside the axle, in slices over the angle. At
+/// its lowest point it is a cylinder of 0.3 m. Tolerances: those of a cylinder on a crown.
 #[test]
 fn an_eccentric_wheel_has_hertzs_contact_of_its_own_radius() {
     let (own, load) = (0.3, 80e3);
@@ -121,7 +124,7 @@ fn an_eccentric_wheel_has_hertzs_contact_of_its_own_radius() {
     assert!((patch.max_pressure / hertz.max_pressure - 1.0).abs() < 2e-3, "{}", patch.max_pressure);
     assert!((patch.approach / hertz.approach - 1.0).abs() < 2e-3, "{}", patch.approach);
     assert!((solved.z + patch.approach).abs() < 1e-8, "{} {}", solved.z, patch.approach);
-    // Turned by a little it stands beside its lowest point, and the axle is lower.
+    // Turned slightly, it stands beside its lowest point, and the axle is lower.
     let turned = Motion { pitch: 0.02, ..rolling(0.0, 0.0, 0.0) };
     let solved = solve(&mut pair, &turned, load);
     let patch = &solved.patches[0];
@@ -130,9 +133,10 @@ fn an_eccentric_wheel_has_hertzs_contact_of_its_own_radius() {
     assert!((solved.z - height).abs() < 1e-8, "{} {height}", solved.z);
 }
 
-/// A wheel on waves of the rail of the wavelength L: on a crest their curvature ½d(2π/L)² comes to that of the wheel, in a
-/// trough it goes from it, and in between the wheel stands beside where it is. Tolerance: the waves' fourth order,
-/// (2πa/L)²/4 of their curvature, besides that of a cylinder on a crown.
+/// A wheel on rail waves of the wavelength L. On a crest the curvature ½d(2π/L)² of the waves adds
+/// to that of the wheel, in a trough it subtracts, and in between the contact is ahead of or behind
+/// the axle. Tolerance: the fourth order of the waves, (2πa/L)²/4 of their curvature, besides that
+/// of a cylinder on a crown.
 #[test]
 fn waves_of_the_rail_change_hertzs_contact() {
     let (depth, length, load) = (0.2e-3, 0.15, 60e3);
@@ -161,7 +165,7 @@ fn waves_of_the_rail_change_hertzs_contact() {
             let low = if sign > 0.0 { 0.0 } else { depth };
             assert!((solved.z + low + patch.approach).abs() < 1e-7, "{}", solved.z);
         }
-        // On a flank: where the slopes of both are one, h'(x) = −x/R to first order.
+        // On a slope: the contact is where both slopes are equal, h'(x) = −x/R to first order.
         let mut pair = single(surfaces, 4e-4);
         let motion = Motion { way: 0.25 * length, ..rolling(0.0, 0.0, 0.0) };
         let solved = solve(&mut pair, &motion, load);
@@ -176,7 +180,7 @@ fn waves_of_the_rail_change_hertzs_contact() {
     }
 }
 
-/// A flat that is not near the rail is none.
+/// A flat away from the rail has no effect.
 #[test]
 fn a_flat_on_the_other_side_is_none() {
     let settings = Settings::new([4e-4, 4e-4], [STEEL; 2]);
@@ -192,13 +196,13 @@ fn a_flat_on_the_other_side_is_none() {
         assert!((one.z - other.z).abs() < 1e-9);
         assert!((one.force[0] - other.force[0]).abs() < 1e-5 * 60e3);
     }
-    // On it the axle is lower, and the wheel stands on more.
+    // On the flat the axle is lower.
     let motion = Motion { pitch: 0.2 / RADIUS, ..rolling(3e-3, 0.0, 0.0) };
     let [one, other] = [&mut round, &mut pair].map(|pair| solve(pair, &motion, 60e3));
     assert!(other.z < one.z - 0.4e-3, "{} {}", one.z, other.z);
 }
 
-/// Energy, and the mirror image, on a flat that is half way under the wheel; the same flat in slices.
+/// Energy balance and mirror image on a flat halfway under the wheel; the same flat in slices.
 #[test]
 fn a_flat_keeps_energy_and_has_a_mirror_image() {
     let flat = Irregularity { form: Form::Flat, depth: 0.3e-3, length: 60e-3, at: 0.1 };
@@ -244,7 +248,7 @@ fn a_flat_keeps_energy_and_has_a_mirror_image() {
     }
 }
 
-/// Both ends of a flat at once: a wheel that stands on two places, each of which carries half.
+/// Both ends of a flat at once: the wheel stands on two places, each of which carries half.
 #[test]
 fn a_short_deep_flat_stands_on_its_ends() {
     let flat = Irregularity { form: Form::Flat, depth: 0.5e-3, length: 20e-3, at: 0.0 };
@@ -282,8 +286,8 @@ fn the_contact_on_a_flat_converges() {
     assert!((fine.1 / finest.1 - 1.0).abs() < 3e-3, "{fine:?} {finest:?}");
 }
 
-/// After it has forgotten, a solver has the bits of a new one: windows of a history are solved on any
-/// thread, after any other.
+/// After [`WheelOnRail::forget`], a solver reproduces the bits of a new one: windows of a history
+/// are solved on any thread, in any order.
 #[test]
 fn what_is_forgotten_leaves_no_trace() {
     let settings = Settings::new([4e-4, 4e-4], [STEEL; 2]);

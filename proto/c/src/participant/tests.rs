@@ -8,7 +8,7 @@ use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null;
 
-/// A program in C, as far as Rust can write one: a counter that is asked to misbehave.
+/// Stand-in for a C program: a counter that can be told to misbehave.
 #[derive(Default)]
 struct Counter {
     fault: &'static str,
@@ -236,7 +236,7 @@ fn faults_become_the_errors_of_the_contract() {
     assert_eq!(solved, Err(StepError::NoSolution("told to fail".to_owned())));
 }
 
-/// Where the contract has no error, the program ends with its last words.
+/// The program ends with its last message where the contract has no error.
 #[test]
 fn faults_without_an_error_unwind_to_main() {
     type Act = fn(&mut dyn Model);
@@ -256,12 +256,12 @@ fn faults_without_an_error_unwind_to_main() {
         let program = program(&mut counter, table());
         let acted = catch_unwind(AssertUnwindSafe(|| act(&mut *model(&program))));
         let unwound = acted.unwrap_err();
-        let Some(LastWords(said)) = unwound.downcast_ref() else { panic!("{fault}") };
+        let Some(FatalMessage(said)) = unwound.downcast_ref() else { panic!("{fault}") };
         assert!(said.contains(why), "{said}");
     }
 }
 
-/// `finish` is called once for each build that succeeded.
+/// `finish` is called once for each successful build.
 #[test]
 fn a_run_is_finished_once() {
     let mut counter = Counter::default();
@@ -314,7 +314,7 @@ fn main_says_what_is_wrong_with_its_arguments() {
         assert_eq!(cosim_main(0, std::ptr::null_mut(), null(), user), 1);
         let old = CosimSolver { version: COSIM_VERSION + 1, ..table };
         assert_eq!(cosim_main(0, std::ptr::null_mut(), &raw const old, user), 1);
-        // Nothing to do, and an option that there is none of.
+        // Nothing to do, and an unknown option.
         assert_eq!(cosim_main(0, std::ptr::null_mut(), &raw const table, user), 1);
         let mut words = [c"x".as_ptr(), c"--nonsense".as_ptr(), null()].map(<*const _>::cast_mut);
         assert_eq!(cosim_main(2, words.as_mut_ptr(), &raw const table, user), 2);

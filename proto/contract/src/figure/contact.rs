@@ -1,6 +1,6 @@
-//! Keys of the figures that one participant gives and another reads, in estimates and advice.
+//! Keys of figures that one participant supplies and another reads, in estimates and advice.
 //!
-//! A figure that only its own participant names has its key there.
+//! A figure that only its own participant uses has its key in that participant.
 
 /// Number of patches.
 pub const PATCHES: &str = "contact.patches";

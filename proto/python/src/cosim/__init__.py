@@ -1,10 +1,10 @@
-"""The contact co-simulation from Python: cases are run, and solvers written.
+"""Contact co-simulation from Python: run cases, and write solvers.
 
-`run`, `plan`, `sweep` and `cost` are commands of the coordinator that answer with objects:
-`cosim.run("case.toml").contact.approach_m`. `drive` takes a run window by window.
+`run`, `plan`, `sweep` and `cost` are commands of the coordinator that return objects:
+`cosim.run("case.toml").contact.approach_m`. `drive` advances a run window by window.
 
-A solver is a subclass of `Solver` with `configure` and `solve`; `main` is its whole main. Fields
-are numpy arrays over shared memory, read and written in place.
+A solver is a subclass of `Solver` with `configure` and `solve`; `main` is its complete main
+function. Fields are numpy arrays over shared memory, read and written in place.
 """
 
 from . import fields
@@ -14,7 +14,7 @@ from .description import Effect, Figure, Key, Model
 from .driven import Drive, Live, NoAnswer, Refused, Window, drive, live
 from .fields import FieldKind
 from .front import Study, cost, plan, run, sweep
-from .grids import Array, Grid, Quadrilaterals, Structured
+from .grids import Array, Grid, Quadrilaterals, Structured, Vertices
 from .main import main
 from .ports import Inputs, Outputs
 from .recording import Recording, Sample, Samples
@@ -67,6 +67,7 @@ __all__ = [
     "StepReport",
     "Structured",
     "Study",
+    "Vertices",
     "Volume",
     "Window",
     "cost",

@@ -1,4 +1,5 @@
-"""The `coordinator` as a process: found, started, interrupted, its errors as exceptions."""
+"""The `coordinator` as a process: locates, starts and interrupts it, and converts errors to
+exceptions."""
 
 from __future__ import annotations
 
@@ -19,18 +20,18 @@ from typing import IO, Any
 from .progress import FORM, Bar, bar
 
 EXECUTABLE = "COSIM_COORDINATOR"
-"""Names the executable where it is neither beside this package nor on the PATH."""
+"""Names the executable if it is neither in this package nor on the PATH."""
 
 PATIENCE_S = 30.0
-"""How long an interrupted run may take to end its participants."""
+"""Longest time for an interrupted run to end its participants [s]."""
 
 
 class CosimError(RuntimeError):
-    """A command of the coordinator that ended badly; the text is what it says.
+    """A failed command of the coordinator; the text is its error message.
 
-    Attributes: `exit_code`, that of the command (1: a participant failed, 2: the case or the
-    options are wrong, 3: no convergence or not accurate, 4: a difference), and `folder`, that of
-    the results as far as they came, or None.
+    Attributes: `exit_code` of the command (1: a participant failed, 2: the case or the options are
+    wrong, 3: no convergence or not accurate, 4: a difference), and `folder` with the incomplete
+    results, or None.
     """
 
     def __init__(self, message: str, exit_code: int, folder: Path | None = None) -> None:
@@ -39,14 +40,14 @@ class CosimError(RuntimeError):
 
 
 def executable() -> Path:
-    """The coordinator: named by COSIM_COORDINATOR, inside this package, or on the PATH."""
+    """Locate the coordinator: named by COSIM_COORDINATOR, in this package, or on the PATH."""
     named = os.environ.get(EXECUTABLE)
     inside = Path(__file__).parent / "bin" / "coordinator"
     if named is None and inside.is_file():
         return inside
     found = named or shutil.which("coordinator")
     if found is None or not Path(found).is_file():
-        where = f"{EXECUTABLE}={named} is no file" if named else "it is not on the PATH"
+        where = f"{EXECUTABLE}={named} is not a file" if named else "it is not on the PATH"
         built = f"{EXECUTABLE}=.../target/release/coordinator"
         advice = f"build it with `cargo build --release` and set {built}"
         raise FileNotFoundError(f"no executable `coordinator`: {where}; {advice}")
@@ -54,13 +55,14 @@ def executable() -> Path:
 
 
 def settings(tables: Mapping[str, Any]) -> Iterator[str]:
-    """Options `--set KEY=VALUE` of nested tables, `--unset KEY` where a value is None."""
+    """Yield options `--set KEY=VALUE` for nested tables, and `--unset KEY` for values that are
+    None."""
     for key, value in flat(tables):
         yield from ("--unset", key) if value is None else ("--set", f"{key}={toml(value)}")
 
 
 def flat(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted keys of nested tables; an empty table is a value."""
+    """Yield dotted keys of nested tables; an empty table counts as a value."""
     for name, value in tables.items():
         key = f"{prefix}{name}"
         if isinstance(value, Mapping) and value:
@@ -70,7 +72,7 @@ def flat(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
 
 
 def toml(value: object) -> str:
-    """A value as TOML has it."""
+    """Write a value as TOML."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str | os.PathLike):
@@ -82,7 +84,7 @@ def toml(value: object) -> str:
     number = float(value) if hasattr(value, "__float__") else None
     if number is None:
         raise TypeError(
-            f"{value!r} is no value of a case: give a number, a text, a list or a table"
+            f"{value!r} is not a valid case value: give a number, a text, a list or a table"
         )
     return (
         str(int(number)) if isinstance(value, int) or hasattr(value, "__index__") else repr(number)
@@ -91,7 +93,8 @@ def toml(value: object) -> str:
 
 @contextmanager
 def case_file(case: str | os.PathLike[str]) -> Iterator[Path]:
-    """The file of a case: its path, its text, or the name of a scene that the coordinator has."""
+    """Yield the file of a case, given by its path, its text, or the name of a scene of the
+    coordinator."""
     given = os.fspath(case)
     if "\n" not in given and (Path(given).suffix == ".toml" or Path(given).exists()):
         yield Path(given)
@@ -113,11 +116,11 @@ def call(
     folder: Path | None = None,
     progress: bool | None = None,
 ) -> str:
-    """Run the coordinator with these arguments; what it prints.
+    """Run the coordinator with these arguments; return its output.
 
-    An error has `folder` among its attributes. Standard error, with the progress of long work, is
-    passed on where someone looks at it, in a terminal and in a notebook, or as `progress` says;
-    how far the command is shows a bar where tqdm is installed.
+    An error has `folder` among its attributes. Standard error, including progress, is passed on in
+    a terminal and in a notebook, unless `progress` overrides this. Progress is shown as a bar if
+    tqdm is installed.
     """
     command = [os.fspath(executable()), *(os.fspath(one) for one in arguments), "--color", "never"]
     shown = watched() if progress is None else progress
@@ -140,7 +143,7 @@ def call(
             answer = process.stdout.read()
             code = process.wait()
         except BaseException:
-            # A notebook interrupts its kernel alone: the coordinator ends its participants itself.
+            # A notebook interrupts only its kernel; the coordinator ends its participants itself.
             process.send_signal(signal.SIGINT)
             try:
                 process.wait(PATIENCE_S)
@@ -157,7 +160,7 @@ def call(
 
 
 def listen(stream: IO[str], told: list[str], shown: bool, display: Bar | None = None) -> None:
-    """Keep the lines of a stream, and pass them on; those about progress go into the bar."""
+    """Collect the lines of a stream and pass them on; progress lines go to the bar."""
     for line in stream:
         if display and display.takes(line):
             continue
@@ -168,7 +171,7 @@ def listen(stream: IO[str], told: list[str], shown: bool, display: Bar | None = 
 
 @contextmanager
 def results_folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
-    """The folder named for results, or one of its own, which goes when they cannot be had."""
+    """Yield the folder named for results, or a temporary one, which is removed on failure."""
     if out is not None:
         yield Path(out)
         return
@@ -176,7 +179,7 @@ def results_folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
     try:
         yield folder
     except CosimError as error:
-        # As long as someone may look into the log that the error names.
+        # Kept while the error exists, because the error names a log in the folder.
         remove_with(error, folder)
         raise
     except BaseException:
@@ -185,10 +188,10 @@ def results_folder(out: str | os.PathLike[str] | None) -> Iterator[Path]:
 
 
 def remove_with(owner: object, folder: Path) -> None:
-    """Remove a folder that was made for an object together with it."""
+    """Remove a temporary folder together with its owner."""
     weakref.finalize(owner, shutil.rmtree, folder.parent, ignore_errors=True)
 
 
 def watched() -> bool:
-    """Whether someone looks at standard error: a terminal or a notebook."""
+    """Return true if standard error is visible: in a terminal or a notebook."""
     return sys.stderr.isatty() or "ipykernel" in sys.modules

@@ -1,4 +1,4 @@
-"""What a participant is given before a run, and what it answers. All of it travels as JSON."""
+"""Configuration of a participant before a run, and its answer, exchanged as JSON."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 class Refusal(Exception):
-    """A case that a participant cannot take; raise it in `configure` or `build`.
+    """Refusal of a case; raise it in `configure` or `build`.
 
-    `key` is the dotted key of the case at fault, `reason` why it cannot be, `fix` what to write
-    instead.
+    `key` is the dotted key of the case at fault, `reason` states why its value is refused, `fix`
+    what to write instead.
     """
 
     def __init__(self, key: str, reason: str, fix: str) -> None:
@@ -28,27 +28,28 @@ class Refusal(Exception):
         self.key, self.reason, self.fix = key, reason, fix
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels."""
+        """Convert to JSON."""
         return {"key": utf8(self.key), "reason": utf8(self.reason), "fix": utf8(self.fix)}
 
 
 def utf8(text: str) -> str:
-    """The text with escapes for what UTF-8 does not have, as in names of files of another encoding."""
+    """Return the text with escapes for characters invalid in UTF-8, as in file names of another
+    encoding."""
     return text.encode(errors="backslashreplace").decode()
 
 
 class Case:
     """Case values in SI units, addressed by dotted keys.
 
-    The coordinator has checked types, units and ranges against the description's keys and filled in
-    the defaults; under another coordinator a wrong value still is a `Refusal`, which names the key.
+    The coordinator has already checked types, units and ranges, and filled in the defaults. With
+    another coordinator, a wrong value still raises a `Refusal` that names the key.
     """
 
     def __init__(self, values: Mapping[str, Any]) -> None:
         self.values = values
 
     def get(self, key: str, default: Any = None) -> Any:
-        """The value or table at a dotted key."""
+        """Return the value or table at a dotted key."""
         value: Any = self.values
         for part in key.split("."):
             if not isinstance(value, Mapping) or part not in value:
@@ -60,7 +61,7 @@ class Case:
         return self.get(key) is not None
 
     def number(self, key: str) -> float:
-        """A number that must be there [SI]."""
+        """Return a required number [SI]."""
         value = self._given(key)
         if (
             isinstance(value, bool)
@@ -71,14 +72,14 @@ class Case:
         return float(value)
 
     def integer(self, key: str) -> int:
-        """A whole number that must be there."""
+        """Return a required whole number."""
         value = self._given(key)
         if isinstance(value, bool) or not isinstance(value, int):
             raise _wrong(key, value, "a whole number")
         return value
 
     def bodies(self) -> tuple[str, str]:
-        """The names that the case gives to the upper and the lower body."""
+        """Return the names of the upper and the lower body in the case."""
         table = self.get("bodies", {})
         of: dict[str, list[str]] = {position: [] for position in ("upper", "lower")}
         for name in table:
@@ -92,7 +93,7 @@ class Case:
         return of["upper"][0], of["lower"][0]
 
     def text(self, key: str) -> str:
-        """A text or word that must be there."""
+        """Return a required text or word."""
         value = self._given(key)
         if not isinstance(value, str):
             raise _wrong(key, value, "a text")
@@ -115,15 +116,15 @@ class Input:
     field: FieldKind
     """Kind of the field."""
     producer: str
-    """Role of the participant that computes it."""
+    """Role of the producer."""
     grid: Grid | None
-    """The grid it arrives on; `None` while that is not known yet."""
+    """Grid on which the field arrives; `None` while unknown."""
     moves: bool = False
     """The grid changes during the run."""
 
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> Input:
-        """As it travelled."""
+        """Read from JSON."""
         grid = value.get("grid")
         return cls(
             FieldKind.from_json(value["field"]),
@@ -135,21 +136,23 @@ class Input:
 
 @dataclass(frozen=True)
 class Histories:
-    """Values of the case that vary: one of each key for every row of a table."""
+    """Varying case values: one value per key for every row of a table."""
 
     rows: bool
-    """Every window is a row; otherwise rows are instants, with straight lines between."""
+    """Each window is a row; otherwise rows are times, with linear interpolation between them."""
     times: Sequence[float]
     """Times of the rows [s]."""
     values: Mapping[str, Sequence[float]]
-    """The values of every row by dotted key, in SI units."""
+    """Values of every row by dotted key, in SI units."""
     live: Mapping[str, Any] | None = None
-    """All keys are given from outside, solve by solve, within `limits`; rows are what to expect."""
+    """All keys are given from outside, solve by solve, within `limits`; rows span the expected
+    values."""
     given: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
-    """What has been given last of live keys."""
+    """Latest values of live keys."""
 
     def at(self, step: Step) -> dict[str, float]:
-        """The values in a window: those of its row, or of its middle; of live keys the newest."""
+        """Return the values in a window: at its row or its midpoint; for live keys the latest
+        values."""
         if self.live is not None:
             return {key: self.given.get(key, column[0]) for key, column in self.values.items()}
         if self.rows:
@@ -167,34 +170,35 @@ class Histories:
 
 @dataclass(frozen=True)
 class Configuration:
-    """Sent with `Configure`, and on standard input of `--estimate`."""
+    """Configuration of a participant, sent with `Configure` and on standard input of
+    `--estimate`."""
 
     role: str
-    """The role to play."""
+    """Role of the participant."""
     model: str
-    """The model chosen, one of the description's."""
+    """Name of the chosen model, from the description."""
     mode: str
     """`steady`: a single window without duration; `transient`: windows of coupling time."""
     case: Case
-    """The case values this participant reads."""
+    """Case values that this participant reads."""
     inputs: Sequence[Input]
-    """Fields it will receive."""
+    """Received fields."""
     outputs: Sequence[str]
-    """Names of the fields it has to publish in every iteration."""
+    """Names of the fields to publish in every iteration."""
     observed: Sequence[str]
-    """Names of the fields it has to publish when an accepted window is observed."""
+    """Names of the fields to publish when an accepted window is observed."""
     histories: Histories | None = None
-    """Values of the case that vary; in `case` they have those of the first row."""
+    """Varying case values; `case` holds the values of their first row."""
     threads: int = 1
-    """Threads that it may compute on at the same time. Results must not depend on it."""
+    """Number of threads to compute on. Results must be independent of this number."""
 
     @property
     def is_steady(self) -> bool:
-        """A single window without duration."""
+        """True for a single window without duration."""
         return self.mode == "steady"
 
     def case_at(self, step: Step) -> Case:
-        """The case in a window: with the values of its row or instant, where any vary."""
+        """Return the case in a window, with varying values at the row or time of the window."""
         if self.histories is None:
             return self.case
         values = copy.deepcopy(dict(self.case.values))
@@ -207,20 +211,20 @@ class Configuration:
         return Case(values)
 
     def has_effect(self, name: str) -> bool:
-        """An effect is active and claimed by this participant."""
+        """Return true if an effect is active and claimed by this participant."""
         return f"effects.{name}" in self.case
 
     def input(self, name: str) -> Input | None:
-        """An input, by the name of its field."""
+        """Return an input, by the name of its field."""
         return next((given for given in self.inputs if given.field.name == name), None)
 
     def wants(self, name: str) -> bool:
-        """A field has to be published, in every iteration or when observed."""
+        """Return true if a field must be published, in every iteration or when observed."""
         return name in self.outputs or name in self.observed
 
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> Configuration:
-        """As it travelled."""
+        """Read from JSON."""
         return cls(
             role=value["role"],
             model=value["model"],
@@ -236,19 +240,19 @@ class Configuration:
 
 @dataclass(frozen=True)
 class Simplification:
-    """Something that a model leaves out, and what that is worth."""
+    """A modelling simplification and its expected error."""
 
     what: str
-    """What is left out, or stands for something else."""
+    """Description of the neglected or replaced physics."""
     error: float
     """Expected relative error."""
     source: str
-    """Where the number comes from."""
+    """Origin of the number."""
     with_effects: Sequence[str] = ()
-    """It matters only with one of these effects; empty: always."""
+    """Effects with which the simplification matters; empty if it always matters."""
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels."""
+        """Convert to JSON."""
         value = {"what": self.what, "error": float(self.error), "source": self.source}
         return {**value, "with_effects": list(self.with_effects)}
 
@@ -258,37 +262,38 @@ class Layout:
     """Answer to `configure`: grids, placement of the fields and expected cost."""
 
     grids: list[Grid] = field(default_factory=list)
-    """The grids of the outputs, and those on which inputs are wanted; volumes are announced."""
+    """Grids of the outputs, and requested grids of inputs; volumes are announced."""
     fields: dict[str, str] = field(default_factory=dict)
     """Name of the grid of each output and observed field."""
     inputs: dict[str, str] = field(default_factory=dict)
-    """Name of the grid on which an input is wanted; without a wish it arrives on its producer's."""
+    """Name of the requested grid of an input; otherwise the input arrives on the producer's
+    grid."""
     moving: list[str] = field(default_factory=list)
-    """Names of the grids that may move during the run: see `Solver.moved_grids`.
+    """Names of the grids that may move during the run, see `Solver.moved_grids`.
 
-    A volume need not be named.
+    Volumes need not be listed.
     """
     solve_seconds: float = 0.0
     """Expected processor seconds of one solve."""
     seconds_per_second: float = 0.0
-    """Expected processor seconds of a solve besides that for each second of its window."""
+    """Expected additional processor seconds of a solve per second of its window."""
     build_seconds: float = 0.0
-    """Expected processor seconds of `build`; the deadline for building follows it."""
+    """Expected processor seconds of `build`, from which the deadline for building follows."""
     memory_bytes: int = 0
     """Expected memory of the participant's own arrays [byte]."""
     remarks: list[str] = field(default_factory=list)
     """Remarks for `plan`, one line each."""
     left_out: list[Simplification] = field(default_factory=list)
-    """What the model leaves out in this very case, besides what its description says."""
+    """Simplifications in this particular case, in addition to those of the description."""
     closed_forms: dict[str, float] = field(default_factory=dict)
-    """Quantities of the summary that are known exactly in this case, by their dotted key."""
+    """Quantities of the summary with a known exact value in this case, by dotted key."""
 
     def grid(self, name: str) -> Grid | None:
-        """A grid of the layout, by name."""
+        """Return a grid of the layout, by name."""
         return next((grid for grid in self.grids if grid.name == name), None)
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels."""
+        """Convert to JSON."""
         value: dict[str, Any] = {
             "grids": [grid.to_json() for grid in self.grids],
             "fields": _placed(self.fields),

@@ -1,7 +1,7 @@
-"""What a participant says of itself, before any run: `--describe` prints it as JSON.
+"""Description of a participant, available before any run: `--describe` prints it as JSON.
 
-The coordinator knows no physics. Which models and effects exist, which case keys they read, in
-which unit and range, and which fields they exchange, it learns from here.
+The coordinator knows no physics. From the descriptions it learns which models and effects exist,
+which case keys they read, in which unit and range, and which fields they exchange.
 """
 
 from __future__ import annotations
@@ -13,89 +13,89 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Key:
-    """One key of the case file, its type, its range and what it is for."""
+    """A key of the case file: its type, range and meaning."""
 
     path: str
     """Dotted path; `*` stands for any one name (`materials.*.density`)."""
     help: str
-    """One line for people."""
+    """Meaning of the key, in one line."""
     type: str = "quantity"
     """`quantity`, `integer`, `flag`, `choice`, `text`, `file` or `name-in`."""
     unit: str | None = None
-    """Of a quantity: the SI unit, as an expression; "1" for a plain number."""
+    """For a quantity: the SI unit, as an expression; "1" for a dimensionless number."""
     of: Sequence[str] | None = None
-    """Of a choice: the words."""
+    """For a choice: the permitted words."""
     table: str | None = None
-    """Of a name: path of the table that holds it."""
+    """For a name: path of the table that contains it."""
     required: bool = False
-    """A case that reaches the participant must have it."""
+    """The key is required in every case that reaches the participant."""
     default: Any = None
-    """Value used when the case does not have it (SI)."""
+    """Value used when the key is absent (SI)."""
     above: float | None = None
-    """Numbers must be greater than this."""
+    """Exclusive lower bound of numbers."""
     at_least: float | None = None
-    """Numbers must be at least this."""
+    """Inclusive lower bound of numbers."""
     at_most: float | None = None
-    """Numbers must be at most this."""
+    """Inclusive upper bound of numbers."""
     magnitude_below: Sequence[str] = ()
-    """The magnitude must be less than the product of these other keys' values."""
+    """Keys whose product is the exclusive upper bound of the magnitude."""
     one_of: str | None = None
-    """Of all keys with the same word here exactly one must be given."""
+    """Group of alternatives: exactly one of the keys with the same group name must be given."""
     together: str | None = None
-    """Of all keys with the same word here all or none must be given."""
+    """Group of keys that must be given together or not at all."""
     varies: bool = False
     """A case may give a column of a table; see `Configuration.case_at`."""
     consumes: Mapping[str, Sequence[str]] = field(default_factory=dict, hash=False)
-    """Fields that the participant consumes besides, by the word of the key that asks for them."""
+    """Additional fields consumed, by the value of the key that requests them."""
 
     @classmethod
     def quantity(cls, path: str, unit: str, help: str, **more: Any) -> Key:
-        """A number with a unit."""
+        """Return a key of a number with a unit."""
         return cls(path, help, "quantity", unit=unit, **more)
 
     @classmethod
     def number(cls, path: str, help: str, **more: Any) -> Key:
-        """A number without a unit."""
+        """Return a key of a dimensionless number."""
         return cls(path, help, "quantity", unit="1", **more)
 
     @classmethod
     def integer(cls, path: str, help: str, **more: Any) -> Key:
-        """A whole number."""
+        """Return a key of a whole number."""
         return cls(path, help, "integer", **more)
 
     @classmethod
     def flag(cls, path: str, help: str, **more: Any) -> Key:
-        """True or false."""
+        """Return a key of a Boolean."""
         return cls(path, help, "flag", **more)
 
     @classmethod
     def choice(cls, path: str, of: Sequence[str], help: str, **more: Any) -> Key:
-        """One of some words."""
+        """Return a key of one of several words."""
         return cls(path, help, "choice", of=of, **more)
 
     @classmethod
     def text(cls, path: str, help: str, **more: Any) -> Key:
-        """Any text."""
+        """Return a key of any text."""
         return cls(path, help, "text", **more)
 
     @classmethod
     def file(cls, path: str, help: str, **more: Any) -> Key:
-        """A file; it reaches the participant as an absolute path."""
+        """Return a key of a file; the participant receives an absolute path."""
         return cls(path, help, "file", **more)
 
     @classmethod
     def name_in(cls, path: str, table: str, help: str, **more: Any) -> Key:
-        """The name of a table under `table`."""
+        """Return a key of the name of a table under `table`."""
         return cls(path, help, "name-in", table=table, **more)
 
     @classmethod
     def position(cls) -> Key:
-        """Which of the two bodies a table `[bodies.NAME]` is; see `Case.bodies`."""
+        """Return the key of the position of a body `[bodies.NAME]`; see `Case.bodies`."""
         of = ("upper", "lower")
         return cls.choice("bodies.*.position", of, "which of the two bodies it is", required=True)
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels: what is not given is left out."""
+        """Convert to JSON, without absent values."""
         absent: tuple[Any, ...] = (None, (), {})
         value = {name: given for name, given in asdict(self).items() if given not in absent}
         for name in ("of", "magnitude_below"):
@@ -113,28 +113,28 @@ class Model:
     name: str
     """Name in the case file, `[ROLE] model = "NAME"`."""
     summary: str
-    """One line: what it computes."""
+    """Summary of the model, in one line."""
     source: str
-    """Where the equations come from."""
+    """Source of the equations."""
     steady: bool = True
-    """It can answer a steady case."""
+    """The model supports steady cases."""
     transient: bool = False
-    """It can answer a transient case."""
+    """The model supports transient cases."""
     consumes: Sequence[str] = ()
-    """Fields it always consumes, by name."""
+    """Names of the fields that the model always consumes."""
     provides: Sequence[str] = ()
-    """Fields it always can provide, by name."""
+    """Names of the fields that the model can always provide."""
     keys: Sequence[Key] = ()
     """Case keys that only this model reads."""
     accuracy: Mapping[str, Any] = field(default_factory=dict)
-    """What is known of its errors: `refinement` and `simplifications`, see docs/write-a-solver.md."""
+    """Expected errors: `refinement` and `simplifications`, see docs/write-a-solver.md."""
     rewinds: bool = True
-    """It can solve a window more than once, always from the accepted state."""
+    """The model can solve a window repeatedly, each time from the accepted state."""
     varies_step: bool = True
-    """Its windows may differ in length."""
+    """Windows may differ in length."""
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels."""
+        """Convert to JSON."""
         return _with_keys(self)
 
 
@@ -147,54 +147,56 @@ class Effect:
     law: str
     """The law, as a formula or a sentence."""
     source: str
-    """Where the law comes from."""
+    """Source of the law."""
     models: Sequence[str] = ()
-    """Models of this participant that support it, by name."""
+    """Names of the participant's models that support the effect."""
     consumes: Sequence[str] = ()
-    """Fields it consumes, by name."""
+    """Names of the fields that the effect consumes."""
     provides: Sequence[str] = ()
-    """Fields it provides, by name."""
+    """Names of the fields that the effect provides."""
     keys: Sequence[Key] = field(default=())
-    """Parameters: keys under `effects.NAME` (and elsewhere)."""
+    """Parameters: keys under `effects.NAME` and elsewhere."""
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels."""
+        """Convert to JSON."""
         return _with_keys(self)
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure of the summary. What is not given is as docs/write-a-solver.md says."""
+    """One figure of the summary; docs/write-a-solver.md states the defaults of absent values."""
 
     key: str
     """Dotted path in `summary.json`; `*` stands for the name of a body of the case."""
     unit: str
-    """Its SI unit, "1" for a plain number."""
+    """SI unit, "1" for a dimensionless number."""
     words: str
-    """What it is, in words; the name of the body goes before those of a figure of a body."""
+    """Meaning of the figure, in words; for a figure of a body, the name of the body is put in
+    front."""
     line: str | None = None
-    """The line of the terminal that it stands on."""
+    """Line of the terminal on which the figure is printed."""
     short: str | None = None
-    """Its name on the line."""
+    """Name of the figure on its line."""
     headline: bool | None = None
-    """It stands large in a report, and what follows on its line small below it."""
+    """The figure is printed large in a report, and the following figures of its line small below
+    it."""
     digits: int | None = None
-    """Significant digits."""
+    """Number of significant digits."""
     style: str | None = None
     """`number`, `percent`, `signed`, `place` or `count`."""
     hidden: str | Mapping[str, Any] | None = None
-    """When it is left out of its line: `zero`, `{"below": [KEY]}` or `{"several": KEY}`."""
+    """Condition for omitting the figure: `zero`, `{"below": [KEY]}` or `{"several": KEY}`."""
     measure: str | None = None
-    """What an error is measured against: `relative`, `absolute` or `itself`."""
+    """Reference of an error: `relative`, `absolute` or `itself`."""
     rank: int | None = None
-    """Its place among the figures that studies compare."""
+    """Rank among the figures that studies compare."""
     driven_by: str | None = None
-    """Key of a figure whose error is an error of this one, too."""
+    """Key of a figure whose error also affects this one."""
     derived: Mapping[str, Any] | None = None
-    """How the coordinator makes it of other figures: `{"ratio": {"of": [KEY], "over": KEY}}`."""
+    """Rule by which the coordinator derives the figure: `{"ratio": {"of": [KEY], "over": KEY}}`."""
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels: what is not given is left out."""
+        """Convert to JSON, without absent values."""
         return {name: given for name, given in asdict(self).items() if given is not None}
 
 

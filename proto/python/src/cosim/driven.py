@@ -1,4 +1,4 @@
-"""A run that is driven from Python, window by window.
+"""A run driven from Python, window by window.
 
     run = cosim.drive("case.toml", load={"normal_force": cosim.live("134 kN", "60 kN", "140 kN")})
     with run:
@@ -25,15 +25,15 @@ from typing import Any, NamedTuple
 from .command import PATIENCE_S, CosimError, case_file, executable, listen, settings
 
 LANGUAGE = 1
-"""Version of the lines that are exchanged (docs/fmi.md)."""
+"""Version of the line protocol (docs/fmi.md)."""
 
 
 class NoAnswer(CosimError):
-    """A window that has no answer; the run is where it was before."""
+    """A window without a solution; the run stays in its previous state."""
 
 
 class Refused(CosimError):
-    """What cannot be asked for; nothing has changed."""
+    """An invalid request; nothing has changed."""
 
 
 class Live(NamedTuple):
@@ -46,7 +46,7 @@ class Live(NamedTuple):
 
 
 class Window(Mapping[str, float]):
-    """A window that was solved and accepted: its figures by key, NaN for what there is not.
+    """A solved and accepted window: its figures by key, NaN for figures that do not exist.
 
     Attributes: `number`, from 0, `start` and `end` [s], `status` and `iterations`.
     """
@@ -72,12 +72,12 @@ class Window(Mapping[str, float]):
 
 
 def live(at: float | str, least: float | str, most: float | str) -> dict[str, float | str]:
-    """What a case says of a value that is given as the run goes: first value and limits."""
+    """Return the case entry of a value given during the run: first value and limits."""
     return {"at": at, "from": least, "to": most}
 
 
 class Drive:
-    """A run in the hands of who drives it; ended by `finish`, or with the block that has it."""
+    """A run driven from outside; ended by `finish`, or at the end of its `with` block."""
 
     def __init__(
         self, case: str | os.PathLike[str], out: Path | None, replace: bool, tables: Mapping[str, Any]
@@ -95,7 +95,7 @@ class Drive:
                 stderr=subprocess.PIPE,
                 text=True,
                 encoding="utf-8",
-                # An interrupt is of whoever drives, who then ends the run.
+                # An interrupt belongs to the driving program, which then ends the run.
                 process_group=0,
             )
             assert self._process.stderr
@@ -110,7 +110,7 @@ class Drive:
             if ready["ready"] != LANGUAGE:
                 self.close()
                 raise CosimError(f"the coordinator speaks version {ready['ready']}", 1)
-            # The text of a case is read by now.
+            # The text of a case has been read by now.
         self.live: dict[str, Live] = {
             one["key"]: Live(one["unit"], one["at"], one["from"], one["to"])
             for one in ready["live"]
@@ -120,38 +120,38 @@ class Drive:
         self.folder = out
 
     def set(self, values: Mapping[str, float]) -> None:
-        """Give live values by key, in SI units, from the next window on."""
+        """Set live values by key, in SI units, from the next window on."""
         self._ask({"do": "set", "values": _numbers(values)})
 
     def step(
         self, values: Mapping[str, float] | None = None, end: float | None = None, observe: bool = False
     ) -> Window:
-        """Solve the next window, with these live values, to this time [s]; its figures.
+        """Solve the next window, with these live values, to this time [s]; return its figures.
 
-        `observe` writes its fields. Raises `NoAnswer` and `Refused`.
+        `observe` writes the fields of the window. Raises `NoAnswer` and `Refused`.
         """
         request = {"do": "step", "set": _numbers(values or {}), "end": end, "observe": observe}
         return Window(self.figures, self._ask(request))
 
     def save(self) -> int:
-        """Keep the state after the last window; its number."""
+        """Save the state after the last window; return its number."""
         return int(self._ask({"do": "save"})["state"])
 
     def restore(self, state: int) -> None:
-        """Return to a state, which stays."""
+        """Restore a state, which stays available."""
         self._ask({"do": "restore", "state": state})
 
     def free(self, state: int) -> None:
-        """Forget a state."""
+        """Discard a state."""
         self._ask({"do": "free", "state": state})
 
     def finish(self) -> None:
-        """End the run; its results are written."""
+        """End the run and write its results."""
         self._ask({"do": "finish"})
         self.close()
 
     def close(self) -> None:
-        """End the run, if it has not ended."""
+        """End the run, unless it has already ended."""
         process = self._process
         if process.stdin and not process.stdin.closed:
             with contextlib.suppress(BrokenPipeError):
@@ -200,7 +200,7 @@ def _numbers(values: Mapping[str, float]) -> dict[str, float]:
 
 
 def _settings(tables: Mapping[str, Any]) -> list[str]:
-    """Options of nested tables, in which a live value is one value."""
+    """Return the options for nested tables, in which a live value counts as one value."""
 
     def split(table: Mapping[str, Any], prefix: str) -> list[str]:
         found: list[str] = []
@@ -224,9 +224,9 @@ def drive(
     replace: bool = False,
     **tables: Any,
 ) -> Drive:
-    """Start a run that is driven; it waits before its first window.
+    """Start a driven run; it waits before its first window.
 
-    `case` and keyword arguments are those of `run`, `live` writes a value that may be set. Without
+    `case` and keyword arguments are those of `run`; `live` marks a value that may be set. Without
     `out` no results are kept.
     """
     return Drive(case, None if out is None else Path(out), replace, tables)

@@ -1,7 +1,7 @@
-"""Kinds of fields that may cross the interface, and the table of those that everybody knows.
+"""Kinds of fields that may cross the interface, and the table of the common ones.
 
-The table is that of `proto/contract/src/field.rs`. A solver that exchanges further fields lists them in
-`Solver.fields`.
+The table is that of `proto/contract/src/field.rs`. A solver that exchanges further fields lists
+them in `Solver.fields`.
 """
 
 from __future__ import annotations
@@ -15,28 +15,28 @@ Body = Literal["upper", "lower", "interface"]
 
 @dataclass(frozen=True)
 class FieldKind:
-    """Everything about a field that does not depend on a run."""
+    """All properties of a field that do not depend on a run."""
 
     name: str
-    """Name on the wire, in results and in case files; at most 31 bytes of ASCII."""
+    """Name in messages, results and case files; at most 31 bytes of ASCII."""
     unit: str
     """SI unit; at most 15 bytes of ASCII."""
     components: int = 1
     """Number of components; the values are component-major."""
     mapping: Mapping = "consistent"
-    """What a mapping between grids preserves: the surface integral, or a constant."""
+    """Quantity that a mapping between grids preserves: the surface integral, or a constant."""
     body: Body = "interface"
-    """The body that it belongs to; a case gives the bodies their names (`Case.bodies`)."""
+    """Body of the field; the case names the bodies (`Case.bodies`)."""
     meaning: str = ""
-    """One line for people."""
+    """Meaning of the field, in one line."""
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels."""
+        """Convert to JSON."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> FieldKind:
-        """As it travelled."""
+        """Read from JSON."""
         return cls(**{name: value[name] for name in cls.__dataclass_fields__})
 
 
@@ -176,4 +176,4 @@ TABLE: dict[str, FieldKind] = {
         ),
     )
 }
-"""Every row of the table, by name."""
+"""All rows of the table, by name."""

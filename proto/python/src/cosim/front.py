@@ -1,4 +1,4 @@
-"""Cases run, planned and varied from Python, by the executables of the project.
+"""Run, plan and vary cases from Python, by the executables of the project.
 
     import cosim
 
@@ -7,7 +7,7 @@
     results.fields["pressure"].values
 
 A case is the path of a file, its text, or the name of a scene (`coordinator new --list`). Keyword
-arguments are tables of the case, whose values take the place of what it has:
+arguments are tables of the case, whose values replace those of the case:
 `load={"normal_force": "100 kN"}`, `effects={"partial_slip": {}}`; None removes a key.
 """
 
@@ -45,12 +45,11 @@ def run(
     progress: bool | None = None,
     **tables: Any,
 ) -> Results:
-    """Run a case; what it has written.
+    """Run a case; return its results.
 
-    `out` is a folder for the results, which without it last as long as the object that is
-    returned; `record` keeps every
-    exchange; `accuracy`, `extrapolate`, `strict` are those of `coordinator run`; `progress` says
-    whether windows and long work are shown while it runs, by default in a terminal or a notebook.
+    `out` is a folder for the results; without it they last as long as the returned object. `record`
+    keeps all messages. `accuracy`, `extrapolate`, `strict` are those of `coordinator run`.
+    `progress` shows windows and long work during the run, by default in a terminal or a notebook.
     """
     options = ["--record"] * record + ["--extrapolate"] * extrapolate + ["--strict"] * strict
     options += ["--replace"] * replace
@@ -68,16 +67,17 @@ def run(
 
 
 def plan(case: Source, **tables: Any) -> Section:
-    """What a case will run and what not, and why, with estimates, as plan.json has it."""
+    """Return the plan of a case as in plan.json: what will run, what will not, the reasons, and
+    estimates."""
     with case_file(case) as path:
         answer = call(["plan", path, "--json", *settings(tables)], progress=False)
     return Section(json.loads(answer), "the plan")
 
 
 class Study:
-    """What a study has written.
+    """Results of a study.
 
-    `rows` are columns of numbers by name, `document` is its JSON file, `report` its page.
+    `rows` are columns of numbers by name, `document` is the JSON file, `report` the report page.
     """
 
     def __init__(self, folder: Path, name: str) -> None:
@@ -85,12 +85,12 @@ class Study:
 
     @property
     def report(self) -> Path:
-        """The page with its plots."""
+        """Path of the page with plots."""
         return self.folder / "report.html"
 
     @functools.cached_property
     def document(self) -> dict[str, Any]:
-        """The file of the study."""
+        """Content of the JSON file of the study."""
         document: dict[str, Any] = json.loads(
             (self.folder / f"{self.name}.json").read_text(encoding="utf-8")
         )
@@ -98,21 +98,21 @@ class Study:
 
     @functools.cached_property
     def rows(self) -> dict[str, Array]:
-        """Columns of numbers, a row a point."""
+        """Columns of numbers, one row per point."""
         return table(self.folder / f"{self.name}.csv")
 
     def __getitem__(self, column: str) -> Array:
         return self.rows[column]
 
     def frame(self) -> pandas.DataFrame:
-        """The same as a data frame; needs pandas."""
+        """Return the rows as a data frame; needs pandas."""
         with needs("frames"):
             import pandas  # noqa: PLC0415
 
         return pandas.read_csv(self.folder / f"{self.name}.csv")
 
     def plot(self, x: str, y: str, axes: Axes | None = None) -> Axes:
-        """A picture of a column over another one; needs matplotlib."""
+        """Plot one column over another; needs matplotlib."""
         return pictures.curve(self, x, y, (label(x), label(y)), axes)
 
     def __repr__(self) -> str:
@@ -133,7 +133,7 @@ def sweep(
 ) -> Study:
     """Run a case over values of its keys: lists of values, or `"FROM..TO/COUNT"`.
 
-    `fit` makes a surrogate too.
+    `fit` also creates a surrogate.
     """
     options = ["--paired"] * paired + ["--fit"] * fit
     options += [] if jobs is None else ["--jobs", str(jobs)]
@@ -154,11 +154,10 @@ def cost(
     progress: bool | None = None,
     **tables: Any,
 ) -> Study:
-    """What accuracy costs in time, over models, resolutions, windows and tolerances.
+    """Study accuracy against run time, over models, resolutions, windows and tolerances.
 
-    `vary` has the values of keys, the coarsest first, in the place of the study's own plan; runs
-    that are expected to take longer than `longest_run` [s] are left out, and each is made `repeat`
-    times.
+    `vary` gives values of keys, coarsest first, instead of the study's own plan. Runs expected to
+    take longer than `longest_run` [s] are omitted, and each run is repeated `repeat` times.
     """
     options = [] if longest_run is None else ["--longest-run", str(longest_run)]
     options += [] if repeat is None else ["--repeat", str(repeat)]
@@ -176,7 +175,7 @@ def study(
     progress: bool | None,
     tables: Mapping[str, Any],
 ) -> Study:
-    """A study of the coordinator, by the name of its command."""
+    """Run a study of the coordinator, by the name of its command."""
     with results_folder(out) as folder, case_file(case) as path:
         arguments: list[Source] = [
             name,

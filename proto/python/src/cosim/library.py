@@ -1,4 +1,5 @@
-"""`libcosim`, the library that takes part in runs, through its C interface (`proto/c/include/cosim.h`)."""
+"""`libcosim`, the library that takes part in runs, by its C interface
+(`proto/c/include/cosim.h`)."""
 
 from __future__ import annotations
 
@@ -24,12 +25,14 @@ from typing import Any, ClassVar
 
 NAME = "libcosim.so"
 LIBRARY = "COSIM_LIBRARY"
-"""Names the library where it is neither in this package nor beside the executables."""
+"""Names the library if it is neither in this package nor beside the executables."""
 VERSION = 3
 """Version of the interface, COSIM_VERSION."""
 
 STRUCTURED = 1
 """Kind of a grid: a plane patch of equal elements."""
+VERTICES = 3
+"""Kind of a grid: vertices that carry values."""
 
 
 class Step(Structure):
@@ -89,7 +92,7 @@ CALLBACKS: dict[str, Any] = {
     "moved_grids": CFUNCTYPE(c_int, c_void_p, c_void_p),
     "finish": CFUNCTYPE(c_int, c_void_p),
 }
-"""The callbacks of `cosim_solver`, in their order."""
+"""Callbacks of `cosim_solver`, in order."""
 
 
 class Solver(Structure):
@@ -112,11 +115,11 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "cosim_blob_read_some": (c_size_t, [c_void_p, c_void_p, c_size_t]),
     "cosim_progress": (c_int, [c_uint64, c_uint64, c_char_p]),
 }
-"""The functions that are used, with what they return and take."""
+"""Functions of the library in use, with return and argument types."""
 
 
 def load() -> Any:
-    """Load the library; raises `FileNotFoundError` with what to do where there is none."""
+    """Load the library; raises `FileNotFoundError` with advice if there is none."""
     path = next((place for place in places() if place.is_file()), None)
     if path is None:
         raise FileNotFoundError(
@@ -131,7 +134,7 @@ def load() -> Any:
 
 
 def places() -> Iterator[Path]:
-    """Where the library may be, the likeliest first."""
+    """Yield possible paths of the library, the most likely first."""
     named = os.environ.get(LIBRARY)
     if named:
         yield Path(named)
@@ -140,13 +143,13 @@ def places() -> Iterator[Path]:
     coordinator = os.environ.get("COSIM_COORDINATOR") or shutil.which("coordinator")
     if coordinator:
         yield Path(coordinator).resolve().with_name(NAME)
-    # In the sources of the project, also from an environment that lies in them.
+    # In the sources of the project, also from an environment inside them.
     for folder in Path(__file__).resolve().parents:
         yield folder / "target" / "release" / NAME
 
 
 def table(callbacks: dict[str, Callable[..., Any]]) -> Solver:
-    """`cosim_solver` of these callbacks; it keeps them alive."""
+    """Return a `cosim_solver` with these callbacks, which it keeps alive."""
     solver = Solver(size=ctypes.sizeof(Solver), version=VERSION)
     for name, call in callbacks.items():
         setattr(solver, name, CALLBACKS[name](call))

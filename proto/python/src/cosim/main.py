@@ -1,4 +1,4 @@
-"""The whole main of a participant."""
+"""The main function of a participant."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from .solver import Solver
 
 
 def main(solver: type[Solver], arguments: Sequence[str] | None = None) -> None:
-    """Answer `--describe` and `--estimate`, or take part in a run with `--join`; `--help` says more.
+    """Answer `--describe` and `--estimate`, or take part in a run with `--join`; see `--help`.
 
-    Ends the process with exit code 1 after an error, and with 2 after wrong arguments.
+    Ends the process with exit code 1 after an error, and with 2 for invalid arguments.
     """
-    # Only a participant needs the library, and one that is imported by a test does not.
+    # Only a running participant needs the library; a module imported by a test does not.
     from .library import load
     from .participant import Participant
 

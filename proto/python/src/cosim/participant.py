@@ -1,4 +1,4 @@
-"""A `Solver` behind the callbacks of the library, which does everything else that a run asks for."""
+"""Connects a `Solver` to the callbacks of the library, which handles everything else in a run."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from .solver import Solver, StateError, Step, StepError, StepReport
 from .views import KeptView, Views
 
 OK = 0
-"""Status of a callback that is done."""
+"""Status of a successful callback."""
 
-#: Errors that say enough by themselves; of all others the kind is reported too.
+#: Errors whose text suffices; for all others the type is reported too.
 PLAIN = (StepError, StateError, PortError, KeptView)
 
 
 class Run:
-    """One run: the solver that was made for it, and what the library gives it."""
+    """One run: its solver, and the data passed by the library."""
 
     def __init__(self, solver: Solver, configuration: Configuration) -> None:
         self.solver = solver
@@ -41,25 +41,25 @@ class Run:
             if given.moves and not solver.follows_moving_grids:
                 raise Refusal(
                     f"{given.producer}.model",
-                    f"the grid of `{given.field.name}` moves, and `{type(solver).__name__}` takes "
-                    "grids that stay",
-                    f"name a model of {given.producer} whose grid stays",
+                    f"the grid of `{given.field.name}` moves, and `{type(solver).__name__}` requires "
+                    "fixed grids",
+                    f"name a model of {given.producer} with a fixed grid",
                 )
         self.layout: Layout = solver.configure(configuration)
         self.kinds = {**{kind.name: kind for kind in solver.fields}, **TABLE}
         self.inputs = {given.field.name: given.field for given in configuration.inputs}
         self.grids: dict[str, Grid] = {}
-        """The grids of inputs as they were last."""
+        """Latest grids of the inputs."""
         self.outputs = {name: self.kinds[name] for name in configuration.outputs}
         self.observed = {name: self.kinds[name] for name in configuration.observed}
         histories = configuration.histories
         self.live = histories if histories is not None and histories.live is not None else None
         self.own = {grid.name: grid for grid in self.layout.grids}
         self.unpublished: dict[str, Array] = {}
-        """What the last solve wrote of observed fields, for a solver that does not observe itself."""
+        """Observed fields as written by the last solve, for a solver without `observe`."""
 
     def make_room(self) -> None:
-        """Room for what a solve writes of observed fields, on their grids as they are now."""
+        """Provide buffers for observed fields written by a solve, on their current grids."""
         if type(self.solver).observe is not Solver.observe:
             return
         for name, kind in self.observed.items():
@@ -69,7 +69,8 @@ class Run:
 
 
 def callback(call: Callable[..., int | None]) -> Callable[..., int]:
-    """Turn a method into a callback: an exception is reported to the library, and becomes a status."""
+    """Turn a method into a callback: an exception is reported to the library and becomes a
+    status."""
 
     @wraps(call)
     def guarded(self: Participant, *arguments: Any) -> int:
@@ -82,7 +83,7 @@ def callback(call: Callable[..., int | None]) -> Callable[..., int]:
 
 
 class Participant:
-    """The callbacks of a solver: one run after the other, each with a solver of its own."""
+    """Callbacks of a solver class: several runs in succession, each with its own solver object."""
 
     def __init__(self, kind: type[Solver], lib: Any) -> None:
         self._kind, self._lib = kind, lib
@@ -93,7 +94,7 @@ class Participant:
         self._described = frozenset(name for claim in claims for name in claim)
 
     def main(self, arguments: Sequence[str]) -> int:
-        """Hand the callbacks to the library; returns the exit code."""
+        """Pass the callbacks to the library; return the exit code."""
         names = [name for name in library.CALLBACKS if hasattr(self, name)]
         table = library.table({name: partial(_method, getattr(self, name)) for name in names})
         words = [os.fsencode(word) for word in (sys.argv[0], *arguments)]
@@ -101,7 +102,7 @@ class Participant:
         return int(self._lib.cosim_main(len(words), argv, ctypes.byref(table), None))
 
     def report(self, error: BaseException) -> int:
-        """Report an exception to the library; returns the status of the callback."""
+        """Report an exception to the library; return the status of the callback."""
         match error:
             case SystemExit() | KeyboardInterrupt():
                 _end(error)
@@ -117,7 +118,7 @@ class Participant:
         return int(self._lib.cosim_fail(utf8(message).encode()))
 
     def _text(self, name: str, value: Any) -> int:
-        """The place of a value as JSON, which stays where it is until the next of this name."""
+        """Return the address of a value as JSON, valid until the next value of this name."""
         self._texts[name] = text = ctypes.create_string_buffer(to_json(value))
         return ctypes.addressof(text)
 
@@ -127,7 +128,7 @@ class Participant:
         return self._run
 
     def describe(self) -> int | None:
-        """The description."""
+        """Return the address of the description."""
         try:
             return self._text("description", self._kind.description())
         except BaseException as error:
@@ -136,7 +137,7 @@ class Participant:
 
     @callback
     def configure(self, configuration: int, layout: int) -> int:
-        """A solver for a run, and its layout."""
+        """Create the solver of a run, and set its layout."""
         self._run = None
         given = json.loads(self._lib.cosim_configuration_json(configuration))
         solver = self._kind()
@@ -161,14 +162,14 @@ class Participant:
         write: Callable[[Outputs], None],
         private: Mapping[str, Array] | None = None,
     ) -> None:
-        """Let `write` fill outputs, of which nothing may be kept."""
+        """Let `write` fill outputs; checks that no view of them is kept."""
         places = Outputs(self._lib, outputs, kinds, self._described, private)
         write(places)
         places.end()
 
     @callback
     def first_outputs(self, outputs: int) -> None:
-        """Write what holds before the first solve."""
+        """Write the initial outputs, before the first solve."""
         self._write(outputs, self._now.outputs, self._now.solver.first_outputs)
 
     @callback
@@ -208,14 +209,14 @@ class Participant:
 
     @callback
     def observe(self, outputs: int) -> None:
-        """Write the observed fields, or what the accepted solve wrote of them."""
+        """Write the observed fields, or those of the accepted solve."""
         run = self._now
         write = partial(_assign, run.unpublished) if run.unpublished else run.solver.observe
         self._write(outputs, run.observed, write)
 
     @callback
     def moved_grids(self, moves: int) -> None:
-        """Give the geometry of what has moved."""
+        """Supply the geometry of grids that have moved."""
         run = self._now
         for grid in run.solver.moved_grids():
             known, run.own[grid.name] = run.own.get(grid.name), grid
@@ -240,7 +241,7 @@ class Participant:
 
     @callback
     def restore(self, blob: int) -> None:
-        """Return to a saved state."""
+        """Restore a saved state."""
         file, piece = io.BytesIO(), ctypes.create_string_buffer(1 << 16)
         while count := self._lib.cosim_blob_read_some(blob, piece, len(piece)):
             file.write(piece.raw[:count])
@@ -248,7 +249,7 @@ class Participant:
         self._now.solver.restore(file)
 
     def summary(self) -> int | None:
-        """The solver's sections."""
+        """Return the address of the solver's sections."""
         try:
             return self._text("summary", self._now.solver.summary())
         except BaseException as error:
@@ -257,18 +258,18 @@ class Participant:
 
     @callback
     def finish(self) -> None:
-        """Forget a run that is over, and what it has left in cycles."""
+        """Release a finished run, including garbage in cycles."""
         self._run = None
         gc.collect()
 
 
 def _method(method: Callable[..., Any], _user: Any, *arguments: Any) -> Any:
-    """A callback without the first argument of all."""
+    """Drop the user pointer, the first argument of every callback."""
     return method(*arguments)
 
 
 def _end(error: SystemExit | KeyboardInterrupt) -> None:
-    """End the process as Python would: no exception passes through the library."""
+    """End the process like Python would, because no exception may pass through the library."""
     code = 130
     if isinstance(error, SystemExit):
         code = error.code if isinstance(error.code, int) else int(error.code is not None)
@@ -285,12 +286,12 @@ def _assign(values: Mapping[str, Array], outputs: Outputs) -> None:
 
 
 def to_json(value: Any) -> bytes:
-    """JSON of plain values and numpy's; numbers that are not finite become null, texts UTF-8."""
+    """Convert plain and numpy values to JSON in UTF-8; numbers that are not finite become null."""
     return json.dumps(plain(value), allow_nan=False).encode()
 
 
 def plain(value: Any) -> Any:
-    """The value in Python's own types."""
+    """Return the value in Python's own types."""
     if isinstance(value, Mapping):
         return {utf8(str(key)): plain(entry) for key, entry in value.items()}
     if isinstance(value, np.generic | np.ndarray):

@@ -1,4 +1,4 @@
-"""Pictures of results by matplotlib: one call a picture, which returns its axes."""
+"""Pictures of results by matplotlib; each function draws one picture and returns its axes."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     from .results import Results
 
 LONG_UNITS = {"Pa": (1e6, "MPa"), "W/m2": (1e6, "W/mm²"), "m": (1e-3, "mm"), "N": (1e3, "kN")}
-"""Units in which numbers are drawn: how many of the field's unit, and the name."""
+"""Units for drawing: scale in units of the field, and name."""
 
 STICK = 1e-3
-"""Slip velocities below this share of the largest are what solving leaves where surfaces stick."""
+"""Share of the largest slip velocity below which surfaces count as sticking."""
 
 ARROWS = 24
-"""Arrows along the longer side at most."""
+"""Maximum number of arrows along the longer side."""
 
 
 def new_axes(axes: Axes | None) -> Axes:
-    """The axes given, or those of a new figure; needs matplotlib."""
+    """Return the given axes, or those of a new figure; needs matplotlib."""
     if axes is not None:
         return axes
     with needs("plots"):
@@ -36,12 +36,12 @@ def new_axes(axes: Axes | None) -> Axes:
 
 
 def words(name: str) -> str:
-    """A name of the contract as people write it."""
+    """Return a name of the contract as people write it."""
     return name.replace("_", " ")
 
 
 def field(field: Field, axes: Axes | None = None) -> Axes:
-    """A field over its plane: filled contours, with the arrows of a vector."""
+    """Draw a field over its plane: filled contours, and arrows for a vector."""
     axes = new_axes(axes)
     scale, unit = LONG_UNITS.get(field.unit, (1.0, field.unit))
     down, across = (getattr(field, name) for name in field.axes)
@@ -71,7 +71,7 @@ def field(field: Field, axes: Axes | None = None) -> Axes:
 
 
 def stick_and_slip(results: Results, axes: Axes | None = None) -> Axes:
-    """Where surfaces in contact stick and where they slip."""
+    """Draw the stick and slip zones of the contact."""
     axes = new_axes(axes)
     pressure, slip = results["pressure"], results["slip_velocity"]
     speed = slip.magnitude
@@ -94,10 +94,10 @@ def stick_and_slip(results: Results, axes: Axes | None = None) -> Axes:
 
 
 def depth_profile(section: Field, axes: Axes | None = None, label: str | None = None) -> Axes:
-    """A section's values over the depth, below the place where the surface has the largest."""
+    """Draw the values of a section over depth, below the largest value at the surface."""
     axes = new_axes(axes)
     if section.axes[0] != "z":
-        raise ValueError(f"`{section.name}` is no section over the depth")
+        raise ValueError(f"`{section.name}` is not a section over the depth")
     scale, unit = LONG_UNITS.get(section.unit, (1.0, section.unit))
     column = np.unravel_index(np.abs(section.magnitude).argmax(), section.magnitude.shape)[1]
     axes.plot(
@@ -115,7 +115,7 @@ def depth_profile(section: Field, axes: Axes | None = None, label: str | None = 
 def curve(
     study: Study, x: str, y: str, labels: tuple[str, str], axes: Axes | None = None
 ) -> Axes:
-    """A column of a study over another one, such as a force over a creepage."""
+    """Draw a column of a study over another one, such as a force over a creepage."""
     axes = new_axes(axes)
     order = np.argsort(study[x])
     axes.plot(study[x][order], study[y][order], marker="o", markersize=3)

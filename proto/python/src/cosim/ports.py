@@ -1,9 +1,10 @@
-"""Inputs that are read in place, and outputs that are written where consumers will read them."""
+"""Inputs read in place, and outputs written directly into shared memory."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from ctypes import byref, c_size_t
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,17 +12,17 @@ from numpy.typing import ArrayLike
 
 from . import library
 from .fields import FieldKind
-from .grids import Array, Grid, Quadrilaterals, Structured
+from .grids import Array, Grid, Quadrilaterals, Structured, Vertices
 from .solver import MissingInput, NonFiniteInput, first_non_finite
 from .views import Views
 
 
 class PortError(Exception):
-    """What cannot be read or written, or not now."""
+    """An input or output that cannot be accessed, or not at this time."""
 
 
 def shape_of(kind: FieldKind, points: int) -> tuple[int, ...]:
-    """(points,) for one component, (components, points) for more."""
+    """Return (points,) for one component, (components, points) for more."""
     return (points,) if kind.components == 1 else (kind.components, points)
 
 
@@ -29,7 +30,8 @@ class Inputs(Mapping[str, Array]):
     """Inputs of one solve, read in place.
 
     `inputs["friction_power"]` is a read-only view of shared memory, of shape (points,) for a field
-    of one component and (components, points) for more. Views end with the solve.
+    with one component and (components, points) for more. Views are valid until the end of the
+    solve.
     """
 
     def __init__(
@@ -55,25 +57,25 @@ class Inputs(Mapping[str, Array]):
         return field in self._kinds
 
     def grid(self, field: str) -> Grid:
-        """The grid of an input."""
+        """Return the grid of an input."""
         now, known = library.Grid(), self._grids.get(field)
         self._lib.cosim_input(self._asked(field), field.encode(), None, byref(now))
         if known is None or known.revision != now.revision:
-            known = self._grids[field] = _grid_of(now)
+            known = self._grids[field] = _grid_of(now, known)
         return known
 
     def start(self, field: str) -> Array | None:
-        """Values of a field at the start of the window, read-only, of the shape of `inputs[field]`.
+        """Return the values at the start of the window, read-only, in the shape of `inputs[field]`.
 
-        Within the window the field goes in a straight line from these to those. `None` for a field
-        that does not vary within a window.
+        Within the window the field varies linearly from these values to those of `inputs[field]`.
+        `None` for a field that is constant within a window.
         """
         count = c_size_t()
         place = self._lib.cosim_input_start(self._asked(field), field.encode(), byref(count))
         return self._view(field, place, count.value) if place else None
 
     def finite(self, field: str) -> Array:
-        """`inputs[field]`, with NaN and infinity refused; raises `NonFiniteInput`."""
+        """Return `inputs[field]`; raises `NonFiniteInput` for NaN and infinity."""
         values = self[field]
         index = first_non_finite(values)
         if index is not None:
@@ -82,7 +84,7 @@ class Inputs(Mapping[str, Array]):
 
     def _asked(self, field: str) -> int:
         if not self._open:
-            raise PortError(f"input `{field}` was asked for after the solve")
+            raise PortError(f"input `{field}` was accessed after the solve")
         if field not in self._kinds:
             raise MissingInput(field)
         return self._handle
@@ -93,18 +95,25 @@ class Inputs(Mapping[str, Array]):
         return self._views.view(field, place, shape, read_only=True)
 
     def end(self) -> None:
-        """The solve is over; raises `KeptView` if a view is left."""
+        """End the solve; raises `KeptView` if a view is left."""
         self._open = False
         self._views.end()
 
 
-def _grid_of(given: library.Grid) -> Grid:
-    """A copy of a grid that comes from the library."""
-    shape: Structured | Quadrilaterals
+def _grid_of(given: library.Grid, known: Grid | None) -> Grid:
+    """Copy a grid obtained from the library; vertices keep the connectivity of the known grid."""
+    shape: Structured | Quadrilaterals | Vertices
     if given.kind == library.STRUCTURED:
         shape = Structured(
             tuple(given.origin), tuple(given.step_i), tuple(given.step_j), given.ni, given.nj
         )
+    elif given.kind == library.VERTICES:
+        points = np.ctypeslib.as_array(given.vertices, (given.vertex_count, 3)).copy()
+        before = known.shape if known else None
+        if isinstance(before, Vertices):
+            shape = replace(before, points_xyz=points)
+        else:
+            shape = Vertices(points)
     else:
         vertices = np.ctypeslib.as_array(given.vertices, (given.vertex_count, 3))
         elements = np.ctypeslib.as_array(given.elements, (given.points, 4))
@@ -113,12 +122,12 @@ def _grid_of(given: library.Grid) -> Grid:
 
 
 class Outputs(Mapping[str, Array]):
-    """Outputs of one call, written where consumers will read them.
+    """Outputs of one call, written directly into shared memory.
 
-    `outputs["lower_temperature"]` is a writable view of shared memory, of the shape that
-    `Inputs` describes; `outputs["lower_temperature"] = values` copies values there. A field that
-    nobody needs is not there: reading it is a `KeyError`, assigning to it does nothing. Every
-    value of what is there must be written.
+    `outputs["lower_temperature"]` is a writable view of shared memory, in the shape that `Inputs`
+    describes; `outputs["lower_temperature"] = values` copies values there. A field that nobody
+    needs is absent: reading it raises a `KeyError`, assigning to it has no effect. Every value of
+    every present field must be written.
     """
 
     def __init__(
@@ -138,12 +147,12 @@ class Outputs(Mapping[str, Array]):
             if place:
                 self._places[field] = place, shape_of(kind, count.value // kind.components)
         for field in self:
-            # What is not written shows.
+            # NaN reveals unwritten values.
             self[field] = np.nan
 
     def __getitem__(self, field: str) -> Array:
         if not self._open:
-            raise PortError(f"output `{field}` was asked for after the call")
+            raise PortError(f"output `{field}` was accessed after the call")
         if field in self._private:
             return self._private[field]
         return self._views.view(field, *self._places[field], read_only=False)
@@ -165,7 +174,7 @@ class Outputs(Mapping[str, Array]):
         return field in self._places or field in self._private
 
     def end(self) -> None:
-        """The call is over: every value must be written, and no view be left."""
+        """End the call: every value must be written, and no view may be left."""
         for field in self._places:
             values = self[field]
             index = first_non_finite(values)

@@ -1,6 +1,6 @@
-"""How far a command is, shown while it works: a bar of tqdm where that is installed.
+"""Progress of a command, shown during the run: a tqdm bar if tqdm is installed.
 
-The coordinator writes lines of JSON on standard error where `COSIM_PROGRESS` is `json`
+With `COSIM_PROGRESS=json` the coordinator writes lines of JSON to standard error
 (coordinator/console/src/feed.rs). Without tqdm it writes plain lines, which are passed on.
 """
 
@@ -13,20 +13,20 @@ from contextlib import contextmanager
 from typing import Any
 
 FORM = {"COSIM_PROGRESS": "json"}
-"""What asks the coordinator for lines of JSON."""
+"""Environment that makes the coordinator write lines of JSON."""
 START = '{"progress":'
-"""What such a line begins with."""
+"""Beginning of such a line."""
 
 
 class Bar:
-    """A bar, from the first line about progress on."""
+    """A progress bar, created at the first progress line."""
 
     def __init__(self, kind: Any) -> None:
         self._kind = kind
         self._bar: Any = None
 
     def takes(self, line: str) -> bool:
-        """Show a line about progress; false for any other one."""
+        """Show a progress line; return false for any other line."""
         if not line.startswith(START):
             return False
         told = json.loads(line)["progress"]
@@ -39,16 +39,16 @@ class Bar:
         return True
 
     def close(self) -> None:
-        """Leave the bar as it is."""
+        """Leave the bar in its last state."""
         if self._bar is not None:
             self._bar.close()
 
 
 def bar() -> Bar | None:
-    """A bar, if tqdm is installed: a widget in a notebook that has them, text elsewhere."""
+    """Return a bar if tqdm is installed: a widget in notebooks that support it, otherwise text."""
     try:
         with warnings.catch_warnings():
-            # Without widgets the bar is text, which needs no remark.
+            # Without widgets the bar is text; the warning about this is suppressed.
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm  # noqa: PLC0415
     except ImportError:
@@ -58,7 +58,7 @@ def bar() -> Bar | None:
 
 @contextmanager
 def needs(extra: str) -> Iterator[None]:
-    """Says how a package that is imported here is installed, if it is not there."""
+    """Add installation advice to the error if a package imported here is missing."""
     try:
         yield
     except ModuleNotFoundError as error:

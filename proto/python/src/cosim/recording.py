@@ -1,11 +1,11 @@
-"""Recordings of runs: what was exchanged, read as objects.
+"""Recordings of runs: all messages, as objects.
 
     recording = cosim.Recording("results/latest/recording.mcap")
     recording.iterations[-1].residual
     recording["friction_power"].at(window=0, iteration=2).values
 
-Events and grids come from `coordinator inspect`, samples from the file itself; the latter needs the
-package mcap.
+Events and grids come from `coordinator inspect`, samples from the file itself; reading samples
+needs the package mcap.
 """
 
 from __future__ import annotations
@@ -45,31 +45,31 @@ LABEL = np.dtype(
         ("grid", "S32"),
     ]
 )
-"""A label, which stands before the values of a sample."""
+"""Label in front of the values of a sample."""
 
 
 @dataclass(frozen=True)
 class Sample(Field):
-    """A field as it was sent: `time` is the end of its window [s].
+    """A field as sent: `time` is the end of its window [s].
 
-    On a grid that moves, or is not made of equal elements, `values` has the axes (point), or
-    (component, point), and `x`, `y` and `z` are empty.
+    On a moving grid, or one without equal elements, `values` has the axes (point), or (component,
+    point), and `x`, `y` and `z` are empty.
     """
 
     producer: str
-    """Role of who sent it."""
+    """Role of the producer."""
     grid: str
-    """Name of its grid."""
+    """Name of the grid."""
     window: int
     """Number of the window, from 0."""
     iteration: int
-    """Iteration within it, from 1; 0 before the first solve."""
+    """Iteration within the window, from 1; 0 before the first solve."""
     start: float
     """Start of the window [s]."""
 
 
 class Samples(Sequence[Sample]):
-    """All samples of a topic, in the order in which they were sent."""
+    """All samples of a topic, in the order of sending."""
 
     def __init__(self, topic: Mapping[str, Any], messages: list[bytes], moves: bool) -> None:
         self.topic: str = topic["topic"]
@@ -96,7 +96,7 @@ class Samples(Sequence[Sample]):
         return [(int(one["window"]), int(one["iteration"])) for one in labels]
 
     def at(self, window: int, iteration: int | None = None) -> Sample:
-        """The sample of an iteration, by default the last one of its window."""
+        """Return the sample of an iteration, by default the last one of its window."""
         found = [
             place
             for place, (in_window, in_iteration) in enumerate(self.places)
@@ -112,15 +112,17 @@ class Samples(Sequence[Sample]):
 
 
 class Recording(Mapping[str, Samples]):
-    """A recording: its samples by the name of a field, or by a topic where several have one.
+    """A recording: its samples by the name of a field, or by topic if a name is ambiguous.
 
-    `iterations` are what the coordinator says of each iteration (window, start, end, residual,
-    residuals, relaxation, heat), `participants` who took part; `complete` is false of a file that
-    was cut, of which all whole chunks are read.
+    `iterations` has the convergence data of each iteration (window, start, end, residual,
+    residuals, relaxation, heat), `participants` the participants. `complete` is false for a
+    truncated file, of which all complete chunks are read.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
+        self.results: object = None
+        """Results of the run, which own the file."""
         told = call(["inspect", self.path, "--iterations", "--json"], progress=False)
         self.survey: dict[str, Any] = json.loads(told)
         self.iterations = [
@@ -134,13 +136,13 @@ class Recording(Mapping[str, Samples]):
         self._topics = {one["topic"]: one for one in self.survey["fields"]}
 
     def __getitem__(self, name: str) -> Samples:
-        """Samples of a field as its participant sent it, or of a topic."""
+        """Return the samples of a field as its participant sent it, or of a topic."""
         ends = [
             topic
             for topic in self._topics
             if topic == name or (topic.startswith("field/") and topic.split("/")[2:] == [name])
         ]
-        # What the coordinator passes on, its iterates, has the same name.
+        # Iterates sent by the coordinator have the same field name.
         ends = [one for one in ends if not one.startswith("field/coordinator/")] or ends
         if len(ends) != 1:
             known = ", ".join(self)
@@ -168,7 +170,7 @@ class Recording(Mapping[str, Samples]):
                 for _, _, message in kind(file).iter_messages([topic], log_time_order=False):
                     found.append(message.data)
             except (McapError, struct.error, ValueError):
-                # The package unpacks what is left of the record that was cut.
+                # The package fails on the remains of the truncated record.
                 if self.complete:
                     raise
         return found
@@ -180,8 +182,8 @@ class Recording(Mapping[str, Samples]):
         return len(self._topics)
 
     def replay(self, role: str, *options: str) -> str:
-        """Drive a participant through it, and compare all that it sends; what the coordinator
-        prints.
+        """Drive a participant through the recording, and compare all its messages; return the
+        output.
 
         A difference raises a CosimError that names the first one.
         """
@@ -194,13 +196,13 @@ class Recording(Mapping[str, Samples]):
 
 
 def label(message: bytes) -> np.void:
-    """What stands before the values."""
+    """Return the label in front of the values."""
     about: np.void = np.frombuffer(message, LABEL, 1)[0]
     return about
 
 
 def sample(message: bytes, plane: Mapping[str, Any] | None) -> Sample:
-    """The values with their places, on a plane of equal elements if there is one."""
+    """Return the values with their coordinates, on a plane of equal elements if there is one."""
     about = label(message)
     values = np.frombuffer(message, "<f8", offset=LABEL.itemsize)
     components = int(about["components"])
@@ -229,7 +231,8 @@ def sample(message: bytes, plane: Mapping[str, Any] | None) -> Sample:
 
 
 def middles(plane: Mapping[str, Any], axis: int) -> Array:
-    """Places of the elements along an axis [m]; one where the plane does not extend along it."""
+    """Return element centres along an axis [m]; a single one if the plane does not extend along
+    it."""
     begin, along, across = (plane[key][axis] for key in ("origin", "step_i", "step_j"))
     step, count = (along, plane["ni"]) if along else (across, plane["nj"] if across else 1)
     return np.asarray(begin + step * np.arange(count), np.float64)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Section(Mapping[str, Any]):
-    """A part of a summary, whose entries are attributes too:
+    """A part of a summary, with its entries also as attributes:
     `results.temperature.rail.max_rise_k`."""
 
     def __init__(self, entries: Mapping[str, Any], place: str) -> None:
@@ -60,7 +60,7 @@ class Section(Mapping[str, Any]):
 
 
 def wrapped(value: Any, place: str) -> Any:
-    """Tables as sections, lists of tables too."""
+    """Wrap tables, also those in lists, as sections."""
     if isinstance(value, dict):
         return Section(value, place)
     if isinstance(value, list):
@@ -87,15 +87,15 @@ class Figure:
 
 @functools.cache
 def described() -> list[dict[str, Any]]:
-    """Every figure that the installed solvers describe."""
+    """Return all figures that the installed solvers describe."""
     figures: list[dict[str, Any]] = json.loads(call(["figures", "--json"], progress=False))
     return figures
 
 
 def named(pattern: str, key: str) -> list[str] | None:
-    """The names that stand in a key for each `*` of a pattern; None for a key of another pattern.
+    """Return the names in a key that match each `*` of a pattern; None if the key does not match.
 
-    `#` of a pattern stands for any place in a list.
+    A `#` in a pattern matches any index in a list.
     """
     parts, given = pattern.split("."), key.split(".")
     pairs = list(zip(parts, given))
@@ -105,7 +105,7 @@ def named(pattern: str, key: str) -> list[str] | None:
 
 
 def description(key: str) -> dict[str, Any] | None:
-    """What is said of a key of a summary, in words with the name of the body."""
+    """Return the description of a key of a summary, with the name of the body in its words."""
     for figure in described():
         names = named(figure["key"], key)
         if names is not None:
@@ -115,14 +115,14 @@ def description(key: str) -> dict[str, Any] | None:
 
 @functools.cache
 def keys() -> list[dict[str, Any]]:
-    """Every key that a case may have."""
+    """Return all keys that a case may have."""
     known: list[dict[str, Any]] = json.loads(call(["keys", "--json"], progress=False))
     return known
 
 
 def label(name: str) -> str:
-    """A column of a study as axes name it: the words of a figure, or the key of a case, with the
-    unit."""
+    """Return the axis label of a column of a study: the words of a figure, or the key of a case,
+    with the unit."""
     said = description(name)
     words = name if said is None else said["words"]
     fitting = (key for key in keys() if named(key["path"], name) is not None)
@@ -131,10 +131,10 @@ def label(name: str) -> str:
 
 
 class Results:
-    """What a run has written.
+    """Results of a run.
 
-    Sections of the summary are attributes (`results.contact.max_pressure_pa`); `results.figures`
-    has the same numbers with units, `results.fields["pressure"]` a field at its last instant,
+    Sections of the summary are attributes (`results.contact.max_pressure_pa`). `results.figures`
+    has the same numbers with units, `results.fields["pressure"]` a field at the last time,
     `results.history` the figures of every window. The folder of a run without `out` lasts as long
     as this object; `save` keeps it.
     """
@@ -155,7 +155,7 @@ class Results:
 
     @functools.cached_property
     def figures(self) -> dict[str, Figure]:
-        """Every number of the summary that is described, by its key."""
+        """All described numbers of the summary, by key."""
         found = {}
         for key, value in leaves(self.summary):
             said = description(key)
@@ -165,7 +165,7 @@ class Results:
 
     @functools.cached_property
     def fields(self) -> Fields:
-        """The fields that were written, on grids of equal elements."""
+        """Fields written by the run on grids of equal elements."""
         return Fields(self.folder / "fields")
 
     def __getitem__(self, field: str) -> Field:
@@ -173,39 +173,42 @@ class Results:
 
     @functools.cached_property
     def history(self) -> dict[str, Array]:
-        """Times and figures of every window, by the columns of history.csv; NaN where there is
-        none."""
+        """Times and figures of every window, by the columns of history.csv; NaN for absent
+        values."""
         return table(self.folder / "history.csv")
 
     def history_frame(self) -> pandas.DataFrame:
-        """The same as a data frame; needs pandas."""
+        """Return the history as a data frame; needs pandas."""
         with needs("frames"):
             import pandas  # noqa: PLC0415
 
         return pandas.read_csv(self.folder / "history.csv")
 
     def plot(self, name: str, axes: Axes | None = None) -> Axes:
-        """A picture of a field; needs matplotlib."""
+        """Plot a field; needs matplotlib."""
         return pictures.field(self.fields[name], axes)
 
     def plot_stick_and_slip(self, axes: Axes | None = None) -> Axes:
-        """A picture of where surfaces stick and slip."""
+        """Plot the stick and slip zones."""
         return pictures.stick_and_slip(self, axes)
 
     def plot_depth(self, section: str, axes: Axes | None = None, label: str | None = None) -> Axes:
-        """A picture of a section's field over the depth, below its largest value."""
+        """Plot a section's field over depth, below its largest value."""
         return pictures.depth_profile(self.fields[section], axes, label)
 
     @functools.cached_property
     def recording(self) -> Recording:
-        """What was exchanged, of a run with `record=True`."""
+        """Recording of a run with `record=True`."""
         from .recording import Recording  # noqa: PLC0415
 
-        return Recording(self.folder / "recording.mcap")
+        recording = Recording(self.folder / "recording.mcap")
+        # A temporary folder is removed with these results.
+        recording.results = self
+        return recording
 
     def replay(self, role: str, *options: str) -> str:
-        """Drive a participant through what was recorded, and compare all that it sends; what the
-        coordinator prints.
+        """Drive a participant through the recording, and compare all its messages; return the
+        output.
 
         A difference raises a CosimError that names the first one.
         """
@@ -214,19 +217,19 @@ class Results:
         )
 
     def report(self) -> Path:
-        """Write report.html, in one file; its path."""
+        """Write report.html as a single file; return its path."""
         call(["report", self.folder], progress=False)
         return self.folder / "report.html"
 
     def save(self, folder: str | Path, *, replace: bool = False) -> Results:
-        """Keep the folder under another name; the results there."""
+        """Copy the folder to another name; return the results there."""
         target = Path(folder)
         if replace and (target / "summary.json").exists():
             shutil.rmtree(target)
         return Results(Path(shutil.copytree(self.folder, target)))
 
     def __repr__(self) -> str:
-        """The headlines, as the coordinator has them."""
+        """Return the headline figures, as printed by the coordinator."""
         heads = [
             figure
             for key, figure in self.figures.items()
@@ -238,7 +241,7 @@ class Results:
 
 
 def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, float | None]]:
-    """Numbers of nested tables and lists, by dotted keys."""
+    """Yield numbers of nested tables and lists, by dotted keys."""
     if isinstance(value, dict | list):
         entries = value.items() if isinstance(value, dict) else enumerate(value)
         for name, one in entries:
@@ -248,7 +251,7 @@ def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, float | None]]:
 
 
 def table(path: Path) -> dict[str, Array]:
-    """Columns of numbers of a CSV file; columns of words are left out."""
+    """Return the columns of numbers of a CSV file; columns of words are omitted."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     columns: dict[str, Array] = {}

@@ -1,7 +1,7 @@
-"""Fields of a result: the VTK series that a run writes, as arrays with places and units.
+"""Fields of a result: the VTK series written by a run, as arrays with coordinates and units.
 
-The files are read as the coordinator writes them: `.vti` (grids of equal elements), with raw
-appended arrays of doubles.
+Reads `.vti` files (grids of equal elements) as written by the coordinator, with raw appended arrays
+of doubles.
 """
 
 from __future__ import annotations
@@ -24,17 +24,16 @@ Array = NDArray[np.float64]
 
 
 class Fault(ValueError):
-    """A file that is no series of the coordinator."""
+    """A file that is not a series of the coordinator."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """A field at an instant.
+    """A field at one time.
 
-    `values` has the axes (y, x), of a vertical section (z, x), with the components of a vector as
-    a further, last one; `x`, `y`
-    and `z` are the middles of elements [m], one value for an axis across which there is no more
-    than one element.
+    `values` has the axes (y, x), or (z, x) for a vertical section; vector components are an
+    additional last axis. `x`, `y` and `z` are element centres [m], with a single value along an
+    axis that has only one element.
     """
 
     name: str
@@ -47,12 +46,12 @@ class Field:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of the axes of `values` without components."""
+        """Names of the axes of `values`, without components."""
         return ("z", "x") if len(self.z) > 1 else ("y", "x")
 
     @property
     def magnitude(self) -> Array:
-        """Sizes of vectors; of a scalar field its values."""
+        """Magnitudes of vectors; for a scalar field its values."""
         return (
             np.asarray(np.linalg.norm(self.values, axis=-1))
             if self.values.ndim == 3
@@ -60,7 +59,7 @@ class Field:
         )
 
     def to_xarray(self) -> xarray.DataArray:
-        """The field with its coordinates; needs xarray."""
+        """Return the field with its coordinates; needs xarray."""
         with needs("frames"):
             import xarray  # noqa: PLC0415
 
@@ -80,7 +79,7 @@ class Field:
 
 
 class Fields(Mapping[str, Field]):
-    """The fields of a result by name, each at its last instant; `at` has the others."""
+    """Fields of a result by name, each at the last time; `at` returns other times."""
 
     def __init__(self, folder: Path) -> None:
         self._times: dict[Path, float] = {}
@@ -100,7 +99,7 @@ class Fields(Mapping[str, Field]):
                     self._files.setdefault(name, [path for path, _ in files])
 
     def __getitem__(self, name: str) -> Field:
-        """The field at its last instant."""
+        """Return the field at the last time."""
         return self.at(name, -1)
 
     def __iter__(self) -> Iterator[str]:
@@ -113,11 +112,11 @@ class Fields(Mapping[str, Field]):
         return f"Fields({', '.join(self)})"
 
     def times(self, name: str) -> Array:
-        """Instants of a field [s]."""
+        """Return the times of a field [s]."""
         return np.array([self._times[path] for path in self._of(name)])
 
     def at(self, name: str, instant: int) -> Field:
-        """The field at an instant, counted from 0, or from the last one by −1."""
+        """Return the field at a time, by index from 0, or from the end by negative indices."""
         path = self._of(name)[instant]
         return read(path, name, self._times[path])
 
@@ -129,7 +128,7 @@ class Fields(Mapping[str, Field]):
 
 
 def header(path: Path) -> tuple[bytes, ElementTree.Element, int]:
-    """A file, its description, and where its arrays begin."""
+    """Return the content of a file, its description, and the offset of its arrays."""
     data = path.read_bytes()
     mark = data.find(b'<AppendedData encoding="raw">')
     start = data.find(b"_", mark) + 1
@@ -142,17 +141,17 @@ def header(path: Path) -> tuple[bytes, ElementTree.Element, int]:
 
 
 def read(path: Path, name: str, time: float) -> Field:
-    """An array of a file of equal elements."""
+    """Read an array from a file with equal elements."""
     try:
         return parse(path, name, time)
     except (KeyError, IndexError, ValueError, OverflowError, UnicodeError) as error:
         if isinstance(error, Fault):
             raise
-        raise Fault(f"{path} is no file of equal elements: {error!r}") from error
+        raise Fault(f"{path} is not a file with equal elements: {error!r}") from error
 
 
 def parse(path: Path, name: str, time: float) -> Field:
-    """The same; what is wrong with the file may be any error of a value."""
+    """Parse an array; a damaged file may raise any error of a value."""
     data, root, start = header(path)
     image = root.find("ImageData")
     if image is None:
@@ -171,7 +170,7 @@ def parse(path: Path, name: str, time: float) -> Field:
         count = components * counts[0] * counts[1] * counts[2]
         begin = start + int(array.attrib["offset"])
         if int.from_bytes(data[begin : begin + 8], "little") != 8 * count:
-            raise Fault(f"{path}: `{name}` has not the {count} values of its grid")
+            raise Fault(f"{path}: `{name}` does not have the {count} values of its grid")
         values = np.frombuffer(data, "<f8", count, begin + 8)
         x, y, z = (
             np.asarray(origin[k] + (np.arange(counts[k]) + inside[k]) * side[k], np.float64)

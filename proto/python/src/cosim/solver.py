@@ -1,11 +1,11 @@
-"""The base class of a solver, and what passes through it.
+"""Base class of solvers, and the objects passed to it.
 
-A participant's life, in the order of the calls (docs/ARCHITECTURE.md, "A run"):
+The calls of a participant, in order (docs/ARCHITECTURE.md, "A run"):
 
     configure → build → first_outputs → ( solve … solve → accept → [observe] ) … → summary
 
-and between windows `save` and `restore`. A window may be solved any number of times: `solve` always
-starts from the accepted state, and only `accept` moves on.
+and `save` and `restore` between windows. A window may be solved any number of times: `solve` always
+starts from the accepted state, and only `accept` advances it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class StepError(Exception):
-    """A solve that failed; its text is what the coordinator tells."""
+    """A failed solve; the coordinator reports its text."""
 
 
 class NonFiniteInput(StepError):
@@ -38,7 +38,7 @@ class NonFiniteInput(StepError):
 
 
 class MissingInput(StepError, KeyError):
-    """An input that the model cannot do without is missing."""
+    """A required input is missing."""
 
     def __init__(self, field: str) -> None:
         super().__init__(f"input `{field}` is missing")
@@ -63,7 +63,7 @@ class Step:
     window: int
     """Number of the window, from 0."""
     iteration: int
-    """Iteration within the window, from 1; 0 stands for the first outputs before any solve."""
+    """Iteration within the window, from 1; 0 marks the first outputs before any solve."""
     start: float
     """Start of the window [s]."""
     end: float
@@ -77,25 +77,26 @@ class Step:
 
 @dataclass
 class StepReport:
-    """What a solve says besides its outputs."""
+    """Report of a solve, besides its outputs."""
 
     substeps: int = 1
-    """Steps taken inside the window."""
+    """Number of steps inside the window."""
     inner_iterations: int = 0
-    """Iterations of the inner solver."""
+    """Number of iterations of the inner solver."""
     work: int = 0
-    """Number of elementary operations in the model's own measure."""
+    """Number of elementary operations, in the model's own unit."""
     heat_received: float | None = None
-    """Heat received through conservative inputs, as the mean power over the window [W]."""
+    """Mean power received through conservative inputs over the window [W]."""
     wanted_window: float | None = None
-    """Longest window that the model would take from this one's start [s]."""
+    """Longest window that the model accepts from the start of this one [s]."""
 
 
 def first_non_finite(values: Array) -> int | None:
-    """Index of the first NaN or infinity, in memory order; `None` if every value is finite.
+    """Return the index of the first NaN or infinity, in memory order; `None` if every value is
+    finite.
 
-    One pass without a temporary: a sum is finite only if all its terms are. The search is made only
-    where the sum is not, which finite values that overflow reach too.
+    One pass without a temporary: a sum is finite only if all its terms are. The search runs only if
+    the sum is not finite, which also happens when finite values overflow.
     """
     with np.errstate(all="ignore"):
         if np.isfinite(np.add.reduce(values, axis=None)):
@@ -105,62 +106,64 @@ def first_non_finite(values: Array) -> int | None:
 
 
 class Solver:
-    """A participant's program; subclass it and hand the class to `cosim.main`.
+    """Program of a participant; subclass it and pass the class to `cosim.main`.
 
-    Only `configure` and `solve` must be written. A solver without memory of earlier windows needs
-    nothing else; one with memory writes `accept`, and `save` and `restore` if its runs are to be
-    resumed.
+    Only `configure` and `solve` are required. A solver without memory of earlier windows needs
+    nothing else. A solver with memory implements `accept`, and `save` and `restore` if its runs are
+    to be resumed.
     """
 
     name: ClassVar[str] = ""
-    """Name of the program; the class's name where it is empty."""
+    """Name of the program; the class name if empty."""
     version: ClassVar[str] = "0"
     """Version of the program."""
     role: ClassVar[str] = ""
-    """The role it plays: `mech`, `thermal`, or another word that a case names as a table."""
+    """Role of the participant: `mech`, `thermal`, or another word that a case uses as a table
+    name."""
     standalone: ClassVar[bool] = False
-    """It has an answer of its own even if no effect is active."""
+    """The participant has a result even if no effect is active."""
     estimates: ClassVar[bool] = True
-    """It answers `--estimate`, so that a plan knows its grids."""
+    """The participant answers `--estimate`, so that a plan knows its grids."""
     reusable: ClassVar[bool] = True
-    """Its process can take part in one run after the other, each with an object of its own: nothing
-    of a run is kept in the class, in a module or in a library."""
+    """The process can take part in several runs in succession, each with its own object. Nothing of
+    a run may be kept in the class, in a module or in a library."""
     follows_moving_grids: ClassVar[bool] = False
-    """It asks `inputs.grid(field)` in every solve, so that the grids of its inputs may move."""
+    """The solver calls `inputs.grid(field)` in every solve, so the grids of its inputs may move."""
     models: ClassVar[Sequence[Model]] = ()
     """Models, cheapest first."""
     effects: ClassVar[Sequence[Effect]] = ()
-    """Effects it can take part in."""
+    """Effects that the participant supports."""
     keys: ClassVar[Sequence[Key]] = ()
-    """Case keys it reads whatever the model; keys of a model or an effect stand there."""
+    """Case keys read by every model; keys of a single model or effect stand in that model or
+    effect."""
     fields: ClassVar[Sequence[FieldKind]] = ()
-    """Fields that are not in `cosim.fields.TABLE`."""
+    """Fields that are missing from `cosim.fields.TABLE`."""
     figures: ClassVar[Sequence[Figure]] = ()
-    """The figures of its summary, in the order in which a person reads them."""
+    """Figures of the summary, in reading order."""
 
     _report: Callable[[int, int, str], None] | None = None
 
     def configure(self, configuration: Configuration) -> Layout:
-        """Check a configuration; cheap, allocates no field.
+        """Check a configuration. Cheap; allocates no fields.
 
-        Returns grids, placement of the fields and expected cost; raises `Refusal` for a case that
-        it cannot take. The grid of an input may not be known yet (`--estimate`).
+        Returns grids, placement of the fields and expected cost; raises `Refusal` for an
+        unsupported case. The grid of an input may still be unknown (`--estimate`).
         """
         raise NotImplementedError
 
     def build(self) -> None:
-        """Allocate everything that solves need. May raise `Refusal`."""
+        """Allocate everything needed by solves. May raise `Refusal`."""
 
     def first_outputs(self, outputs: Outputs) -> None:
-        """Write the outputs that hold before the first solve; zero unless overridden."""
+        """Write the initial outputs, before the first solve; zero unless overridden."""
         for name in outputs:
             outputs[name] = 0.0
 
     def solve(self, step: Step, inputs: Inputs, outputs: Outputs) -> StepReport | None:
         """Solve one window from the accepted state, and write every value of the outputs.
 
-        Inputs and outputs are views of shared memory that end with this call: what is to be kept
-        must be copied. Any exception ends the run with its text.
+        Inputs and outputs are views of shared memory that end with this call; copy values that must
+        be kept. Any exception ends the run with its text.
         """
         raise NotImplementedError
 
@@ -170,15 +173,15 @@ class Solver:
     def observe(self, outputs: Outputs) -> None:
         """Write the observed fields of the accepted state.
 
-        A solver that does not override this finds them among the outputs of `solve`, and what the
-        accepted solve wrote there is sent.
+        If this is not overridden, observed fields are among the outputs of `solve`, and the values
+        written by the accepted solve are sent.
         """
 
     def moved_grids(self) -> Sequence[Grid]:
-        """The grids of `Layout.moving` and the volumes, as they are in the accepted state.
+        """Return the grids of `Layout.moving` and the volumes, in the accepted state.
 
-        Asked for after `build`, `accept` and `restore`; see `Grid.moved`. Solves start from these
-        grids until the next one.
+        Called after `build`, `accept` and `restore`; see `Grid.moved`. Solves start from these
+        grids until the next call.
         """
         return ()
 
@@ -186,36 +189,36 @@ class Solver:
         """Write the accepted state; nothing for a solver without memory."""
 
     def restore(self, file: BinaryIO) -> None:
-        """Return to a saved state; raises `StateError` if it does not fit."""
+        """Restore a saved state; raises `StateError` if it does not fit."""
         if file.read(1):
-            raise StateError("there is one, for a solver without memory")
+            raise StateError("the file has data, but the solver has no memory")
 
     def progress(self, done: int, of: int = 0, what: str = "") -> None:
-        """Say how far `build` or `solve` is, as often as you like and from any thread.
+        """Report the progress of `build` or `solve`, as often as needed and from any thread.
 
-        `done` of `of` in any measure, `of` being 0 if nobody knows; `what` is being done, in an
-        ASCII word of at most 31 letters ("factorising"). Whenever it changes the coordinator's
-        deadline starts anew, and the user sees it.
+        `done` of `of` units of work are done; `of` is 0 if unknown. `what` names the activity in
+        one ASCII word of at most 31 letters ("factorising"). Whenever the report changes, the
+        coordinator restarts its deadline and shows the report to the user.
         """
         if self._report is not None:
             self._report(done, of, what)
 
     def report_to(self, report: Callable[[int, int, str], None]) -> None:
-        """Called by the library: where `progress` goes."""
+        """Set the destination of `progress`; called by the library."""
         self._report = report
 
     def summary(self) -> dict[str, Any]:
-        """Sections of `summary.json` of this solver, such as `{"temperature": {...}}`."""
+        """Return the solver's sections of `summary.json`, such as `{"temperature": {...}}`."""
         return {}
 
     @classmethod
     def title(cls) -> str:
-        """Its name, or that of its class."""
+        """Return the name of the program, or of its class."""
         return cls.name or cls.__name__
 
     @classmethod
     def description(cls) -> dict[str, Any]:
-        """The description that `--describe` prints; the library adds the version of the contract."""
+        """Return the description for `--describe`; the library adds the version of the contract."""
         return {
             "name": cls.title(),
             "version": cls.version,

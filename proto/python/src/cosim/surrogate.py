@@ -1,6 +1,6 @@
-"""The figures of a sweep between its points, for arrays of points.
+"""Interpolates the figures of a sweep, for arrays of points.
 
-`coordinator sweep --fit` writes the file, docs/surrogate.md describes it. Needs numpy alone.
+`coordinator sweep --fit` writes the file; docs/surrogate.md describes it. Needs only numpy.
 
     contact = surrogate.load("results/wheel-rail-sweep/fit.json")
     figures = contact.ask({"motion.speed": np.linspace(10, 80, 1000), "load.normal_force": 100e3})
@@ -29,13 +29,13 @@ Array = NDArray[np.float64]
 
 
 class Fault(ValueError):
-    """A file that is no surrogate, or whose figures overflow."""
+    """A file that is not a surrogate, or a figure that overflows."""
 
 
 class Outside(ValueError):
-    """A point outside of the region that a surrogate was made in.
+    """A point outside the region of a surrogate.
 
-    Attributes: `key` (of a quotient both, with a stroke between them), `value`, `least`, `largest`.
+    Attributes: `key` (for a quotient both keys, separated by a slash), `value`, `least`, `largest`.
     """
 
     def __init__(self, key: str, value: float, least: float, largest: float, unit: str) -> None:
@@ -46,7 +46,7 @@ class Outside(ValueError):
 
 @dataclass(frozen=True)
 class Key:
-    """A key of the case that varied."""
+    """A varied key of the case."""
 
     key: str
     unit: str
@@ -56,7 +56,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A key, or the quotient of two, by their places."""
+    """A key, or the quotient of two keys, by their indices."""
 
     name: str
     of: int
@@ -65,7 +65,7 @@ class Coordinate:
     largest: float
 
     def scaled(self, value: Array, scale: str) -> Array:
-        """From -1 to 1 between the ends."""
+        """Scale a value to −1 to 1 between the ends."""
         least, largest = self.least, self.largest
         if scale == "log":
             value, least, largest = np.log(value), math.log(least), math.log(largest)
@@ -74,7 +74,7 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure, its errors at points that the fit had not seen, and its terms."""
+    """A figure, its errors at points not used in the fit, and its terms."""
 
     key: str
     words: str
@@ -88,17 +88,17 @@ class Figure:
     coefficients: Array
 
     def bound(self, value: ArrayLike) -> Any:
-        """The largest error of a value, in the unit of the figure."""
+        """Return the largest error of a value, in the unit of the figure."""
         size: Any = np.abs(value) if self.relative else np.ones(np.shape(value))
         return self.largest_error * size
 
 
 @dataclass
 class _Plan:
-    """The numbers of which figures are sums.
+    """The numbers whose weighted sums are figures.
 
-    They are rows of one array: 1, the Chebyshev polynomials of each coordinate in each scale that
-    a figure needs, and the products of those, each of two rows before it.
+    They are rows of one array: 1, the Chebyshev polynomials of each coordinate in each scale that a
+    figure needs, and their products, each of two earlier rows.
     """
 
     figures: tuple[Figure, ...]
@@ -150,7 +150,7 @@ class _Plan:
 
 
 class Surrogate:
-    """Figures as functions of the keys of a case that varied."""
+    """Figures as functions of the varied keys of a case."""
 
     def __init__(
         self, keys: Sequence[Key], coordinates: Sequence[Coordinate], figures: Sequence[Figure]
@@ -168,11 +168,11 @@ class Surrogate:
         figures: Sequence[str] | None = None,
         **more: ArrayLike,
     ) -> dict[str, Any]:
-        """The figures at points [SI], by their keys.
+        """Return the figures at points [SI], by key.
 
         Every key has a value, or an array of values; arrays are broadcast against each other, and
-        the answers have their shape. Raises `Outside` if a point is, and KeyError for a name that
-        the surrogate does not know, or that is missing, and `Fault` for a figure that overflows.
+        the results have their shape. Raises `Outside` for a point outside the region, `KeyError`
+        for an unknown or missing name, and `Fault` for a figure that overflows.
         """
         values = self._values({**(at or {}), **more})
         shape = values[0].shape
@@ -224,7 +224,7 @@ def _admit(key: str, value: Array, least: float, largest: float, unit: str) -> N
 
 
 def load(path: str | Path) -> Surrogate:
-    """Read a surrogate; raises `Fault` if the file is none."""
+    """Read a surrogate; raises `Fault` if the file is not one."""
     with Path(path).open("rb") as file:
         text = file.read(LONGEST + 1)
     if len(text) > LONGEST:
@@ -235,7 +235,7 @@ def load(path: str | Path) -> Surrogate:
             raise Fault(f"its layout has version {document['schema']}, supported is {SCHEMA}")
         return _read(document)
     except (KeyError, TypeError, ValueError, IndexError, RecursionError, OverflowError) as fault:
-        raise Fault(f"{path}: it is no surrogate: {fault}") from fault
+        raise Fault(f"{path}: it is not a surrogate: {fault}") from fault
 
 
 def _read(document: Mapping[str, Any]) -> Surrogate:
@@ -270,10 +270,10 @@ def _figure(one: Mapping[str, Any], coordinates: Sequence[Coordinate]) -> Figure
     count = len(coordinates)
     fits = degrees.shape == (len(coefficients), count) and len(scales) == count
     if not fits or not len(degrees) or degrees.min() < 0 or degrees.max() > LARGEST_DEGREE:
-        raise ValueError(f"{one['key']}: its terms are none of these coordinates")
+        raise ValueError(f"{one['key']}: its terms do not match the coordinates")
     measures = ("relative", "absolute")
     if not {one["scale"], *scales} <= {"linear", "log"} or held["measure"] not in measures:
-        raise ValueError(f"{one['key']}: a word that is not known")
+        raise ValueError(f"{one['key']}: unknown word")
     if any(word == "log" and at.least <= 0.0 for word, at in zip(scales, coordinates, strict=True)):
         raise ValueError(f"{one['key']}: the logarithm of a coordinate that can be 0 or less")
     largest, rms = float(held["largest"]), float(held["rms"])

@@ -1,11 +1,11 @@
-"""numpy views of shared memory that cannot be kept unnoticed.
+"""numpy views of shared memory, with detection of views kept too long.
 
-numpy has no way to take an array's memory back. Therefore every view stands on a `Place`:
+numpy cannot take back the memory of an array. Therefore every view is based on a `Place`:
 
-- the array's `base` is the place, so that the place lives as long as any array, slice or reshape of
-  it. When a call is over, every place must be gone. One that is not was kept, and is an error with
-  the name of the field: what it shows is the library's again.
-- A place of an input offers its memory read-only and no writable buffer, so that numpy refuses both
+- The array's `base` is the place, so the place lives as long as any array, slice or reshape of it.
+  At the end of a call, every place must be gone. A place that remains was kept by the solver and
+  raises an error with the name of the field, because its memory belongs to the library again.
+- A place of an input offers read-only memory and no writable buffer, so that numpy refuses both
   a write and `setflags(write=True)`. The memory is mapped read-only; a write would end the process.
 """
 
@@ -20,7 +20,7 @@ from .grids import Array
 
 
 class KeptView(Exception):
-    """A solver has kept an array of an input or output beyond the call that it was given to."""
+    """The solver has kept an array of an input or output beyond the end of its call."""
 
     def __init__(self, field: str) -> None:
         super().__init__(
@@ -30,7 +30,7 @@ class KeptView(Exception):
 
 
 class Place:
-    """Memory that arrays may stand on."""
+    """Memory on which arrays may be based."""
 
     __slots__ = ("__array_interface__", "__weakref__")
 
@@ -44,7 +44,7 @@ class Place:
 
 
 class Views:
-    """The views given out during one call."""
+    """Views handed out during one call."""
 
     def __init__(self) -> None:
         self._places: list[tuple[str, weakref.ref[Place]]] = []
@@ -52,15 +52,15 @@ class Views:
     def view(
         self, field: str, pointer: int, shape: tuple[int, ...], *, read_only: bool
     ) -> Array:
-        """A new array over doubles at `pointer`."""
+        """Return a new array over doubles at `pointer`."""
         place = Place(pointer, shape, read_only)
         self._places.append((field, weakref.ref(place)))
         return np.asarray(place)
 
     def end(self) -> None:
-        """Demand that no view is left; raises `KeptView`."""
+        """Check that no view is left; raises `KeptView`."""
         if self._kept() is not None:
-            # Views in a cycle of garbage are nobody's.
+            # Views in unreachable cycles are not kept by the solver.
             gc.collect()
             kept = self._kept()
             if kept is not None:

@@ -1,9 +1,9 @@
-"""Volumes of hexahedra: fields on them are only written out.
+"""Volumes of hexahedra, for output fields only.
 
-A volume is announced by the kind and the numbers of its elements; its geometry follows as the
-values of a field, and is kept as it travels (`proto/grids/src/volume.rs` has the layout).
-The value of element (i, j, k) stands at `(k * nj + j) * ni + i`. Corners are in VTK's order:
-counter-clockwise round one face, seen from the other, which follows.
+A volume is announced by the kind and counts of its elements. The geometry follows as the values of
+a field, and is stored in the same layout (`proto/grids/src/volume.rs`). The value of element (i, j,
+k) stands at `(k * nj + j) * ni + i`. Corners are in VTK's order: counter-clockwise round one face,
+seen from the opposite face, which follows.
 """
 
 from __future__ import annotations
@@ -22,14 +22,15 @@ _MOST = 1 << 32
 
 @dataclass(frozen=True, eq=False)
 class Volume:
-    """Hexahedra, with their geometry once it is known."""
+    """Hexahedra, with or without their geometry."""
 
     hexahedra: str
     """`rectilinear`, `structured` or `unstructured`."""
     counts: tuple[int, ...]
-    """Elements in i, j and k; of unstructured hexahedra the vertices and the elements."""
+    """Numbers of elements in i, j and k; for unstructured hexahedra those of vertices and
+    elements."""
     geometry: _Array | None = None
-    """As it travels [m], shape (3, vectors); `None` while it is to follow."""
+    """Geometry in the layout of the field [m], shape (3, vectors); `None` while it is to follow."""
 
     kind: ClassVar[str] = "volume"
     _COUNTS: ClassVar[dict[str, tuple[str, ...]]] = {
@@ -40,7 +41,7 @@ class Volume:
 
     @classmethod
     def rectilinear(cls, x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Volume:
-        """Boxes between the nodes of three axes [m], each strictly rising."""
+        """Return boxes between the nodes of three axes [m], each strictly increasing."""
         axes = [np.asarray(axis, dtype=np.float64) for axis in (x, y, z)]
         geometry = np.zeros((3, max(len(axis) for axis in axes)))
         for row, axis in zip(geometry, axes, strict=True):
@@ -49,13 +50,15 @@ class Volume:
 
     @classmethod
     def structured(cls, counts: Sequence[int], vertices: ArrayLike) -> Volume:
-        """So many elements in i, j, k; vertices [m], shape (vertices, 3), i fastest, then j."""
+        """Return a volume with `counts` elements in i, j, k; vertices [m], shape (vertices, 3), i
+        fastest, then j."""
         ni, nj, nk = map(int, counts)
         return cls("structured", (ni, nj, nk), np.array(_vectors(vertices).T))
 
     @classmethod
     def unstructured(cls, vertices: ArrayLike, elements: ArrayLike) -> Volume:
-        """Vertices [m], shape (vertices, 3), and eight of them for each element."""
+        """Return a volume from vertices [m], shape (vertices, 3), and the eight vertices of each
+        element."""
         places = _vectors(vertices)
         corners = np.asarray(elements, dtype=np.float64).reshape(-1, 8)
         padded = np.column_stack([corners, np.zeros(len(corners))]).reshape(-1, 3)
@@ -63,11 +66,11 @@ class Volume:
         return cls("unstructured", (len(places), len(corners)), geometry)
 
     def announced(self) -> Volume:
-        """The same elements, with a geometry that is to follow."""
+        """Return the same elements, with a geometry that is to follow."""
         return Volume(self.hexahedra, self.counts)
 
     def known(self) -> _Array:
-        """The geometry; raises `ValueError` if it is to follow."""
+        """Return the geometry; raises `ValueError` if it is to follow."""
         if self.geometry is None:
             raise ValueError("the geometry of a volume precedes whatever is on it")
         return self.geometry
@@ -96,7 +99,7 @@ class Volume:
         return np.asarray(geometry[:, : self.vertex_count].T)
 
     def elements(self) -> NDArray[np.int64]:
-        """The eight vertices of each element, shape (points, 8)."""
+        """Return the eight vertices of each element, shape (points, 8)."""
         if self.hexahedra == "unstructured":
             numbers = self.known()[:, self.vertex_count :].T.reshape(-1, 9)
             return numbers[:, :8].astype(np.int64)
@@ -120,7 +123,7 @@ class Volume:
         return np.asarray((twelve + _triple(from_1, to_5, from_4 + to_2)) / 12.0)
 
     def to_json(self) -> dict[str, Any]:
-        """As it travels: kind and counts."""
+        """Convert kind and counts to JSON."""
         counts = zip(self._COUNTS[self.hexahedra], map(int, self.counts), strict=True)
         return {"kind": self.kind, "hexahedra": self.hexahedra, **dict(counts)}
 

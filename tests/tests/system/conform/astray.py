@@ -1,6 +1,5 @@
-"""`strip_columns.py`, led astray: it breaks the one demand of the contract that is its first argument,
-by the name that `coordinator conform` has for it. Demands of the protocol the library meets for it: those the
-rogue breaks."""
+"""Variant of `strip_columns.py` that breaks a single rule: the first argument, a check of
+`coordinator conform`. The library satisfies the rules of the message protocol; the rogue breaks those."""
 
 import dataclasses
 import os
@@ -14,7 +13,7 @@ FAULT = sys.argv.pop(1)
 
 
 class Astray(StripColumns):
-    """Misbehaves where its library lets a solver do so."""
+    """Misbehaves in ways the library allows."""
 
     calls = 0
     configured = 0
@@ -77,14 +76,14 @@ class Astray(StripColumns):
             self.accepted = []
 
     def remember(self, outputs):
-        """What is published depends on how often it was solved, or built."""
+        """Publish fields that depend on the number of solves, or builds."""
         if FAULT == "reuse" and "lower_temperature" in outputs:
             outputs["lower_temperature"][0] += Astray.built
         if FAULT == "repeat" and "lower_temperature" in outputs:
             outputs["lower_temperature"][0] += self.calls
 
     def moved_grids(self):
-        # Inside out.
+        # Elements are inside out.
         corners = [(x, y, z) for z in (0.0, -1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)]
         return [Grid("inside", Volume.structured((1, 1, 1), np.array(corners)))]
 

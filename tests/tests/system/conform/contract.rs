@@ -1,4 +1,4 @@
-//! What `docs/write-a-solver.md` says in JSON and in tables is what the code says.
+//! JSON examples and tables in `docs/write-a-solver.md` agree with the code.
 
 use crate::conform::check_names;
 use crate::harness::root;
@@ -19,14 +19,14 @@ fn text() -> String {
     std::fs::read_to_string(root().join("docs/write-a-solver.md")).unwrap()
 }
 
-/// The JSON behind `<!-- NAME -->`.
+/// JSON block after `<!-- NAME -->`.
 fn example(name: &str) -> Value {
     let text = text();
     let (_, rest) = text.split_once(&format!("<!-- {name} -->\n```json\n")).expect(name);
     serde_json::from_str(rest.split_once("\n```").unwrap().0).expect(name)
 }
 
-/// The example is read, and nothing in it is read over; what it is.
+/// Parses an example and asserts that no key of it is ignored.
 fn read<T: DeserializeOwned + Serialize>(name: &str) -> T {
     let example = example(name);
     let read: T = serde_json::from_value(example.clone()).expect(name);
@@ -34,13 +34,13 @@ fn read<T: DeserializeOwned + Serialize>(name: &str) -> T {
     read
 }
 
-/// Every key of the example stands in what was read, with the same value.
+/// Asserts that every key of the example was read, with the same value.
 fn assert_within(example: &Value, read: &Value, place: &str) {
     match (example, read) {
         (Value::Object(a), Value::Object(b)) => {
             for (key, value) in a {
                 let place = format!("{place}.{key}");
-                // An empty list may be left out in writing.
+                // An empty list may be omitted when written.
                 let empty = value.as_array().is_some_and(Vec::is_empty);
                 match b.get(key) {
                     Some(read) => assert_within(value, read, &place),
@@ -70,6 +70,8 @@ fn the_examples_are_what_the_code_reads() {
     assert_eq!(read::<Grid>("Grid").check(), Ok(()));
     let points = read::<Grid>("Points");
     assert_eq!((points.check(), points.points()), (Ok(()), 8));
+    let vertices = read::<Grid>("Vertices");
+    assert_eq!((vertices.check(), vertices.integrate(&[3.0; 4])), (Ok(()), 3.0));
     let volume = read::<Grid>("Volume");
     assert_eq!((volume.check(), volume.points()), (Ok(()), 1_000_000));
     assert!(volume.is_announced());
@@ -82,7 +84,7 @@ fn the_examples_are_what_the_code_reads() {
     assert!(read::<Failure>("Failure").error.contains("friction_power"));
 }
 
-/// Rows of a table of layouts: offset, type and name.
+/// Rows of a layout table: offset, type and name.
 fn table(name: &str) -> (usize, Vec<(usize, String, String)>) {
     let text = text();
     let (_, rest) = text.split_once(&format!("#### {name}, ")).expect(name);
@@ -97,7 +99,7 @@ fn table(name: &str) -> (usize, Vec<(usize, String, String)>) {
     (size, rows.collect())
 }
 
-/// The word of a type in the tables, and its size.
+/// Name of a type in the tables.
 trait Word {
     const WORD: &str;
 }

@@ -1,4 +1,4 @@
-"""Prints what VTK's own readers find in a folder of fields, as JSON.
+"""Print the content of a folder of fields, as read by VTK, as JSON.
 
     python read.py FOLDER
 
@@ -30,10 +30,10 @@ READERS = {
 
 
 def main() -> None:
-    """Read the folder that is named."""
+    """Read the folder given as argument."""
     folder = Path(sys.argv[1])
     script = folder / "open.py"
-    # Under another name than those of ParaView the script opens nothing.
+    # With this name, unknown to ParaView, the script opens nothing.
     state = runpy.run_path(str(script), run_name="listing")
     opened = state["found"]()
     told = {
@@ -45,14 +45,14 @@ def main() -> None:
 
 
 def series(path: Path) -> list[dict]:
-    """Every instant of a series: its time [s], its file and what is in that."""
+    """Return time [s], file and content of every instant of a series."""
     entries = ElementTree.parse(path).getroot().iter("DataSet")
     files = [(float(entry.attrib["timestep"]), entry.attrib["file"]) for entry in entries]
     return [{"time": time, "file": file, **data(path.parent / file)} for time, file in files]
 
 
 def data(path: Path) -> dict:
-    """Everything in a file."""
+    """Return the content of a file."""
     reader = READERS[path.suffix]()
     errors = []
     reader.AddObserver("ErrorEvent", lambda *_: errors.append(str(path)))
@@ -77,7 +77,7 @@ def data(path: Path) -> dict:
 
 
 def array(values: vtkDataArray) -> dict:
-    """An array of cell data."""
+    """Return an array of cell data."""
     return {
         "name": values.GetName(),
         "unit": values.GetInformation().Get(vtkDataArray.UNITS_LABEL()),

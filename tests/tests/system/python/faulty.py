@@ -48,7 +48,7 @@ class Faulty(StripColumns):
             case "sleep":
                 time.sleep(600.0)
             case "hold":
-                # `PyDLL` does not let go of the interpreter's lock.
+                # `PyDLL` keeps the interpreter lock.
                 ctypes.PyDLL(None).usleep(5_000_000)
             case "spin":
                 while True:

@@ -1,5 +1,5 @@
-"""The role `right` of `cases/exchange.toml`, which builds for three seconds and says how far it is; it
-stops in the first solve."""
+"""Role `right` of `cases/exchange.toml`: builds for three seconds with progress reports, and hangs in
+the first solve."""
 
 import time
 

@@ -1,5 +1,5 @@
-"""The participants of `cases/moving.toml` in Python: `mover`, whose grid moves, and `plate`, whose grid
-stays; tests/src/moving.rs has their laws. The first argument is the role."""
+"""Participants of `cases/moving.toml` in Python: `mover` with a moving grid, and `plate` with a fixed
+one; their laws are in tests/src/moving.rs. The first argument is the role."""
 
 import struct
 import sys
@@ -41,7 +41,7 @@ def patch(motion, s):
 
 
 class Moving(Solver):
-    """Heat from a patch that moves, and the temperature of a plate back."""
+    """Heat of a moving patch, or temperature of a plate."""
 
     name, role, standalone = f"python-{ROLE}", ROLE, True
     follows_moving_grids = True

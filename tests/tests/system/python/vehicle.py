@@ -1,4 +1,4 @@
-"""A participant that gives the load of the contact: a live value, by a law of time."""
+"""Participant that sets the load of the contact, a live value, as a function of time."""
 
 from cosim import FieldKind, Grid, Layout, Model, Solver, Structured, main
 
@@ -6,7 +6,7 @@ LOAD = "load.normal_force"
 
 
 class Vehicle(Solver):
-    """A load that rises."""
+    """Rising load."""
 
     name, role, standalone = "python-vehicle", "vehicle", True
     fields = (FieldKind(LOAD, "N", meaning="load on the contact"),)

@@ -1,4 +1,4 @@
-"""The participant of `cases/volume.toml` in Python; tests/src/volume.rs has its laws."""
+"""Participant of `cases/volume.toml` in Python; its laws are in tests/src/volume.rs."""
 
 import struct
 
@@ -23,7 +23,7 @@ def block(kind, n, swollen):
 
 
 class Block(Solver):
-    """A block that heats up, and may swell."""
+    """Block that heats up, and may swell."""
 
     name, role, standalone = "python-volume", "volume", True
     fields = (

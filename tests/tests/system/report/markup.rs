@@ -1,15 +1,15 @@
-//! A page as a tree, for a page that is well-formed as XML.
+//! Tree of a page that is well-formed XML.
 
-/// One element.
+/// Element of a page.
 #[derive(Debug)]
 pub(super) struct Element {
     pub(super) index: usize,
     pub(super) name: String,
     pub(super) attributes: Vec<(String, String)>,
     pub(super) parent: Option<usize>,
-    /// Names of all that it lies in.
+    /// Names of all enclosing elements.
     pub(super) ancestors: Vec<String>,
-    /// The text directly in it.
+    /// Text directly in the element.
     pub(super) text: String,
 }
 
@@ -32,8 +32,8 @@ impl Element {
         words.map(|word| word.parse().unwrap()).collect()
     }
 
-    /// Where it puts something: ends of paths, corners of images, middles of circles, beginnings of
-    /// texts.
+    /// Coordinates used by the element: ends of paths, corners of images, centres of circles,
+    /// starts of texts.
     pub(super) fn places(&self) -> Vec<[f64; 2]> {
         let of = |name: &str| self.attribute(name).parse::<f64>().unwrap();
         match self.name.as_str() {
@@ -49,7 +49,7 @@ impl Element {
     }
 }
 
-/// The places that a path goes to; it knows the commands M, L, H, V, h and Z.
+/// Points of a path; supports the commands M, L, H, V, h and Z.
 fn path(d: &str) -> Vec<[f64; 2]> {
     let mut places: Vec<[f64; 2]> = Vec::new();
     let mut rest = d;
@@ -71,7 +71,7 @@ fn path(d: &str) -> Vec<[f64; 2]> {
     places
 }
 
-/// Every element of a page, in order; panics where the page is not well-formed.
+/// All elements of a page, in order. Panics if the page is not well-formed.
 pub(super) fn elements(page: &str) -> Vec<Element> {
     let mut all: Vec<Element> = Vec::new();
     let mut open: Vec<usize> = Vec::new();
@@ -125,7 +125,7 @@ fn attributes(text: &str) -> Vec<(String, String)> {
     found
 }
 
-/// Every & begins one of the entities of XML.
+/// Asserts that every & starts an XML entity.
 fn assert_entities(text: &str) {
     for after in text.split('&').skip(1) {
         let known = ["amp;", "lt;", "gt;", "quot;"].iter().any(|entity| after.starts_with(entity));

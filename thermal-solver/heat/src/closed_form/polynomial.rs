@@ -5,7 +5,7 @@
 //!
 //! - ahead (ξ ≤ −1): F = 0;
 //! - inside (−1 < ξ ≤ 1): F = π/128 · √(ξ+1) · (71 + 12ξ − 20ξ² + 8ξ³ − 16ξ⁴);
-//! - behind (ξ > 1): that minus π/128 · √(ξ−1) · (71 − 12ξ − 20ξ² − 8ξ³ − 16ξ⁴).
+//! - behind (ξ > 1): the same minus π/128 · √(ξ−1) · (71 − 12ξ − 20ξ² − 8ξ³ − 16ξ⁴).
 //!
 //! The paper prints both terms for the inside, where √(ξ−1) is not real, and one for the outside.
 //!
@@ -14,18 +14,18 @@
 //!
 //! J₀ = 2√s e^(−c²/s) − 2c√π erfc(c/√s),  J_p = (s^(p+½) e^(−c²/s) − c² J_(p−1))/(p + ½).
 //!
-//! Behind the contact the closed forms are small differences of terms that grow like ξ^(9/2);
-//! from ξ = 3 on Gauss quadrature of the then smooth integrand takes their place.
+//! Behind the contact the closed forms are small differences of terms that grow like ξ^(9/2). From
+//! ξ = 3 on they are replaced by Gauss quadrature of the integrand, which is smooth there.
 
 use numerics::quadrature::integrate;
 use numerics::search::maximum;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// From here on the quadrature replaces the difference of closed forms.
+/// Place ξ from which quadrature replaces the difference of closed forms.
 const FAR: f64 = 3.0;
 
-/// Heat flux f(ξ) [-] inside the contact, 0 outside: equation 9.
+/// Returns the heat flux f(ξ) [-] inside the contact, 0 outside: equation 9.
 #[must_use]
 pub fn flux(xi: f64) -> f64 {
     if xi.abs() > 1.0 {
@@ -35,7 +35,7 @@ pub fn flux(xi: f64) -> f64 {
     PI / 2048.0 * (645.0 - 210.0 * square - 315.0 * square * square)
 }
 
-/// F(ξ) [-] on the surface: equations 11 and 12 with their labels put right.
+/// Returns F(ξ) [-] on the surface: equations 11 and 12 with corrected labels.
 #[must_use]
 pub fn surface(xi: f64) -> f64 {
     let term = |sign: f64| {
@@ -53,7 +53,7 @@ pub fn surface(xi: f64) -> f64 {
     }
 }
 
-/// F(ξ, ζ) [-] at a depth ζ = z/δ ≥ 0; absolute error below 1e-12.
+/// Returns F(ξ, ζ) [-] at a depth ζ = z/δ ≥ 0, with an absolute error below 1e-12.
 #[must_use]
 pub fn in_depth(xi: f64, zeta: f64) -> f64 {
     if zeta == 0.0 {
@@ -71,14 +71,14 @@ pub fn in_depth(xi: f64, zeta: f64) -> f64 {
     }
 }
 
-/// Temperature rise [K] on the surface at ξ: equation 10. `heat_flux` is q₀ = ε f V_s p₀ [W/m²]
-/// into the body, `speed` V is that body's own surface speed [m/s] (equations 6 and 8).
+/// Returns the temperature rise [K] on the surface at ξ: equation 10. `heat_flux` is q₀ = ε f V_s
+/// p₀ [W/m²] into the body; `speed` is V, the body's own surface speed [m/s] (equations 6 and 8).
 #[must_use]
 pub fn rise(heat_flux: f64, semi_axis: f64, effusivity: f64, speed: f64, xi: f64) -> f64 {
     heat_flux / effusivity * (semi_axis / (PI * speed)).sqrt() * surface(xi)
 }
 
-/// Place ξ = 0.647 and value 2.197 of the maximum of F.
+/// Returns the position ξ = 0.647 and the value 2.197 of the maximum of F.
 #[must_use]
 pub fn peak() -> (f64, f64) {
     static PEAK: LazyLock<(f64, f64)> = LazyLock::new(|| maximum(0.5, 0.8, surface));
@@ -92,7 +92,7 @@ fn far(xi: f64, zeta: f64) -> f64 {
     })
 }
 
-/// Coefficients of s⁰ to s⁴ in f(ξ − s).
+/// Returns the coefficients of s⁰ to s⁴ in f(ξ − s).
 fn powers_of_distance(xi: f64) -> [f64; 5] {
     let square = xi * xi;
     [
@@ -105,7 +105,7 @@ fn powers_of_distance(xi: f64) -> [f64; 5] {
     .map(|coefficient| PI / 2048.0 * coefficient)
 }
 
-/// J₀ to J₄ for s > 0 and c > 0.
+/// Returns J₀ to J₄ for s > 0 and c > 0.
 fn moments(s: f64, c: f64) -> [f64; 5] {
     let root = s.sqrt();
     let decay = (-c * c / s).exp();
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
     use crate::closed_form::scales;
 
-    /// Equation 8 by quadrature in u = √(ξ − ξ'), where the integrand is smooth.
+    /// Equation 8 by quadrature in u = √(ξ − ξ'), in which the integrand is smooth.
     fn by_quadrature(xi: f64, zeta: f64) -> f64 {
         let (low, high) = (f64::max(xi - 1.0, 0.0).sqrt(), (xi + 1.0).sqrt());
         let panels = 100;
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn moments_of_the_flux_are_those_of_the_ellipse() {
-        // Rounding of the exact rule.
+        // Tolerance: rounding; the rule is exact.
         assert!((integrate(-1.0, 1.0, flux) - PI / 2.0).abs() < 1e-14);
         assert!((integrate(-1.0, 1.0, |xi| xi * xi * flux(xi)) - PI / 8.0).abs() < 1e-14);
     }
@@ -149,7 +149,7 @@ mod tests {
         let known =
             [(-0.5, 1.00659), (0.0, 1.74260), (0.647, 2.19716), (1.2, 1.56669), (5.0, 0.70515)];
         for (xi, value) in known {
-            // Five decimals are given; the quadrature itself is exact to rounding.
+            // The table has five decimals; the quadrature itself is exact to rounding.
             assert!((surface(xi) - value).abs() < 5.1e-6, "F({xi}) = {}", surface(xi));
             assert!((surface(xi) - by_quadrature(xi, 0.0)).abs() < 1e-12, "{xi}");
         }
@@ -157,16 +157,16 @@ mod tests {
 
     #[test]
     fn printed_labels_do_not() {
-        // Printed for xi > 1: the first root alone, which even changes its sign.
+        // Printed for ξ > 1: only the first root, which changes its sign.
         let printed = |xi: f64| {
             let polynomial = 71.0 + 12.0 * xi - 20.0 * xi * xi + 8.0 * xi.powi(3);
             PI / 128.0 * (xi + 1.0).sqrt() * (polynomial - 16.0 * xi.powi(4))
         };
         assert!((printed(1.2) - by_quadrature(1.2, 0.0)).abs() > 0.2);
         assert!(printed(5.0) < -100.0);
-        // Printed for -1 < xi < 1: a root of a negative number.
+        // Printed for −1 < ξ < 1: the root of a negative number.
         assert!((0.5_f64 - 1.0).sqrt().is_nan() && surface(0.5).is_finite());
-        // Printed for xi < -1: likewise; nothing is warm there.
+        // Printed for ξ < −1: also the root of a negative number; the rise there is zero.
         assert_eq!(surface(-1.2), 0.0);
     }
 
@@ -175,7 +175,7 @@ mod tests {
         for xi in [-0.9, -0.2, 0.647, 1.0, 1.3, 2.9, 3.1, 40.0] {
             for zeta in [0.0, 0.1, 0.8, 2.0, 5.0] {
                 let (got, expected) = (in_depth(xi, zeta), by_quadrature(xi, zeta));
-                // The stated absolute error.
+                // Tolerance: the stated absolute error.
                 assert!((got - expected).abs() < 1e-12, "{xi} {zeta}: {got} {expected}");
             }
         }
@@ -189,10 +189,10 @@ mod tests {
         let heat_flux = 0.5 * friction * sliding * p0;
         let (xi, _) = peak();
         let rail = rise(heat_flux, a, beta, rail_speed, xi);
-        // Four figures are given: 261.9 K at 0.647 (the paper prints 287 degrees at 0.64).
+        // References have four figures: 261.9 K at 0.647 (the paper prints 287 degrees at 0.64).
         assert!((rail - 261.9).abs() < 0.05 && (xi - 0.647).abs() < 5e-4, "{rail} {xi}");
-        // The wheel passes faster by the sliding speed and stays cooler by half the creepage;
-        // with the wheel's speed for the rail, as printed, the rail would be at 260.4.
+        // The wheel passes faster by the sliding speed and stays cooler by half the creepage. The
+        // wheel's speed for the rail, as printed, would give 260.4 K for the rail.
         let wheel = rise(heat_flux, a, beta, rail_speed + sliding, xi);
         assert!((wheel / rail - 1.012_f64.powf(-0.5)).abs() < 1e-15);
         assert!((wheel - 261.9).abs() > 1.0);

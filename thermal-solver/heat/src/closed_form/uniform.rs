@@ -1,21 +1,21 @@
 //! Uniform heat flux: constant in time (Jaeger), and over the contact in steady motion, in depth
 //! (equations 13–15).
 //!
-//! Equations 13 and 14 in the form T = q/β · √(2a/V) · {i(ξ+1) − i(ξ−1)} with
-//! i(u) = √(2u/π) exp(−ζ²/(2u)) − ζ erfc(ζ/√(2u)) for u > 0 and 0 otherwise, which joins the two:
-//! inside the contact the second term is absent. ξ runs with the material from the leading edge
-//! −1; ζ = z/δ. The speed is that of the body itself; the text prints V_w for both.
+//! Equations 13 and 14 in the form T = q/β · √(2a/V) · {i(ξ+1) − i(ξ−1)} with i(u) = √(2u/π)
+//! exp(−ζ²/(2u)) − ζ erfc(ζ/√(2u)) for u > 0 and 0 otherwise. This form joins both equations:
+//! inside the contact the second term is zero. ξ runs with the material from the leading edge −1;
+//! ζ = z/δ. The speed is the body's own; the text prints V_w for both.
 
 use std::f64::consts::PI;
 
-/// Surface temperature rise 2 q √(t/π)/β [K] of a half-space after a time t [s] under a constant
-/// heat flux q [W/m²], with effusivity β [J/(m²·K·√s)] (Carslaw & Jaeger, 2.9).
+/// Returns the surface temperature rise 2 q √(t/π)/β [K] of a half-space after a time t [s] under a
+/// constant heat flux q [W/m²], with effusivity β [J/(m²·K·√s)] (Carslaw & Jaeger, 2.9).
 #[must_use]
 pub fn jaeger(heat_flux: f64, effusivity: f64, time: f64) -> f64 {
     2.0 * heat_flux * (time / PI).sqrt() / effusivity
 }
 
-/// The braces of equations 13 and 14 [-] at ξ and depth ζ ≥ 0.
+/// Returns the braces of equations 13 and 14 [-] at ξ and depth ζ ≥ 0.
 #[must_use]
 pub fn in_depth(xi: f64, zeta: f64) -> f64 {
     let term = |u: f64| {
@@ -28,8 +28,8 @@ pub fn in_depth(xi: f64, zeta: f64) -> f64 {
     term(xi + 1.0) - term(xi - 1.0)
 }
 
-/// Temperature rise [K] at (ξ, ζ) under a heat flux q [W/m²] into the body over a contact of
-/// semi-axis a [m], at a speed V [m/s], with effusivity β: equations 13 and 14.
+/// Returns the temperature rise [K] at (ξ, ζ) under a heat flux q [W/m²] into the body over a
+/// contact of semi-axis a [m], at a speed V [m/s], with effusivity β: equations 13 and 14.
 #[must_use]
 pub fn rise(
     heat_flux: f64,
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn surface_is_jaegers() {
-        // On the surface the material at xi has been heated for a(1 + xi)/V.
+        // On the surface the material at ξ has been heated for a(1 + ξ)/V.
         let (q, a, beta, v) = (3e6, 8e-3, 12_832.0, 40.0);
         for xi in [-0.5, 0.0, 0.9] {
             let expected = jaeger(q, beta, a * (1.0 + xi) / v);
@@ -69,7 +69,7 @@ mod tests {
                     integrate(from, from + step, |u| 2.0 * (-zeta * zeta / (2.0 * u * u)).exp())
                 })
                 .sum();
-            // Kernel 1/sqrt(pi) against the factor sqrt(2) taken out in equation 13; rounding.
+            // Kernel 1/√π against the factor √2 taken out in equation 13; tolerance: rounding.
             let expected = integral / (2.0 * PI).sqrt();
             assert!((in_depth(xi, zeta) - expected).abs() < 1e-14, "{xi} {zeta}");
         }

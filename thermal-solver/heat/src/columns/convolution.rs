@@ -1,20 +1,20 @@
-//! Weights times flux, along the rows of a grid.
+//! Convolution of the weights with the flux, along the rows of a grid.
 //!
-//! The sum runs over blocks of [`LANES`] neighbouring points at once: their partial sums stay in
-//! registers, and each pair of weights is read once a block. Only elements with a flux are
-//! visited. A point ahead of all flux therefore gets exactly 0.
+//! The sum runs over blocks of [`LANES`] neighbouring points. Their partial sums stay in registers,
+//! and each pair of weights is read once a block. Only elements with a flux are visited, so a point
+//! ahead of all flux gets exactly 0.
 
 use super::reconstruction::{Flux, FluxRow, LANES};
 use super::spectral::Spectral;
 use super::stencil::{Part, Segment, Stencil, walk};
 
-/// From this many elements in a row on, the steady convolution goes over Fourier space. On a full
-/// row the two ways cost the same between 41 elements (0.32 and 0.36 µs) and 81 (0.72 and 0.58 µs),
-/// measured by the benchmark `columns` of this crate in a plain x86-64 build.
+/// Number of elements in a row from which the steady convolution uses Fourier transforms. On a full
+/// row the costs cross between 41 elements (direct 0.32 µs, transforms 0.36 µs) and 81 (0.72 and
+/// 0.58 µs), measured by the benchmark `columns` of this crate in a plain x86-64 build.
 pub const CROSSOVER: usize = 64;
 
-/// Adds the contribution of one part of a stencil to a row of values, one a point; returns the
-/// number of multiply-adds.
+/// Adds the contribution of one part of a stencil to a row of values, one for each point. Returns
+/// the number of multiply-adds.
 pub fn accumulate(part: &Part<'_>, row: FluxRow<'_>, values: &mut [f64]) -> u64 {
     let (support, end) = row.support;
     let (mut work, weights) = (0, part.edge.len());
@@ -55,8 +55,8 @@ fn block_sums(wm: &[f64], we: &[f64], m: &[f64], e: &[f64]) -> [f64; LANES] {
     sums
 }
 
-/// The value of the integral at one point of a row: the place `theta` inside `element`, at the
-/// depth c = z/(2√κ) [√s], for the segments of `past` with their flux.
+/// Returns the integral at one point of a row: the position `theta` inside `element`, at the depth
+/// c = z/(2√κ) [√s], for the segments of `past` with their flux.
 #[must_use]
 pub fn at_point<'a>(
     past: impl Iterator<Item = (Segment, &'a Flux)> + Clone,
@@ -76,7 +76,7 @@ pub fn at_point<'a>(
     sum
 }
 
-/// The steady surface convolution, in units in which an element is passed in unit time.
+/// The steady surface convolution, in units in which the material passes an element in unit time.
 ///
 /// The result times share/(β√π) · √(h/V) is the temperature rise of a body [K].
 #[derive(Clone)]
@@ -86,13 +86,13 @@ pub struct Steady {
 }
 
 impl Steady {
-    /// The faster way for rows of `columns` elements.
+    /// Selects the faster method for rows of `columns` elements.
     #[must_use]
     pub fn new(columns: usize) -> Self {
         if columns < CROSSOVER { Self::direct(columns) } else { Self::over_fourier(columns) }
     }
 
-    /// By direct summation.
+    /// Uses direct summation.
     #[must_use]
     pub fn direct(columns: usize) -> Self {
         let mut stencil = Stencil::default();
@@ -101,7 +101,7 @@ impl Steady {
         Self { stencil, spectral: None }
     }
 
-    /// Over Fourier space.
+    /// Uses Fourier transforms.
     #[must_use]
     pub fn over_fourier(columns: usize) -> Self {
         let direct = Self::direct(columns);
@@ -109,7 +109,7 @@ impl Steady {
         Self { spectral, ..direct }
     }
 
-    /// Writes the convolution of one row; returns the number of multiply-adds.
+    /// Writes the convolution of one row. Returns the number of multiply-adds.
     pub fn apply(&mut self, row: FluxRow<'_>, values: &mut [f64]) -> u64 {
         if row.support.1 == 0 {
             values.fill(0.0);
@@ -118,7 +118,8 @@ impl Steady {
         match &mut self.spectral {
             Some(spectral) => {
                 let work = spectral.apply(row, values);
-                // Transforms smear rounding errors over the row; by causality nothing is here.
+                // Transforms spread rounding errors over the whole row; by causality the rise here
+                // is zero.
                 values[row.support.1..].fill(0.0);
                 work
             }
@@ -130,8 +131,8 @@ impl Steady {
     }
 }
 
-/// Removes rounding errors from rises that cannot be negative, because no flux was: the exact
-/// value is at least 0, so that raising a negative one to 0 can only bring it closer.
+/// Removes rounding errors from rises that cannot be negative, because no flux was negative. The
+/// exact value is at least 0, so raising a negative value to 0 always reduces the error.
 pub fn remove_negative_rounding(values: &mut [f64]) {
     for value in values {
         *value = value.max(0.0);
@@ -161,7 +162,7 @@ mod tests {
             Steady::over_fourier(columns).apply(flux.row(0), &mut fourier);
             let largest = direct.iter().copied().fold(0.0, f64::max);
             for (a, b) in direct.iter().zip(&fourier) {
-                // Rounding of transforms grows like the logarithm of the length.
+                // Rounding of the transforms grows like the logarithm of the length.
                 assert!((a - b).abs() <= 4e-15 * largest, "{columns}: {a} {b}");
             }
         }

@@ -1,21 +1,20 @@
 //! The heat flux of earlier windows.
 //!
-//! A window's flux is needed until the slower body has carried its material across the whole
-//! grid. Windows can be much shorter than that: to keep memory and work bounded, neighbours of the
-//! past are merged into one window with their mean flux (weighted with the durations), as long as
-//! together they last no longer than the smaller of
+//! The flux of a window is needed until the slower body has carried its material across the whole
+//! grid. Windows can be much shorter than that. To bound memory and work, neighbouring windows of
+//! the past are merged into one window with their mean flux (weighted with the durations), as long
+//! as their total duration does not exceed the smaller of
 //!
-//! - h/V, the time in which an element is passed, and
-//! - a quarter of their age, so that the recent past, which the kernel 1/√τ weighs most, stays
-//!   resolved.
+//! - h/V, the time in which the material passes an element, and
+//! - a quarter of their age, so that the recent past, to which the kernel 1/√τ gives most weight,
+//!   stays resolved.
 //!
-//! However short the windows are, there are then at most two for each element of the row and
-//! eight for each factor of two between the window and h/V. The heat of a merged window and the
-//! way the material went are kept exactly, per body; its newest window is never merged, so that an
-//! accepted state reproduces the solve that led to it. Merging moves heat by less than its
-//! duration D ≤ h/V in time: for a flux into the body that changes at the rate q̇ the error of the
-//! rise stays below q̇ D^1.5/(24 β√π), of order 1.5 in the element length. A flux that does not
-//! change is not touched.
+//! For windows of any length, at most two remain for each element of the row, and eight for each
+//! factor of two between the window and h/V. A merged window keeps its heat and the path of the
+//! material exactly, for each body. The newest window is never merged, so that an accepted state
+//! reproduces the solve that led to it. Merging moves heat by less than the merged duration D ≤ h/V
+//! in time. For a flux into the body that changes at the rate q̇ the error of the rise stays below
+//! q̇ D^1.5/(24 β√π), of order 1.5 in the element length. A constant flux is not changed.
 
 use super::reconstruction::Flux;
 use super::stencil::Segment;
@@ -24,12 +23,12 @@ use grids::state::{read_bytes, read_numbers, write_numbers};
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 
-/// Merged windows last no longer than this part of their age.
+/// Largest duration of a merged window, as a fraction of its age.
 const PART_OF_AGE: f64 = 0.25;
-/// Widths √(4κτ) beyond which nothing has spread.
+/// Distance in widths √(4κτ) beyond which no heat has spread.
 const SPREAD: f64 = 6.0;
 
-/// A window: mean flux of the interface and how it enters the bodies.
+/// A window: mean flux of the interface, and how the bodies share it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
     /// Duration, speeds and shares.
@@ -40,12 +39,13 @@ pub struct Window {
     pub flux: Flux,
 }
 
-/// Accepted windows, newest first, and the one on trial.
+/// Accepted windows, newest first, and the trial window.
 pub struct History {
     columns: usize,
     rows: usize,
     element_length: f64,
-    /// Diffusivity with which heat spreads along the surface [m²/s]; 0 where it goes straight down.
+    /// Diffusivity with which heat spreads along the surface [m²/s]; 0 for conduction normal to the
+    /// surface.
     diffusivity: f64,
     trial: Window,
     accepted: VecDeque<Window>,
@@ -53,8 +53,8 @@ pub struct History {
 }
 
 impl History {
-    /// Nothing has happened yet, on `rows` rows of `columns` elements of some length [m], along which
-    /// heat spreads with a diffusivity [m²/s].
+    /// Creates an empty history for `rows` rows of `columns` elements of some length [m], along
+    /// which heat spreads with a diffusivity [m²/s].
     #[must_use]
     pub fn new(columns: usize, rows: usize, element_length: f64, diffusivity: f64) -> Self {
         let expected = Self::expected_windows(columns);
@@ -71,24 +71,24 @@ impl History {
         }
     }
 
-    /// Number of windows that the past of a row with `columns` elements usually comes to when
-    /// they are short.
+    /// Returns the typical number of windows that a row with `columns` elements keeps when windows
+    /// are short.
     #[must_use]
     pub fn expected_windows(columns: usize) -> usize {
         columns + 128
     }
 
-    /// The window on trial, to be filled in.
+    /// Returns the trial window, to be filled in.
     pub fn trial_mut(&mut self) -> &mut Window {
         &mut self.trial
     }
 
-    /// The windows of a state, newest first.
+    /// Iterates over the windows of a state, newest first.
     pub fn windows(&self, stage: Stage) -> impl Iterator<Item = &Window> + Clone {
         (stage == Stage::Trial).then_some(&self.trial).into_iter().chain(&self.accepted)
     }
 
-    /// Window number `index` of a state, counted from the newest.
+    /// Returns window `index` of a state, counted from the newest.
     #[must_use]
     pub fn window(&self, stage: Stage, index: usize) -> Option<&Window> {
         match (stage, index) {
@@ -98,7 +98,8 @@ impl History {
         }
     }
 
-    /// The past of a state as a body sees it, newest first; `amplitude` is 1/(β√π) of the body.
+    /// Returns the past of a state as a body sees it, newest first; `amplitude` is 1/(β√π) of the
+    /// body.
     pub fn past(
         &self,
         stage: Stage,
@@ -115,7 +116,7 @@ impl History {
         })
     }
 
-    /// The window on trial becomes the newest of the past; the past is thinned out.
+    /// Makes the trial window the newest accepted window, then drops and merges old windows.
     pub fn accept(&mut self) {
         self.forget();
         let mut window = self.spare.pop().unwrap_or_else(|| empty_window(self.columns, self.rows));
@@ -124,8 +125,8 @@ impl History {
         self.merge();
     }
 
-    /// Drops windows whose material leaves the grid, in both bodies, with what has spread from it, by the
-    /// end of the trial.
+    /// Drops windows whose material, with the heat spread from it, leaves the grid in both bodies
+    /// by the end of the trial window.
     fn forget(&mut self) {
         let length = self.columns as f64 * self.element_length;
         let (mut passed, mut age) = ([0.0; 2], 0.0);
@@ -145,7 +146,7 @@ impl History {
         self.spare.extend(self.accepted.drain(keep..));
     }
 
-    /// Merges neighbours that are short for their age.
+    /// Merges neighbouring windows that are short for their age.
     fn merge(&mut self) {
         let Some(mut age) = self.accepted.front().map(|newest| newest.drive.duration) else {
             return;
@@ -169,7 +170,7 @@ impl History {
     /// Writes the accepted windows, in the order in which [`History::restore`] reads them.
     ///
     /// # Errors
-    /// Errors of `into`.
+    /// Writing to `into` fails.
     pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         into.write_all(&(self.accepted.len() as u64).to_le_bytes())?;
         for Window { drive, heat, flux } in &self.accepted {
@@ -180,10 +181,10 @@ impl History {
         Ok(())
     }
 
-    /// Reads back what [`History::save`] wrote.
+    /// Restores the windows written by [`History::save`].
     ///
     /// # Errors
-    /// It does not fit; then nothing has changed.
+    /// Reading fails or the data do not fit; the history is then unchanged.
     pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         let mut accepted = VecDeque::with_capacity(self.accepted.capacity());
         for _ in 0..u64::from_le_bytes(read_bytes(from)?) {
@@ -202,14 +203,14 @@ impl History {
 }
 
 impl Window {
-    /// Becomes the mean of itself and a neighbour.
+    /// Replaces this window by the mean of itself and a neighbour.
     fn absorb(&mut self, other: &Self) {
         let (own, others) = (self.drive.duration, other.drive.duration);
         let mean = |a: f64, b: f64, of_a: f64, of_b: f64| {
             if a == b { a } else { (of_a * a + of_b * b) / (of_a + of_b) }
         };
-        // Weighted with the heat, so that each body keeps its own; where the heat has no one sign
-        // weighting it makes no sense, and the time takes its place.
+        // Shares are weighted with the heat, so that each body keeps its own. If the heats differ
+        // in sign, the weights are the durations instead.
         let (own_heat, others_heat) = (own * self.heat, others * other.heat);
         let (of_own, of_others) =
             if own_heat * others_heat > 0.0 { (own_heat, others_heat) } else { (own, others) };
@@ -250,12 +251,15 @@ mod tests {
             push(&mut history, 1e-6, &[1.0; 16], speed);
             most = most.max(history.accepted.len());
         }
-        // Ten factors of two between 1e-6 s and h/V.
+        // Ten factors of two lie between 1e-6 s and h/V.
         assert!(most <= 2 * columns + 200, "{most}");
         assert!(most <= History::expected_windows(columns), "{most}");
         let covered: f64 = history.windows(Stage::Accepted).map(|w| w.drive.duration).sum();
         assert!(covered >= columns as f64 * h / speed && covered < 1.1 * columns as f64 * h);
-        assert!(history.accepted.len() + history.spare.len() <= most + 1, "windows are used again");
+        assert!(
+            history.accepted.len() + history.spare.len() <= most + 1,
+            "the memory of dropped windows is reused"
+        );
     }
 
     #[test]
@@ -276,7 +280,7 @@ mod tests {
         let sum = |of: &dyn Fn(&Window) -> f64| -> f64 {
             history.windows(Stage::Accepted).map(|w| of(w) * w.drive.duration).sum()
         };
-        // Rounding of three hundred terms.
+        // Tolerance: rounding of three hundred terms.
         assert!((sum(&|_| 1.0) / time - 1.0).abs() < 1e-12);
         for body in 0..2 {
             assert!((sum(&|w| w.drive.speeds[body]) / way[body] - 1.0).abs() < 1e-12);

@@ -1,28 +1,29 @@
-//! Integrals of the conduction kernel over a piece of the past.
+//! Moments of the conduction kernel over an interval of the past.
 //!
 //! M_p = ∫_{τ₁}^{τ₂} (τ − τ₁)^p e^(−c²/τ) dτ/√τ for p = 0, 1, 2, where τ is the age [s] and
-//! c = z/(2√κ) [√s] the depth (any consistent unit will do).
+//! c = z/(2√κ) [√s] the depth (any consistent units).
 //!
 //! On the surface (c = 0) with u = √τ₁ and d = √τ₂ − √τ₁ = (τ₂ − τ₁)/(√τ₁ + √τ₂):
 //!
 //! M₀ = 2d,  M₁ = 2ud² + ⅔d³,  M₂ = (8/3)u²d³ + 2ud⁴ + ⅖d⁵,
 //!
-//! sums of positive terms, exact to rounding near and far alike.
+//! sums of positive terms, exact to rounding both near and far.
 //!
-//! In depth, from zero age, the closed forms J₀ = 2√τ e^(−c²/τ) − 2c√π erfc(c/√τ) and
-//! J_p = (τ^(p+½) e^(−c²/τ) − c² J_(p−1))/(p + ½) are differenced for pieces that begin at less
-//! than twice their length; later pieces lose digits that way, but the kernel is smooth over
-//! them, and Gauss quadrature is exact to rounding. The kernel is analytic but for age 0, and no larger than
-//! 1/√|τ| where the real part of the age is positive: for a piece that begins at r of its lengths the error of N points
-//! falls like ϱ^(−2N) with ϱ = 1 + 2r + 2√(r(r + 1)), and the fewer suffice the later it is.
+//! In depth, from zero age, the closed forms are J₀ = 2√τ e^(−c²/τ) − 2c√π erfc(c/√τ) and
+//! J_p = (τ^(p+½) e^(−c²/τ) − c² J_(p−1))/(p + ½). Intervals that begin at less than twice their
+//! length take differences of these forms. Later intervals would lose digits, but there the kernel
+//! is smooth, and Gauss quadrature is exact to rounding. The kernel is analytic except at age 0,
+//! and at most 1/√|τ| where the real part of the age is positive. For an interval that begins at r
+//! times its length the error of N points falls like ϱ^(−2N) with ϱ = 1 + 2r + 2√(r(r + 1)); later
+//! intervals need fewer points.
 
 use numerics::quadrature::points_of;
 use std::f64::consts::PI;
 
-/// Pieces that begin later than this many of their lengths are integrated by quadrature.
+/// Start of an interval, in multiples of its length, from which quadrature is used.
 const SMOOTH_FROM: f64 = 2.0;
 
-/// M₀, M₁, M₂ over the ages from `from` ≥ 0 to `to` at the depth c ≥ 0.
+/// Returns M₀, M₁, M₂ over the ages from `from` ≥ 0 to `to` at the depth c ≥ 0.
 #[must_use]
 pub fn kernel_moments(from: f64, to: f64, depth: f64) -> [f64; 3] {
     if depth == 0.0 {
@@ -45,7 +46,8 @@ fn surface(from: f64, to: f64) -> [f64; 3] {
     ]
 }
 
-/// Points that integrate a piece to rounding which begins at `start` of its lengths: ϱ^(−2N) is below 1e-17.
+/// Returns the number of points that integrate an interval to rounding, which begins at `start`
+/// times its length: ϱ^(−2N) is below 1e-17.
 fn enough(start: f64) -> usize {
     match start {
         _ if start > 25.0 => 5,
@@ -73,7 +75,7 @@ fn closed(from: f64, to: f64, depth: f64) -> [f64; 3] {
     [j0, j1 - from * j0, j2 - from * (2.0 * j1 - from * j0)]
 }
 
-/// J₀, J₁, J₂: the moments of age itself, from zero age to `to`.
+/// Returns J₀, J₁, J₂: the moments of the age itself, from zero age to `to`.
 fn from_zero(to: f64, depth: f64) -> [f64; 3] {
     if to == 0.0 {
         return [0.0; 3];
@@ -91,7 +93,7 @@ mod tests {
     use super::*;
     use numerics::quadrature::integrate;
 
-    /// Quadrature in √τ on many panels, finer towards the lower end.
+    /// Reference: quadrature in √τ on many panels, finer towards the lower end.
     fn slow(from: f64, to: f64, depth: f64, power: i32) -> f64 {
         let (low, high) = (from.sqrt(), to.sqrt());
         let edge = |panel: i32| low + (high - low) * 0.6_f64.powi(panel);
@@ -112,8 +114,8 @@ mod tests {
                 let got = kernel_moments(from, to, depth);
                 for (power, value) in got.iter().enumerate() {
                     let expected = slow(from, to, depth, power as i32);
-                    // Rounding, relative to the surface's moment: the deep ones are small
-                    // differences; the quadrature in sqrt(tau) loses the digits of u^2 - from.
+                    // Rounding, relative to the moment at the surface: deep moments are small
+                    // differences, and the quadrature in √τ loses the digits of u² − from.
                     let scale = slow(from, to, 0.0, power as i32);
                     let error = (value - expected).abs() / scale;
                     assert!(error < 3e-13, "{from} {to} {depth} {power}: {error:e}");
@@ -124,7 +126,7 @@ mod tests {
 
     #[test]
     fn tiny_pieces_keep_their_digits() {
-        // One part in 1e9 of an age: the mean value theorem gives the moments to that order.
+        // The interval is 1e-9 of the age: the mean value theorem gives the moments to that order.
         let [m0, m1, m2] = kernel_moments(1.0, 1.0 + 1e-9, 0.0);
         let width = (1.0 + 1e-9) - 1.0;
         assert!((m0 / width - 1.0).abs() < 1e-9);

@@ -1,24 +1,24 @@
-//! A heat flux inside the elements from its means over them.
+//! Reconstruction of the heat flux inside elements from element means.
 //!
-//! Along a row, with θ ∈ [0, 1] the place inside an element counted in the direction of x, the
-//! flux is the parabola in Bernstein form
+//! Along a row, with θ ∈ [0, 1] the position inside an element in the direction of x, the flux is
+//! the parabola in Bernstein form
 //!
 //! q(θ) = l (1−θ)² + 2 m θ(1−θ) + r θ²,  mean (l + m + r)/3,
 //!
-//! with the values l and r at the element's edges, shared by neighbours, and the middle
-//! coefficient m = 3q̄ − l − r that keeps the mean q̄. The edge values are those of the cubic
-//! through the means of the four elements round the edge (Colella & Woodward, J. Comput. Phys. 54
-//! (1984) 174–201): (7/12)(q̄₋₁ + q̄₁) − (1/12)(q̄₋₂ + q̄₂). Near the ends of the row, where the grid
-//! has no neighbour, the parabola through three means gives them. At the upstream end itself (large
-//! x) the value is 0: material comes into the grid from where there is no heat.
+//! with the values l and r at the element's edges, shared by neighbours, and the middle coefficient
+//! m = 3q̄ − l − r, which keeps the mean q̄. The edge values are those of the cubic through the
+//! means of the four elements around the edge (Colella & Woodward, J. Comput. Phys. 54 (1984)
+//! 174–201): (7/12)(q̄₋₁ + q̄₁) − (1/12)(q̄₋₂ + q̄₂). Near the ends of the row, where the grid has
+//! no neighbour, the parabola through three means gives them. At the upstream end itself (large x)
+//! the value is 0: the entering material has received no heat.
 //!
 //! Limiter. The parabola is non-negative if l, r ≥ 0 and m ≥ −√(lr), that is if
-//! l + r − √(lr) ≤ 3q̄. The left-hand side is at most max(l, r), so that it suffices to keep each
-//! edge value between 0 and 3 times the smaller of the two means beside it. The bound is far from
-//! any value that a resolved flux takes: where it is smooth nothing is clipped, extrema included.
-//! It differs from Colella & Woodward's, which flatten extrema. Between means of unlike sign the
-//! edge value is 0, and negative means (cooling) mirror positive ones, so that the reconstruction
-//! of −q is the negative one. An element with mean 0 has no flux at all.
+//! l + r − √(lr) ≤ 3q̄. The left-hand side is at most max(l, r), so each edge value is kept between
+//! 0 and 3 times the smaller of the two neighbouring means. A resolved flux stays far below this
+//! bound: a smooth flux is never clipped, extrema included. Deviation from Colella & Woodward:
+//! their limiter flattens extrema. Between means of opposite sign the edge value is 0. Negative
+//! means (cooling) mirror positive ones, so that the reconstruction of −q is the negative of that
+//! of q. An element with mean 0 has zero flux throughout.
 
 use grids::blocked_sum;
 use grids::state::{read_bytes, read_numbers, write_numbers};
@@ -34,13 +34,13 @@ pub struct Flux {
     columns: usize,
     rows: usize,
     stride: usize,
-    /// Middle coefficients, `stride` a row.
+    /// Middle coefficients, `stride` values a row.
     middle: Vec<f64>,
-    /// Edge values, `stride` a row; edge i is the one before element i.
+    /// Edge values, `stride` a row; edge i is the edge before element i.
     edge: Vec<f64>,
-    /// Elements of each row from the first to the last with a flux.
+    /// First and last element with a flux, for each row.
     support: Vec<(u32, u32)>,
-    /// No mean is negative.
+    /// Whether no mean is negative.
     heating: bool,
 }
 
@@ -49,13 +49,13 @@ pub struct Flux {
 pub struct FluxRow<'a> {
     /// Middle coefficients [W/m²].
     pub middle: &'a [f64],
-    /// Edge values [W/m²]; edge i is the one before element i.
+    /// Edge values [W/m²]; edge i is the edge before element i.
     pub edge: &'a [f64],
-    /// First element with a flux, and the one after the last.
+    /// First element with a flux, and the element after the last.
     pub support: (usize, usize),
 }
 
-/// Some rows of a [`Flux`] that are to be reconstructed.
+/// Some rows of a [`Flux`] to be reconstructed.
 pub struct Piece<'a> {
     columns: usize,
     means: &'a [f64],
@@ -65,7 +65,7 @@ pub struct Piece<'a> {
 }
 
 impl Piece<'_> {
-    /// Takes over the element means.
+    /// Reconstructs the rows from the element means.
     pub fn reconstruct(self) {
         let stride = self.columns + 1 + LANES;
         let coefficients = self.middle.chunks_mut(stride).zip(self.edge.chunks_mut(stride));
@@ -83,7 +83,7 @@ impl Piece<'_> {
 }
 
 impl Flux {
-    /// No flux on `rows` rows of `columns` elements.
+    /// Creates a zero flux on `rows` rows of `columns` elements.
     #[must_use]
     pub fn zero(columns: usize, rows: usize) -> Self {
         let stride = columns + 1 + LANES;
@@ -99,19 +99,19 @@ impl Flux {
         }
     }
 
-    /// Bytes of a flux on `rows` rows of `columns` elements.
+    /// Returns the memory [byte] of a flux on `rows` rows of `columns` elements.
     #[must_use]
     pub fn bytes(columns: usize, rows: usize) -> u64 {
         (rows * (2 * (columns + 1 + LANES) * size_of::<f64>() + 2 * size_of::<u32>())) as u64
     }
 
-    /// No element's mean is negative, and so the flux is nowhere.
+    /// Returns whether no element mean is negative, which makes the flux nowhere negative.
     #[must_use]
     pub fn is_heating(&self) -> bool {
         self.heating
     }
 
-    /// A row.
+    /// Returns a row of the flux.
     #[must_use]
     pub fn row(&self, row: usize) -> FluxRow<'_> {
         let span = self.span(row);
@@ -127,7 +127,7 @@ impl Flux {
         row * self.stride..(row + 1) * self.stride
     }
 
-    /// No flux any more.
+    /// Sets the flux to zero.
     pub fn clear(&mut self) {
         self.middle.fill(0.0);
         self.edge.fill(0.0);
@@ -135,14 +135,14 @@ impl Flux {
         self.heating = true;
     }
 
-    /// Takes over element means [W/m²], `columns` a row.
+    /// Reconstructs the flux from element means [W/m²], `columns` values a row.
     pub fn reconstruct(&mut self, means: &[f64]) {
         self.pieces(means, self.rows).for_each(Piece::reconstruct);
     }
 
-    /// Adds `factor` times what flows at some elements, in their order [W/m²]: it is linear in the values. An edge
-    /// between two of these elements has the value of the cubic, with 0 in the place of any other element; any other
-    /// edge has none.
+    /// Adds `factor` times a flux given at some elements, in ascending order [W/m²]; the result is
+    /// linear in the values. An edge between two of these elements gets the value of the cubic,
+    /// with 0 for any other element. Any other edge gets 0.
     pub fn add(&mut self, elements: &[usize], values: &[f64], factor: f64) {
         let columns = self.columns;
         let follows = |k: usize| {
@@ -173,7 +173,8 @@ impl Flux {
         }
     }
 
-    /// [`Flux::reconstruct`] in pieces of so many rows, which may be reconstructed in any order.
+    /// Splits [`Flux::reconstruct`] into pieces of `rows` rows, which may be reconstructed in any
+    /// order.
     pub fn pieces<'a>(
         &'a mut self,
         means: &'a [f64],
@@ -193,7 +194,8 @@ impl Flux {
         })
     }
 
-    /// Turns this flux into the mean of itself over `own` and of `other` over `others` seconds.
+    /// Replaces this flux by the mean of itself over `own` seconds and `other` over `others`
+    /// seconds.
     pub fn merge(&mut self, own: f64, other: &Self, others: f64) {
         let (keep, take) = (own / (own + others), others / (own + others));
         for (mine, theirs) in [(&mut self.middle, &other.middle), (&mut self.edge, &other.edge)] {
@@ -218,7 +220,7 @@ impl Flux {
         }
     }
 
-    /// The flux [W/m²] at the place θ ∈ [0, 1] inside an element.
+    /// Returns the flux [W/m²] at the position θ ∈ [0, 1] inside an element.
     #[must_use]
     pub fn at(&self, row: usize, element: usize, theta: f64) -> f64 {
         let FluxRow { middle, edge, .. } = self.row(row);
@@ -231,7 +233,7 @@ impl Flux {
     /// Writes coefficients and supports, in the order in which [`Flux::restore`] reads them.
     ///
     /// # Errors
-    /// Errors of `into`.
+    /// Writing to `into` fails.
     pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         write_numbers(into, self.middle.iter().chain(&self.edge))?;
         for (first, end) in &self.support {
@@ -241,10 +243,10 @@ impl Flux {
         into.write_all(&[u8::from(self.heating)])
     }
 
-    /// Reads back what [`Flux::save`] wrote.
+    /// Restores the flux written by [`Flux::save`].
     ///
     /// # Errors
-    /// It ends too early, or a support is not inside the row.
+    /// The data end too early, or a support is not inside the row.
     pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         read_numbers(from, self.middle.iter_mut().chain(&mut self.edge))?;
         for support in &mut self.support {
@@ -272,7 +274,7 @@ impl Flux {
     }
 }
 
-/// Sum of the element means of a flux as its parabolas have them [W/m²].
+/// Returns the sum of the element means of a flux, computed from its parabolas [W/m²].
 pub fn sum_of_means(flux: &Flux, row_sums: &mut [f64], line: &mut [f64]) -> f64 {
     for (row, sum) in row_sums.iter_mut().enumerate() {
         flux.means_into(row, line);
@@ -305,8 +307,8 @@ fn reconstruct_row(means: &[f64], middle: &mut [f64], edge: &mut [f64]) {
     }
 }
 
-/// The first two edge values of a row that begins with `means`, by one-sided parabolas; straight
-/// lines or constants where the row is too short.
+/// Sets the first two edge values of a row that begins with `means` from one-sided parabolas, or
+/// from straight lines or constants if the row is too short.
 fn end_edges(mut means: impl Iterator<Item = f64>, mut set: impl FnMut(usize, f64)) {
     let Some(first) = means.next() else { return };
     match (means.next(), means.next()) {
@@ -324,7 +326,7 @@ fn end_edges(mut means: impl Iterator<Item = f64>, mut set: impl FnMut(usize, f6
     }
 }
 
-/// The edge value kept between 0 and three times the smaller of the means on either side.
+/// Limits an edge value to between 0 and three times the smaller of the neighbouring means.
 fn limited(value: f64, left: f64, right: f64) -> f64 {
     let sign = left.signum();
     if left == 0.0 || right == 0.0 || sign != right.signum() {
@@ -355,7 +357,7 @@ mod tests {
         for i in 0..8 {
             for theta in [0.0, 0.3, 0.5, 1.0] {
                 let error = flux.at(0, i, theta) - q(i as f64 + theta);
-                // Rounding only.
+                // Tolerance: rounding only.
                 assert!(error.abs() < 1e-13, "{i} {theta}: {error:e}");
             }
         }
@@ -391,7 +393,7 @@ mod tests {
             let mut back = vec![0.0; means.len()];
             flux.means_into(0, &mut back);
             for (a, b) in means.iter().zip(&back) {
-                // Rounding of two sums.
+                // Tolerance: rounding of two sums.
                 assert!((a - b).abs() < 4e-15, "{means:?} {back:?}");
             }
         }
@@ -422,7 +424,7 @@ mod tests {
             let mut back = vec![0.0; means.len()];
             flux.means_into(0, &mut back);
             for i in 0..means.len() {
-                // Rounding of sums of terms up to three times the largest mean beside.
+                // Rounding of sums of terms up to three times the largest neighbouring mean.
                 let scale = means[i.saturating_sub(1)..(i + 2).min(means.len())]
                     .iter().fold(0.0, |a: f64, b| a.max(*b));
                 prop_assert!((back[i] - means[i]).abs() <= 1e-15 * scale.max(means[i]));

@@ -1,10 +1,11 @@
-//! The steady convolution over Fourier space.
+//! The steady convolution by Fourier transforms.
 //!
-//! T_i = Σ_k (wᵐ_k m_{i+k} + wᵉ_k e_{i+k}) is a correlation: its transform is the flux's times the
-//! conjugate of the weights'. Rows are padded with zeros to twice their length (at least), so that
-//! nothing wraps round, and on to the next product of small primes. Plans and the spectra of the
-//! weights are made once; a row costs two forward transforms and one back, in place, with scratch
-//! held here. The transforms' rounding error is a few ε log₂N of the row's largest value.
+//! T_i = Σ_k (wᵐ_k m_{i+k} + wᵉ_k e_{i+k}) is a correlation: its transform is the transform of the
+//! flux times the conjugate transform of the weights. Rows are padded with zeros to at least twice
+//! their length, which avoids wrap-around, and on to the next product of small primes. Plans and
+//! spectra of the weights are computed once. A row costs two forward transforms and one backward
+//! transform, in place, with scratch memory held here. The rounding error of the transforms is a
+//! few ε log₂N of the row's largest value.
 
 use super::reconstruction::FluxRow;
 use super::stencil::Part;
@@ -28,7 +29,7 @@ pub struct Spectral {
 }
 
 impl Spectral {
-    /// For the single part of a steady stencil over rows of `columns` elements.
+    /// Prepares the single part of a steady stencil over rows of `columns` elements.
     #[must_use]
     pub fn new(part: &Part<'_>, columns: usize) -> Self {
         let length = padded_length(columns);
@@ -54,8 +55,8 @@ impl Spectral {
         new
     }
 
-    /// Writes the correlation for one row; returns the number of multiply-adds, a transform of
-    /// length N counted as N log₂N (rounded up).
+    /// Writes the correlation for one row. Returns the number of multiply-adds; a transform of
+    /// length N counts as N log₂N (rounded up).
     pub fn apply(&mut self, row: FluxRow<'_>, values: &mut [f64]) -> u64 {
         self.transform(0, &row.middle[..=self.columns]);
         self.transform(1, &row.edge[..=self.columns]);
@@ -66,19 +67,19 @@ impl Spectral {
         clear_imaginary_ends(middle);
         self.back
             .process_with_scratch(middle, &mut self.line, &mut self.scratch)
-            .expect("lengths are the plan's and the ends are real");
+            .expect("lengths match the plan and the ends are real");
         values.copy_from_slice(&self.line[..self.columns]);
         self.work()
     }
 
-    /// Transform of a line padded with zeros, into the flux spectrum `index`.
+    /// Transforms a line padded with zeros, into the flux spectrum `index`.
     fn transform(&mut self, index: usize, values: &[f64]) {
         let (head, tail) = self.line.split_at_mut(values.len());
         head.copy_from_slice(values);
         tail.fill(0.0);
         self.forward
             .process_with_scratch(&mut self.line, &mut self.flux[index], &mut self.scratch)
-            .expect("lengths are the plan's");
+            .expect("lengths match the plan");
     }
 
     fn work(&self) -> u64 {
@@ -88,15 +89,15 @@ impl Spectral {
     }
 }
 
-/// The first and last coefficient of an even real transform are real; rounding left by the
-/// products is removed because the transform back insists.
+/// Sets the imaginary parts of the first and last coefficient to zero, as in any real transform of
+/// even length. The products leave rounding there, which the inverse transform would reject.
 fn clear_imaginary_ends(spectrum: &mut [Complex<f64>]) {
     let last = spectrum.len() - 1;
     spectrum[0].im = 0.0;
     spectrum[last].im = 0.0;
 }
 
-/// The smallest even product of 2, 3 and 5 that is at least twice the number of points.
+/// Returns the smallest even product of 2, 3 and 5 that is at least twice the number of points.
 fn padded_length(columns: usize) -> usize {
     let smooth = |mut n: usize| {
         for prime in [2, 3, 5] {

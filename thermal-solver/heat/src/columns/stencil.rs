@@ -1,33 +1,33 @@
-//! Weights of the conduction integral: the way of the material through elements and windows.
+//! Weights of the conduction integral: the path of the material through elements and windows.
 //!
-//! Seen from a point, the flux q of age τ stands in the element that lies s(τ) upstream and
-//! belongs to the window that was active a time τ ago. [`walk`] goes back along this way and cuts
-//! it where an element or a window ends; on each piece the flux is one parabola and the speed is
-//! constant, so that with θ = θ₁ + γ(τ − τ₁), γ = V/h, the moments of [`super::moments`] give the
-//! weights of the Bernstein coefficients
+//! Seen from a point, the flux q of age τ is in the element that lies s(τ) upstream, and in the
+//! window that was active a time τ ago. [`walk`] follows this path backwards and cuts it at the
+//! ends of elements and windows. On each piece the flux is one parabola and the speed is constant,
+//! so that with θ = θ₁ + γ(τ − τ₁), γ = V/h, the moments of [`super::moments`] give the weights of
+//! the Bernstein coefficients
 //!
 //! ∫ (1−θ)² K dτ,  ∫ 2θ(1−θ) K dτ,  ∫ θ² K dτ,  K = e^(−c²/τ)/√τ.
 //!
-//! On a uniform grid the pieces are the same for every element centre, only shifted; a
-//! [`Stencil`] keeps them by window.
+//! On a uniform grid the pieces are the same for every element centre, only shifted. A [`Stencil`]
+//! keeps them by window.
 
 use super::moments::kernel_moments;
 
-/// A stretch of the past with constant speed and flux, newest first in a sequence.
+/// An interval of the past with constant speed and flux; sequences are ordered newest first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// Its length [s]; may be infinite for the last one.
+    /// Duration [s]; may be infinite for the last segment.
     pub duration: f64,
-    /// Elements passed per time [1/s]; 0 for a body at rest, in a segment that ends.
+    /// Elements passed per time [1/s]; 0 for a body at rest, in a segment of finite duration.
     pub rate: f64,
-    /// Factor of its weights: share/(β√π) for a temperature rise.
+    /// Factor of the weights: share/(β√π) for a temperature rise.
     pub factor: f64,
 }
 
-/// Goes back in time from the place `theta` ∈ [0, 1] inside element 0, at the depth
-/// c = z/(2√κ) [√s], until it has passed `reach` elements or the past ends; calls
-/// `visit(segment, element, weights)` for every piece with the weights of the coefficients
-/// before, inside and after the element [√s times the unit of the factor].
+/// Goes back in time from the position `theta` ∈ [0, 1] inside element 0, at the depth c = z/(2√κ)
+/// [√s], until `reach` elements are passed or the past ends. Calls `visit(segment, element,
+/// weights)` for every piece, with the weights of the coefficients before, inside and after the
+/// element [√s times the unit of the factor].
 pub fn walk(
     segments: impl Iterator<Item = Segment>,
     mut theta: f64,
@@ -68,7 +68,7 @@ fn bernstein_weights([m0, m1, m2]: [f64; 3], theta: f64, rate: f64) -> [f64; 3] 
     [m0 - 2.0 * first + second, 2.0 * (first - second), second]
 }
 
-/// The weights of one segment for every point of a row: the value at point i is the sum over k of
+/// The weights of one segment for every point of a row. The value at point i is the sum over k of
 /// `middle[k] * m[first + i + k] + edge[k] * e[first + i + k]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
@@ -76,13 +76,14 @@ pub struct Part<'a> {
     pub segment: usize,
     /// Offset of the first element.
     pub first: usize,
-    /// Weights of middle coefficients; the last is 0, to be as many as the edges'.
+    /// Weights of the middle coefficients; the last weight is 0, so that the length equals that of
+    /// `edge`.
     pub middle: &'a [f64],
     /// Weights of edge values.
     pub edge: &'a [f64],
 }
 
-/// Weights for the points of a row, by segment; keeps its memory from one use to the next.
+/// Weights for the points of a row, by segment. Memory is reused between builds.
 #[derive(Clone, Debug, Default)]
 pub struct Stencil {
     parts: Vec<(usize, usize, usize)>,
@@ -116,7 +117,7 @@ impl Stencil {
         self.edge[slot + 1] += after;
     }
 
-    /// The parts, newest segment first.
+    /// Iterates over the parts, newest segment first.
     pub fn parts(&self) -> impl Iterator<Item = Part<'_>> {
         let ends = self.parts.iter().skip(1).map(|part| part.2).chain([self.edge.len()]);
         self.parts.iter().zip(ends).map(|(&(segment, first, start), end)| Part {
@@ -143,7 +144,7 @@ mod tests {
     #[test]
     fn weights_sum_to_the_kernels_integral() {
         let steady = [Segment { duration: f64::INFINITY, rate: 4.0, factor: 1.0 }];
-        // Ten elements less half the first, at four a second; rounding.
+        // Ten elements less half the first, at four a second; tolerance: rounding.
         assert!((total(&steady, 0.5, 10) - 2.0 * (9.5_f64 / 4.0).sqrt()).abs() < 1e-14);
         let cut =
             [0.3, 1e-9, 0.125, 7.0].map(|duration| Segment { duration, rate: 4.0, factor: 1.0 });
@@ -167,7 +168,7 @@ mod tests {
             sums[k] = std::array::from_fn(|p| sums[k][p] + w[p]);
         });
         for (a, b) in whole.iter().flatten().zip(sums.iter().flatten()) {
-            // Rounding of closed forms and quadrature.
+            // Tolerance: rounding of closed forms and quadrature.
             assert!((a - b).abs() < 1e-14, "{whole:?} {sums:?}");
         }
     }
@@ -180,7 +181,7 @@ mod tests {
         stencil.build(segments.into_iter(), 4, 0.0);
         let shape: Vec<_> =
             stencil.parts().map(|p| (p.segment, p.first, p.edge.len(), p.middle.len())).collect();
-        // Half an element to the first edge, one element in all, then half of the second.
+        // Half an element to the first edge, one element in total, then half of the second.
         assert_eq!(shape, [(0, 0, 3, 3), (1, 1, 2, 2), (2, 2, 3, 3)]);
         assert!(stencil.parts().all(|part| part.middle.last() == Some(&0.0)));
     }

@@ -1,8 +1,8 @@
-//! The modes of a body across and in depth, and the way between them and the rows of the heat flux.
+//! Modes of a body across and in depth, and transforms between them and the rows of the heat flux.
 //!
-//! A field is Σ ψ_l(y) φ_m(z) φ_m(0) b_lm: the amplitudes b, over φ_m(0), have the same source for all modes in
-//! depth, the flux in the mode across, and the surface is Σ φ_m(0)² b. Amplitudes of a column are padded to a
-//! multiple of [`LANES`].
+//! A field is Σ ψ_l(y) φ_m(z) φ_m(0) b_lm. The amplitudes b, divided by φ_m(0), have the same
+//! source for all modes in depth: the flux in the mode across. The surface is Σ φ_m(0)² b.
+//! Amplitudes of a column are padded to a multiple of [`LANES`].
 
 use super::mesh::Axis;
 use super::modes::Modes;
@@ -14,9 +14,9 @@ pub const LANES: usize = 8;
 /// Modes across and in depth.
 #[derive(Clone, Debug)]
 pub struct Basis {
-    /// Rows of the heat flux.
+    /// Number of rows of the heat flux.
     pub rows: usize,
-    /// Node across of the first of them.
+    /// Node across of the first row.
     first_row: usize,
     /// Modes across.
     pub across: Modes,
@@ -28,7 +28,7 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// Basis for `rows` rows of flux, the first being that of the node `first_row` across.
+    /// Creates the basis for `rows` rows of flux, the first at the node `first_row` across.
     #[must_use]
     pub fn new(across: &Axis, depth: &Axis, first_row: usize, rows: usize) -> Self {
         let modes = Modes::new(depth);
@@ -43,31 +43,32 @@ impl Basis {
         }
     }
 
-    /// Amplitudes of a column in a mode across, the padding included.
+    /// Returns the number of amplitudes of a column in a mode across, including padding.
     #[must_use]
     pub fn size(&self) -> usize {
         self.top.len()
     }
 
-    /// Part of a row of the flux in a mode across.
+    /// Returns the fraction of a row of the flux that goes into a mode across.
     #[must_use]
     pub fn part(&self, mode: usize, row: usize) -> f64 {
         let node = self.first_row + row;
         self.widths[node] * self.across.shape(mode)[node]
     }
 
-    /// Part of a mode across in a row.
+    /// Returns the value of a mode across in a row.
     #[must_use]
     pub fn shape(&self, mode: usize, row: usize) -> f64 {
         self.across.shape(mode)[self.first_row + row]
     }
 
-    /// Adds what the modes across are on the surface to the rises of rows of `columns` [K].
+    /// Adds the surface values of the modes across to the rises of rows of `columns` [K].
     pub fn add_modes(&self, columns: usize, surfaces: &[f64], rise: &mut [f64]) {
         Arch::new().dispatch(Sum { basis: self, columns, surfaces, rise });
     }
 
-    /// Rises [K] at the nodes in depth, node after node, from amplitudes column after column.
+    /// Returns the rises [K] at the nodes in depth, node after node, from amplitudes column after
+    /// column.
     #[must_use]
     pub fn rises(&self, amplitudes: &[f64]) -> Vec<f64> {
         let (size, nodes) = (self.size(), self.depth.len());
@@ -86,7 +87,7 @@ impl Basis {
     }
 }
 
-/// A surface as the sum of modes across, four at a time.
+/// Sum of the modes across at the surface, four at a time.
 struct Sum<'a> {
     basis: &'a Basis,
     columns: usize,
@@ -130,7 +131,7 @@ impl NullaryFnOnce for Sum<'_> {
     }
 }
 
-/// The values and zeros up to a multiple of [`LANES`].
+/// Returns the values, padded with zeros to a multiple of [`LANES`].
 #[must_use]
 pub fn padded(values: &[f64]) -> Vec<f64> {
     let mut padded = values.to_vec();

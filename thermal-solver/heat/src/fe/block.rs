@@ -1,10 +1,11 @@
-//! The block of a body that is meshed: how far behind the contact, across and in depth, and how finely.
+//! The meshed block of a body: its extent behind the contact, across and in depth, and its
+//! resolution.
 //!
-//! Depth and surroundings follow how far heat spreads while the material passes, s = √(4κ(L + w)/V) with half
-//! the length L of the heat flux's grid and the wake w: 3.5 of it, where a step of heat has fallen to 1e-6. Where
-//! that is more than [`FAR`] times L, at low speed or rest, the block ends there, and what is beyond
-//! lets out heat as a half-space does that is warmed from its middle: T falls like 1/r, so that
-//! ∂T/∂n = −T/r.
+//! The extents in depth and sideways follow from the distance that heat spreads while the material
+//! passes, s = √(4κ(L + w)/V) with half the length L of the heat flux's grid and the wake w. They
+//! are 3.5 s, where the effect of a step of heat has fallen to 1e-6. If this exceeds [`FAR`] times
+//! L, at low speed or at rest, the block ends there. The far field then conducts heat like a
+//! half-space that is heated at its centre: T falls like 1/r, so that ∂T/∂n = −T/r.
 
 use super::mesh::{Axis, surroundings};
 use super::scheme::Scheme;
@@ -12,34 +13,34 @@ use super::transient::Columns;
 use crate::Material;
 use grids::Structured;
 
-/// Spreads of heat over which a block is deep and goes sideways.
+/// Extent of a block in depth and sideways, in distances that heat spreads.
 const SPREADS: f64 = 3.5;
-/// Half lengths of the heat flux's grid at which a block ends at the latest.
+/// Largest extent of a block, in half lengths of the heat flux's grid.
 pub const FAR: f64 = 100.0;
-/// Half lengths at which it ends behind and in front in transient cases, whose columns are even.
+/// Extent in front, and least extent behind, of slow transient cases, in half lengths of the grid.
 const FAR_ALONG: f64 = 5.0;
-/// Growth of elements beside the rows of the heat flux.
+/// Growth ratio of elements beside the rows of the heat flux.
 const GROWTH: f64 = 1.3;
-/// Layers in a penetration depth by the first one.
+/// Number of first layers in a penetration depth.
 const LAYERS: f64 = 20.0;
-/// First layers in the depth √(κh/V) to which heat goes while one element passes: what begins to be heated is
-/// resolved, too.
+/// Number of first layers in the depth √(κh/V) that heat reaches while the material passes one
+/// element. They also resolve the beginning of heating.
 const LAYERS_OF_AN_ELEMENT: f64 = 8.0;
-/// Layers of a sheet, were all as thick as the first.
+/// Number of layers of a sheet if all were as thick as the first.
 const LAYERS_OF_A_SHEET: f64 = 8.0;
-/// Most columns of elements behind the heat flux's grid.
+/// Largest number of columns of elements behind the heat flux's grid.
 pub const MOST_BEHIND: f64 = 1e6;
-/// Most layers of elements in depth.
+/// Largest number of layers of elements in depth.
 pub const MOST_LAYERS: f64 = 2000.0;
-/// Growth of the layers in depth.
+/// Growth ratio of the layers in depth.
 pub const RATIO: f64 = 1.2;
-/// Lengths of diffusion along that count in front of the contact.
+/// Extent in front of the contact, in diffusion lengths along.
 const AHEAD: f64 = 10.0;
 
-/// Solver of the equations of the elements.
+/// Solver of the finite-element equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
-    /// In the modes of the mesh where properties are constant, by iterations otherwise.
+    /// Modes of the mesh for constant properties, iterations otherwise.
     #[default]
     Auto,
     /// By Newton's method and conjugate gradients.
@@ -48,39 +49,39 @@ pub enum Solver {
     Direct,
 }
 
-/// Passages of the same places of a body through the contact.
+/// Passages of the same place of a body through the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passages {
     /// Number of passages, this one included.
     pub count: usize,
-    /// Way from one to the next [m].
+    /// Distance between two passages [m].
     pub distance: f64,
 }
 
-/// Back of a body of finite thickness.
+/// Back surface of a body of finite thickness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Back {
-    /// Nothing that takes heat, or the middle of a body that is heated from both sides.
+    /// Insulated, or the mid-plane of a body that is heated from both sides.
     Insulated,
-    /// Something that keeps its initial temperature.
+    /// Held at the initial temperature.
     Fixed,
 }
 
 /// A body of finite thickness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sheet {
-    /// Its thickness [m].
+    /// Thickness [m].
     pub thickness: f64,
-    /// Back of the body.
+    /// Back surface.
     pub back: Back,
 }
 
-/// Settings of the elements.
+/// Settings of the finite elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elements {
     /// Thickness of the first layer [m].
     pub first_layer: Option<f64>,
-    /// Thickness of a layer over that of the one above it.
+    /// Ratio of the thickness of a layer to that of the layer above.
     pub ratio: f64,
     /// Depth of the block [m].
     pub depth: Option<f64>,
@@ -94,7 +95,7 @@ pub struct Elements {
     pub solver: Solver,
     /// Earlier passages of this body.
     pub passages: Option<Passages>,
-    /// This body's thickness, if it is finite.
+    /// Thickness and back of a finite body.
     pub sheet: Option<Sheet>,
 }
 
@@ -114,43 +115,43 @@ impl Default for Elements {
     }
 }
 
-/// Elements that do not fit into memory.
+/// Error for meshes that do not fit into memory.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TooManyElements {
-    /// Behind the contact.
+    /// Too many columns behind the contact.
     #[error("{columns:.3e} columns of elements, {length:.3e} m long, are behind the contact")]
     Behind {
         /// Columns of elements.
         columns: f64,
         /// Length of an element [m].
         length: f64,
-        /// Longest wake that has an answer [m].
+        /// Longest wake that is allowed [m].
         most_wake: f64,
     },
-    /// In depth.
+    /// Too many layers in depth.
     #[error(
         "{layers:.3e} layers of elements reach from {first:.3e} m to {deep:.3e} m of depth, each {ratio} times \
          as thick as the one above it"
     )]
     InDepth {
-        /// Layers of elements.
+        /// Number of layers of elements.
         layers: f64,
         /// Thickness of the first layer [m].
         first: f64,
         /// Depth of the block [m].
         deep: f64,
-        /// Thickness of a layer over that of the one above it.
+        /// Ratio of the thickness of a layer to that of the layer above.
         ratio: f64,
     },
 }
 
 impl Elements {
-    /// Length of the block behind the middle of a grid [m].
+    /// Returns the length of the block behind the middle of a grid [m].
     fn wake(&self, grid: &Structured) -> f64 {
         self.wake.unwrap_or(5.0 * half_length(grid))
     }
 
-    /// Columns behind those of a grid.
+    /// Returns the number of columns behind those of a grid.
     #[must_use]
     pub fn behind(&self, grid: &Structured) -> usize {
         self.columns_behind(grid) as usize
@@ -161,8 +162,8 @@ impl Elements {
         (more * (1.0 - 1e-12)).ceil().max(2.0)
     }
 
-    /// Refuses more elements below a grid of the heat flux than fit into memory, before anything is
-    /// allocated; the arguments are those of [`Block::new`].
+    /// Refuses meshes that do not fit into memory, before anything is allocated. The arguments are
+    /// those of [`Block::new`].
     ///
     /// # Errors
     /// Columns behind the contact or layers in depth are too many.
@@ -212,27 +213,28 @@ struct Layering {
     deep: f64,
     /// Depth that heat reaches [m].
     reach: f64,
-    /// It goes further than the block.
+    /// Whether the heat reaches further than the block.
     far: bool,
 }
 
 /// The mesh of a body, axis by axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
-    /// Across.
+    /// Axis across.
     pub across: Axis,
     /// Node across of the first row of the heat flux.
     pub first_row: usize,
-    /// In depth.
+    /// Axis in depth.
     pub depth: Axis,
-    /// Depth below the last node that keeps its initial temperature, if one does [m].
+    /// Depth of the fixed temperature below the last node, if any [m].
     pub fixed: Option<f64>,
-    /// Along.
+    /// Columns along.
     pub columns: Columns,
 }
 
 impl Block {
-    /// The block of a body below a grid of the heat flux, at the speed that is expected [m/s]; 0 at rest.
+    /// Creates the block of a body below a grid of the heat flux, for an expected speed [m/s]; 0 at
+    /// rest.
     #[must_use]
     pub fn new(grid: &Structured, material: &Material, speed: f64, elements: &Elements) -> Self {
         let Layering { first, deep, reach, far } = elements.layering(grid, material, speed);
@@ -268,13 +270,13 @@ impl Block {
         }
     }
 
-    /// Depths of the nodes, and of what is held below them [m].
+    /// Returns the depths of the nodes, and of the fixed temperature below them [m].
     #[must_use]
     pub fn depths(&self) -> Vec<f64> {
         self.depth.places.iter().copied().chain(self.fixed).collect()
     }
 
-    /// Depths between which the nodes stand for the body [m].
+    /// Returns the depths of the faces between the nodes' control volumes [m].
     #[must_use]
     pub fn faces(&self) -> Vec<f64> {
         let below = self.depth.widths.iter().scan(0.0, |depth, width| {
@@ -284,7 +286,7 @@ impl Block {
         std::iter::once(0.0).chain(below).chain(self.fixed).collect()
     }
 
-    /// Nodes.
+    /// Returns the number of nodes.
     #[must_use]
     pub fn nodes(&self) -> usize {
         self.columns.count() * self.across.len() * self.depth.len()

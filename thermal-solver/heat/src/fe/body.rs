@@ -1,13 +1,13 @@
-//! A body: which way its temperatures are solved for, and what the model asks of them.
+//! A body, with the solver of its temperatures and the quantities that the model needs.
 //!
 //! | | steady | in time |
 //! |---|---|---|
 //! | constant properties, in the modes of the mesh | [`super::steady_modal`] | [`super::transient_modal`] |
-//! | properties over temperature, free surfaces that cool, or a solver by name | [`super::steady_marching`] | [`super::transient_nodal`] |
+//! | properties over temperature, free surfaces that cool, or a solver chosen by name | [`super::steady_marching`] | [`super::transient_nodal`] |
 
 use super::block::{Block, Elements, Solver};
 use super::body_properties::BodyProperties;
-use super::body_solver::{BodySolver, Given, Rises};
+use super::body_solver::{BodySolver, Rises, SolverInput};
 use super::section::Below;
 use super::steady_marching::SteadyMarching;
 use super::steady_modal::SteadyModal;
@@ -16,21 +16,21 @@ use super::transient_nodal::TransientNodal;
 use crate::window::Stage;
 use grids::Structured;
 
-/// A body.
+/// A body with its temperature solver.
 pub struct Body {
     grid: Structured,
     depths: Vec<f64>,
-    /// Nodes in depth; one depth more is held.
+    /// Number of nodes in depth; the depth below the last node is held.
     nodes: usize,
-    /// Element means of the flux into it [W/m²].
+    /// Element means of the flux into the body [W/m²].
     pub means: Vec<f64>,
     /// Solver of its temperatures.
     pub motion: Box<dyn BodySolver>,
 }
 
 impl Body {
-    /// A cold body below a grid of the heat flux, its elements laid out for a speed [m/s], in steady motion or in
-    /// time.
+    /// Creates a cold body below a grid of the heat flux, in steady motion or in time. The elements
+    /// are laid out for an expected speed [m/s].
     #[must_use]
     pub fn new(
         grid: &Structured,
@@ -40,7 +40,7 @@ impl Body {
         steady: bool,
     ) -> Self {
         let block = Block::new(grid, &nature.material, expected_speed, elements);
-        let given = Given { grid, nature, block: &block, elements };
+        let given = SolverInput { grid, nature, block: &block, elements };
         let in_modes = nature.is_constant() && elements.solver == Solver::Auto;
         let motion: Box<dyn BodySolver> = match (in_modes, steady) {
             (true, true) => Box::new(SteadyModal::new(given)),
@@ -52,7 +52,7 @@ impl Body {
         Self { grid: *grid, means, motion, depths: block.depths(), nodes: block.depth.len() }
     }
 
-    /// Rises below a row of a state.
+    /// Returns the rises below a row of a state.
     #[must_use]
     pub fn below(&self, stage: Stage, row: usize) -> Below {
         let Rises { mut values, behind, dense } = self.motion.below(stage, row);

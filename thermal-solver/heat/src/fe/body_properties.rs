@@ -1,4 +1,4 @@
-//! What a body is made of, and what is round it.
+//! Material and surroundings of a body.
 
 use super::conductor::{NewtonStats, Surroundings};
 use super::error::SolveError;
@@ -8,26 +8,26 @@ use crate::Material;
 /// Material of a body, and its surroundings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyProperties {
-    /// Its properties while it is cold.
+    /// Properties at the initial temperature.
     pub material: Material,
-    /// The points of its properties over temperature, if they depend on it.
+    /// Points of the properties over temperature; empty for constant properties.
     pub points: Vec<Point>,
-    /// Its temperature while it is cold [K].
+    /// Initial temperature [K].
     pub initial: f64,
-    /// Temperatures beyond the points have the properties of their ends.
+    /// Whether properties beyond the points keep the values at the ends.
     pub clamps: bool,
-    /// Surroundings of its free surface.
+    /// Surroundings of the free surface.
     pub surroundings: Surroundings,
 }
 
 impl BodyProperties {
-    /// Its equations are linear, and the same everywhere.
+    /// Returns whether the equations are linear with uniform coefficients.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         self.points.is_empty() && self.surroundings.is_none()
     }
 
-    /// Its conductivity and the heat that it holds.
+    /// Returns the law of conductivity and heat content.
     #[must_use]
     pub fn law(&self) -> Law {
         let Material { density, specific_heat, conductivity } = self.material;
@@ -37,10 +37,10 @@ impl BodyProperties {
         }
     }
 
-    /// Work of a solve whose coldest and hottest rises are these [K].
+    /// Checks a solve with these lowest and highest rises [K], and returns its work.
     ///
     /// # Errors
-    /// The equations are not solved, or the rises are beyond what is known of the material.
+    /// The equations are not solved, or a rise is outside the range of the material data.
     pub fn check(&self, extremes: [f64; 2], took: NewtonStats) -> Result<u64, SolveError> {
         if !took.is_solved() {
             return Err(SolveError::NotSolved {

@@ -1,5 +1,5 @@
-//! How a body's temperatures follow from the flux into it: what differs from one way to solve for them to the
-//! next. [`super::body`] chooses.
+//! Interface of the solvers that compute a body's temperatures from the flux into it.
+//! [`super::body`] selects the solver.
 
 use super::block::{Block, Elements};
 use super::body_properties::BodyProperties;
@@ -10,67 +10,67 @@ use crate::window::Stage;
 use grids::Structured;
 use std::io::{self, Read, Write};
 
-/// A body, its mesh and its settings, for which a solver is made.
+/// Input of a solver: a body, its mesh and its settings.
 #[derive(Clone, Copy)]
-pub struct Given<'a> {
+pub struct SolverInput<'a> {
     /// The grid of the heat flux.
     pub grid: &'a Structured,
     /// Material and surroundings of the body.
     pub nature: &'a BodyProperties,
-    /// Its mesh.
+    /// Mesh of the body.
     pub block: &'a Block,
     /// Settings of the elements.
     pub elements: &'a Elements,
 }
 
-/// Rises below a row.
+/// Rises below a row of the surface.
 pub struct Rises {
-    /// Node after node in depth, column after column [K].
+    /// Rises [K], node after node in depth, column after column.
     pub values: Vec<f64>,
     /// Distance of the first column behind the middle of the first element, in elements.
     pub behind: f64,
-    /// Columns in an element.
+    /// Number of columns in an element.
     pub dense: usize,
 }
 
-/// A way to solve, with its states.
+/// A temperature solver with its states.
 pub trait BodySolver: Send {
     /// Prepares a window of this duration [s], infinite in steady motion, at this speed [m/s].
     ///
     /// # Errors
-    /// The speed is none that it can solve for.
+    /// The solver does not support this speed.
     fn pass(&mut self, duration: f64, speed: f64) -> Result<(), SolveError>;
 
-    /// Solves for the end of the window, from the accepted state, under the flux; the work.
+    /// Solves for the end of the window under the flux, from the accepted state. Returns the work.
     ///
     /// # Errors
-    /// There is no solution.
+    /// The equations are not solved, or a temperature is outside the material data.
     fn warm(&mut self) -> Result<u64, SolveError>;
 
-    /// Rises of the surface [K] in the last solve.
+    /// Writes the rises of the surface [K] in the last solve.
     fn show(&mut self, between: Interpolation, rise: &mut [f64]);
 
-    /// The flux into the body in the window.
+    /// Returns the flux into the body in the window.
     fn flux(&mut self) -> &mut Flux;
 
-    /// The last solve becomes the accepted state.
+    /// Makes the last solve the accepted state.
     fn accept(&mut self);
 
-    /// Rises below a row of a state.
+    /// Returns the rises below a row of a state.
     fn below(&self, stage: Stage, row: usize) -> Rises;
 
-    /// A state in which anything below zero is rounding.
+    /// Returns whether a rise below zero can only be rounding in this state.
     fn is_heated(&self, stage: Stage) -> bool;
 
     /// Writes the accepted state.
     ///
     /// # Errors
-    /// Errors of `into`.
+    /// Writing to `into` fails.
     fn save(&self, into: &mut dyn Write) -> io::Result<()>;
 
-    /// Reads back what [`BodySolver::save`] wrote.
+    /// Restores the state written by [`BodySolver::save`].
     ///
     /// # Errors
-    /// It does not fit; then nothing has changed.
+    /// Reading fails or the data do not fit; the state is then unchanged.
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()>;
 }

@@ -1,23 +1,25 @@
-//! Conduction in a block whose properties depend on temperature, in steps of time or until nothing changes.
+//! Conduction in a block whose properties depend on temperature, in time steps or to the steady
+//! state.
 //!
-//! For the transform Θ of every node ([`super::law`]), with the heat H(Θ), the volume v that the node stands for,
-//! the conductance K between nodes and what goes through the surface, E(T) = h(T − T∞) + εσ(T⁴ − T∞⁴),
+//! For the transform Θ of every node ([`super::law`]), with the heat H(Θ), the control volume v of
+//! the node, the conductance K between nodes and the surface loss E(T) = h(T − T∞) + εσ(T⁴ − T∞⁴),
 //!
 //! v (a₀ H(Θ) − a₁ H(Θ₁) − a₂ H(Θ₂))/Δt + θ [KΘ + E] + (1 − θ) [KΘ₁ + E₁] = Q,
 //!
-//! with the coefficients of [`super::scheme`]. Only H and E are not linear: Newton's method, and in it conjugate
-//! gradients on the symmetric matrix, whose preconditioner solves every line of nodes in depth exactly. Where
-//! material passes an element in a step the matrix is nearly those lines, and two iterations do.
-//! Heat is conserved as far as the equation is solved: its residual, summed up, is what is missing.
+//! with the coefficients of [`super::scheme`]. Only H and E are nonlinear. The solver is Newton's
+//! method with conjugate gradients on the symmetric matrix, whose preconditioner solves every line
+//! of nodes in depth exactly. If the material passes an element in a step, the matrix consists
+//! almost of those lines, and two iterations suffice. Heat is conserved up to the residual: the sum
+//! of the residual is the missing heat.
 //!
-//! **Steps of the heat capacity.** H and E grow with Θ and K is symmetric and positive, so the
-//! residual is the downward gradient of a strictly convex energy, and the solution is its only
-//! minimum. A full step of Newton's method is kept if it halves the smallest residual so far, or if
-//! the energy still falls at its end. Otherwise a line search shortens the step until the slope of
-//! the energy along it lies between zero and half of the slope at its start. Each step then lowers
-//! the energy in proportion to the square of the residual, which makes the method converge from any
-//! start, however steep or narrow a peak of the heat capacity is (Nocedal & Wright, Numerical
-//! Optimization, 2nd ed., section 3.2). Smooth laws never need the search.
+//! **Steps of the heat capacity.** H and E grow with Θ, and K is symmetric and positive. The
+//! residual is therefore the downward gradient of a strictly convex energy, and the solution is its
+//! only minimum. A full step of Newton's method is kept if it halves the smallest residual so far,
+//! or if the energy still falls at its end. Otherwise a line search shortens the step until the
+//! slope of the energy along it lies between zero and half of the slope at its start. Each step
+//! then lowers the energy in proportion to the square of the residual, so that the method converges
+//! from any start, for any steepness or width of a peak of the heat capacity (Nocedal & Wright,
+//! Numerical Optimization, 2nd ed., section 3.2). Smooth laws never need the search.
 
 use super::basis::LANES;
 use super::direct::Direct;
@@ -27,25 +29,26 @@ use super::scheme::Coefficients;
 use numerics::vector::{add_scaled, dot};
 use pulp::{Arch, NullaryFnOnce};
 
-/// Stefan and Boltzmann's constant [W/(m²·K⁴)].
+/// Stefan–Boltzmann constant [W/(m²·K⁴)].
 const BOLTZMANN: f64 = 5.670_374_419e-8;
-/// Residual over the known terms of the equation at which a step is solved.
+/// Residual, relative to the known terms of the equation, at which a step is solved.
 const SOLVED: f64 = 1e-10;
-/// Steps of Newton's method at most. A latent heat of 500 times the heat capacity over a kelvin
-/// takes 20.
+/// Largest number of Newton steps. A latent heat of 500 times the heat capacity over a kelvin takes
+/// 20.
 const MOST_NEWTON: usize = 100;
-/// Reduction of the smallest residual so far at which a full step of Newton's method is kept
-/// unseen.
+/// Reduction of the smallest residual so far at which a full Newton step is kept without a check of
+/// the energy.
 const HALVED: f64 = 0.5;
-/// Slope of the energy over that at the start of a step below which a line search ends.
+/// Ratio of the slope of the energy to that at the start of a step, below which a line search ends.
 const FLAT: f64 = 0.5;
-/// Trials of a line search at most. Every trial shortens the bracket by a twentieth or more.
+/// Largest number of trials of a line search. Every trial shortens the bracket by a twentieth or
+/// more.
 const MOST_TRIALS: usize = 60;
-/// Share of the bracket of a line search that a trial keeps from either end.
+/// Smallest distance of a trial from either end of the bracket, as a fraction of the bracket.
 const MARGIN: f64 = 0.05;
-/// Iterations of conjugate gradients at most.
+/// Largest number of iterations of conjugate gradients.
 const MOST_ITERATIONS: usize = 500;
-/// Reduction of the residual by conjugate gradients in a step of Newton's method.
+/// Reduction of the residual by conjugate gradients in a Newton step.
 const REDUCTION: f64 = 1e-8;
 
 /// Exchange of a free surface with its surroundings.
@@ -53,22 +56,23 @@ const REDUCTION: f64 = 1e-8;
 pub struct Surroundings {
     /// Coefficient of convection h [W/(m²·K)], and the temperature of the air [K].
     pub convection: [f64; 2],
-    /// Emissivity ε [-], and the temperature of what is round [K].
+    /// Emissivity ε [-], and the temperature of the surroundings [K].
     pub radiation: [f64; 2],
 }
 
 impl Surroundings {
-    /// Nothing is exchanged.
+    /// Returns whether the surface exchanges no heat.
     #[must_use]
     pub fn is_none(&self) -> bool {
         self.convection[0] == 0.0 && self.radiation[0] == 0.0
     }
 
-    /// Flux that leaves a surface with a rise over an initial temperature [W/m²], and its slope [W/(m²·K)]. Differences are of
-    /// the rise: those of temperatures would leave little of it where it is small.
+    /// Returns the flux that leaves a surface with a rise over an initial temperature [W/m²], and
+    /// its slope [W/(m²·K)]. Differences use the rise: differences of temperatures would lose the
+    /// digits of a small rise.
     fn lost(&self, initial: f64, rise: f64) -> [f64; 2] {
         let ([h, air], [emissivity, round]) = (self.convection, self.radiation);
-        // An iterate below absolute zero radiates nothing: the loss then never falls with the
+        // An iterate below absolute zero radiates nothing, so the loss never falls with rising
         // temperature.
         let warm = rise.max(-initial);
         let (black, temperature) = (emissivity * BOLTZMANN, initial + warm);
@@ -80,13 +84,13 @@ impl Surroundings {
     }
 }
 
-/// A block.
+/// A conducting block of nodes.
 #[derive(Clone, Debug)]
 pub struct Conductor {
     /// Nodes along, across and in depth.
     pub counts: [usize; 3],
     widths: [Vec<f64>; 3],
-    /// Conductances from node to node over the conductivity, both ends included.
+    /// Conductances between neighbouring nodes over the conductivity, both ends included.
     between: [Vec<f64>; 3],
     /// Θ beyond the ends of the axes [W/m].
     pub beyond: [[f64; 2]; 3],
@@ -97,16 +101,16 @@ pub struct Conductor {
     arch: Arch,
 }
 
-/// Task of a step.
+/// Input of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// Its length [s]; infinite for what is in the end.
+    /// Duration [s]; infinite for the steady state.
     pub duration: f64,
     /// Coefficients of the scheme.
     pub by: Coefficients,
     /// Heat that enters the surface nodes, along and across [W].
     pub surface: &'a [f64],
-    /// Which of them exchange heat with the surroundings.
+    /// Surface nodes that exchange heat with the surroundings.
     pub free: &'a [bool],
     /// Heat that enters every node [W]; empty for none.
     pub inside: &'a [f64],
@@ -121,23 +125,23 @@ pub struct NewtonStats {
     pub iterations: usize,
     /// Residual over the known terms.
     pub residual: f64,
-    /// Conjugate gradients have ended before they had reduced the residual as far as they should.
+    /// Whether conjugate gradients ended before they reached their reduction.
     pub stopped: bool,
 }
 
 impl NewtonStats {
-    /// The equation is solved to its tolerance.
+    /// Returns whether the equation is solved to its tolerance.
     #[must_use]
     pub fn is_solved(&self) -> bool {
         self.residual <= SOLVED
     }
 
-    /// Adds what another step took.
+    /// Adds the effort of another step.
     pub fn add(&mut self, other: Self) {
         self.newton += other.newton;
         self.iterations += other.iterations;
         self.stopped |= other.stopped;
-        // One that is no number stays.
+        // Keeps a NaN.
         if other.residual.is_nan() || other.residual > self.residual {
             self.residual = other.residual;
         }
@@ -148,9 +152,9 @@ impl NewtonStats {
 #[derive(Default)]
 pub struct Workspace {
     right: Vec<f64>,
-    /// Slope of what a node holds and loses over Θ.
+    /// Slope of the stored and lost heat of a node over Θ.
     diagonal: Vec<f64>,
-    /// Factors of the lines.
+    /// Factors of the lines in depth.
     gain: Vec<f64>,
     factor: Vec<f64>,
     residual: Vec<f64>,
@@ -159,12 +163,12 @@ pub struct Workspace {
     image: Vec<f64>,
     correction: Vec<f64>,
     row: Vec<f64>,
-    /// The factored matrix, for who wants it.
+    /// Direct factorisation; `None` for conjugate gradients.
     pub direct: Option<Direct>,
 }
 
 impl Workspace {
-    /// One that eliminates, or iterates.
+    /// Creates working memory for elimination, or for iterations without `direct`.
     #[must_use]
     pub fn with(direct: Option<Direct>) -> Self {
         Self { direct, ..Self::default() }
@@ -172,7 +176,7 @@ impl Workspace {
 }
 
 impl Conductor {
-    /// Block of axes along, across and in depth.
+    /// Creates a block from its axes along, across and in depth.
     #[must_use]
     pub fn new(axes: [&Axis; 3], law: Law) -> Self {
         Self {
@@ -186,19 +190,19 @@ impl Conductor {
         }
     }
 
-    /// Nodes.
+    /// Returns the number of nodes.
     #[must_use]
     pub fn nodes(&self) -> usize {
         self.counts.iter().product()
     }
 
-    /// Lengths that the nodes in depth stand for [m].
+    /// Returns the widths of the nodes in depth [m].
     #[must_use]
     pub fn widths_in_depth(&self) -> &[f64] {
         &self.widths[2]
     }
 
-    /// Heat that a state holds [J].
+    /// Returns the heat content of a state [J].
     #[must_use]
     pub fn heat(&self, potentials: &[f64]) -> f64 {
         let [nx, _, nz] = self.counts;
@@ -210,7 +214,8 @@ impl Conductor {
         potentials.chunks_exact(nx).enumerate().map(line).sum()
     }
 
-    /// Heat that leaves a state: through the ends of the axes, and the free surface [W].
+    /// Returns the heat that leaves a state through the ends of the axes, and through the free
+    /// surface [W].
     #[must_use]
     pub fn lost(&self, potentials: &[f64], free: &[bool]) -> [f64; 2] {
         let [nx, ny, nz] = self.counts;
@@ -240,8 +245,8 @@ impl Conductor {
         lost
     }
 
-    /// Finds a state, from what may be near it, with the one before it and, for a scheme that asks for it,
-    /// the one before that.
+    /// Solves for the next state, from a nearby guess, the state before and, for a scheme that
+    /// needs it, the state two steps before.
     pub fn step(
         &self,
         request: &Request,
@@ -267,7 +272,7 @@ impl Conductor {
         self.arch.dispatch(Solve { block: self, request, now, earlier, memory })
     }
 
-    /// The right-hand side: all of the equation that is known.
+    /// Computes the right-hand side: all known terms of the equation.
     #[inline(always)]
     fn right(&self, request: &Request, [last, before]: [&[f64]; 2], memory: &mut Workspace) {
         let Request { duration, by: Coefficients { a, theta }, .. } = *request;
@@ -304,9 +309,9 @@ impl Conductor {
         }
     }
 
-    /// Norm of the known terms of the equation, which its residual is compared with: the right-hand side, and what the
-    /// free surface exchanges at the initial temperature. Where the surroundings are warmer or colder than a body that
-    /// nothing else heats, they are all that is known.
+    /// Returns the norm of the known terms, to which the residual is compared: the right-hand side,
+    /// and the surface exchange at the initial temperature. If only warmer or colder surroundings
+    /// drive a body, the exchange is the only known term.
     fn scale(&self, request: &Request, memory: &mut Workspace) -> f64 {
         let Workspace { right, residual, image, .. } = memory;
         image.fill(0.0);
@@ -330,7 +335,7 @@ impl Conductor {
         }
     }
 
-    /// Adds the heat that comes in through the ends.
+    /// Adds the heat that enters through the ends.
     fn enter(&self, right: &mut [f64]) {
         let [nx, ny, nz] = self.counts;
         for axis in 0..3 {
@@ -359,14 +364,14 @@ impl Conductor {
         debug_assert_eq!(right.len(), nx * ny * nz);
     }
 
-    /// s K x in a row of nodes.
+    /// Computes s K x in a row of nodes.
     #[inline(always)]
     fn conduct_row(&self, s: f64, x: &[f64], [j, k]: [usize; 2], out: &mut [f64]) {
         let [nx, ny, nz] = self.counts;
         let [_, wy, wz] = &self.widths;
         let [gx, gy, gz] = &self.between;
         let start = (j * nz + k) * nx;
-        // A neighbour that is not there is the node itself; the ends have their own conductance.
+        // A missing neighbour is replaced by the node itself; the ends have their own conductance.
         let line = |there: bool, from: usize| {
             let from = if there { from } else { start };
             &x[from..from + nx]
@@ -391,7 +396,7 @@ impl Conductor {
         stencil.apply(&mut out[..nx]);
     }
 
-    /// out += s E of the free surface, and its slope over Θ to the diagonal.
+    /// out += s E of the free surface; adds its slope over Θ to the diagonal.
     fn exchange(
         &self,
         s: f64,
@@ -421,7 +426,7 @@ impl Conductor {
         }
     }
 
-    /// Factors the lines in depth of the matrix, with all of the diagonal.
+    /// Factorises the lines in depth of the matrix, with the full diagonal.
     #[inline(always)]
     fn factor(&self, theta: f64, memory: &mut Workspace) {
         let [nx, _, nz] = self.counts;
@@ -487,7 +492,7 @@ impl Conductor {
     }
 }
 
-/// A step of a block.
+/// One step of a block.
 struct Solve<'a> {
     block: &'a Conductor,
     request: &'a Request<'a>,
@@ -506,7 +511,7 @@ impl NullaryFnOnce for Solve<'_> {
         let scale = block.scale(request, memory);
         let mut took = NewtonStats::default();
         if scale == 0.0 {
-            // Nothing enters and nothing is held: the body stays at its initial temperature.
+            // No heat enters or is held: the body stays at its initial temperature.
             now.fill(0.0);
             return took;
         }
@@ -536,13 +541,13 @@ impl NullaryFnOnce for Solve<'_> {
 }
 
 impl Conductor {
-    /// Adds the correction to a state, or a part of it that lowers the energy, and finds the
-    /// residual there. The whole of it is kept where the residual is not above `enough`.
+    /// Adds the correction to a state, or a fraction of it that lowers the energy, and computes the
+    /// residual there. The full correction is kept if the residual is at most `enough`.
     #[inline(always)]
     fn advance(&self, request: &Request, now: &mut [f64], enough: f64, memory: &mut Workspace) {
         add_scaled(now, &memory.correction, 1.0);
         self.residual(request, now, memory);
-        // The slope of the energy along the correction, downwards.
+        // Downward slope of the energy along the correction.
         let mut slope = dot(&memory.residual, &memory.correction);
         if slope >= 0.0 || dot(&memory.residual, &memory.residual) <= enough * enough {
             return;
@@ -550,7 +555,7 @@ impl Conductor {
         let (mut place, mut high) = (1.0, [1.0, slope]);
         let (mut low, mut flat) = ([0.0, f64::INFINITY], 0.0);
         for trial in 0..MOST_TRIALS {
-            // The first trial finds the slope at the start, where conjugate gradients have used up
+            // The first trial finds the slope at the start, where conjugate gradients have consumed
             // the residual.
             let next = if trial == 0 { 0.0 } else { false_position(low, high) };
             add_scaled(now, &memory.correction, next - place);
@@ -569,7 +574,7 @@ impl Conductor {
         }
     }
 
-    /// Residual of the equation, b − F(Θ), and the slope of what is not linear in it.
+    /// Computes the residual of the equation, b − F(Θ), and the slope of the nonlinear terms.
     #[inline(always)]
     fn residual(&self, request: &Request, now: &[f64], memory: &mut Workspace) {
         let Request { duration, by: Coefficients { a, theta }, .. } = *request;
@@ -608,13 +613,13 @@ impl Conductor {
         self.exchange(-theta, request.free, now, residual, Some(diagonal));
     }
 
-    /// The correction by elimination.
+    /// Computes the correction by elimination.
     fn eliminate(&self, theta: f64, memory: &mut Workspace) {
         let [nx, _, nz] = self.counts;
         let [wx, wy, wz] = &self.widths;
         let [gx, gy, gz] = &self.between;
         let Workspace { direct, diagonal, residual, correction, .. } = memory;
-        let direct = direct.as_mut().expect("it is asked for");
+        let direct = direct.as_mut().expect("elimination has a factorisation");
         for (node, own) in diagonal.iter().enumerate() {
             let [i, j, k] = [node % nx, node / (nx * nz), node / nx % nz];
             let areas = [wy[j] * wz[k], wx[i] * wz[k], wx[i] * wy[j]];
@@ -627,7 +632,7 @@ impl Conductor {
         direct.solve(residual, correction);
     }
 
-    /// The image of the direction under the matrix.
+    /// Multiplies the direction by the matrix.
     #[inline(always)]
     fn multiply(&self, theta: f64, memory: &mut Workspace) {
         let Workspace { image, direction, diagonal, row, .. } = memory;
@@ -645,7 +650,7 @@ impl Conductor {
         }
     }
 
-    /// Conjugate gradients for the correction; the iterations.
+    /// Computes the correction by conjugate gradients. Returns the number of iterations.
     #[inline(always)]
     fn correct(&self, theta: f64, reduction: f64, memory: &mut Workspace) -> usize {
         memory.correction.fill(0.0);
@@ -681,7 +686,7 @@ impl Conductor {
 struct Stencil<'a> {
     own: &'a [f64],
     beside: [&'a [f64]; 4],
-    /// Conductances to those beside.
+    /// Conductances to the four neighbours across and in depth.
     by: [f64; 4],
     /// Conductance of the ends across and in depth.
     end: f64,
@@ -713,7 +718,7 @@ impl Stencil<'_> {
         }
     }
 
-    /// Some nodes between the ends.
+    /// Computes N nodes between the ends.
     #[inline(always)]
     fn part<const N: usize>(&self, i: usize, out: &mut [f64]) {
         let (own, before, after) =
@@ -750,8 +755,8 @@ fn lanes<const N: usize>(values: &[f64], i: usize) -> [f64; N] {
     values[i..i + N].try_into().expect("as many as lanes")
 }
 
-/// Zero of a straight line between two places and slopes of opposite sign, but not close to
-/// either.
+/// Returns the zero of the straight line between two points with slopes of opposite sign, kept away
+/// from both ends.
 #[inline(always)]
 fn false_position([low, above]: [f64; 2], [high, below]: [f64; 2]) -> f64 {
     let part = above / (above - below);

@@ -1,8 +1,8 @@
-//! The matrix of a block, solved by a sparse Cholesky factorisation (faer's, supernodal).
+//! Sparse Cholesky factorisation of the matrix of a block (faer's, supernodal).
 //!
-//! The nodes are numbered by nested dissection of the mesh itself: a plane of nodes that parts the longest axis
-//! comes after both its sides, and so on in each of them. The pattern is analysed once; the factor is made anew
-//! when a value has changed, and serves any number of steps while none has.
+//! The nodes are numbered by nested dissection of the mesh: a plane of nodes that splits the
+//! longest axis comes after both its sides, recursively. The pattern is analysed once. The factor
+//! is recomputed when a value has changed, and reused for any number of steps otherwise.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{
@@ -13,15 +13,16 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
 use std::ops::Range;
 
-/// Nodes along an axis below which a part is not parted.
+/// Number of nodes along an axis below which a part is not split.
 const SMALL: usize = 3;
 
-/// A factored matrix.
+/// A factorised matrix.
 pub struct Direct {
-    /// Place of every node in the order of elimination.
+    /// Position of every node in the order of elimination.
     order: Vec<usize>,
     pattern: SymbolicSparseColMat<usize>,
-    /// Places of the diagonal of a node and of its couplings to the next one along, across and in depth.
+    /// Positions of a node's diagonal and of its couplings to the next node along, across and in
+    /// depth.
     slots: Vec<[usize; 4]>,
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,
@@ -36,7 +37,7 @@ impl Direct {
     /// Analyses the pattern of a block of nodes along, across and in depth.
     ///
     /// # Panics
-    /// If there is no memory for it.
+    /// The pattern of the factor does not fit into memory.
     #[must_use]
     pub fn new(counts: [usize; 3]) -> Self {
         let [nx, ny, nz] = counts;
@@ -96,7 +97,7 @@ impl Direct {
         }
     }
 
-    /// Takes over a node's diagonal and its couplings to the next node of each axis.
+    /// Sets a node's diagonal and its couplings to the next node of each axis.
     pub fn set(&mut self, node: usize, diagonal: f64, couplings: [f64; 3]) {
         let [own, others @ ..] = self.slots[node];
         self.values[own] = diagonal;
@@ -110,7 +111,7 @@ impl Direct {
     /// Solves for a right-hand side.
     ///
     /// # Panics
-    /// If the matrix is not positive definite: an element of a mesh without extent.
+    /// The matrix is not positive definite, because an element of the mesh has no extent.
     pub fn solve(&mut self, right: &[f64], out: &mut [f64]) {
         if self.factored != self.values {
             let matrix = SparseColMatRef::new(self.pattern.as_ref(), &self.values);

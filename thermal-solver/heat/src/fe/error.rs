@@ -1,12 +1,13 @@
-//! Why finite elements have no answer.
+//! Errors of a finite-element solve.
 
-/// Why finite elements have no answer.
+/// Reason why finite elements give no result.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SolveError {
     /// Newton's method did not reach its tolerance.
     ///
-    /// It converges from any start, unless conjugate gradients end too early, which elimination does
-    /// not, or rounding exceeds the tolerance: between layers so thin that what they conduct cancels.
+    /// The method converges from any start, with two exceptions. Conjugate gradients may end too
+    /// early; elimination does not. Rounding may exceed the tolerance, between layers so thin that
+    /// their conduction cancels.
     #[error(
         "the equations of the elements are not solved: the residual is {residual:.1e} after {newton} steps of Newton's \
          method"
@@ -16,12 +17,12 @@ pub enum SolveError {
         residual: f64,
         /// Steps of Newton's method.
         newton: usize,
-        /// Conjugate gradients have ended before their tolerance.
+        /// Whether conjugate gradients ended before their tolerance.
         gradients_stopped: bool,
     },
-    /// A temperature for which the table of properties has none.
+    /// A temperature is outside the table of properties.
     #[error(
-        "{temperature:.1} K is beyond the table of properties, which is from {} to {} K", known[0], known[1]
+        "{temperature:.1} K is beyond the table of properties, which covers {} to {} K", known[0], known[1]
     )]
     BeyondProperties {
         /// The temperature [K].
@@ -29,9 +30,9 @@ pub enum SolveError {
         /// First and last temperature of the table [K].
         known: [f64; 2],
     },
-    /// Heat spreads over elements before they are passed.
+    /// Heat spreads over an element faster than the material passes it.
     #[error(
-        "the march downstream is for speeds at which an element is passed before heat spreads over it: \
+        "the march downstream needs a speed at which material passes an element before heat spreads over it: \
          its Fourier number is {fourier:.2} at {speed} m/s, and must not be above {most}"
     )]
     TooSlow {
@@ -39,13 +40,13 @@ pub enum SolveError {
         fourier: f64,
         /// Speed [m/s].
         speed: f64,
-        /// Largest Fourier number that has an answer [-].
+        /// Largest Fourier number that is allowed [-].
         most: f64,
     },
-    /// The march downstream changes from pass to pass.
+    /// The march downstream changes from sweep to sweep.
     #[error("the march downstream does not settle: it changes by {change:.3e} W/m")]
     Unsettled {
-        /// Change of the last pass [W/m].
+        /// Change of the last sweep [W/m].
         change: f64,
     },
 }

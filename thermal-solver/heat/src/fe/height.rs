@@ -1,28 +1,30 @@
-//! What raises the surface of a body, from the temperatures of its nodes.
+//! Thermal displacement of the surface of a body, from the temperatures of its nodes.
 //!
-//! W = ∫ ϑ̂ e^{−kz} dz for the wave number k along the surface ([`crate::moving_source::rise_integral`]), with the layers that the nodes
-//! stand for: each is a product in Fourier space, where their sum is made, on a grid that is padded by as much as it is large, and goes
-//! on behind by a quarter of its length: what is further behind the grid is left out.
+//! W = ∫ ϑ̂ e^{−kz} dz for the wave number k along the surface
+//! ([`crate::moving_source::rise_integral`]), summed over the layers of the nodes. Each layer is a
+//! product in Fourier space, where the layers are added. The grid is padded to twice its size and
+//! extended behind by a quarter of its length; heat further behind is neglected.
 
 use grids::Structured;
 use numerics::convolution::{Complex64, Convolution, Spectrum};
 use std::f64::consts::TAU;
 
-/// The layers of a body.
+/// Layers of a body with their transforms.
 pub struct Height {
-    /// Columns of the grid, and of those behind it.
+    /// Number of columns of the grid, and behind it.
     columns: usize,
-    /// Columns behind.
+    /// Number of columns behind the grid.
     pub behind: usize,
     convolution: Convolution,
-    /// Share Δz e^{−kz} of every layer.
+    /// Weight Δz e^{−kz} of every layer.
     layers: Vec<Spectrum>,
-    /// Rises of a layer, and in the end the sum, the columns behind included.
+    /// Rises of a layer, later the sum, including the columns behind.
     values: Vec<f64>,
 }
 
 impl Height {
-    /// With nodes at some depths [m], the last of which is held, and the faces between them.
+    /// Prepares the nodes at some depths [m], the last of which is held, and the faces between
+    /// them.
     #[must_use]
     pub fn new(grid: &Structured, depths: &[f64], faces: &[f64]) -> Self {
         let behind = grid.ni / 4;
@@ -41,7 +43,8 @@ impl Height {
         Self { columns: grid.ni, behind, convolution, layers, values }
     }
 
-    /// W [K m] of the rises that `fill(layer, rises)` says [K], row by row with the columns behind first; the multiply-adds that it took.
+    /// Computes W [K m] of the rises [K] that `fill(layer, rises)` writes, row by row, beginning
+    /// with the columns behind. Returns the number of multiply-adds.
     pub fn of(&mut self, mut fill: impl FnMut(usize, &mut [f64]), integral: &mut [f64]) -> u64 {
         let Self { columns, behind, convolution, layers, values } = self;
         let mut sum = convolution.empty_sum();

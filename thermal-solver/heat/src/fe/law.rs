@@ -1,24 +1,24 @@
 //! Conductivity and heat capacity that depend on temperature, by Kirchhoff's transform.
 //!
-//! With Θ = ∫ λ dT, from the initial temperature on, conduction is linear in Θ whatever λ(T) is, and all that is not is
-//! the heat H(Θ) = ∫ ρc dT that a place holds, whose slope dH/dΘ = ρc/λ = 1/κ is positive. Between the
-//! lines of a table λ and c are straight, and constant beyond it.
+//! With Θ = ∫ λ dT from the initial temperature, conduction is linear in Θ for any λ(T). Only the
+//! heat content H(Θ) = ∫ ρc dT is nonlinear; its slope dH/dΘ = ρc/λ = 1/κ is positive. λ and c are
+//! linear between the rows of a table, and constant beyond it.
 //!
-//! H(Θ) and T(Θ) are tabulated in [`STEPS`] pieces over even steps of Θ and grow by the exact
-//! amount in each of them, however narrow a peak of the heat capacity is. Their slopes are straight
-//! in a piece: what that leaves of a smooth law is some 1e-8. The slopes are those of the tabulated
-//! functions themselves, as Newton's method asks for, and positive.
+//! H(Θ) and T(Θ) are tabulated in [`STEPS`] pieces over equal steps of Θ. They grow by the exact
+//! amount in each piece, for any width of a peak of the heat capacity. Their slopes are linear in a
+//! piece, which leaves an error of some 1e-8 for a smooth law. The slopes are the derivatives of
+//! the tabulated functions, as Newton's method needs, and positive.
 
-/// Even steps of Θ. The table has as many nodes, so that no index is beyond it.
+/// Number of equal steps of Θ. The table has as many nodes, so that no index is out of range.
 const STEPS: usize = 8192;
-/// Added to a number, it leaves the nearest whole one in the last bits.
+/// Added to a number, this constant leaves the nearest whole number in the last bits.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
-/// Distance below a node at which its piece of a table begins, in steps, so that what is next to a node
-/// counts from that node, on either side.
+/// Distance below a node, in steps, at which its piece of a table begins, so that positions near a
+/// node on either side are counted from that node.
 const OVERLAP: f64 = 1.0 / 1024.0;
-/// Distance that is taken from a place before it is rounded to the node of its piece.
+/// Distance subtracted from a position before rounding to the node of its piece.
 const BELOW: f64 = 0.5 - OVERLAP;
-/// Distance beyond its lines to which a table is continued [K].
+/// Distance by which a table is continued beyond its rows [K].
 const BEYOND: f64 = 3000.0;
 
 /// Properties at a temperature.
@@ -28,14 +28,14 @@ pub struct Point {
     pub temperature: f64,
     /// Conductivity λ [W/(m·K)].
     pub conductivity: f64,
-    /// Heat capacity by volume ρc [J/(m³·K)].
+    /// Volumetric heat capacity ρc [J/(m³·K)].
     pub capacity: f64,
 }
 
-/// A material.
+/// Tabulated law of a material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
-    /// Number of the node at Θ = 0.
+    /// Index of the node at Θ = 0.
     zero: f64,
     inverse_step: f64,
     step: f64,
@@ -45,7 +45,7 @@ pub struct Law {
     points: Vec<Point>,
 }
 
-/// A node of a table: a function, its slope, and the slope of that towards the next node.
+/// A node of a table: a function, its slope, and the change of the slope towards the next node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(32))]
 struct Node {
@@ -54,7 +54,7 @@ struct Node {
     bend: f64,
 }
 
-/// Properties of a place with a Θ.
+/// Heat content at a given Θ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeatContent {
     /// H [J/m³].
@@ -64,17 +64,18 @@ pub struct HeatContent {
 }
 
 impl Law {
-    /// Law through points at rising temperatures, for a body that is at `initial` [K] when it is cold.
+    /// Creates the law through points at rising temperatures, for a body with the initial
+    /// temperature `initial` [K].
     ///
     /// # Panics
-    /// Without points.
+    /// `points` is empty.
     #[must_use]
     pub fn new(points: &[Point], initial: f64) -> Self {
         let at = |rise: f64| properties(points, initial + rise);
         let (coldest, hottest) = (points[0].temperature, points[points.len() - 1].temperature);
         let (from, to) =
             ((coldest - initial).min(0.0) - BEYOND, (hottest - initial).max(0.0) + BEYOND);
-        // Θ at the corners of λ(T), exactly: parabolas between.
+        // Θ at the corners of λ(T), exactly, with parabolas between.
         let inside = points.iter().map(|point| point.temperature - initial);
         let mut corners: Vec<f64> = [from, to, 0.0].into_iter().chain(inside).collect();
         corners.sort_by(f64::total_cmp);
@@ -84,7 +85,7 @@ impl Law {
             let mean = 0.5 * (at(pair[0]).0 + at(pair[1]).0);
             potentials.push(potentials[potentials.len() - 1] + mean * (pair[1] - pair[0]));
         }
-        let zero = corners.iter().position(|corner| *corner == 0.0).expect("it is a corner");
+        let zero = corners.iter().position(|corner| *corner == 0.0).expect("zero is a corner");
         let origin = potentials[zero];
         potentials.iter_mut().for_each(|potential| *potential -= origin);
         let (lowest, highest) = (potentials[0], potentials[potentials.len() - 1]);
@@ -125,26 +126,26 @@ impl Law {
         }
     }
 
-    /// Law of constant properties.
+    /// Creates the law of constant properties.
     #[must_use]
     pub fn constant(conductivity: f64, capacity: f64, initial: f64) -> Self {
         Self::new(&[Point { temperature: initial, conductivity, capacity }], initial)
     }
 
-    /// Temperature of the cold body [K].
+    /// Returns the initial temperature [K].
     #[must_use]
     pub fn initial(&self) -> f64 {
         self.initial
     }
 
-    /// Conductivity of the cold body [W/(m·K)].
+    /// Returns the conductivity at the initial temperature [W/(m·K)].
     #[must_use]
     pub fn conductivity(&self) -> f64 {
         properties(&self.points, self.initial).0
     }
 
-    /// A function and its slope where Θ is this. Counted from Θ = 0, where a node is, so that what is nearly
-    /// cold has all its digits.
+    /// Returns a function and its slope at Θ. Positions are counted from the node at Θ = 0, so that
+    /// a small rise keeps all its digits.
     #[inline(always)]
     fn look_up(&self, table: &[Node; STEPS], potential: f64) -> [f64; 2] {
         let at = potential * self.inverse_step + self.zero;
@@ -155,7 +156,7 @@ impl Law {
         [value + rest * (slope + 0.5 * more), slope + more]
     }
 
-    /// Heat that a place with this Θ [W/m] holds.
+    /// Returns the heat content at Θ [W/m].
     #[inline(always)]
     #[must_use]
     pub fn held(&self, potential: f64) -> HeatContent {
@@ -163,20 +164,20 @@ impl Law {
         HeatContent { heat, rate }
     }
 
-    /// Rise of its temperature [K].
+    /// Returns the temperature rise at Θ [K].
     #[inline(always)]
     #[must_use]
     pub fn rise(&self, potential: f64) -> f64 {
         self.look_up(&self.rises, potential)[0]
     }
 
-    /// 1/λ there [m·K/W].
+    /// Returns 1/λ at Θ [m·K/W].
     #[must_use]
     pub fn resistivity(&self, potential: f64) -> f64 {
         self.look_up(&self.rises, potential)[1]
     }
 
-    /// Θ [W/m] at a rise of the temperature [K].
+    /// Returns Θ [W/m] at a temperature rise [K].
     #[must_use]
     pub fn potential(&self, rise: f64) -> f64 {
         let node = self.rises.partition_point(|node| node.value <= rise).max(1) - 1;
@@ -187,26 +188,25 @@ impl Law {
     }
 }
 
-/// Slopes of a function at a place: over the rise, where they are straight between corners, and
-/// over Θ.
+/// Slopes of a function at a point: over the rise, linear between corners, and over Θ.
 struct Slope {
     rise: f64,
     over_rise: f64,
     over_potential: f64,
 }
 
-/// A function over an even step of Θ.
+/// A function over one step of Θ.
 struct Piece {
-    /// By how much it grows.
+    /// Increment of the function.
     growth: f64,
-    /// Its slopes at both ends, straight between.
+    /// Slopes at both ends; linear between.
     ends: [f64; 2],
 }
 
 impl Piece {
-    /// From its slopes at both ends and at the corners between, over a step. The growth is exact.
-    /// The difference of the slopes at the ends is kept as far as the straight line between them
-    /// has this growth and stays above the least slope.
+    /// Builds a piece from its slopes at both ends and at the corners between. The increment is
+    /// exact. The difference of the end slopes is limited so that the linear slope gives this
+    /// increment and stays above the least slope.
     fn new(slopes: &[Slope], step: f64) -> Self {
         let part = |pair: &[Slope]| {
             0.5 * (pair[0].over_rise + pair[1].over_rise) * (pair[1].rise - pair[0].rise)
@@ -221,10 +221,10 @@ impl Piece {
     }
 }
 
-/// Nodes of a function in pieces that is zero at one of them.
+/// Builds the nodes of a function in pieces that is zero at one node.
 fn tabulate(step: f64, zero: usize, pieces: &[Piece]) -> Box<[Node; STEPS]> {
     let mut nodes = Box::new([Node::default(); STEPS]);
-    // From where a piece begins to its node.
+    // Step back from a node to the beginning of its piece.
     let overlap = OVERLAP * step;
     let mut before = Vec::with_capacity(STEPS);
     for (node, Piece { ends: [first, last], .. }) in nodes.iter_mut().zip(pieces) {
@@ -242,7 +242,7 @@ fn tabulate(step: f64, zero: usize, pieces: &[Piece]) -> Box<[Node; STEPS]> {
     nodes
 }
 
-/// λ and ρc at a temperature.
+/// Returns λ and ρc at a temperature.
 fn properties(points: &[Point], temperature: f64) -> (f64, f64) {
     let next = points.partition_point(|point| point.temperature <= temperature);
     let (low, high) = (&points[next.saturating_sub(1)], &points[next.min(points.len() - 1)]);
@@ -256,7 +256,8 @@ fn properties(points: &[Point], temperature: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// λ falls straight, c rises: closed forms of Θ, H and their inverse. Tolerance: the steps.
+    /// λ falls and c rises linearly: closed forms of Θ, H and their inverse. Tolerance: the steps
+    /// of the table.
     #[test]
     fn a_straight_law_has_its_closed_forms() {
         let (cold, initial, slope) = (50.0, 293.15, -5e-4);
@@ -279,7 +280,7 @@ mod tests {
         }
     }
 
-    /// Constant properties are met to rounding, far beyond any table, and however little a place has warmed.
+    /// Constant properties are exact to rounding, far beyond any table and for any small rise.
     #[test]
     fn constant_properties_are_exact() {
         let law = Law::constant(50.0, 3e6, 300.0);
@@ -289,9 +290,9 @@ mod tests {
         }
     }
 
-    /// A peak of the heat capacity over 0.2 K, which is less than a step of the table, between
-    /// constant properties: what a place has taken up is exact on both sides of it, and no slope is
-    /// below that of the constant ones. Tolerance: rounding.
+    /// A peak of the heat capacity over 0.2 K, less than a step of the table, between constant
+    /// properties. The heat content is exact on both sides of the peak, and no slope is below that
+    /// of the constant properties. Tolerance: rounding.
     #[test]
     fn the_heat_of_a_narrow_peak_is_kept() {
         let initial = 300.0;
@@ -314,8 +315,8 @@ mod tests {
         }
     }
 
-    /// A conductivity that falls to a hundredth over a tenth of a kelvin: Θ and the rise are each
-    /// other's inverse. Tolerance: rounding.
+    /// A conductivity that falls to a hundredth over a tenth of a kelvin: Θ and the rise are
+    /// inverse to each other. Tolerance: rounding.
     #[test]
     fn a_step_of_the_conductivity_is_inverted() {
         let point = |temperature: f64, conductivity: f64| Point {

@@ -1,24 +1,24 @@
-//! The mesh of a body along one axis: nodes, the length that each stands for, the gaps between them, and
-//! what is beyond the ends.
+//! The mesh of a body along one axis: nodes, their widths, the gaps between them, and the boundary
+//! conditions at the ends.
 //!
-//! Products of three of these are the mesh of hexahedra: trilinear elements with the vertices for
-//! integration points, whose mass is lumped and whose conductance couples a node to its six neighbours. The
-//! matrix is an M-matrix whatever the aspect ratio of the elements, so that no node becomes colder than all
-//! that is round it.
+//! The product of three axes is the mesh of hexahedra: trilinear elements with the vertices as
+//! integration points. The mass is lumped, and the conductance couples a node to its six
+//! neighbours. The matrix is an M-matrix for any aspect ratio of the elements, so that no node
+//! becomes colder than all of its neighbours.
 
 /// Nodes along an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Places of the nodes [m], ascending.
+    /// Positions of the nodes [m], ascending.
     pub places: Vec<f64>,
-    /// Length that each node stands for [m].
+    /// Width that each node represents [m].
     pub widths: Vec<f64>,
-    /// Conductance beyond the first and the last node over the conductivity [1/m]: 0 insulates.
+    /// Conductance beyond the first and the last node over the conductivity [1/m]; 0 insulates.
     pub ends: [f64; 2],
 }
 
 impl Axis {
-    /// A node in the middle of each of these lengths, the first of which begins at `from`; insulated.
+    /// Creates a node in the middle of each of these widths, which begin at `from`; insulated.
     #[must_use]
     pub fn middles(from: f64, widths: Vec<f64>) -> Self {
         let mut edge = from;
@@ -29,14 +29,15 @@ impl Axis {
         Self { places: widths.iter().map(place).collect(), widths, ends: [0.0; 2] }
     }
 
-    /// Nodes from the surface on, the first layer so thick, each later one by `ratio` thicker, until a depth
-    /// is reached; insulated.
+    /// Creates nodes from the surface down to a depth. Each layer is `ratio` times as thick as the
+    /// layer above; the ends are insulated.
     ///
-    /// Places are c(rʲ − 1) with the ratio r, and each node stands for what is between c(r^(j−½) − 1) and
-    /// c(r^(j+½) − 1), not for half of the layers beside it: the two stagger as the steps and dual steps of an
-    /// optimal grid do (D. Ingerman, V. Druskin, L. Knizhnerman, Comm. Pure Appl. Math. 53 (2000) 1039–1066).
-    /// The rise of the surface under a flux is then exact to 1e-4 with eight layers and r = 2, where halves of
-    /// layers leave 2e-3 with 25 and r = 1.15; in depth both are of second order in ln r.
+    /// Positions are c(rʲ − 1) with the ratio r. Each node represents the interval from
+    /// c(r^(j−½) − 1) to c(r^(j+½) − 1), not half of the adjacent layers: nodes and faces are
+    /// staggered like the steps and dual steps of an optimal grid (D. Ingerman, V. Druskin, L.
+    /// Knizhnerman, Comm. Pure Appl. Math. 53 (2000) 1039–1066). The rise of the surface under a
+    /// flux is then exact to 1e-4 with eight layers and r = 2, whereas halves of layers leave 2e-3
+    /// with 25 layers and r = 1.15. In depth both are of second order in ln r.
     #[must_use]
     pub fn graded(first: f64, ratio: f64, depth: f64) -> Self {
         let layers = Self::layers(first, ratio, depth) as usize;
@@ -56,23 +57,24 @@ impl Axis {
         }
     }
 
-    /// Number of layers of [`Axis::graded`].
+    /// Returns the number of layers of [`Axis::graded`].
     #[must_use]
     pub fn layers(first: f64, ratio: f64, depth: f64) -> f64 {
         let grown = depth * (ratio - 1.0) / first;
         let layers = if grown < 1e-9 { depth / first } else { grown.ln_1p() / ratio.ln() };
-        // Rounding must not make one more of what is whole.
+        // Rounding must not add a layer to a whole number.
         (layers * (1.0 - 1e-12)).ceil().max(1.0)
     }
 
-    /// The same, ending at the depth: the first layer is somewhat thinner.
+    /// Creates the axis of [`Axis::graded`] with a slightly thinner first layer, so that the last
+    /// node is at `depth`.
     #[must_use]
     pub fn graded_to(first: f64, ratio: f64, depth: f64) -> Self {
         let beyond = Self::graded(first, ratio, depth);
         Self::graded(first * depth / beyond.places[beyond.len() - 1], ratio, depth)
     }
 
-    /// The same with the last node held at zero: it is a node no more, but an end that conducts.
+    /// Holds the last node at zero: the node becomes an end that conducts.
     #[must_use]
     pub fn fixed(mut self) -> Self {
         let gap = self.places[self.len() - 1] - self.places[self.len() - 2];
@@ -82,26 +84,26 @@ impl Axis {
         self
     }
 
-    /// The same with these conductances over the conductivity beyond the ends [1/m].
+    /// Sets the conductances over the conductivity beyond the ends [1/m].
     #[must_use]
     pub fn ending(self, ends: [f64; 2]) -> Self {
         Self { ends, ..self }
     }
 
-    /// Nodes.
+    /// Returns the number of nodes.
     #[must_use]
     pub fn len(&self) -> usize {
         self.places.len()
     }
 
-    /// It has no node.
+    /// Returns whether the axis has no node.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.places.is_empty()
     }
 
-    /// Conductance from a node to the next one over the conductivity [1/m], the ends included: `len() + 1`
-    /// values.
+    /// Returns the conductances between neighbouring nodes over the conductivity [1/m], the ends
+    /// included: `len() + 1` values.
     #[must_use]
     pub fn conductances(&self) -> Vec<f64> {
         let between = self.places.windows(2).map(|pair| 1.0 / (pair[1] - pair[0]));
@@ -109,7 +111,8 @@ impl Axis {
     }
 }
 
-/// Widths beside a row of even ones, each by `ratio` wider than the one before, until they reach so far.
+/// Returns widths beside a row of equal widths, each `ratio` times the one before, until they reach
+/// `reach`.
 #[must_use]
 pub fn surroundings(even: f64, ratio: f64, reach: f64) -> Vec<f64> {
     let (mut widths, mut far) = (Vec::new(), 0.0);

@@ -1,42 +1,42 @@
-//! How the mesh of a body creeps through the moving frame in a window, step by step.
+//! Advection of a body's mesh through the moving frame in a window, step by step.
 
 use super::scheme::{Coefficients, Scheme};
 use grids::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
-/// Parts of an element that are rounding.
+/// Fraction of an element that counts as rounding.
 const ROUNDING: f64 = 1e-9;
-/// Columns more than the mesh has, after which nothing of what it was is left on it.
+/// Columns beyond the length of the mesh after which no earlier content is left on it.
 const REPLACED: usize = 8;
 
-/// Position of a mesh, and memory of its last step.
+/// Position of a mesh, with data of its last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Position {
-    /// Distance of the columns in front of their places, in elements, less than one.
+    /// Distance of the columns in front of their nominal positions, in elements, below one.
     pub front: f64,
     /// Columns by which the mesh was shifted in the last step.
     pub shifted: usize,
-    /// Length of the last step [s].
+    /// Duration of the last step [s].
     pub step: f64,
-    /// Steps since the body was cold.
+    /// Number of steps since the body was cold.
     pub steps: u64,
 }
 
 impl Position {
-    /// Writes it.
+    /// Writes the position.
     ///
     /// # Errors
-    /// Errors of `into`.
+    /// Writing to `into` fails.
     pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         write_numbers(into, &[self.front, self.step])?;
         into.write_all(&(self.shifted as u64).to_le_bytes())?;
         into.write_all(&self.steps.to_le_bytes())
     }
 
-    /// Reads back what [`Position::save`] wrote.
+    /// Restores the position written by [`Position::save`].
     ///
     /// # Errors
-    /// It ends too early, or is no position.
+    /// The data end too early, or are not a valid position.
     pub fn restore(from: &mut dyn Read) -> io::Result<Self> {
         let mut numbers = [0.0; 2];
         read_numbers(from, &mut numbers)?;
@@ -44,32 +44,33 @@ impl Position {
         let shifted = u64::from_le_bytes(read_bytes(from)?) as usize;
         let steps = u64::from_le_bytes(read_bytes(from)?);
         if shifted > 1 || !(0.0..1.0).contains(&front) {
-            return Err(io::Error::other("its mesh is at no place"));
+            return Err(io::Error::other("the mesh has no valid position"));
         }
         Ok(Self { front, shifted, step, steps })
     }
 }
 
-/// One step.
+/// One time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Its length [s].
+    /// Duration [s].
     pub duration: f64,
-    /// Columns by which the mesh is shifted at its beginning, since the state one step ago and since the one
-    /// two steps ago.
+    /// Number of columns by which the mesh is shifted at the beginning of the step, relative to the
+    /// state one step ago and to the state two steps ago.
     pub shifts: [usize; 2],
     /// Coefficients of the scheme.
     pub by: Coefficients,
-    /// Length of the step before it over its own.
+    /// Duration of this step over that of the previous step.
     pub over_last: f64,
-    /// Distance of the columns in front of their places in the middle of the step, in elements.
+    /// Distance of the columns in front of their nominal positions in the middle of the step, in
+    /// elements.
     pub middle: f64,
 }
 
 impl Step {
-    /// Heat that columns receive in the step under these means of the flux, and those of the step before where the
-    /// scheme remembers them: it makes of the heat of both what it makes of the differences of temperature that
-    /// they cause.
+    /// Computes the heat that columns receive in the step from these means of the flux. For a
+    /// scheme with memory, the means of the previous step enter as well: the scheme combines both
+    /// heats as it combines the temperature changes that they cause.
     pub fn receive(&self, means: &[f64], last: &mut [f64], heat: &mut [f64]) {
         let [new, _, old] = self.by.a;
         heat.copy_from_slice(means);
@@ -88,15 +89,15 @@ impl Step {
 pub struct MeshAdvection {
     /// The steps.
     pub steps: Vec<Step>,
-    /// Nothing that was on the mesh before the window is on it in the end: it begins cold.
+    /// Whether nothing on the mesh before the window remains at its end: the mesh starts cold.
     pub fresh: bool,
-    /// Position of the mesh in the end.
+    /// Position of the mesh at the end.
     pub position: Position,
 }
 
 impl MeshAdvection {
-    /// Plans a window of this duration [s] at this speed in elements a second on a mesh of so many columns,
-    /// with steps of an element at most and no longer than `longest` [s].
+    /// Plans a window of this duration [s] at this speed [elements/s] on a mesh of `columns`
+    /// columns. Steps are at most one element and at most `longest` [s].
     pub fn plan(
         &mut self,
         from: &Position,
@@ -154,7 +155,7 @@ mod tests {
         assert_eq!(creep.position.front, 0.0);
     }
 
-    /// What the mesh moves is what the body does, whatever the windows. Rounding.
+    /// The mesh moves as far as the body, for any windows. Tolerance: rounding.
     #[test]
     fn shifts_and_places_add_up_to_the_way() {
         let (mut at, mut shifted, mut way) = (Position::default(), 0, 0.0);

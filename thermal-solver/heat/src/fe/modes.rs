@@ -1,8 +1,8 @@
-//! Natural modes of conduction along an axis: K φ = μ W φ with the conductance K over the conductivity, the
-//! lengths W that the nodes stand for, and φᵀ W φ = 1.
+//! Natural modes of conduction along an axis: K φ = μ W φ with the conductance K over the
+//! conductivity, the widths W of the nodes, and φᵀ W φ = 1.
 //!
-//! In them a mesh that is a product of axes falls apart into independent equations (R. E. Lynch, J. R. Rice,
-//! D. H. Thomas, Numer. Math. 6 (1964) 185–199).
+//! In these modes the equations of a mesh that is a product of axes decouple (R. E. Lynch, J. R.
+//! Rice, D. H. Thomas, Numer. Math. 6 (1964) 185–199).
 
 use super::mesh::Axis;
 use faer::{Mat, Side};
@@ -18,7 +18,7 @@ pub struct Modes {
 }
 
 impl Modes {
-    /// All modes along an axis.
+    /// Computes all modes of an axis.
     ///
     /// # Panics
     /// Never for the finite, positive lengths of an axis.
@@ -34,7 +34,7 @@ impl Modes {
         });
         let solved = matrix.self_adjoint_eigen(Side::Lower).expect("a finite symmetric matrix");
         let (rates, vectors) = (solved.S().column_vector(), solved.U());
-        // A mode that nothing lets out has no rate; rounding must not make it grow.
+        // A mode of an insulated axis has rate zero; rounding must not make it grow.
         let rates: Vec<f64> = rates.iter().map(|rate| rate.max(0.0)).collect();
         let mut shapes = Vec::with_capacity(nodes * nodes);
         for mode in 0..nodes {
@@ -43,19 +43,19 @@ impl Modes {
         Self { rates, shapes, nodes }
     }
 
-    /// Nodes, and modes.
+    /// Returns the number of nodes, which is also the number of modes.
     #[must_use]
     pub fn len(&self) -> usize {
         self.nodes
     }
 
-    /// There is none.
+    /// Returns whether there are no modes.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.nodes == 0
     }
 
-    /// A mode at the nodes.
+    /// Returns a mode at the nodes.
     #[must_use]
     pub fn shape(&self, mode: usize) -> &[f64] {
         &self.shapes[mode * self.nodes..(mode + 1) * self.nodes]
@@ -66,7 +66,8 @@ impl Modes {
 mod tests {
     use super::*;
 
-    /// Orthogonal, and Kφ = μWφ, on layers from 1 to 70; rounding of the largest rate.
+    /// The modes are orthogonal and satisfy Kφ = μWφ, on layers from 1 to 70. Tolerance: rounding
+    /// of the largest rate.
     #[test]
     fn modes_diagonalise_the_axis() {
         let axis = Axis::graded(1e-6, 1.3, 1e-3).ending([0.0, 100.0]);

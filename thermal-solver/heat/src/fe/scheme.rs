@@ -1,7 +1,7 @@
-//! Steps in time: backward Euler, BDF2 and Crank–Nicolson by name.
+//! Time-stepping schemes: backward Euler, BDF2 and Crank–Nicolson.
 //!
-//! All of them are a₀ T − θ Δt L T = Σ aᵢ Tᵢ + (1 − θ) Δt L T₁ + Δt q for the conduction L, the state T₁ one step
-//! ago and T₂ two steps ago:
+//! All schemes have the form a₀ T − θ Δt L T = Σ aᵢ Tᵢ + (1 − θ) Δt L T₁ + Δt q for the conduction
+//! L, the state T₁ one step ago and T₂ two steps ago:
 //!
 //! | | a₀ | a₁ | a₂ | θ |
 //! |---|---|---|---|---|
@@ -9,21 +9,22 @@
 //! | Crank–Nicolson | 1 | 1 | 0 | ½ |
 //! | BDF2 | (1 + 2ω)/(1 + ω) | 1 + ω | −ω²/(1 + ω) | 1 |
 //!
-//! with the step ω over the step before it. BDF2 begins with a step of backward Euler, Crank–Nicolson with two of them,
-//! which damp what it does not (R. Rannacher, Numer. Math. 43 (1984) 309–327).
+//! with ω the step over the step before. BDF2 begins with one step of backward Euler.
+//! Crank–Nicolson begins with two such steps, which damp the components that it does not damp
+//! itself (R. Rannacher, Numer. Math. 43 (1984) 309–327).
 
-/// A scheme.
+/// A time-stepping scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
-    /// First order, damps most.
+    /// First order, strongest damping.
     BackwardEuler,
-    /// Second order, damps.
+    /// Second order, with damping.
     Bdf2,
-    /// Second order, four times as exact as BDF2, damps the finest least.
+    /// Second order, four times as accurate as BDF2, least damping of the finest components.
     CrankNicolson,
 }
 
-/// Steps of backward Euler with which Crank–Nicolson begins.
+/// Number of backward Euler steps with which Crank–Nicolson begins.
 const DAMPED: u64 = 2;
 
 /// The coefficients of a step.
@@ -36,7 +37,8 @@ pub struct Coefficients {
 }
 
 impl Scheme {
-    /// Coefficients of a step after so many others, over the step before it.
+    /// Returns the coefficients of a step after `steps` others, for the ratio `over` of this step
+    /// to the previous one.
     #[must_use]
     pub fn coefficients(self, steps: u64, over: f64) -> Coefficients {
         let euler = Coefficients { a: [1.0, 1.0, 0.0], theta: 1.0 };

@@ -1,6 +1,6 @@
-//! What is below a row of a surface, and values between nodes.
+//! Temperatures below a row of a surface, and interpolation between nodes.
 
-/// Columns on either side of a place that say what is there.
+/// Columns on either side of a position that interpolation uses.
 pub const BESIDE: usize = 2;
 
 /// Rises below a row: node after node in depth, column after column.
@@ -8,9 +8,9 @@ pub const BESIDE: usize = 2;
 pub struct Below {
     /// Rises [K].
     pub rises: Vec<f64>,
-    /// Columns.
+    /// Number of columns.
     pub columns: usize,
-    /// Place of the first column [m].
+    /// Position of the first column [m].
     pub first: f64,
     /// Distance from one column to the next [m].
     pub spacing: f64,
@@ -19,7 +19,8 @@ pub struct Below {
 }
 
 impl Below {
-    /// Rises [K] at a depth [m], column after column, at places as far apart from `first` [m] on.
+    /// Writes the rises [K] at a depth [m], at positions from `first` [m] on with the spacing `h`
+    /// [m].
     pub fn level(&self, depth: f64, h: f64, first: f64, rise: &mut [f64]) {
         let at_node = |k: usize, column: usize| self.rises[k * self.columns + column];
         let column = |column: usize| interpolate(&self.depths, depth, |k| at_node(k, column));
@@ -30,7 +31,7 @@ impl Below {
         }
     }
 
-    /// Rise [K] at a place [m] and a depth [m].
+    /// Returns the rise [K] at a position [m] and a depth [m].
     #[must_use]
     pub fn at(&self, place: f64, depth: f64) -> f64 {
         let at = (place - self.first) / self.spacing;
@@ -44,8 +45,8 @@ impl Below {
     }
 }
 
-/// Rises at the middles of elements from those of columns that are `front` of an element in front of them,
-/// the first being that [`BESIDE`] behind the first element.
+/// Writes the rises at the middles of elements, from those of columns that are `front` of an
+/// element in front of them. The first column is [`BESIDE`] behind the first element.
 pub fn place(columns: &[f64], front: f64, between: Interpolation, rise: &mut [f64]) {
     if front == 0.0 {
         let count = rise.len();
@@ -57,18 +58,19 @@ pub fn place(columns: &[f64], front: f64, between: Interpolation, rise: &mut [f6
     }
 }
 
-/// Interpolation between even values.
+/// Interpolation between equally spaced values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// The cubic through the four round a place: linear in the values.
+    /// The cubic through the four surrounding values: linear in the values.
     Cubic,
-    /// The same with slopes at the two beside the place that keep it between them where the four rise or fall
-    /// (Fritsch & Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246).
+    /// The cubic with limited slopes, which keep it between the two adjacent values where the
+    /// four values are monotonic (Fritsch & Carlson, SIAM J. Numer. Anal. 17 (1980) 238-246).
     Bounded,
 }
 
 impl Interpolation {
-    /// The value at a place, in spacings from the first value; that of the end beyond the ends.
+    /// Returns the value at a position, in spacings from the first value; beyond the ends the end
+    /// value.
     fn value(self, values: &[f64], at: f64) -> f64 {
         let last = values.len() - 1;
         let at = at.clamp(0.0, last as f64);
@@ -96,7 +98,8 @@ impl Interpolation {
     }
 }
 
-/// A value between uneven ones, by the cubic through the four round it, within the range of the two beside it.
+/// Interpolates unequally spaced values by the cubic through the four surrounding values, limited
+/// to the range of the two adjacent ones.
 fn interpolate(places: &[f64], at: f64, value: impl Fn(usize) -> f64) -> f64 {
     let last = places.len() - 1;
     if at >= places[last] {
@@ -111,7 +114,7 @@ fn interpolate(places: &[f64], at: f64, value: impl Fn(usize) -> f64) -> f64 {
     };
     let cubic: f64 = nodes.clone().map(|k| lagrange(k) * value(k)).sum();
     let (above, below) = (value(next - 1), value(next));
-    // Not `clamp`, which panics where both are no numbers.
+    // `clamp` would panic if both limits are NaN.
     cubic.max(above.min(below)).min(above.max(below))
 }
 
@@ -119,7 +122,7 @@ fn interpolate(places: &[f64], at: f64, value: impl Fn(usize) -> f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A cubic is met between even and uneven places; rounding.
+    /// Cubics are reproduced between equal and unequal spacings. Tolerance: rounding.
     #[test]
     fn cubics_are_interpolated_exactly() {
         let cubic = |x: f64| x * (1.0 + x * (0.2 + 0.1 * x));

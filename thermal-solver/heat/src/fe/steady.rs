@@ -1,22 +1,23 @@
 //! Steady temperatures in the moving frame: finite elements across and in depth, exact along.
 //!
-//! In the modes of the mesh across and in depth ([`super::modes`]) what is left of
-//! κ∇²T + V ∂T/∂x = 0 with the flux q on the surface is an equation along ξ = −x, downstream, for each pair
-//! of modes,
+//! In the modes of the mesh across and in depth ([`super::modes`]), κ∇²T + V ∂T/∂x = 0 with the
+//! flux q on the surface becomes an equation along ξ = −x, downstream, for each pair of modes,
 //!
 //! κ b″ − V b′ − κ m b + q_l/(ρc) = 0,  m = μ_l + μ_m,
 //!
 //! whose solution is exact: with r± = (V ± √(V² + 4κ²m))/2κ
 //!
-//! b(ξ) = G/(ρc) [∫_{ξ′<ξ} q_l e^{r₋(ξ−ξ′)} dξ′ + ∫_{ξ′>ξ} q_l e^{−r₊(ξ′−ξ)} dξ′],  G = 1/√(V² + 4κ²m).
+//! b(ξ) = G/(ρc) [∫_{ξ′<ξ} q_l e^{r₋(ξ−ξ′)} dξ′ + ∫_{ξ′>ξ} q_l e^{−r₊(ξ′−ξ)} dξ′],
+//! G = 1/√(V² + 4κ²m).
 //!
-//! Both integrals are marched from one element to the next, downstream and upstream, the flux in an element
-//! being the parabola of [`crate::columns::reconstruction`]. So nothing along x is approximated but the
-//! flux: there is no numerical diffusion and no oscillation at any Péclet number, no end of the mesh along x,
-//! and no linear system. For high speeds the upstream part vanishes; at rest both are alike.
-//! Where the same material has passed before, n − 1 times, a way D apart, what those passages have left of b comes
-//! to the leading edge: b of one passage beyond the trailing edge, which falls as e^{r₋ξ}, summed over kD.
-//! b is the amplitude over φ_m(0): the surface is T_l = Σ_m φ_m(0)² b_m, depth z_k has φ_m(0) φ_m(z_k).
+//! Both integrals are marched from element to element, downstream and upstream; the flux in an
+//! element is the parabola of [`crate::columns::reconstruction`]. Along x only the flux is
+//! approximated: there is no numerical diffusion or oscillation at any Péclet number, no end of the
+//! mesh along x, and no linear system. At high speed the upstream part vanishes; at rest both parts
+//! are alike. If the same material has passed before, n − 1 times at a distance D apart, the
+//! remainder of b from those passages is added at the leading edge: b of one passage beyond the
+//! trailing edge, which falls as e^{r₋ξ}, summed over kD. b is the amplitude over φ_m(0): the
+//! surface is T_l = Σ_m φ_m(0)² b_m, depth z_k has φ_m(0) φ_m(z_k).
 
 use super::basis::{Basis, LANES, padded};
 use super::block::Passages;
@@ -24,10 +25,10 @@ use crate::Material;
 use crate::columns::reconstruction::{Flux, FluxRow};
 use pulp::{Arch, NullaryFnOnce};
 
-/// Below this part, heat that goes upstream past an element is not marched.
+/// Decay below which heat that flows upstream past an element is neglected.
 const NOTHING: f64 = 1e-20;
 
-/// A body that moves steadily, prepared for its speed.
+/// A body in steady motion, prepared for its speed.
 pub struct SteadyMotion {
     columns: usize,
     marches: Vec<March>,
@@ -36,14 +37,16 @@ pub struct SteadyMotion {
 
 /// Data of a mode across: values over the modes in depth, padded to [`LANES`].
 struct March {
-    /// e^{r₋h}, and what the coefficients of the parabola add.
+    /// Downstream step: e^{r₋h}, and the contributions of the parabola's coefficients.
     down: Step,
     up: Option<Step>,
-    /// Share that earlier passages bring to the leading edge of what one passage takes past the trailing edge.
+    /// Ratio of the amplitude that earlier passages bring to the leading edge to that of one
+    /// passage at the trailing edge.
     again: Option<Vec<f64>>,
-    /// Contribution of the element's own halves at its middle, of all modes: near, middle and far coefficient.
+    /// Contribution of the element's own halves at its middle, of all modes: near, middle and far
+    /// coefficient.
     own: [[f64; 3]; 2],
-    /// The same mode by mode.
+    /// Contribution of the element's own halves, mode by mode.
     halves: [[Vec<f64>; 3]; 2],
     /// G/(ρc).
     gain: Vec<f64>,
@@ -64,7 +67,7 @@ struct Step {
 pub struct Scratch {
     /// Middle coefficients of the flux in a mode across.
     pub middle: Vec<f64>,
-    /// Its edge values.
+    /// Edge values of the flux in a mode across.
     pub edge: Vec<f64>,
     amplitude: Vec<f64>,
     lanes: Vec<[f64; LANES]>,
@@ -86,7 +89,7 @@ impl SteadyMotion {
         Self { columns, marches: basis.across.rates.iter().map(make).collect(), arch: Arch::new() }
     }
 
-    /// Values of a mode across on the surface, column after column.
+    /// Computes the values of a mode across on the surface, column after column.
     pub fn surface(
         &self,
         basis: &Basis,
@@ -108,8 +111,9 @@ impl SteadyMotion {
         }
     }
 
-    /// Amplitudes below a row of the flux, summed over the modes across: at the downstream edge and in the middle
-    /// of `behind` elements behind the flux and of its own, one after the other.
+    /// Returns the amplitudes below a row of the flux, summed over the modes across. Elements begin
+    /// with the `behind` elements behind the flux; each has a value at its downstream edge, then at
+    /// its middle.
     #[must_use]
     pub fn below(&self, basis: &Basis, flux: &Flux, row: usize, behind: usize) -> Vec<f64> {
         let columns = behind + self.columns;
@@ -130,7 +134,7 @@ impl SteadyMotion {
 }
 
 impl Scratch {
-    /// Takes over the flux in a mode across: middle and edge coefficients.
+    /// Projects the flux onto a mode across: middle and edge coefficients.
     pub fn project(&mut self, basis: &Basis, mode: usize, flux: &Flux) {
         for values in [&mut self.middle, &mut self.edge] {
             values.clear();
@@ -139,7 +143,7 @@ impl Scratch {
         for row in 0..basis.rows {
             let part = basis.part(mode, row);
             let FluxRow { middle, edge, support: (first, end) } = flux.row(row);
-            // The edges of an element are zero where it has no flux.
+            // The edges of an element without flux are zero.
             let edges = first..end + usize::from(end > first);
             for (to, from, span) in
                 [(&mut self.middle, middle, first..end), (&mut self.edge, edge, edges)]
@@ -227,7 +231,8 @@ impl March {
         }
     }
 
-    /// The amplitudes at the leading edge, which earlier passages have left, of the same elements, downstream first.
+    /// Sets the amplitudes at the leading edge left by earlier passages of the same elements,
+    /// downstream first.
     #[inline(always)]
     fn enter(&self, amplitude: &mut [f64], elements: impl DoubleEndedIterator<Item = [f64; 3]>) {
         let Some(again) = &self.again else { return };
@@ -235,7 +240,8 @@ impl March {
         amplitude.iter_mut().zip(again).for_each(|(amplitude, again)| *amplitude *= again);
     }
 
-    /// Adds `shape` times the amplitudes at the downstream edge and in the middle of each element to `sums`.
+    /// Adds `shape` times the amplitudes at the downstream edge and in the middle of each element
+    /// to `sums`.
     fn below(
         &self,
         [behind, columns]: [usize; 2],
@@ -295,8 +301,8 @@ impl Step {
         }
     }
 
-    /// Rise at the middle of an element by the heat that came up to it; then past the element, whose flux has
-    /// these coefficients, in the order in which they are left behind last to first.
+    /// Adds the rise at the middle of an element caused by the incoming heat, then passes the
+    /// element. The coefficients of its flux are ordered by distance from the exit, nearest first.
     #[inline(always)]
     fn pass(&self, amplitude: &mut [f64], seen: &mut [f64; LANES], [a, b, c]: [f64; 3]) {
         let [near, middle, far] = &self.weights;
@@ -323,19 +329,19 @@ impl Step {
     }
 }
 
-/// Σ e^{−αk} for k from 0 to `count` − 1.
+/// Returns Σ e^{−αk} for k from 0 to `count` − 1.
 fn passed(alpha: f64, count: usize) -> f64 {
     let rest = -(-alpha).exp_m1();
     if rest < 1e-12 { count as f64 } else { -(-alpha * count as f64).exp_m1() / rest }
 }
 
-/// ∫₀¹ e^{−αθ} B(θ) dθ of the parabolas (1−θ)², 2θ(1−θ) and θ².
+/// Returns ∫₀¹ e^{−αθ} B(θ) dθ of the parabolas (1−θ)², 2θ(1−θ) and θ².
 fn parabola(alpha: f64) -> [f64; 3] {
     let [j0, j1, j2] = if alpha < 1.0 { series(alpha) } else { closed(alpha) };
     [j0 - 2.0 * j1 + j2, 2.0 * (j1 - j2), j2]
 }
 
-/// ∫₀¹ θᵖ e^{−αθ} dθ by the series of the exponential.
+/// Returns ∫₀¹ θᵖ e^{−αθ} dθ by the series of the exponential.
 fn series(alpha: f64) -> [f64; 3] {
     let (mut sums, mut term) = ([0.0; 3], 1.0);
     for n in 0..20 {
@@ -359,7 +365,8 @@ fn closed(alpha: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// Both forms where one passes into the other, and the sum ∫ e^{−αθ} dθ. Rounding.
+    /// Both forms agree at their transition, and the weights sum to ∫ e^{−αθ} dθ. Tolerance:
+    /// rounding.
     #[test]
     fn weights_of_a_parabola() {
         for alpha in [1e-9, 0.3, 0.999_999, 1.0, 30.0] {

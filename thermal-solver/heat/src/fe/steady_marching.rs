@@ -1,16 +1,17 @@
-//! A body in steady motion, node by node ([`super::conductor`]), for properties over temperature and free surfaces that
-//! exchange heat.
+//! Nodal solver of a body in steady motion ([`super::conductor`]), for properties over temperature
+//! and free surfaces that exchange heat.
 //!
-//! Every slice of material across the motion has the same past. One slice is taken from the leading edge
-//! downstream, from column to column of the moving frame, in as many steps of time: the solution where nothing is
-//! conducted along. What is conducted along is then a source in every column, from the slices of the sweep
-//! before, and the march is repeated until the slices stay the same. Each sweep brings the error down by about
-//! four times the Fourier number κ/(Vh) of the passage of an element; where that is above [`SLOW`] it is no way to the
-//! solution, and is refused.
+//! Every slice of material across the motion has the same past. One slice is followed from the
+//! leading edge downstream, from column to column of the moving frame, in as many time steps. This
+//! gives the solution without conduction along. Conduction along is then a source in every column,
+//! computed from the slices of the previous sweep, and the march is repeated until the slices no
+//! longer change. Each sweep reduces the error by about four times the Fourier number κ/(Vh) of the
+//! passage of an element. A case with a Fourier number above [`SLOW`] would not converge and is
+//! refused.
 
 use super::block::Block;
 use super::body_properties::BodyProperties;
-use super::body_solver::{BodySolver, Given, Rises};
+use super::body_solver::{BodySolver, Rises, SolverInput};
 use super::conductor::{Conductor, NewtonStats, Request, Workspace};
 use super::error::SolveError;
 use super::mesh::Axis;
@@ -25,12 +26,12 @@ use std::io::{self, Read, Write};
 
 /// Fourier number of the passage of an element above which a steady case is refused.
 const SLOW: f64 = 0.2;
-/// Change of a sweep over the largest value at which it was the last one.
+/// Change of a sweep, relative to the largest value, at which the march has converged.
 const SETTLED: f64 = 1e-7;
-/// Sweeps at most.
+/// Largest number of sweeps.
 const MOST_SWEEPS: usize = 60;
 
-/// The body.
+/// Solver of one body.
 pub struct SteadyMarching {
     nature: BodyProperties,
     flux: Flux,
@@ -39,7 +40,7 @@ pub struct SteadyMarching {
     rows: usize,
     widths: Vec<f64>,
     h: f64,
-    /// Columns of the flux, and behind them.
+    /// Number of columns of the flux, and behind them.
     heated: usize,
     behind: usize,
     scheme: Scheme,
@@ -56,9 +57,9 @@ pub struct SteadyMarching {
 }
 
 impl SteadyMarching {
-    /// A cold body.
+    /// Creates the solver of a cold body.
     #[must_use]
-    pub fn new(given: Given) -> Self {
+    pub fn new(given: SolverInput) -> Self {
         let Block { columns, across, depth, first_row, .. } = given.block;
         let one = Axis::middles(0.0, vec![1.0]);
         let (block, memory) = conductor(given, [across, &one, depth]);
@@ -87,7 +88,8 @@ impl SteadyMarching {
         }
     }
 
-    /// Sweeps until nothing changes; what the steps took, or the change of the last sweep.
+    /// Sweeps until the state no longer changes. Returns the effort of the steps, or the change of
+    /// the last sweep as an error.
     fn settle(&mut self) -> Result<NewtonStats, f64> {
         let columns = self.heated + self.behind;
         for (row, means) in self.means.chunks_exact_mut(columns).enumerate() {
@@ -109,7 +111,7 @@ impl SteadyMarching {
         Err(change)
     }
 
-    /// One sweep from the leading edge downstream.
+    /// Makes one sweep from the leading edge downstream.
     fn march(&mut self, first: bool) -> NewtonStats {
         let (size, columns) = (self.block.nodes(), self.heated + self.behind);
         let cold = vec![0.0; size];
@@ -143,7 +145,8 @@ impl SteadyMarching {
         all
     }
 
-    /// The heat that the surface nodes of a column receive on its way there, and which are free.
+    /// Computes the heat that the surface nodes of a column receive in its step, and the nodes that
+    /// are free.
     fn receive(&mut self, column: usize, [new, _, old]: [f64; 3]) {
         let columns = self.heated + self.behind;
         self.surface.fill(0.0);
@@ -158,7 +161,7 @@ impl SteadyMarching {
         }
     }
 
-    /// Heat that is conducted along into a column on its way there, by the sweep before.
+    /// Adds the heat conducted along into a column during its step, from the previous sweep.
     fn conduct_along(&mut self, column: usize, theta: f64) {
         let (size, across) = (self.block.nodes(), self.widths.len());
         let columns = self.heated + self.behind;
@@ -226,7 +229,7 @@ impl BodySolver for SteadyMarching {
         Rises { values, behind: self.behind as f64, dense: 1 }
     }
 
-    /// False: rises below zero are errors of the iterations, not rounding.
+    /// Always false: rises below zero are errors of the iterations, not rounding.
     fn is_heated(&self, _: Stage) -> bool {
         false
     }

@@ -1,9 +1,9 @@
-//! A body of constant properties in steady motion, in the modes of its mesh ([`super::steady`]): all of its state is the
-//! flux and the speed.
+//! Modal solver of a body of constant properties in steady motion ([`super::steady`]). The state
+//! consists of the flux and the speed.
 
 use super::basis::Basis;
 use super::block::Passages;
-use super::body_solver::{BodySolver, Given, Rises};
+use super::body_solver::{BodySolver, Rises, SolverInput};
 use super::error::SolveError;
 use super::section::Interpolation;
 use super::steady::{Scratch, SteadyMotion};
@@ -15,7 +15,7 @@ use grids::Structured;
 use grids::state::{read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
-/// The body.
+/// Solver of one body.
 pub struct SteadyModal {
     grid: Structured,
     material: Material,
@@ -23,7 +23,7 @@ pub struct SteadyModal {
     passages: Option<Passages>,
     basis: Basis,
     prepared: Option<(f64, SteadyMotion)>,
-    /// The speed [m/s] and the flux of the last solve, and of the accepted one.
+    /// Speed [m/s] and flux of the last solve and of the accepted solve.
     speed: f64,
     flux: Flux,
     accepted: (f64, Flux),
@@ -32,10 +32,10 @@ pub struct SteadyModal {
 }
 
 impl SteadyModal {
-    /// A cold body.
+    /// Creates the solver of a cold body.
     #[must_use]
-    pub fn new(given: Given) -> Self {
-        let Given { grid, nature, block, elements } = given;
+    pub fn new(given: SolverInput) -> Self {
+        let SolverInput { grid, nature, block, elements } = given;
         let basis = Basis::new(&block.across, &block.depth, block.first_row, grid.nj);
         let flux = Flux::zero(grid.ni, grid.nj);
         Self {
@@ -46,7 +46,7 @@ impl SteadyModal {
             surfaces: vec![0.0; basis.across.len() * grid.ni],
             basis,
             prepared: None,
-            // Any speed will do while there is no flux.
+            // Any speed is valid while the flux is zero.
             speed: 1.0,
             accepted: (1.0, flux.clone()),
             flux,

@@ -1,15 +1,15 @@
-//! Steps in time on a mesh that moves with the material.
+//! Time steps on a mesh that moves with the material.
 //!
-//! The nodes of a body are places of its material: nothing is carried from one to the next, and so there is no
-//! numerical diffusion at any Péclet number and no limit on the speed. In the moving frame the mesh creeps
-//! towards −x by V Δt a step. When it has crept by a whole element, what left behind is dropped and a column
-//! of fresh material is added in front, which is a shift of indices in what the next step reads. Where steps
-//! are whole elements nothing is ever interpolated; otherwise the flux is averaged over the length that each
-//! node stands for in the middle of the step, which conserves it, and the surface is interpolated on its way out,
-//! which no later step sees.
+//! The nodes of a body are fixed in its material: nothing is transported between nodes, so there is
+//! no numerical diffusion at any Péclet number and no limit on the speed. In the moving frame the
+//! mesh is advected towards −x by V Δt a step. After each whole element the rearmost column is
+//! dropped and a column of fresh material is added in front, which only shifts indices in the next
+//! step. If steps are whole elements, nothing is interpolated. Otherwise the flux is averaged over
+//! the width of each node in the middle of the step, which conserves it. The surface is
+//! interpolated for output only, which no later step uses.
 //!
-//! In the modes of the mesh ([`super::basis`]) a step is, for every pair of modes, a tridiagonal system along the
-//! mesh, solved by elimination: there is no iteration and no error of one.
+//! In the modes of the mesh ([`super::basis`]) a step is a tridiagonal system along the mesh for
+//! every pair of modes. It is solved by elimination, without iterations and their errors.
 
 use super::basis::{Basis, LANES};
 use super::mesh_advection::Step;
@@ -20,20 +20,20 @@ use pulp::{Arch, NullaryFnOnce};
 /// The columns of a body's mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Columns {
-    /// Distance from one to the next [m].
+    /// Distance between two columns [m].
     pub h: f64,
-    /// Columns of the heat flux.
+    /// Number of columns of the heat flux.
     pub heated: usize,
-    /// Columns behind them.
+    /// Number of columns behind the heat flux.
     pub behind: usize,
-    /// Columns in front of them.
+    /// Number of columns in front of the heat flux.
     pub front: usize,
     /// Conductances beyond both ends over the conductivity [1/m].
     pub ends: [f64; 2],
 }
 
 impl Columns {
-    /// All of them.
+    /// Returns the total number of columns.
     #[must_use]
     pub fn count(&self) -> usize {
         self.behind + self.heated + self.front
@@ -45,9 +45,9 @@ impl Columns {
 pub struct ModeState<'a> {
     /// Amplitudes.
     pub now: &'a mut [f64],
-    /// Values one step before, for a scheme that asks for them; empty otherwise.
+    /// Amplitudes one step before, for a scheme that needs them; otherwise empty.
     pub before: &'a mut [f64],
-    /// The flux at the columns in the last step [W/m²], for the same.
+    /// Flux at the columns in the last step [W/m²], for a scheme that needs it.
     pub flux: &'a mut [f64],
 }
 
@@ -56,7 +56,7 @@ pub struct ModeState<'a> {
 pub struct Scratch {
     old: Vec<f64>,
     before: Vec<f64>,
-    /// Mean fluxes at the columns, and what the scheme makes of them.
+    /// Mean fluxes at the columns, and their combination by the scheme.
     means: Vec<f64>,
     flux: Vec<f64>,
     factors: Vec<[f64; LANES]>,
@@ -81,12 +81,12 @@ pub struct Mesh {
 pub struct ModeFlux<'a> {
     /// Middle coefficients [W/m²].
     pub middle: &'a [f64],
-    /// Edge values [W/m²], one more.
+    /// Edge values [W/m²], one more than middle coefficients.
     pub edge: &'a [f64],
 }
 
 impl ModeFlux<'_> {
-    /// ∫ from 0 to θ of an element; none outside the flux.
+    /// Returns ∫ from 0 to θ over an element; 0 outside the flux.
     #[inline(always)]
     fn until(&self, element: isize, theta: f64) -> f64 {
         let Some(i) = usize::try_from(element).ok().filter(|i| *i + 1 < self.edge.len()) else {
@@ -97,7 +97,8 @@ impl ModeFlux<'_> {
         theta * (l + theta * (first + theta * second / 3.0))
     }
 
-    /// Means over elements that are in front of their places by so much, from the column `behind` the flux on.
+    /// Computes means over elements that are `front` ahead of their nominal positions, beginning
+    /// `behind` columns behind the flux.
     pub fn means(&self, front: f64, behind: usize, means: &mut [f64]) {
         let whole = front.floor();
         let theta = front - whole;
@@ -110,21 +111,21 @@ impl ModeFlux<'_> {
 }
 
 impl Mesh {
-    /// A mesh of a material.
+    /// Creates the mesh of a body.
     #[must_use]
     pub fn new(basis: Basis, columns: Columns, material: &Material) -> Self {
         let capacity = material.density * material.specific_heat;
         Self { basis, columns, diffusivity: material.diffusivity(), capacity, arch: Arch::new() }
     }
 
-    /// Amplitudes of a mode across, column after column.
+    /// Returns the number of amplitudes of a mode across, over all columns.
     #[must_use]
     pub fn mode_size(&self) -> usize {
         self.columns.count() * self.basis.size()
     }
 
-    /// Takes a mode across through the steps of a window, and writes what it then is on the surface, column
-    /// after column.
+    /// Advances a mode across through the steps of a window, and writes its final values on the
+    /// surface, column after column.
     pub fn window(
         &self,
         mode: usize,
@@ -161,7 +162,8 @@ impl Mesh {
         }
     }
 
-    /// Amplitudes below a row of the flux, summed over the modes across, column after column.
+    /// Returns the amplitudes below a row of the flux, summed over the modes across, column after
+    /// column.
     #[must_use]
     pub fn below(&self, amplitudes: &[f64], row: usize) -> Vec<f64> {
         let mut sums = vec![0.0; self.mode_size()];
@@ -231,7 +233,7 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// The lanes of a column; beyond the mesh is fresh material.
+    /// Returns the lanes of a column; zero beyond the mesh, where the material is fresh.
     #[inline(always)]
     fn at(&self, values: &[f64], column: usize) -> [f64; LANES] {
         let start = column * self.size + self.block;
@@ -257,7 +259,7 @@ impl Line<'_> {
         }
         for i in 0..=last {
             let next = self.at(old, i + shift + 1);
-            // Conductances to the neighbours, and of both with what is beyond the ends.
+            // Conductances to the neighbours, and at the ends to the far field.
             let (to_last, to_next) = (f64::from(i > 0), f64::from(i < last));
             let beyond = [1.0 - to_last, 1.0 - to_next];
             let all = to_last + to_next + beyond[0] * self.ends[0] + beyond[1] * self.ends[1];

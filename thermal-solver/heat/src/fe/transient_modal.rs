@@ -1,7 +1,7 @@
-//! A body of constant properties in time, in the modes of its mesh ([`super::transient`]).
+//! Modal solver of a body of constant properties in time ([`super::transient`]).
 
 use super::basis::Basis;
-use super::body_solver::{BodySolver, Given, Rises};
+use super::body_solver::{BodySolver, Rises, SolverInput};
 use super::error::SolveError;
 use super::mesh_advection::{MeshAdvection, Position};
 use super::scheme::Scheme;
@@ -14,7 +14,7 @@ use crate::window::Stage;
 use grids::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
-/// The body.
+/// Solver of one body.
 pub struct TransientModal {
     mesh: Mesh,
     scheme: Scheme,
@@ -24,30 +24,30 @@ pub struct TransientModal {
     flux: Flux,
     trial: State,
     accepted: State,
-    /// Surfaces of the modes across, and of the rows.
+    /// Surface values of the modes across, and of the rows.
     surfaces: Vec<f64>,
     rows: Vec<f64>,
     scratch: Scratch,
     modes: steady::Scratch,
 }
 
-/// Temperatures of a mesh.
+/// State of the temperatures of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 struct State {
     amplitudes: Vec<f64>,
-    /// Values one step before, and the flux of that step, for a scheme that asks for them.
+    /// Amplitudes one step before and the flux of that step, for a scheme that needs them.
     before: Vec<f64>,
     fluxes: Vec<f64>,
     position: Position,
-    /// No window has cooled.
+    /// Whether no window has had a negative flux.
     heated: bool,
 }
 
 impl TransientModal {
-    /// A cold body.
+    /// Creates the solver of a cold body.
     #[must_use]
-    pub fn new(given: Given) -> Self {
-        let Given { grid, nature, block, elements } = given;
+    pub fn new(given: SolverInput) -> Self {
+        let SolverInput { grid, nature, block, elements } = given;
         let basis = Basis::new(&block.across, &block.depth, block.first_row, grid.nj);
         let mesh = Mesh::new(basis, block.columns, &nature.material);
         let accepted = State::cold(&mesh, elements.scheme);
@@ -67,7 +67,7 @@ impl TransientModal {
         }
     }
 
-    /// Takes all modes through the window, and to the surface; the work.
+    /// Advances all modes through the window and writes the surface. Returns the work.
     fn march(&mut self) -> u64 {
         let Self { mesh, creep, flux, trial, accepted, modes, .. } = self;
         let (size, count) = (mesh.mode_size(), mesh.columns.count());

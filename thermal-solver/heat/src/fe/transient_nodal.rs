@@ -1,10 +1,10 @@
-//! A body in time, node by node ([`super::conductor`]), for properties over temperature and free surfaces that exchange
-//! heat: the mesh of [`super::transient`], which moves with the material; what it receives, how it is
-//! shifted and how its surface is seen are the same.
+//! Nodal solver of a body in time ([`super::conductor`]), for properties over temperature and free
+//! surfaces that exchange heat. The mesh, its heat input, its shifts and the output of its surface
+//! are those of [`super::transient`].
 
 use super::block::Block;
 use super::body_properties::BodyProperties;
-use super::body_solver::{BodySolver, Given, Rises};
+use super::body_solver::{BodySolver, Rises, SolverInput};
 use super::conductor::{Conductor, NewtonStats, Request, Workspace};
 use super::error::SolveError;
 use super::mesh::Axis;
@@ -18,18 +18,18 @@ use crate::window::Stage;
 use grids::state::{read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
-/// Θ of a body's mesh [W/m] that moves with the material.
+/// State of a mesh that moves with the material, as Θ [W/m].
 #[derive(Clone, Debug, PartialEq)]
 struct State {
     now: Vec<f64>,
-    /// A step ago, at the same material.
+    /// Θ one step ago, at the same material.
     last: Vec<f64>,
-    /// Means of the flux at the columns in the last step, for a scheme that asks for it [W/m²].
+    /// Means of the flux at the columns in the last step, for a scheme that needs them [W/m²].
     fluxes: Vec<f64>,
     position: Position,
 }
 
-/// The body.
+/// Solver of one body.
 pub struct TransientNodal {
     nature: BodyProperties,
     flux: Flux,
@@ -45,7 +45,7 @@ pub struct TransientNodal {
     trial: State,
     accepted: State,
     memory: Workspace,
-    /// One and two steps ago.
+    /// Θ one and two steps ago.
     old: [Vec<f64>; 2],
     means: Vec<f64>,
     surface: Vec<f64>,
@@ -53,9 +53,9 @@ pub struct TransientNodal {
 }
 
 impl TransientNodal {
-    /// A cold body.
+    /// Creates the solver of a cold body.
     #[must_use]
-    pub fn new(given: Given) -> Self {
+    pub fn new(given: SolverInput) -> Self {
         let Block { columns, across, depth, first_row, .. } = given.block;
         let along = Axis::middles(0.0, vec![columns.h; columns.count()]).ending(columns.ends);
         let (block, memory) = conductor(given, [&along, across, depth]);
@@ -89,7 +89,7 @@ impl TransientNodal {
         }
     }
 
-    /// Takes the body through the window; what the steps took.
+    /// Advances the body through the window. Returns the effort of the steps.
     fn go(&mut self) -> NewtonStats {
         self.begin();
         let mut all = NewtonStats::default();
@@ -128,7 +128,7 @@ impl TransientNodal {
         }
     }
 
-    /// The heat that the surface nodes receive in a step, and which of them are free.
+    /// Computes the heat that the surface nodes receive in a step, and the nodes that are free.
     fn receive(&mut self, step: &Step) {
         let columns = self.columns.count();
         for row in 0..self.rows {
@@ -143,7 +143,7 @@ impl TransientNodal {
             step.receive(&self.means, &mut self.trial.fluxes[remembered], surface);
             let area = self.columns.h * self.widths[self.first_row + row];
             surface.iter_mut().for_each(|heat| *heat *= area);
-            // A node is in the contact while it is in the middle of the step.
+            // A node belongs to the contact if it is there in the middle of the step.
             let front = step.middle;
             let touching = support.0 as f64..support.1 as f64;
             for (column, free) in self.free[node..node + columns].iter_mut().enumerate() {
@@ -153,8 +153,8 @@ impl TransientNodal {
         }
     }
 
-    /// Lets both states go with the material, and puts a guess in the place of the newest: what has changed at
-    /// the same place in the last step changes in this one.
+    /// Shifts both states with the material, and replaces the newest by a guess: the change at the
+    /// same place in the last step is repeated.
     fn shift(&mut self, step: &Step) {
         let columns = self.columns.count();
         let shift = step.shifts[0];
@@ -226,7 +226,7 @@ impl BodySolver for TransientNodal {
         Rises { values, behind: self.columns.behind as f64 - state.position.front, dense: 1 }
     }
 
-    /// False: rises below zero are errors of the iterations, not rounding.
+    /// Always false: rises below zero are errors of the iterations, not rounding.
     fn is_heated(&self, _: Stage) -> bool {
         false
     }

@@ -1,14 +1,14 @@
-//! What bodies node by node have in common: their block, and its coldest and hottest rise.
+//! Functions shared by nodal solvers: the block of a body, and its lowest and highest rise.
 
 use super::block::Solver;
-use super::body_solver::Given;
+use super::body_solver::SolverInput;
 use super::conductor::{Conductor, Workspace};
 use super::direct::Direct;
 use super::law::Law;
 use super::mesh::Axis;
 
-/// The block of a body on these axes, and what its steps compute in.
-pub(super) fn conductor(given: Given, axes: [&Axis; 3]) -> (Conductor, Workspace) {
+/// Creates the block of a body on these axes, and the working memory of its steps.
+pub(super) fn conductor(given: SolverInput, axes: [&Axis; 3]) -> (Conductor, Workspace) {
     let mut block = Conductor::new(axes, given.nature.law());
     block.surroundings = given.nature.surroundings;
     let direct = match given.elements.solver {
@@ -18,7 +18,7 @@ pub(super) fn conductor(given: Given, axes: [&Axis; 3]) -> (Conductor, Workspace
     (block, Workspace::with(direct))
 }
 
-/// Coldest and hottest rise [K].
+/// Returns the lowest and highest rise [K].
 pub(super) fn extremes(potentials: &[f64], law: &Law) -> [f64; 2] {
     let range = potentials
         .iter()

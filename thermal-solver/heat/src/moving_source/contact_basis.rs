@@ -1,39 +1,41 @@
-//! Where two surfaces touch, and the shapes in which what flows between them is sought.
+//! Elements where two surfaces touch, and shape functions for the heat that flows between them.
 //!
-//! What flows is Σ c_k s_k, and an error e at the elements is measured as its means over the shapes,
-//! Σ s_k e / Σ s_k. The shapes are either the elements themselves, or hats along the rows whose tops are two to three
-//! elements apart. Nodes that lie between the elements of the contact, as those of material that moves through it,
-//! receive nothing of a flux that changes its sign from one element to the next, and show nothing of such a temperature:
-//! in hats neither occurs. A row that is shorter than two elements is one hat.
+//! The flux is Σ c_k s_k, and an error e at the elements is measured by its means over the shapes,
+//! Σ s_k e / Σ s_k. The shapes are either the elements themselves, or hat functions along the rows
+//! with tops two to three elements apart. Some nodes lie between the elements of the contact, such
+//! as nodes of material that moves through it. They average out a flux that alternates in sign from
+//! element to element, and cannot resolve such a temperature; hats exclude both. A row shorter than
+//! two elements has a single hat.
 
-/// Kind of the shapes.
+/// Kind of shape functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shapes {
-    /// One each element.
+    /// One shape for each element.
     Elements,
-    /// Hats along the rows.
+    /// Hat functions along the rows.
     Hats,
 }
 
-/// Elements that touch, and the shapes on them.
+/// Elements in contact, with their shape functions.
 #[derive(Clone, Debug)]
 pub struct ContactBasis {
     shapes: Shapes,
     elements: Vec<usize>,
-    /// For each element the first of two shapes that follow each other, and the part of the second.
+    /// For each element, the first of two consecutive shapes, and the weight of the second.
     at: Vec<(usize, f64)>,
-    /// Σ of a shape over the elements.
+    /// Sum of each shape over the elements.
     sums: Vec<f64>,
 }
 
 impl ContactBasis {
-    /// Nothing touches yet.
+    /// Creates an empty basis.
     #[must_use]
     pub fn new(shapes: Shapes) -> Self {
         Self { shapes, elements: Vec::new(), at: Vec::new(), sums: Vec::new() }
     }
 
-    /// Finds the elements that touch, by a flux or pressure of so many columns: in every row from the first element with some to the last.
+    /// Finds the elements in contact from a flux or pressure with `columns` columns: in every row,
+    /// from the first to the last element with a nonzero value.
     pub fn find(&mut self, values: &[f64], columns: usize) {
         self.elements.clear();
         self.at.clear();
@@ -61,19 +63,19 @@ impl ContactBasis {
         at.iter().for_each(|at| add(sums, *at, 1.0));
     }
 
-    /// The elements.
+    /// Returns the elements in contact.
     #[must_use]
     pub fn elements(&self) -> &[usize] {
         &self.elements
     }
 
-    /// Number of shapes.
+    /// Returns the number of shapes.
     #[must_use]
     pub fn shapes(&self) -> usize {
         self.sums.len()
     }
 
-    /// Values of a sum of shapes with these coefficients at the elements.
+    /// Computes the values at the elements of a sum of shapes with these coefficients.
     pub fn spread(&self, coefficients: &[f64], values: &mut Vec<f64>) {
         values.clear();
         values.extend(self.at.iter().map(|(shape, part)| {
@@ -82,7 +84,7 @@ impl ContactBasis {
         }));
     }
 
-    /// Means over the shapes of values at the elements.
+    /// Computes the means of element values over the shapes.
     pub fn gather(&self, values: &[f64], means: &mut [f64]) {
         means.fill(0.0);
         self.at.iter().zip(values).for_each(|(at, value)| add(means, *at, *value));
@@ -118,8 +120,8 @@ mod tests {
         assert_eq!(back, values);
     }
 
-    /// Hats make straight lines, and their means see no values that change sign from element to element, however many
-    /// elements a row has.
+    /// Hats reproduce straight lines, and their means filter out values that alternate in sign, for
+    /// any number of elements in a row.
     #[test]
     fn hats_are_straight_between_their_tops() {
         for count in 1..40 {

@@ -1,14 +1,15 @@
-//! Integrals over elements in a row, of a Gaussian that has spread.
+//! Integrals of a spread Gaussian over elements in a row.
 //!
-//! With v the place over the width s, an element from v₀ to v₁ = v₀ + H, θ = (v − v₀)/H and
-//! g(v) = e^{−v²}/√π: ∫ g dv across, and ∫ (1 − θ)² g, ∫ 2θ(1 − θ) g, ∫ θ² g along, the coefficients of
-//! a parabola in Bernstein form. For H above a fiftieth they follow from ∫ vᵏ g dv, k = 0, 1, 2, by the
-//! error function and the Gaussian at both ends, which lose up to (v₀/H)² roundings; for shorter elements
-//! Gauss's rule with three points has an error of order H⁴. Both are right to 1e-9 of the length H.
+//! With v the position over the width s, an element from v₀ to v₁ = v₀ + H, θ = (v − v₀)/H and
+//! g(v) = e^{−v²}/√π, the integrals are ∫ g dv across, and ∫ (1 − θ)² g, ∫ 2θ(1 − θ) g, ∫ θ² g
+//! along, for the coefficients of a parabola in Bernstein form. For H above a fiftieth they follow
+//! from ∫ vᵏ g dv, k = 0, 1, 2, by the error function and the Gaussian at both ends, which lose up
+//! to (v₀/H)² roundings. For shorter elements Gauss's rule with three points has an error of order
+//! H⁴. Both are accurate to 1e-9 of the length H.
 
 use std::f64::consts::PI;
 
-/// Elements longer than this are integrated in closed form.
+/// Length of an element above which the closed form is used.
 const LONG: f64 = 0.02;
 
 /// Nodes θ and weights of Gauss's rule on [0, 1].
@@ -22,7 +23,7 @@ fn gauss(place: f64) -> f64 {
     (-place * place).exp() / PI.sqrt()
 }
 
-/// ∫ g dv over `count` elements of length H, the first of which begins at v₀.
+/// Returns ∫ g dv over `count` elements of length H, the first of which begins at v₀.
 pub fn shares(first: f64, length: f64, count: usize) -> impl Iterator<Item = f64> {
     let place = move |at: usize| first + at as f64 * length;
     let mut before = if length > LONG { libm::erf(first) } else { 0.0 };
@@ -36,8 +37,8 @@ pub fn shares(first: f64, length: f64, count: usize) -> impl Iterator<Item = f64
     })
 }
 
-/// ∫ (1 − θ)² g dv, ∫ 2θ(1 − θ) g dv and ∫ θ² g dv over each of `count` elements of length H, the first of
-/// which begins at v₀.
+/// Returns ∫ (1 − θ)² g dv, ∫ 2θ(1 − θ) g dv and ∫ θ² g dv over each of `count` elements of length
+/// H, the first of which begins at v₀.
 pub fn parabolas(first: f64, length: f64, count: usize) -> impl Iterator<Item = [f64; 3]> {
     let place = move |at: usize| first + at as f64 * length;
     let mut before = match length > LONG {
@@ -63,7 +64,7 @@ pub fn parabolas(first: f64, length: f64, count: usize) -> impl Iterator<Item = 
     })
 }
 
-/// The integrals of an element from places, error functions and Gaussians at both ends.
+/// Returns the integrals of an element from positions, error functions and Gaussians at both ends.
 fn closed(place: [f64; 2], erf: [f64; 2], gauss: [f64; 2]) -> [f64; 3] {
     let length = place[1] - place[0];
     let zeroth = 0.5 * (erf[1] - erf[0]);
@@ -81,8 +82,8 @@ mod tests {
     use super::*;
     use numerics::quadrature::points;
 
-    /// Against Gauss's rule with twelve points on pieces of an element. Tolerance: what the module says of
-    /// its errors.
+    /// Reference: Gauss's rule with twelve points on parts of an element. Tolerance: the error
+    /// stated in the module header.
     #[test]
     fn parts_of_elements() {
         for first in [-6.0, -3.0, -1.2, -0.5, 0.0, 0.7, 4.0] {
@@ -115,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Elements one after the other cover all of the Gaussian. Tolerance: rounding of a thousand terms.
+    /// Consecutive elements cover the whole Gaussian. Tolerance: rounding of a thousand terms.
     #[test]
     fn elements_in_a_row_add_up() {
         for length in [0.02, 0.3, 5.0] {

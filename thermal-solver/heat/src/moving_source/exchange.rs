@@ -1,18 +1,21 @@
 //! Two half-spaces that exchange heat where their surfaces touch.
 //!
-//! Beside a split of the friction heat that is the same everywhere, a flux g [W/m²] flows from the upper
-//! into the lower body where they touch, such that
+//! The friction heat is split uniformly. In addition, a flux g [W/m²] flows from the upper into the
+//! lower body where they touch, such that
 //!
 //! T_u − T_l = g/h,
 //!
-//! with the conductance h of the contact [W/(m²·K)], element by element; 1/h = 0 for surfaces of one temperature.
-//! M = 1/h + A_u + A_l makes of an error of this equation a correction of g, with the influence A of a flux
-//! whose means over elements are g, and whose values at edges are linear in them ([`Flux::add`]). M is inverted by
-//! GMRES, with the inverse of its symbol for fluxes that are zero at the edges, cut to the places of contact, for a
-//! preconditioner; where 1/h is larger than its smallest value 1/h₀, that is scaled on both sides by √((1/h₀ + a)/(1/h + a)), with the
-//! influence a of an element on itself. In steady motion A is not symmetric.
+//! with the conductance h of the contact [W/(m²·K)], element by element; 1/h = 0 for surfaces of
+//! equal temperature. M = 1/h + A_u + A_l converts an error of this equation to a correction of g.
+//! A is the influence of a flux with the element means g and with edge values that are linear in g
+//! ([`Flux::add`]). M is inverted by GMRES. The preconditioner is the inverse of the symbol of M
+//! for fluxes that are zero at the edges, restricted to the places of contact. Where 1/h is larger
+//! than its smallest value 1/h₀, the preconditioner is scaled on both sides by
+//! √((1/h₀ + a)/(1/h + a)), with the influence a of an element on itself. In steady motion A is not
+//! symmetric.
 //!
-//! Between the elements that touch, g and the errors live on shapes ([`ContactBasis`]).
+//! On the elements in contact, g and the errors are expressed in shape functions
+//! ([`ContactBasis`]).
 
 use super::contact_basis::ContactBasis;
 use super::half_space::Influence;
@@ -23,7 +26,7 @@ use numerics::gmres::{Gmres, Preconditioned};
 
 /// Reduction of the error by a correction.
 const REDUCTION: f64 = 1e-2;
-/// Values of the symbol below this part of the largest are not inverted.
+/// Fraction of the largest value below which values of the symbol are not inverted.
 const FLOOR: f64 = 1e-4;
 /// Middle coefficient over the mean of a flux that is zero at the edges.
 const MIDDLE: f64 = 3.0;
@@ -40,12 +43,13 @@ pub struct Exchange {
     fields: [Vec<f64>; 3],
     flux: Flux,
     image: Vec<f64>,
-    /// Values at the elements that touch.
+    /// Values at the elements in contact.
     elements: Vec<f64>,
 }
 
 impl Exchange {
-    /// Exchange of two bodies on a grid whose contact has this smallest resistance 1/h [m²·K/W].
+    /// Prepares the exchange of two bodies on a grid whose contact has this smallest resistance 1/h
+    /// [m²·K/W].
     #[must_use]
     pub fn new(grid: &Structured, bodies: [&Influence; 2], least: f64) -> Self {
         let influence = Influence::sum(bodies);
@@ -74,14 +78,14 @@ impl Exchange {
         }
     }
 
-    /// The smallest resistance that it is for [m²·K/W].
+    /// Returns the smallest resistance for which the exchange was prepared [m²·K/W].
     #[must_use]
     pub fn least(&self) -> f64 {
         self.least
     }
 
-    /// The correction of g [W/m²] for errors T_u − T_l − g/h [K], both in the shapes where the surfaces touch;
-    /// the number of products with M.
+    /// Computes the correction of g [W/m²] for errors T_u − T_l − g/h [K], both in shape functions.
+    /// Returns the number of products with M.
     pub fn correct(
         &mut self,
         convolution: &mut Convolution,
@@ -97,15 +101,15 @@ impl Exchange {
     }
 }
 
-/// Elements that touch, and their resistances 1/h, element by element [m²·K/W].
+/// Elements in contact with their resistances 1/h [m²·K/W].
 pub struct Resisting<'a> {
-    /// Elements and shapes.
+    /// Elements and shape functions.
     pub touching: &'a ContactBasis,
-    /// Resistances of the elements.
+    /// Resistance of each element.
     pub resistances: &'a [f64],
 }
 
-/// M between the shapes of what touches.
+/// M in the shape functions of the contact.
 struct Shapes<'a> {
     exchange: &'a mut Exchange,
     convolution: &'a mut Convolution,
@@ -137,7 +141,7 @@ impl Preconditioned for Shapes<'_> {
             true => ((*least + *own) / (resistance + *own)).sqrt(),
             false => 1.0,
         };
-        // A row of the convolution has one place more, for edges.
+        // A row of the convolution has one more position, for edges.
         let place = |at: usize| at + at / *columns;
         let touching = shapes.elements();
         shapes.spread(x, elements);

@@ -8,7 +8,7 @@ use numerics::convolution::{Convolution, Spectrum};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// A body in a stretch of the past: how it warms, and spreads, what it received then.
+/// A body in an interval of the past: its response to the heat received then.
 #[derive(Clone, Debug)]
 pub struct HalfSpace {
     grid: Structured,
@@ -19,7 +19,7 @@ pub struct HalfSpace {
     ages: Vec<Age>,
 }
 
-/// The influence of a flux in a stretch on the surface, over Fourier space.
+/// Influence on the surface of a flux in an interval, as Fourier spectra.
 #[derive(Clone, Debug)]
 pub struct Influence {
     columns: usize,
@@ -28,29 +28,30 @@ pub struct Influence {
     work: u64,
 }
 
-/// A flux contracted to a row: for every age what its Gaussian across makes of all rows.
+/// A flux contracted to a row: for every age, the sum of all rows weighted by the Gaussian across.
 #[derive(Clone, Debug)]
 pub struct Contracted {
-    /// Middle coefficients and edge values of every age, one after the other [W/m²].
+    /// Middle coefficients and edge values of every age, one after another [W/m²].
     middle: Vec<f64>,
     edge: Vec<f64>,
 }
 
-/// Integrals along x of one age, by the offset of an element or edge from the target.
+/// Integrals along x for one age, by the offset of an element or edge from the target.
 struct Along {
     first: i64,
     middle: Vec<f64>,
     edge: Vec<f64>,
 }
 
-/// The plan for convolutions on a grid; edges are one more than elements.
+/// Creates the plan for convolutions on a grid; edges are one more than elements.
 #[must_use]
 pub fn convolution(grid: &Structured) -> Convolution {
     Convolution::new(grid.ni + 1, grid.nj)
 }
 
 impl HalfSpace {
-    /// A body of this diffusivity κ [m²/s] and effusivity β [J/(m²·K·√s)] in a stretch of the past.
+    /// Creates a body of this diffusivity κ [m²/s] and effusivity β [J/(m²·K·√s)] in an interval of
+    /// the past.
     #[must_use]
     pub fn new(
         grid: &Structured,
@@ -68,7 +69,8 @@ impl HalfSpace {
         }
     }
 
-    /// A body of this diffusivity κ [m²/s] in which what has spread weighs alike at all ages, with this factor.
+    /// Creates a body of this diffusivity κ [m²/s] in which heat of all ages has the same weight
+    /// `factor`.
     #[must_use]
     pub fn ageless(
         grid: &Structured,
@@ -81,25 +83,25 @@ impl HalfSpace {
         Self { amplitude: factor, ..body }
     }
 
-    /// Its influence on the surface.
+    /// Returns the influence of the body on the surface.
     #[must_use]
     pub fn influence(&self, convolution: &mut Convolution) -> Influence {
         Influence::of(&self.grid, std::iter::once(self.clone()), convolution)
     }
 
-    /// Number of ages.
+    /// Returns the number of ages.
     #[must_use]
     pub fn ages(&self) -> usize {
         self.ages.len()
     }
 
-    /// Width s of what has spread for an age [m].
+    /// Returns the spreading width s for an age [m].
     fn width(&self, age: f64) -> f64 {
         (4.0 * self.diffusivity * age).sqrt()
     }
 
-    /// Adds the influence of the element and of the edge with the offset d = source − target along x, from
-    /// −(n_x − 1) on, and rows apart [m²·K/W]; the multiply-adds that it has taken.
+    /// Adds the influence of the element and of the edge with the offset d = source − target along
+    /// x, from −(n_x − 1) on, and rows apart [m²·K/W]. Returns the number of multiply-adds.
     fn add_to(&self, tables: &mut [Vec<f64>; 2]) -> u64 {
         let columns = self.grid.ni;
         let (first, mut work) = (1 - columns as i64, 0);
@@ -123,7 +125,8 @@ impl HalfSpace {
         work
     }
 
-    /// Shares of the rows 0, 1, 2 … away from the target's, up to where they end.
+    /// Returns the weights of the rows 0, 1, 2 … away from the target's row, up to the last nonzero
+    /// weight.
     fn across(&self, age: f64) -> Vec<f64> {
         let width = self.width(age);
         let side = self.grid.dy() / width;
@@ -131,8 +134,8 @@ impl HalfSpace {
         shares(-0.5 * side, side, last + 1).collect()
     }
 
-    /// Integrals along x of all elements and edges within some offsets from a target, which lies
-    /// `ahead` [m] of an element's centre; those that are not zero.
+    /// Returns the nonzero integrals along x of the elements and edges within some offsets from a
+    /// target, which lies `ahead` [m] of an element's centre.
     fn along(&self, age: f64, ahead: f64, offsets: Range<i64>) -> Along {
         let (width, side) = (self.width(age), self.grid.dx());
         let way = ahead + self.stretch.way_at(age);
@@ -189,8 +192,8 @@ impl HalfSpace {
         contracted
     }
 
-    /// Contribution of every age to the surface's rise at a place x [m] of the row that a flux was contracted
-    /// to [K].
+    /// Returns the contribution of every age to the surface's rise at a position x [m] of the row
+    /// to which the flux was contracted [K].
     #[must_use]
     pub fn shares_at(&self, contracted: &Contracted, x: f64) -> Vec<f64> {
         let place = (x - self.grid.x(0)) / self.grid.dx();
@@ -205,15 +208,16 @@ impl HalfSpace {
         self.ages.iter().enumerate().map(share).collect()
     }
 
-    /// Rise at the depth c = z/(2√κ) [√s] below a place with these shares of the ages [K].
+    /// Returns the rise at the depth c = z/(2√κ) [√s] below a place with these contributions of the
+    /// ages [K].
     #[must_use]
     pub fn rise_below(&self, shares: &[f64], depth: f64) -> f64 {
         let term = |(age, share): (&Age, &f64)| share * (-depth * depth / age.age).exp();
         self.ages.iter().zip(shares).map(term).sum()
     }
 
-    /// Adds the rises along the row at the elements' centres, at some depths c = z/(2√κ) [√s], depth
-    /// after depth.
+    /// Adds the rises along the row at the elements' centres, at some depths c = z/(2√κ) [√s],
+    /// depth after depth.
     pub fn section(&self, contracted: &Contracted, depths: &[f64], rise: &mut [f64]) {
         let (columns, edges) = (self.grid.ni, self.grid.ni + 1);
         let mut line = vec![0.0; columns];
@@ -238,7 +242,7 @@ impl HalfSpace {
 }
 
 impl Influence {
-    /// Influence of some bodies together, on the surface of a grid.
+    /// Returns the total influence of some bodies on the surface of a grid.
     #[must_use]
     pub fn of(
         grid: &Structured,
@@ -249,7 +253,7 @@ impl Influence {
         let mut tables = [zeros.clone(), zeros];
         let work = bodies.map(|body| body.add_to(&mut tables)).sum();
         let (columns, rows_apart) = (grid.ni as i32, 2 * grid.ni);
-        // The target's index less the source's is what the convolution asks for.
+        // The convolution is indexed by target minus source.
         let of = |table: &[f64], di: i32, dj: i32| {
             let (offset, row) = (columns - di, dj.unsigned_abs() as usize);
             let inside = (1..=2 * columns).contains(&offset);
@@ -259,13 +263,13 @@ impl Influence {
         Self { columns: grid.ni, spectra, work }
     }
 
-    /// Multiply-adds that it has taken.
+    /// Returns the number of multiply-adds of the setup.
     #[must_use]
     pub fn work(&self) -> u64 {
         self.work
     }
 
-    /// Influence of two bodies under the same flux.
+    /// Returns the sum of the influences of two bodies under the same flux.
     #[must_use]
     pub fn sum(bodies: [&Self; 2]) -> Self {
         let [one, other] = bodies;
@@ -274,14 +278,14 @@ impl Influence {
         Self { columns: one.columns, spectra: [add(0), add(1)], work: one.work + other.work }
     }
 
-    /// Spectrum of the influence of an element's middle coefficient [m²·K/W].
+    /// Returns the spectrum of the influence of an element's middle coefficient [m²·K/W].
     #[must_use]
     pub fn of_middle(&self) -> &Spectrum {
         &self.spectra[0]
     }
 
-    /// Adds the surface rises of a flux on the grid [K]; `fields` is room for both coefficients and the
-    /// result.
+    /// Adds the surface rises of a flux on the grid [K]; `fields` is working memory for both
+    /// coefficients and the result.
     pub fn add(
         &self,
         flux: &Flux,
@@ -311,7 +315,7 @@ impl Influence {
 }
 
 impl Along {
-    /// Sum over the coefficients of a row, seen from a target.
+    /// Returns the sum over the coefficients of a row, seen from a target.
     fn dot(&self, target: i64, middle: &[f64], edge: &[f64]) -> f64 {
         let start = self.first + target;
         let begin = start.max(0);
@@ -346,7 +350,7 @@ mod tests {
         let means: Vec<f64> = (0..grid.points())
             .map(|at| {
                 let (x, y) = (grid.x(at % grid.ni), grid.y(at / grid.ni));
-                // The element's mean from 8 × 8 places.
+                // Element mean from 8 × 8 points.
                 let place = |k: usize| (k as f64 - 3.5) / 8.0;
                 let sum: f64 = (0..64)
                     .map(|k| flux(x + place(k % 8) * grid.dx(), y + place(k / 8) * grid.dy()))
@@ -380,7 +384,7 @@ mod tests {
         Structured::contact_plane(half(a, dx), half(b, dy), dx, dy, 2 * n, 2 * n)
     }
 
-    /// Largest rise, as T λ/(q₀ a), and its place.
+    /// Returns the largest rise, as T λ/(q₀ a), and its position.
     fn peak_of(
         peclet: f64,
         [a, b]: [f64; 2],
@@ -391,9 +395,9 @@ mod tests {
         (rise, x)
     }
 
-    /// The moving Hertz ellipse of the paper's case from rest to high speed: independent quadrature of
-    /// Carslaw and Jaeger's kernel. Tolerance: that of the references asked for; the error of
-    /// 32 elements a semi-axis is 3e-4.
+    /// The moving Hertz ellipse of the paper's case from rest to high speed, against an independent
+    /// quadrature of Carslaw and Jaeger's kernel. Tolerance: 1e-3, that of the references; 32
+    /// elements a semi-axis have an error of 3e-4.
     #[test]
     fn a_hertz_ellipse_at_any_speed() {
         let b = 6.01 / 7.98;
@@ -411,7 +415,7 @@ mod tests {
         }
     }
 
-    /// Second order in the element: across it the flux is constant.
+    /// Second order in the element size: the flux is constant across an element.
     #[test]
     fn the_peak_converges_with_second_order() {
         let hertz = |x: f64, y: f64| (1.0 - x * x - y * y).max(0.0).sqrt();
@@ -423,8 +427,8 @@ mod tests {
         }
     }
 
-    /// A disc at rest under a uniform flux warms by q₀ a/λ, under Hertz's by π/4 of that. Tolerance: the
-    /// elements that the edge cuts.
+    /// A disc at rest under a uniform flux warms by q₀ a/λ, under Hertz's flux by π/4 of that.
+    /// Tolerance: the elements cut by the edge.
     #[test]
     fn a_disc_at_rest() {
         let inside = |x: f64, y: f64| if x * x + y * y < 1.0 { 1.0 } else { 0.0 };
@@ -435,8 +439,9 @@ mod tests {
         assert!((elliptic - 0.25 * PI).abs() < 5e-4, "{elliptic}");
     }
 
-    /// The band of half width b at V b/2κ = 1, 5, 10: π λ V T/(2 κ q) by Jaeger's integral. Tolerance: the
-    /// jumps of the flux, of second order, and the ends of a band that is a thousand times as wide.
+    /// The band of half width b at V b/2κ = 1, 5, 10: π λ V T/(2 κ q) by Jaeger's integral.
+    /// Tolerance: the jumps of the flux, of second order, and the ends of a band that is a thousand
+    /// times as wide.
     #[test]
     fn jaegers_band() {
         for (peclet, expected) in [(1.0, 3.11599), (5.0, 7.6127), (10.0, 10.9484)] {
@@ -457,9 +462,10 @@ mod tests {
         }
     }
 
-    /// Tian and Kennedy's fits for circles under Hertz's flux and under a uniform one, J. Tribol. 116 (1994)
-    /// 167–174, over the mean flux. Tolerance: their errors, 1.2 % for the first; the second is 2.1 % off at
-    /// Pe = 1, where discs and bands here meet their own references.
+    /// Tian and Kennedy's fits for circles under Hertz's flux and under a uniform flux, J. Tribol.
+    /// 116 (1994) 167–174, over the mean flux. Tolerance: 1.2 %, the error of the first fit. The
+    /// second fit is 2.1 % off at Pe = 1, where discs and bands here agree with their own
+    /// references.
     #[test]
     fn tian_and_kennedys_fits() {
         let inside = |x: f64, y: f64| if x * x + y * y < 1.0 { 1.0 } else { 0.0 };
@@ -474,8 +480,8 @@ mod tests {
         }
     }
 
-    /// At high speed the rises below the surface are those of columns; at every depth the section is
-    /// what single places give. Tolerance: 1/Pe, and rounding.
+    /// At high speed the rises below the surface are those of columns. At every depth the section
+    /// agrees with single places. Tolerance: 1/Pe, and rounding.
     #[test]
     fn depths_agree_with_single_places() {
         let hertz = |x: f64, y: f64| (1.0 - x * x - y * y).max(0.0).sqrt();

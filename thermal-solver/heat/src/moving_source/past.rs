@@ -1,10 +1,11 @@
-//! The windows of a history as stretches of the past.
+//! Windows of a history as intervals of the past.
 
 use super::ages::PastInterval;
 use crate::columns::history::{History, Window};
 use crate::window::Stage;
 
-/// The windows of a state as a body sees them, newest first; before a window without end there is nothing.
+/// Iterates over the windows of a state as a body sees them, newest first; nothing precedes a
+/// window without end.
 pub fn stretches(
     history: &History,
     stage: Stage,

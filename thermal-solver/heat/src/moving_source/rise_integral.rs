@@ -1,24 +1,29 @@
-//! Temperature rise integrated over depth, as the height of the surface feels it.
+//! Temperature rise integrated over depth, which determines the thermal displacement of the
+//! surface.
 //!
-//! The surface of a half-space that is free of tractions rises by 2(1 + ν)α W where its inside is warm, with
-//! the coefficient of thermal expansion α, Poisson's ratio ν and, for the wave number k along the surface,
+//! The traction-free surface of a half-space with a warm interior rises by 2(1 + ν)α W, with the
+//! coefficient of thermal expansion α, Poisson's ratio ν and, for the wave number k along the
+//! surface,
 //!
 //! Ŵ(k) = ∫₀^∞ ϑ̂(k, z) e^{−kz} dz.
 //!
-//! Heat that the surface has received an age τ ago adds q̂ erfc(k√(κτ))/(ρc) to it: what has spread to the sides and
-//! what weighs less in the depth come to one function. By Craig's form of it,
+//! Heat that the surface received an age τ ago adds q̂ erfc(k√(κτ))/(ρc) to it: lateral spreading
+//! and the weight of the depth combine to one function. By Craig's form of this function,
 //!
 //! erfc(x) = (2/π) ∫₀^∞ e^{−x²(1+v²)} dv/(1 + v²),
 //!
-//! W is a sum of what has spread along the surface of bodies with the diffusivities κ(1 + v²), at all ages alike:
+//! W is a sum over bodies with the diffusivities κ(1 + v²), of the heat spread along their
+//! surfaces, with equal weight at all ages:
 //!
-//! W = (2/π)/(ρc) ∫₀^∞ dv/(1 + v²) ∫₀^∞ dτ ∬ q(x', y') g((x' − x − Vτ)/s) g((y' − y)/s) dx' dy'/s², s² = 4κ(1 + v²)τ,
+//! W = (2/π)/(ρc) ∫₀^∞ dv/(1 + v²) ∫₀^∞ dτ ∬ q(x', y') g((x' − x − Vτ)/s) g((y' − y)/s) dx' dy'/s²,
+//! s² = 4κ(1 + v²)τ,
 //!
-//! each of which is [`super::half_space`] with another weight. Where all of the surface is heated alike, W is the heat over
-//! the heat capacity ρc.
+//! each of which is [`super::half_space`] with another weight. For a uniformly heated surface, W is
+//! the heat over the heat capacity ρc.
 //!
-//! Source: the displacement of the surface, Barber, *Elasticity* (2010), thermoelastic displacement potentials; Craig, Proc. IEEE MILCOM (1991) 571-575, for
-//! the function. Errors: the rule over v leaves some 1e-8; of windows whose material has left the grid the rest is forgotten
+//! Sources: Barber, *Elasticity* (2010), thermoelastic displacement potentials, for the
+//! displacement of the surface; Craig, Proc. IEEE MILCOM (1991) 571-575, for the function. Errors:
+//! the rule over v leaves some 1e-8. Windows whose material has left the grid are dropped
 //! ([`crate::columns::history`]).
 
 use super::ages::PastInterval;
@@ -30,10 +35,10 @@ use numerics::convolution::Convolution;
 use numerics::quadrature::points;
 use std::f64::consts::FRAC_2_PI;
 
-/// Ends of the panels of the rule over ln v; below the first one v itself.
+/// Ends of the panels of the rule over ln v; below the first end the variable is v itself.
 const PANELS: [f64; 5] = [0.0, 2.25, 4.5, 6.75, 9.0];
 
-/// Nodes v and weights of the rule.
+/// Iterates over the nodes v and weights of the rule.
 fn rule() -> impl Iterator<Item = (f64, f64)> {
     let far = PANELS.windows(2).flat_map(|panel| points(panel[0], panel[1]));
     let far = far.map(|(log, weight)| (log.exp(), log.exp() * weight));
@@ -46,15 +51,16 @@ pub struct RiseIntegral {
     material: Material,
     convolution: Convolution,
     fields: [Vec<f64>; 3],
-    /// Contribution of a stretch.
+    /// Contribution of an interval.
     part: Vec<f64>,
-    /// Influences of the stretches of the last question, and of the one before while it is answered.
+    /// Influences of the intervals of the last evaluation, and of the one before during an
+    /// evaluation.
     known: Vec<(PastInterval, Influence)>,
     before: Vec<(PastInterval, Influence)>,
 }
 
 impl RiseIntegral {
-    /// Rise integral of a body of this material.
+    /// Prepares the rise integral of a body of this material.
     #[must_use]
     pub fn new(grid: &Structured, material: Material) -> Self {
         Self {
@@ -68,8 +74,8 @@ impl RiseIntegral {
         }
     }
 
-    /// The integrals W [K·m] that these stretches of the past leave, with the flux of each and the share of it
-    /// that the body took; the multiply-adds that it took.
+    /// Computes the integrals W [K·m] of intervals of the past, with the flux of each and the share
+    /// of it that the body received. Returns the number of multiply-adds.
     pub fn of<'a>(
         &mut self,
         past: impl Iterator<Item = (PastInterval, f64, &'a Flux)>,
@@ -124,8 +130,9 @@ mod tests {
         flux
     }
 
-    /// The heat of a flux in waves along x, at rest: ∫ erfc(k√(κτ)) dτ over the heat capacity, in the middle of many waves.
-    /// Tolerance: waves that end, and the means of elements as a flux in waves (3e-4 at 40 an element).
+    /// The heat of a flux in waves along x, at rest: ∫ erfc(k√(κτ)) dτ over the heat capacity, in
+    /// the middle of many waves. Tolerance: the finite number of waves, and element means of a flux
+    /// in waves (3e-4 at 40 elements a wave).
     #[test]
     fn waves_at_rest() {
         let (wave, columns) = (1e-3, 401);
@@ -137,7 +144,7 @@ mod tests {
             let stretch = PastInterval { from: 0.0, to: duration, way: 0.0, speed: 0.0 };
             let mut integral = vec![0.0; grid.points()];
             RiseIntegral::new(&grid, STEEL).of(std::iter::once((stretch, 1.0, &of)), &mut integral);
-            // With r = √τ.
+            // Integration variable r = √τ.
             let root = duration.sqrt();
             let heard: f64 = (0..40)
                 .flat_map(|panel| {
@@ -153,8 +160,9 @@ mod tests {
         }
     }
 
-    /// Far from where a small place was heated at rest W is that of Poisson's kernel z/2πr³ with the mean depth of the heat:
-    /// Q (2/3)√(κt)/(ρc π^1.5 r³). Tolerance: of second order in √(κt)/r and in the size over r.
+    /// At rest, far from a small heated place, W is that of Poisson's kernel z/2πr³ with the mean
+    /// depth of the heat: Q (2/3)√(κt)/(ρc π^1.5 r³). Tolerance: of second order in √(κt)/r and in
+    /// the size over r.
     #[test]
     fn far_away() {
         let grid = Structured::contact_plane(-1e-4, 0.0, 1e-4, 1e-4, 61, 3);
@@ -171,8 +179,8 @@ mod tests {
         assert!((integral[60] / expected - 1.0).abs() < 2e-3, "{} {expected}", integral[60]);
     }
 
-    /// In steady motion at a high speed W is the heat that has come in over the heat capacity, but for what is in some depth:
-    /// a part of the order of the depth over the length.
+    /// Fast steady motion: W is the received heat over the heat capacity. The
+    /// deviation due to heat in depth is of the order of the depth over the length.
     #[test]
     fn fast() {
         let grid = Structured::contact_plane(-1e-2, -1e-2, 5e-4, 5e-4, 41, 41);

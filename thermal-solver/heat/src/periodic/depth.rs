@@ -1,15 +1,16 @@
-//! The rule over the wave number s in depth.
+//! Quadrature rule over the wave number s in depth.
 //!
-//! Gauss's rule in panels of s, the first from 0, and of ln s, each 1.5 long: what decays by e^{−κs²t} is smooth in ln s at all
-//! times t from [`SHORTEST`] to [`LONGEST`]. With cos(sz) in the integral the factor of the state is still as smooth, and the product is integrated
-//! with the polynomial through its nodes in every panel (Filon).
+//! Gauss's rule in panels of s, the first from 0, and of ln s, each 1.5 long: a term that decays by
+//! e^{−κs²t} is smooth in ln s at all times t from [`SHORTEST`] to [`LONGEST`]. With cos(sz) in the
+//! integral the factor of the state is still as smooth, and the product is integrated with the
+//! polynomial through its nodes in every panel (Filon).
 
 use numerics::quadrature::{POINTS, points};
 
-/// Times that states have to hold [s].
+/// Range of times that states must represent [s].
 const SHORTEST: f64 = 1e-9;
 const LONGEST: f64 = 1e5;
-/// √(κt) s below which nothing changes any more over a time t, and above which all has decayed.
+/// √(κt) s below which a time t has no effect, and above which everything has decayed.
 const BEGIN: f64 = 0.1;
 const END: f64 = 8.0;
 /// Length of a panel in ln s.
@@ -18,7 +19,7 @@ const PANEL: f64 = 1.5;
 const SLOW: f64 = 4.0;
 /// Phase sz over which Gauss's rule integrates the product.
 const PIECE: f64 = 6.0;
-/// Phases sz of a panel from which on what oscillates leaves less than the rule's error.
+/// Phase sz over a panel from which the oscillating integral is below the rule's error.
 const MOST_TURNS: f64 = 1e4;
 
 /// Nodes and weights for one diffusivity.
@@ -33,7 +34,8 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// For a diffusivity κ [m²/s] and waves from the longest to the shortest [rad/m].
+    /// Creates the rule for a diffusivity κ [m²/s] and waves from the longest to the shortest
+    /// [rad/m].
     #[must_use]
     pub fn new(diffusivity: f64, [longest, shortest]: [f64; 2]) -> Self {
         let first = (BEGIN / (diffusivity * LONGEST).sqrt()).min(BEGIN * longest);
@@ -55,19 +57,20 @@ impl Rule {
         rule
     }
 
-    /// The last wave number that the rule reaches [1/m].
+    /// Returns the largest wave number of the rule [1/m].
     #[must_use]
     pub fn last(&self) -> f64 {
         self.ends[self.ends.len() - 1]
     }
 
-    /// A panel in its own variable: s, or ln s.
+    /// Returns a panel in its own variable: s, or ln s.
     fn range(&self, panel: usize) -> [f64; 2] {
         let ends = [self.ends[panel], self.ends[panel + 1]];
         if panel == 0 { ends } else { ends.map(f64::ln) }
     }
 
-    /// Weights of the nodes with cos(sz), for what has decayed beyond some wave number [1/m].
+    /// Returns the weights of the nodes with cos(sz), for a function that has decayed beyond some
+    /// wave number [1/m].
     #[must_use]
     pub fn with_cosine(&self, depth: f64, decayed: f64) -> Vec<f64> {
         let mut weights = vec![0.0; self.nodes.len()];
@@ -124,8 +127,8 @@ mod tests {
 
     const DIFFUSIVITY: f64 = 1.5e-5;
 
-    /// (2/π) ∫ e^{−κs²t} cos(sz) ds is e^{−z²/4κt}/√(πκt): at the surface, at all times that the rule is made for, and below it. Tolerances: those
-    /// of the module.
+    /// (2/π) ∫ e^{−κs²t} cos(sz) ds is e^{−z²/4κt}/√(πκt): at the surface at all times of the rule,
+    /// and below it. Tolerances: those of the module.
     #[test]
     fn heat_of_an_instant() {
         let rule = Rule::new(DIFFUSIVITY, [1e3; 2]);

@@ -19,7 +19,7 @@ pub struct FluxWindow {
     pub flux: Vec<Complex64>,
 }
 
-/// A state: what there was when the last window began, and that window.
+/// A state: the situation at the beginning of the last window, and that window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instant {
     /// ϑ̂ [K m], node after node, all waves of a node together.
@@ -28,20 +28,20 @@ pub struct Instant {
     pub window: FluxWindow,
 }
 
-/// Factors of every wave for a window of some length.
+/// Response factors of every wave for a window of one duration.
 #[derive(Clone, Debug, Default)]
 struct Response {
     duration: f64,
     speed: f64,
-    /// Remainder of a wave that does not change in depth [-].
+    /// Remaining fraction of a wave without variation in depth [-].
     along: Vec<Complex64>,
-    /// Rise of the surface at its end, over the flux [K m²/W].
+    /// Rise of the surface at the end of the window, over the flux [K m²/W].
     surface: Vec<Complex64>,
-    /// W at its end, over the flux [K m³/W].
+    /// W at the end of the window, over the flux [K m³/W].
     integral: Vec<Complex64>,
 }
 
-/// Rise that earlier windows leave at the end of the window that was begun.
+/// Rise that earlier windows leave at the end of the present window.
 #[derive(Clone, Debug, Default)]
 struct Past {
     known: bool,
@@ -65,7 +65,8 @@ pub struct PeriodicHalfSpace {
 }
 
 impl PeriodicHalfSpace {
-    /// A cold body, under waves with the numbers k_x and k [rad/m], the first of which is the mean.
+    /// Creates a cold body under waves with the numbers k_x and k [rad/m], the first of which is
+    /// the mean.
     #[must_use]
     pub fn new(material: Material, numbers: Vec<[f64; 2]>) -> Self {
         let sizes = || numbers.iter().map(|[_, size]| *size).filter(|size| *size > 0.0);
@@ -89,25 +90,25 @@ impl PeriodicHalfSpace {
         self.material.density * self.material.specific_heat
     }
 
-    /// The rate of decay κk² − i k_x V of a wave along the surface [1/s].
+    /// Returns the rate of decay κk² − i k_x V of a wave along the surface [1/s].
     fn rate(&self, wave: usize, speed: f64) -> Complex64 {
         let [along, size] = self.numbers[wave];
         Complex64::new(self.material.diffusivity() * size * size, -along * speed)
     }
 
-    /// κs² [1/s] and the weight of every node.
+    /// Iterates over κs² [1/s] and the weight of every node.
     fn nodes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let rates = self.rule.nodes.iter().map(|s| self.material.diffusivity() * s * s);
         rates.zip(self.rule.weights.iter().copied())
     }
 
-    /// Weight of a node in W, over that in the rise of the surface [m].
+    /// Returns the weight of a node in W, over that in the rise of the surface [m].
     fn share(&self, wave: usize, node: usize) -> f64 {
         let (size, s) = (self.numbers[wave][1], self.rule.nodes[node]);
         if size > 0.0 { size / (size * size + s * s) } else { 0.0 }
     }
 
-    /// Begins a window; the work, if anything about it is new.
+    /// Begins a window. Returns the work: 0 if the response and the past are already known.
     pub fn begin(&mut self, duration: f64, speed: f64) -> u64 {
         let waves = self.numbers.len();
         let mut work = self.respond(duration, speed);
@@ -131,7 +132,7 @@ impl PeriodicHalfSpace {
         work
     }
 
-    /// Finds what a window does, unless that is known; the work.
+    /// Computes the response to a window, unless it is known. Returns the work.
     fn respond(&mut self, duration: f64, speed: f64) -> u64 {
         if self.response.duration == duration && self.response.speed == speed {
             return 0;
@@ -149,7 +150,7 @@ impl PeriodicHalfSpace {
                 sums[0] += gain;
                 sums[1] += gain * self.share(wave, node);
             }
-            // Beyond the rule all is as if the flux had always been.
+            // Beyond the rule the response is that to a flux of infinite duration.
             let square = rate / self.material.diffusivity();
             let tail = (1.0 - square / (3.0 * last * last)) / (last * self.material.diffusivity());
             response.surface[wave] = (sums[0] + tail) * FRAC_2_PI / capacity;
@@ -160,12 +161,13 @@ impl PeriodicHalfSpace {
         (self.numbers.len() * self.rule.nodes.len()) as u64
     }
 
-    /// Waves of the rise of the surface at the end of the window that was begun, under its flux [K].
+    /// Returns the waves of the surface rise at the end of the present window, under its flux [K].
     pub fn surface(&self, waves: &mut [Complex64]) {
         self.sum(&self.past.surface, &self.response.surface, waves);
     }
 
-    /// Waves of W at the end of the window that was begun, under its flux; that of the mean is 0 [K m].
+    /// Returns the waves of W at the end of the present window, under its flux; the mean is 0 [K
+    /// m].
     pub fn integral(&self, waves: &mut [Complex64]) {
         self.sum(&self.past.integral, &self.response.integral, waves);
     }
@@ -177,13 +179,13 @@ impl PeriodicHalfSpace {
         }
     }
 
-    /// The last solve becomes the accepted state.
+    /// Makes the last solve the accepted state.
     pub fn accept(&mut self) {
         std::mem::swap(&mut self.accepted, &mut self.trial);
         self.go_on();
     }
 
-    /// The trial starts where the accepted state ends.
+    /// Starts the trial at the end of the accepted state.
     pub fn go_on(&mut self) {
         let (waves, capacity) = (self.numbers.len(), self.capacity());
         let (duration, speed) = (self.accepted.window.duration, self.accepted.window.speed);
@@ -207,7 +209,7 @@ impl PeriodicHalfSpace {
         self.trial.start = start;
     }
 
-    /// Waves of the rise at a depth in a state, at the end of its window [K].
+    /// Returns the waves of the rise at a depth in a state, at the end of its window [K].
     #[must_use]
     pub fn below(&self, state: &Instant, depth: f64) -> Vec<Complex64> {
         let FluxWindow { duration, speed, flux } = &state.window;
@@ -253,7 +255,7 @@ impl PeriodicHalfSpace {
     }
 }
 
-/// (1 − e^{−z})/z.
+/// Returns (1 − e^{−z})/z.
 fn settled(z: Complex64) -> Complex64 {
     if z.norm_sqr() < 1e-6 {
         // The next term is z⁴/120.
@@ -262,7 +264,8 @@ fn settled(z: Complex64) -> Complex64 {
     (1.0 - (-z).exp()) / z
 }
 
-/// Rise at the depth u √(κt) under a flux that is the same everywhere since the time t, over q √(κt)/λ: 2 ierfc(u/2).
+/// Returns the rise at the depth u √(κt) under a uniform flux of duration t, over q √(κt)/λ: 2
+/// ierfc(u/2).
 fn uniform(u: f64) -> f64 {
     2.0 * (-0.25 * u * u).exp() / PI.sqrt() - u * libm::erfc(0.5 * u)
 }
@@ -285,8 +288,9 @@ mod tests {
         body
     }
 
-    /// A wave heated since the time t: (1/ρc) ∫ e^{−(κk² − ikV)τ − z²/4κτ}/√(πκτ) dτ by Gauss's rule, with τ = r². Windows of any length in any order make
-    /// no difference. Tolerances: those of the module.
+    /// A wave heated for a time t: (1/ρc) ∫ e^{−(κk² − ikV)τ − z²/4κτ}/√(πκτ) dτ by Gauss's rule,
+    /// with τ = r². The lengths and the order of windows do not matter. Tolerances: those of the
+    /// module.
     #[test]
     fn waves_heated_for_a_time() {
         let (total, kappa) = (0.02_f64, STEEL.diffusivity());
@@ -308,7 +312,7 @@ mod tests {
                 Complex64::new(sum(true), sum(false)) / (STEEL.density * STEEL.specific_heat)
             };
             for windows in [vec![total], vec![0.25 * total; 4], vec![1e-9, 0.019, 1e-3 - 1e-9]] {
-                // The mean stands first, whatever else there is.
+                // The mean is the first wave in any case.
                 let body = heated(vec![[0.0, 0.0], [k, k]], speed, &windows);
                 let wave = usize::from(k > 0.0);
                 let scale = exact(0.0).norm();

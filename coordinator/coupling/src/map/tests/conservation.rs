@@ -1,4 +1,4 @@
-//! Conservative mappings: the integral, the transpose, heat beyond the border; random grids.
+//! Conservative mappings: integrals, transposes, heat beyond the border, random grids.
 
 use super::*;
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ fn balanced(source: &Grid, target: &Grid, method: Method, field: &[f64]) -> f64 
     let mut got = vec![f64::NAN; target.points() * (field.len() / source.points())];
     mapping.apply(field, &mut got);
     assert!(got.iter().all(|v| v.is_finite()));
-    // The audit says what the grids themselves say.
+    // The imbalance agrees with the integrals of the grids.
     let (sent, received) =
         (source.integrate(&field[..source.points()]), target.integrate(&got[..target.points()]));
     let size: f64 =
@@ -36,7 +36,7 @@ fn the_integral_is_kept_on_large_grids() {
 
 fn scaled(grid: &Grid, factor: f64) -> Grid {
     let contract::grid::Shape::Quadrilaterals(surface) = &grid.shape else {
-        unreachable!("asked with unstructured grids only")
+        unreachable!("called with unstructured grids only")
     };
     let points = surface.points.iter().map(|p| p.map(|v| factor * v)).collect();
     Grid::quadrilaterals("scaled", Quadrilaterals { points, ..surface.clone() })
@@ -69,7 +69,7 @@ fn heat_beyond_the_target_goes_to_its_border_and_is_counted() {
         mapping.apply(&field, &mut got);
         assert!((target.integrate(&got) - 1.0).abs() < ROUNDING, "{method:?}");
         let border: f64 = got.iter().skip(7).step_by(8).sum::<f64>() / 64.0;
-        // The interpolant at the border has the border's element and some of its neighbours.
+        // At the border the interpolant uses the border element and some of its neighbours.
         let least = if method == Method::RadialBasis { 0.9 } else { 1.0 - 1e-13 };
         assert!(border >= least, "{method:?}: {border}");
         let coverage = mapping.coverage();
@@ -91,7 +91,7 @@ fn targets_beyond_the_source_take_the_border_s_value_and_are_counted() {
         assert_eq!(mapping.coverage().outside, 50);
         assert!((mapping.coverage().farthest - 0.45).abs() < 1e-12);
     }
-    // A gap along the normal is no way out of the surface.
+    // A gap along the normal does not count as outside.
     let mut above = square(7);
     let contract::grid::Shape::Structured(shape) = &mut above.shape else { unreachable!() };
     shape.origin[2] = 0.3;

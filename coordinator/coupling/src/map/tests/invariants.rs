@@ -1,11 +1,12 @@
-//! What every mapping keeps: constants, linear functions, extremes, matching grids, numbering.
+//! Invariants of every mapping: constants, linear functions, extremes, matching grids, numbering.
 
 use super::*;
 use crate::map::CurrentMapping;
 
 const BOTH: [Mapping; 2] = [Mapping::Consistent, Mapping::Conservative];
 
-/// Pairs of grids: structured, unstructured, of like and unlike resolution, and in part outside.
+/// Pairs of grids: structured and unstructured, of similar and different resolution, partly
+/// outside.
 fn pairs() -> Vec<[Grid; 2]> {
     let beyond = rectangle([-0.3, 0.2], [0.7, 1.4], 23, 9);
     let tilted = [jittered(9, 14, [1.0, 1.0], 0.5, 1), jittered(17, 5, [1.0, 1.0], 0.5, 2)];
@@ -45,7 +46,7 @@ fn a_projected_or_intersected_density_stays_within_its_extremes() {
     }
     let (source, target) = (square(13), square(29));
     let got = mapped(&source, &target, Method::Intersection, Mapping::Conservative, &[5.0; 169]);
-    assert!(got.iter().all(|v| (v / 5.0 - 1.0).abs() < 1e-12), "areas are exact but for rounding");
+    assert!(got.iter().all(|v| (v / 5.0 - 1.0).abs() < 1e-12), "areas are exact up to rounding");
 }
 
 #[test]
@@ -58,21 +59,22 @@ fn linear_functions_are_exact_where_nothing_is_extrapolated() {
             let [x, y, z] = target.centre(n);
             [x.hypot(z).copysign(x), y].iter().all(|v| (margin..=1.0 - margin).contains(v))
         };
-        // Half an element and its jitter for the projection, nothing but the jitter for the others.
+        // Margins: half an element and its jitter for the projection, only the jitter for the
+        // others.
         for (method, margin) in [(Method::NearestProjection, 0.11), (Method::RadialBasis, 0.03)] {
             let got = mapped(&source, &target, method, Mapping::Consistent, &field);
             let source_covers = |n: &usize| inside(*n, margin) && covered(&source, &target, *n);
             let checked: Vec<usize> = (0..target.points()).filter(source_covers).collect();
             assert!(checked.len() * 4 > target.points(), "{} checked", checked.len());
             for n in checked {
-                // Rounding, times the condition of some 1e3 of the interpolation.
+                // Rounding, times the condition number of some 1e3 of the interpolation.
                 assert!((got[n] - exact[n]).abs() < 1e-11, "{method:?} {}", got[n] - exact[n]);
             }
         }
     }
 }
 
-/// Whether the source extends at least an element beyond a target's centre.
+/// Returns whether the source extends at least an element beyond a target's centre.
 fn covered(source: &Grid, target: &Grid, n: usize) -> bool {
     let at = target.centre(n);
     let quadrants = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
@@ -116,6 +118,7 @@ fn moved(grid: &Grid, by: [f64; 3]) -> Grid {
     let count = match &grid.shape {
         contract::grid::Shape::Structured(s) => (s.ni + 1) * (s.nj + 1),
         contract::grid::Shape::Quadrilaterals(q) => q.points.len(),
+        contract::grid::Shape::Vertices(v) => v.points.len(),
         contract::grid::Shape::Volume(v) => v.hexahedra().vertices(),
         contract::grid::Shape::Points(p) => p.count(),
     };
@@ -123,7 +126,7 @@ fn moved(grid: &Grid, by: [f64; 3]) -> Grid {
     grid.displaced(&displacement).unwrap()
 }
 
-/// The same elements in another order, their corners counted from another one; and where each is.
+/// Returns the same elements in another order, with rotated corners, and the new index of each.
 fn renumbered(grid: &Grid) -> (Grid, Vec<usize>) {
     let contract::grid::Shape::Quadrilaterals(surface) = moved(grid, [0.0; 3]).shape else {
         unreachable!("a moved grid is unstructured")
@@ -159,7 +162,7 @@ fn numbering_and_the_kind_of_grid_do_not_matter() {
             let other = mapped(&other_source, &other_target, method, kind, &other_field);
             let one: Vec<f64> = to.iter().map(|n| one[*n]).collect();
             let peak = one.iter().fold(1.0, |peak: f64, v| peak.max(v.abs()));
-            // Rounding, times the condition of some 1e3 of the interpolation.
+            // Rounding, times the condition number of some 1e3 of the interpolation.
             let difference = largest_difference(&one, &other) / peak;
             assert!(difference < 1e-11, "{method:?} {kind:?}: {difference:e}");
         }
@@ -168,7 +171,7 @@ fn numbering_and_the_kind_of_grid_do_not_matter() {
 
 #[test]
 fn a_mirrored_field_stays_mirrored() {
-    // Every target is half-way between sources, or every source between targets.
+    // Every target is halfway between sources, or every source halfway between targets.
     for (fine, coarse) in [(square(20), square(10)), (square(10), square(20))] {
         let even = sampled(&fine, |p| franke([p[0], 4.0 * p[1] * (1.0 - p[1]), 0.0]));
         for (method, kind) in Method::ALL.into_iter().flat_map(|m| BOTH.map(|kind| (m, kind))) {
@@ -216,7 +219,8 @@ fn grids_of_one_element_and_of_one_row() {
         let linear = sampled(source, |p| 1.0 + p[0] + p[1]);
         for method in Method::ALL {
             let got = mapped(source, target, method, Mapping::Consistent, &linear);
-            // The border may be extrapolated by half an element: 2.5 in the corner, 1.5 and less.
+            // Extrapolation at the border by half an element: 2.5 in the corner, at most 1.5
+            // elsewhere.
             assert!(got.iter().all(|v| (0.99..=3.01).contains(v)), "{method:?} {got:?}");
         }
     }
@@ -239,7 +243,7 @@ fn a_wrong_grid_is_refused() {
 
 #[test]
 fn thin_elements_are_interpolated_across() {
-    // Aspect 40: the 25 nearest centres would all lie in one row.
+    // Aspect ratio 40: the 25 nearest centres would all lie in one row.
     let source = rectangle([0.0; 2], [1.0; 2], 400, 10);
     let target = rectangle([0.1; 2], [0.9; 2], 17, 23);
     let linear = |p: [f64; 3]| p[0] + p[1];
@@ -268,7 +272,7 @@ fn folded(n: usize, angle: f64) -> Grid {
 
 #[test]
 fn a_sharp_fold_keeps_constants_and_integrals() {
-    // Stencils across it are seen from their best plane: their elements may even coincide there.
+    // Stencils across the fold are projected on their best-fit plane, where elements may coincide.
     for angle in [0.5, 1.5, 2.5, 3.1] {
         let (source, target) = (folded(10, angle), folded(16, angle));
         let field = noisy_field(&source, 1, 9);
@@ -277,7 +281,7 @@ fn a_sharp_fold_keeps_constants_and_integrals() {
             assert!(ones.iter().all(|v| (v - 1.0).abs() < 1e-12), "rounding: {method:?}");
             let got = mapped(&source, &target, method, Mapping::Conservative, &field);
             let difference = target.integrate(&got) - source.integrate(&field);
-            // Weights up to some 1e2 where the stencil is nearly degenerate.
+            // Weights reach some 1e2 where the stencil is nearly degenerate.
             assert!(difference.abs() < 1e-12, "{method:?} {angle}: {difference:e}");
         }
     }
@@ -286,7 +290,7 @@ fn a_sharp_fold_keeps_constants_and_integrals() {
 #[test]
 fn a_mapping_is_made_once_for_a_revision() {
     let (source, mut target) = (square(4), square(5));
-    let mut current = CurrentMapping::new(Method::Intersection, Mapping::Conservative);
+    let mut current = CurrentMapping::new(Some(Method::Intersection), Mapping::Conservative);
     for _ in 0..3 {
         current.between(&source, &target).unwrap();
     }

@@ -4,7 +4,7 @@ use crate::results::vtk::SCENE;
 use std::os::unix::fs::symlink;
 use tempfile::{TempDir, tempdir};
 
-/// A place with a case file, and the path of a folder beside it that is not there yet.
+/// Creates a folder with a case file, and returns the path of a missing result folder beside it.
 fn place() -> (TempDir, PathBuf, PathBuf) {
     let place = tempdir().unwrap();
     let (out, case) = (place.path().join("out"), place.path().join("mine.toml"));
@@ -12,7 +12,7 @@ fn place() -> (TempDir, PathBuf, PathBuf) {
     (place, out, case)
 }
 
-/// Such a place in which a run has written these files.
+/// Creates such a folder, with a result folder that holds these files of a run.
 fn results(files: &[(&str, &str)]) -> (TempDir, PathBuf, PathBuf) {
     let (place, out, case) = place();
     drop(ResultFolder::prepare(&out, &case, Existing::Refuse).unwrap());
@@ -111,7 +111,7 @@ fn a_state_goes_and_a_foreign_file_of_its_name_stays() {
     }
 }
 
-/// Names that a run would write do not make a folder ours, and neither does a log.
+/// File names of a run, or a log, do not make a folder a result folder.
 #[test]
 fn a_folder_without_the_marker_is_refused_and_left_alone() {
     let foreign = ["case.toml", "fields/mine_000001.vti", "summary.json", "log.jsonl", MARKER];
@@ -191,7 +191,7 @@ fn one_run_at_a_time() {
     replace(&out, &case).unwrap();
 }
 
-/// Names, but not what somebody else has put in the place of one.
+/// Files are replaced, except one that somebody else has put under the name of a result.
 #[test]
 fn a_better_answer_takes_the_place_of_the_one_before() {
     let (_place, out, case) = place();

@@ -9,44 +9,45 @@ import math
 import sys
 from pathlib import Path
 
-# Each series with the array that it is coloured by.
+# Array by which each series is coloured.
 SERIES = {}
 
 FOLDER = Path(__file__).resolve().parent
 
-# Axes with their names, and for each axis across a plane: from where one looks, and what is up.
+# Names of the axes. For each axis normal to a plane: direction of view, and index of the axis that
+# points up.
 AXES = "xyz"
 LOOKS = [((1, 0, 0), 2), ((0, -1, 0), 2), ((0, 0, 1), 1)]
 
-# Units of length, and how many metres each is.
+# Units of length, in metres.
 UNITS = [("m", 1), ("mm", 1e-3), ("µm", 1e-6)]
 
-# A section less deep than this part of its width is stretched to it.
+# Smallest ratio of depth to width of a section; a flatter section is stretched to it.
 LEAST_DEPTH = 0.35
 
 # Axes are labelled on their lower sides: ParaView's bits of x, y and z.
 LOWER = 0b111
 
-# Part of a view, across and up, that a field fills, and how far left of the middle it stands; the
-# rest is for the axes, the title, and the legend on the right.
+# Share of a view, in width and height, that a field fills, and its offset to the left. The rest is
+# for axes, title, and the legend on the right.
 FILLED = (0.66, 0.68)
 LEFT = 0.055
 
-# Size of a view in a picture that is saved [pixel].
+# Size of a view in a saved picture [pixel].
 VIEW = (900, 420)
 
 
 def found():
-    """Return the series that are there: file and array of each, by name."""
+    """Return file and array of each existing series, by name."""
     files = {name: FOLDER / f"{name}.pvd" for name in SERIES}
     return {name: (path, SERIES[name]) for name, path in files.items() if path.is_file()}
 
 
 class Plane:
-    """Where a flat field lies [m], and how it is shown."""
+    """Position of a flat field [m], and its view."""
 
     def __init__(self, bounds):
-        """Take the bounds as ParaView tells them."""
+        """Take the bounds as ParaView reports them."""
         self.low, self.high = bounds[0::2], bounds[1::2]
         sizes = [high - low for low, high in zip(self.low, self.high)]
         self.across = sizes.index(min(sizes))
@@ -58,7 +59,7 @@ class Plane:
             self.stretch = round_up(LEAST_DEPTH * self.size[0] / self.size[1])
 
     def order(self):
-        """Give the surfaces first, then sections, the upper body over the lower."""
+        """Return the sort key: surfaces, then sections, with the upper body first."""
         return -self.across, -(self.low[2] + self.high[2])
 
 
@@ -101,7 +102,7 @@ def show(series):
 
 
 def arrange(simple, columns):
-    """Make a layout with a view for each of these, in the columns that they name."""
+    """Make a layout with a view for each entry, in the column that it names."""
     layout = simple.CreateLayout("fields")
     counts = [columns.count(column) for column in dict.fromkeys(columns)]
     views = []
@@ -114,7 +115,7 @@ def arrange(simple, columns):
 
 
 def divide(split, cell, count):
-    """Divide a cell of a layout into equal ones."""
+    """Divide a cell of a layout into equal cells."""
     cells = []
     for left in range(count, 1, -1):
         cell = split(cell, 1 / left)
@@ -149,7 +150,7 @@ def draw(simple, view, name, reader, array, plane):
 
 
 def heading(array):
-    """Return the words and the unit of an array, for its legend."""
+    """Return the name and unit of an array, for its legend."""
     name, _, unit = array.rpartition(" ")
     return name.replace("_", " "), unit
 
@@ -180,7 +181,7 @@ def place(view, plane):
     view.CameraParallelScale = half
 
 
-# ParaView's window runs a state under a name of its own.
+# ParaView's window runs a state under the name __vtkconsole__.
 if __name__ in ("__main__", "__vtkconsole__"):
     layout = show(found())
     if __name__ == "__main__":

@@ -1,7 +1,6 @@
-//! `open.py`: a state for ParaView that opens every series beside it.
+//! `open.py`: a state for ParaView that opens every series in its folder.
 
-use super::label::array_name;
-use super::shown::Fields;
+use super::shown::{Fields, array_name};
 use crate::error::{RunError, file_failure};
 use crate::results::write::replace;
 use std::collections::BTreeMap;
@@ -12,16 +11,16 @@ use std::path::Path;
 /// Name of the file.
 pub(in crate::results) const FILE: &str = "open.py";
 
-/// The script, with no series yet.
+/// Script without series.
 const SCRIPT: &str = include_str!("open.py");
 
-/// Where the series stand in the script.
+/// Place of the series in the script.
 const NO_SERIES: &str = "SERIES = {}";
 
-/// What every such file begins with.
+/// First bytes of every such file.
 const HEAD: &[u8] = b"# Opens the series beside this file in ParaView";
 
-/// Each series with the array that it is coloured by.
+/// Array by which each series is coloured.
 #[derive(Debug, Default)]
 pub(super) struct Scene {
     arrays: BTreeMap<String, String>,
@@ -29,8 +28,8 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// A series that is there, with its fields: it is coloured by the first that is a scalar, or the
-    /// first of all.
+    /// Adds a series with its fields. The first scalar field, or else the first field, gives the
+    /// colours.
     pub(super) fn add(&mut self, series: &str, fields: &Fields) {
         let scalar = fields.iter().find(|(kind, _)| kind.components == 1);
         let Some((kind, _)) = scalar.or(fields.first()) else { return };
@@ -40,7 +39,7 @@ impl Scene {
         }
     }
 
-    /// Writes the file if there is something new in it. One that somebody else has put there stays.
+    /// Writes the file if its content has changed. A file of other origin under this name stays.
     pub(super) fn write(&mut self, folder: &Path) -> Result<(), RunError> {
         if self.written {
             return Ok(());
@@ -49,17 +48,17 @@ impl Scene {
         let path = folder.join(FILE);
         if path.symlink_metadata().is_ok() && !is_scene(&path) {
             let path = path.display();
-            tracing::warn!(%path, "a foreign file stays in the place of the state for ParaView");
+            tracing::warn!(%path, "this file was not written by a run, so the ParaView state is not written");
             return Ok(());
         }
-        // JSON's objects of strings are Python's dictionaries.
+        // A JSON object of strings is also a Python dictionary.
         let series = serde_json::to_string_pretty(&self.arrays)
             .map_err(|error| file_failure(&path, &io::Error::from(error)))?;
         replace(&path, SCRIPT.replace(NO_SERIES, &format!("SERIES = {series}")).as_bytes())
     }
 }
 
-/// This file was written here, and not by somebody else.
+/// Returns whether the coordinator has written this file.
 pub(in crate::results) fn is_scene(path: &Path) -> bool {
     let mut head = [0; HEAD.len()];
     File::open(path).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == HEAD
@@ -67,7 +66,7 @@ pub(in crate::results) fn is_scene(path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shown::ShownKind;
+    use super::super::shown::FieldLabel;
     use super::*;
     use contract::field::{PRESSURE, TRACTION};
     use std::fs;
@@ -82,7 +81,7 @@ mod tests {
     fn a_series_is_coloured_by_its_first_scalar() {
         let place = tempfile::tempdir().unwrap();
         let (pressure, traction) =
-            (ShownKind::of(&PRESSURE.kind(), None), ShownKind::of(&TRACTION.kind(), None));
+            (FieldLabel::of(&PRESSURE.kind(), None), FieldLabel::of(&TRACTION.kind(), None));
         let mut scene = Scene::default();
         scene.add("b", &[(&traction, &[]), (&pressure, &[])]);
         scene.add("a", &[(&traction, &[])]);
@@ -100,7 +99,7 @@ mod tests {
         let path = place.path().join(FILE);
         fs::write(&path, "mine").unwrap();
         let mut scene = Scene::default();
-        scene.add("a", &[(&ShownKind::of(&PRESSURE.kind(), None), &[])]);
+        scene.add("a", &[(&FieldLabel::of(&PRESSURE.kind(), None), &[])]);
         scene.write(place.path()).unwrap();
         assert_eq!(fs::read_to_string(path).unwrap(), "mine");
     }

@@ -1,30 +1,35 @@
-//! What is written: fields as they are now, under the names that the case gives the bodies.
+//! Fields as they are written: under the names of the bodies in the case, labelled for other
+//! programs, with the series of their files over time.
+//!
+//! A file states the unit of each array in its information keys. Its field data hold a table with
+//! unit, body and meaning of every array.
 
 use contract::bodies::{Bodies, LOWER, POSITIONS, UPPER};
 use contract::field::{Body, FieldKind};
 use contract::grid::Grid;
 use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
 
-/// Fields and their values.
-pub(super) type Fields<'a> = [(&'a ShownKind, &'a [f64])];
+/// Fields with their values.
+pub(super) type Fields<'a> = [(&'a FieldLabel, &'a [f64])];
 
-/// A kind of field as a person reads it.
+/// A kind of field, named for display.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ShownKind {
-    /// Name, with that of the body where it belongs to one.
+pub struct FieldLabel {
+    /// Name, including the name of the body for a field of a body.
     pub name: String,
     /// SI unit.
     pub unit: String,
     /// Number of components.
     pub components: u32,
-    /// Name of the body that it belongs to, or `interface`.
+    /// Name of the body, or `interface`.
     pub body: String,
-    /// One line for people.
+    /// Meaning of the field, in one line.
     pub meaning: String,
 }
 
-impl ShownKind {
-    /// A field of a case with these bodies.
+impl FieldLabel {
+    /// Returns the kind of a field in a case with these bodies.
     #[must_use]
     pub fn of(kind: &FieldKind, bodies: Option<&Bodies>) -> Self {
         let names = bodies.map_or(POSITIONS, |Bodies(names)| names.each_ref().map(String::as_str));
@@ -43,26 +48,27 @@ impl ShownKind {
     }
 }
 
-/// What a person reads for the name of a field or grid.
+/// Returns the name of a field or grid for display.
 fn shown(name: &str, bodies: Option<&Bodies>) -> String {
     bodies.map_or_else(|| name.to_owned(), |bodies| bodies.shown(name))
 }
 
-/// One field as it is now.
+/// Current values of a field.
 #[derive(Clone, Debug)]
-pub struct Shown<'a> {
-    /// Name of the series that its files belong to: fields of the same producer and grid share them.
+pub struct FieldOutput<'a> {
+    /// Name of the series of files. Fields of the same producer and grid share a series.
     pub series: String,
-    /// Where it lives.
+    /// Grid of the field.
     pub grid: &'a Grid,
     /// Kind of the field.
-    pub kind: ShownKind,
+    pub kind: FieldLabel,
     /// Values, component-major.
     pub values: &'a [f64],
 }
 
-impl<'a> Shown<'a> {
-    /// A field that the participant of the role `producer` sends, in a case with these bodies.
+impl<'a> FieldOutput<'a> {
+    /// Returns a field that the participant of the role `producer` sends, in a case with these
+    /// bodies.
     #[must_use]
     pub fn new(
         producer: &str,
@@ -72,6 +78,97 @@ impl<'a> Shown<'a> {
         bodies: Option<&Bodies>,
     ) -> Self {
         let series = format!("{producer}_{}", shown(&grid.name, bodies));
-        Self { series, grid, kind: ShownKind::of(kind, bodies), values }
+        Self { series, grid, kind: FieldLabel::of(kind, bodies), values }
+    }
+}
+
+/// Function that returns the content of a table column for a field.
+type Column = fn(&FieldLabel) -> String;
+
+/// Returns the name of the array of a field, with its unit.
+pub(super) fn array_name(kind: &FieldLabel) -> String {
+    format!("{} [{}]", kind.name, kind.unit)
+}
+
+/// Returns VTK's information key for the unit of an array.
+pub(super) fn unit(kind: &FieldLabel) -> String {
+    let unit = escape(&kind.unit);
+    format!(
+        "<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{unit}</InformationKey>"
+    )
+}
+
+/// Returns the table of the arrays: one column for each property, one row for each array.
+pub(super) fn table(fields: &Fields) -> String {
+    let columns: [(&str, Column); 4] = [
+        ("array", array_name),
+        ("unit", |kind| kind.unit.clone()),
+        ("body", |kind| kind.body.clone()),
+        ("meaning", |kind| kind.meaning.clone()),
+    ];
+    let mut text = String::new();
+    for (name, describe) in columns {
+        let rows =
+            fields.iter().map(|(kind, _)| codes(&describe(kind))).collect::<Vec<_>>().join(" ");
+        let _ = writeln!(
+            text,
+            "      <Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{}\" format=\"ascii\">\
+             {rows}</Array>",
+            fields.len()
+        );
+    }
+    text
+}
+
+/// Escapes a text for an XML element or attribute.
+pub(super) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}
+
+/// Returns a string in VTK's form: the numbers of its bytes, and a final zero.
+fn codes(text: &str) -> String {
+    text.bytes().chain([0]).map(|byte| byte.to_string()).collect::<Vec<_>>().join(" ")
+}
+
+/// Files of a grid of a participant over time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FileSeries {
+    /// Participant and grid.
+    pub name: String,
+    /// Time [s] and name of each file, the newest last.
+    pub files: Vec<(f64, String)>,
+}
+
+/// Returns a collection of files, each with its time [s].
+pub(super) fn collection(files: &[(f64, String)]) -> String {
+    let mut text = "<?xml version=\"1.0\"?>\n\
+                    <VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n"
+        .to_owned();
+    for (time, file) in files {
+        let _ = writeln!(text, "    <DataSet timestep=\"{time:e}\" file=\"{file}\"/>");
+    }
+    text + "  </Collection>\n</VTKFile>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contract::field::{LOWER_TEMPERATURE, TRACTION};
+
+    #[test]
+    fn a_table_has_a_row_for_each_array() {
+        let [traction, rail] =
+            [&TRACTION, &LOWER_TEMPERATURE].map(|spec| FieldLabel::of(&spec.kind(), None));
+        let text = table(&[(&traction, &[]), (&rail, &[])]);
+        let rows = text.lines().filter(|line| line.contains("NumberOfTuples=\"2\""));
+        assert_eq!(rows.count(), 4, "{text}");
+        // "Pa" and "K".
+        assert!(text.contains("Name=\"unit\" NumberOfTuples=\"2\" format=\"ascii\">80 97 0 75 0<"));
+    }
+
+    #[test]
+    fn a_unit_does_not_break_the_file() {
+        let kind = FieldLabel { unit: "<\"&".to_owned(), ..FieldLabel::of(&TRACTION.kind(), None) };
+        assert!(unit(&kind).contains(">&lt;&quot;&amp;</InformationKey>"), "{}", unit(&kind));
     }
 }

@@ -1,12 +1,11 @@
-//! The files of all grids, instant by instant, and the series that name them.
+//! Files of all grids at every instant, and the series that list them.
 
-use super::image;
-use super::points;
+use super::data_sets::{
+    points_extension, volume_extension, write_image, write_points, write_quadrilaterals,
+    write_vertices, write_volume,
+};
 use super::scene::Scene;
-use super::series::{FileSeries, collection};
-use super::shown::{Fields, Shown, ShownKind};
-use super::unstructured::write_quadrilaterals;
-use super::volume;
+use super::shown::{FieldLabel, FieldOutput, Fields, FileSeries, collection};
 use crate::error::{RunError, file_failure};
 use crate::results::cells::Cells;
 use crate::results::dir::Dir;
@@ -17,29 +16,29 @@ use contract::grid::{Block, Grid, Points, Quadrilaterals, Shape};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Writes fields, one file a grid and an instant.
+/// Writer of fields, with one file for each grid and instant.
 #[derive(Debug)]
 pub struct FieldWriter {
     home: Home,
     series: Vec<FileSeries>,
     scene: Scene,
-    /// The newest fields are kept for the report.
+    /// Whether the newest fields are stored for the report.
     keeps_last: bool,
 }
 
-/// Where the files go; the folder is made when the first field is written.
+/// Folder of the files, created when the first field is written.
 #[derive(Debug)]
 enum Home {
     /// A folder that the user names.
     Named(PathBuf),
     /// A folder of this name within one that is held open.
     Within(Dir, &'static str),
-    /// It is there.
+    /// The folder exists and is held open.
     Open(Dir),
 }
 
 impl Home {
-    /// A path that leads to it, which is made if it is not there.
+    /// Returns a path to the folder, which is created if it is missing.
     fn path(&mut self) -> Result<PathBuf, RunError> {
         let open = match self {
             Self::Open(dir) => return Ok(dir.path()),
@@ -57,14 +56,14 @@ impl Home {
 }
 
 impl FieldWriter {
-    /// A writer into this folder, which is made when the first field is written.
+    /// Returns a writer into this folder, which is created when the first field is written.
     #[must_use]
     pub fn new(folder: PathBuf) -> Self {
         Self::at(Home::Named(folder), false)
     }
 
-    /// A writer into the folder of this name within a result directory, which also keeps the newest
-    /// fields for the report ([`crate::results::last`]).
+    /// Returns a writer into the folder of this name within a result directory. It also stores the
+    /// newest fields for the report ([`crate::results::last`]).
     #[must_use]
     pub fn within(results: Dir, name: &'static str) -> Self {
         Self::at(Home::Within(results, name), true)
@@ -74,27 +73,27 @@ impl FieldWriter {
         Self { home, series: Vec::new(), scene: Scene::default(), keeps_last }
     }
 
-    /// What has been written so far.
+    /// Returns the series written so far.
     #[must_use]
     pub fn series(&self) -> &[FileSeries] {
         &self.series
     }
 
-    /// Goes on after what was written before.
+    /// Continues the series of an earlier process.
     pub fn resume(&mut self, series: Vec<FileSeries>) {
         self.series = series;
     }
 
-    /// Writes these fields as they are at `time` [s].
-    pub fn write(&mut self, shown: &[Shown], window: u64, time: f64) -> Result<(), RunError> {
+    /// Writes the values of these fields at `time` [s].
+    pub fn write(&mut self, shown: &[FieldOutput], window: u64, time: f64) -> Result<(), RunError> {
         let mut written: Vec<String> = Vec::new();
         for one in shown {
             let name = &one.series;
-            let of_points = matches!(one.grid.shape, Shape::Points(_));
+            let of_points = matches!(one.grid.shape, Shape::Points(_) | Shape::Vertices(_));
             if (one.grid.points() < 2 && !of_points) || written.contains(name) {
                 continue;
             }
-            let together: Vec<(&ShownKind, &[f64])> = shown
+            let together: Vec<(&FieldLabel, &[f64])> = shown
                 .iter()
                 .filter(|other| other.series == *name)
                 .map(|other| (&other.kind, other.values))
@@ -133,17 +132,18 @@ impl FieldWriter {
         let cells = grid.as_structured().and_then(Cells::of);
         let kind = match (&cells, &grid.shape) {
             (Some(_), _) => "vti",
-            (None, Shape::Volume(v)) => volume::extension(v),
+            (None, Shape::Volume(v)) => volume_extension(v),
             (None, _) => "vtu",
         };
         let file = format!("{name}_{window:06}.{kind}");
         create(&folder.join(&file), |out| match (&cells, &grid.shape) {
-            (Some(cells), _) => image::write(cells, out, fields, time),
+            (Some(cells), _) => write_image(cells, out, fields, time),
             (None, Shape::Structured(s)) => {
                 write_quadrilaterals(&Quadrilaterals::from(s), out, fields, time)
             }
             (None, Shape::Quadrilaterals(q)) => write_quadrilaterals(q, out, fields, time),
-            (None, Shape::Volume(v)) => volume::write(v, out, fields, time),
+            (None, Shape::Vertices(v)) => write_vertices(v, out, fields, time),
+            (None, Shape::Volume(v)) => write_volume(v, out, fields, time),
             (None, Shape::Points(_)) => unreachable!("points are written block by block"),
         })?;
         if let Some(structured) = grid.as_structured() {
@@ -153,7 +153,7 @@ impl FieldWriter {
         self.list(&folder, name, time, file)
     }
 
-    /// A file and a table for every block of points, in a series of its own.
+    /// Writes a file and a table for every block of points, each in its own series.
     fn write_points(
         &mut self,
         points: &Points,
@@ -172,11 +172,12 @@ impl FieldWriter {
                 })
                 .collect();
             let kinds = fields.iter().map(|(kind, _)| *kind);
-            let own: Vec<(&ShownKind, &[f64])> = kinds.zip(own.iter().map(Vec::as_slice)).collect();
+            let own: Vec<(&FieldLabel, &[f64])> =
+                kinds.zip(own.iter().map(Vec::as_slice)).collect();
             let series = format!("{name}_{block}");
             let stem = format!("{series}_{window:06}");
-            let file = format!("{stem}.{}", points::extension(places));
-            create(&folder.join(&file), |out| points::write(places, out, &own, time))?;
+            let file = format!("{stem}.{}", points_extension(places));
+            create(&folder.join(&file), |out| write_points(places, out, &own, time))?;
             create(&folder.join(format!("{stem}.csv")), |out| {
                 line::write_points(places, out, &own)
             })?;

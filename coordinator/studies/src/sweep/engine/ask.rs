@@ -1,21 +1,22 @@
-//! The programs of a scheduler: started with a deadline, and heard.
+//! Runs the programs of a scheduler with a deadline and returns their output.
 
 use std::process::{Command, Stdio};
 use std::time::Duration;
 use tokio::time::timeout;
 
-/// One that has not answered by then is ended.
+/// Time after which a program that has not answered is killed.
 const DEADLINE: Duration = Duration::from_secs(60);
 
-/// What a program prints.
+/// Returns the standard output of a program.
 ///
 /// # Errors
-/// It is not there, fails, or does not answer; with its name and what it says.
+/// The program does not exist, fails or does not answer in time. The error holds the name of the
+/// program and its message.
 pub(super) fn text_of(mut command: Command) -> Result<String, String> {
     use std::os::unix::process::CommandExt as _;
     let name = command.get_program().to_string_lossy().into_owned();
     let wrong = |why: &str| format!("{name}: {}", why.trim());
-    // Ctrl-C is for the coordinator.
+    // Ctrl-C must reach the coordinator only.
     command.process_group(0).stdin(Stdio::null());
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let ended = runtime.and_then(|runtime| {
@@ -32,7 +33,7 @@ pub(super) fn text_of(mut command: Command) -> Result<String, String> {
     }
 }
 
-/// Numbers that rise, as arrays are written: 1-3,7.
+/// Formats ascending numbers in the notation for arrays: 1-3,7.
 pub(super) fn listed(numbers: &[usize]) -> String {
     let mut ranges: Vec<(usize, usize)> = Vec::new();
     for number in numbers {

@@ -1,12 +1,11 @@
 //! HyperQueue: `hq submit --array`, `hq job info`, `hq job cancel`.
 
 use super::ask::{listed, text_of};
-use super::scheduler::{Look, Scheduler};
+use super::scheduler::{ArrayStatus, Scheduler};
 use super::tasks::Tasks;
 use serde_json::Value;
 use std::process::Command;
 
-/// The scheduler.
 #[derive(Debug)]
 pub(super) struct HyperQueue;
 
@@ -28,7 +27,7 @@ impl Scheduler for HyperQueue {
         Ok(text_of(hq)?.trim().to_owned())
     }
 
-    fn look(&self, array: &str) -> Result<Look, String> {
+    fn look(&self, array: &str) -> Result<ArrayStatus, String> {
         let mut hq = Command::new("hq");
         hq.args(["--output-mode", "json", "job", "info"]).arg(array);
         read(&text_of(hq)?)
@@ -41,16 +40,16 @@ impl Scheduler for HyperQueue {
     }
 }
 
-fn read(text: &str) -> Result<Look, String> {
+fn read(text: &str) -> Result<ArrayStatus, String> {
     let info: Value =
         serde_json::from_str(text).map_err(|error| format!("hq job info: {error}"))?;
     let count =
         |of: &str| info.pointer(&format!("/0/info/task_stats/{of}")).and_then(Value::as_u64);
     match (count("waiting"), count("running")) {
         (Some(waiting), Some(running)) => {
-            Ok(Look { waiting: waiting as usize, running: running as usize, why: None })
+            Ok(ArrayStatus { waiting: waiting as usize, running: running as usize, why: None })
         }
-        _ => Err("hq job info names no counts of tasks".to_owned()),
+        _ => Err("the output of hq job info contains no task counts".to_owned()),
     }
 }
 
@@ -62,8 +61,8 @@ mod tests {
     fn states_are_counted() {
         let text =
             r#"[{"info": {"id": 1, "task_stats": {"running": 2, "finished": 1, "waiting": 3}}}]"#;
-        assert_eq!(read(text), Ok(Look { waiting: 3, running: 2, why: None }));
-        assert!(read("[]").unwrap_err().contains("no counts"));
+        assert_eq!(read(text), Ok(ArrayStatus { waiting: 3, running: 2, why: None }));
+        assert!(read("[]").unwrap_err().contains("no task counts"));
         assert!(read("").is_err());
     }
 }

@@ -1,10 +1,11 @@
-//! The points of a sweep, run by a scheduler and collected; what does not come back is submitted again.
+//! Runs the points of a sweep through a scheduler and collects them. Incomplete parts are submitted
+//! again.
 
 use super::super::collect;
-use super::super::rows::Growing;
+use super::super::rows::SweepInProgress;
 use super::hyperqueue::HyperQueue;
-use super::options::{Asked, Name};
-use super::scheduler::{Look, Scheduler};
+use super::options::{EngineArguments, Name};
+use super::scheduler::{ArrayStatus, Scheduler};
 use super::slurm::Slurm;
 use super::tasks::{PARTS, Tasks};
 use crate::study::folder::StudyFolder;
@@ -20,24 +21,23 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 use std::{fs, io};
 
-/// The array that is under way.
+/// The current array.
 #[derive(Debug, Serialize, Deserialize)]
 struct Array {
     engine: String,
     id: String,
-    /// Parts of the sweep, of which the array has some.
+    /// Number of parts of the sweep; the array may hold fewer.
     parts: usize,
 }
 
-/// Name of its file.
 const ARRAY: &str = "array.json";
-/// From one look at an array to the next: soon at first, then at leisure.
+/// Shortest and longest interval between two queries of an array. Queries are frequent at first.
 const LOOKS: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(15)];
-/// A scheduler that does not answer for so long has gone.
+/// Time without an answer after which a scheduler counts as lost.
 const SILENT: Duration = Duration::from_secs(600);
-/// A task that is cancelled ends in this time.
+/// Time allowed for a cancelled task to end.
 const ENDING: Duration = Duration::from_secs(60);
-/// Points that are named when they are missing.
+/// Number of missing points that a message lists.
 const NAMED: usize = 8;
 
 impl Name {
@@ -50,10 +50,10 @@ impl Name {
     }
 }
 
-/// Removes what an earlier sweep has left.
+/// Removes the array and the parts of an earlier sweep.
 ///
 /// # Errors
-/// The file system.
+/// The files cannot be removed.
 pub(in super::super) fn clear(folder: &StudyFolder) -> Result<(), RunError> {
     folder.remove(ARRAY)?;
     let parts = folder.open()?.join(PARTS);
@@ -63,10 +63,10 @@ pub(in super::super) fn clear(folder: &StudyFolder) -> Result<(), RunError> {
     }
 }
 
-/// The folders of parts that tasks have begun, of any number of parts.
+/// Lists the folders of all parts that tasks have begun, whatever the number of parts.
 ///
 /// # Errors
-/// The file system.
+/// The folder of the parts cannot be read.
 pub(in super::super) fn parts(folder: &StudyFolder) -> Result<Vec<PathBuf>, RunError> {
     let place = folder.open()?.join(PARTS);
     if !place.exists() {
@@ -79,10 +79,11 @@ pub(in super::super) fn parts(folder: &StudyFolder) -> Result<Vec<PathBuf>, RunE
     Ok(all)
 }
 
-/// The sweep that goes on has no array of another engine under way.
+/// Checks that a resumed sweep has no active array of another engine, which would run its points
+/// twice.
 ///
 /// # Errors
-/// It has, and its points would be run twice.
+/// There is such an array. The error names the array and the engine.
 pub(in super::super) fn refuse_other(folder: &StudyFolder, engine: Name) -> Result<(), RunError> {
     match under_way(folder)
         .filter(|array| engine.scheduler().is_none_or(|one| one.name() != array.engine))
@@ -96,7 +97,7 @@ pub(in super::super) fn refuse_other(folder: &StudyFolder, engine: Name) -> Resu
     }
 }
 
-/// How many parts the stopped sweep in this folder has been cut into.
+/// Number of parts of the interrupted sweep in this folder.
 pub(in super::super) fn parts_under_way(folder: &StudyFolder) -> Option<usize> {
     under_way(folder).map(|array| array.parts)
 }
@@ -106,11 +107,11 @@ fn under_way(folder: &StudyFolder) -> Option<Array> {
     serde_json::from_slice(&text).ok()
 }
 
-/// Prints the commands of the parts that are missing.
+/// Prints the commands of the incomplete parts.
 ///
 /// # Errors
-/// The file system, or standard output.
-pub(in super::super) fn list(sweep: &Growing, tasks: &Tasks) -> Result<(), RunError> {
+/// The files cannot be written, or standard output fails.
+pub(in super::super) fn list(sweep: &SweepInProgress, tasks: &Tasks) -> Result<(), RunError> {
     tasks.write()?;
     collect::hand_out(&sweep.study, tasks.parts, |part| tasks.folder(part))?;
     let missing = tasks.missing(&sweep.study);
@@ -118,24 +119,25 @@ pub(in super::super) fn list(sweep: &Growing, tasks: &Tasks) -> Result<(), RunEr
     print(&lines.concat())
 }
 
-/// Has every point that a sweep lacks run by a scheduler, and collects them.
+/// Runs every missing point through a scheduler and collects the results.
 ///
 /// # Errors
-/// The scheduler, points that are missing still, the user has stopped it, the file system.
+/// The scheduler fails, points are still missing after all retries, the user interrupts, or the
+/// file system fails.
 pub(in super::super) fn fill(
-    sweep: &mut Growing,
+    sweep: &mut SweepInProgress,
     tasks: &Tasks,
-    asked: &Asked,
+    asked: &EngineArguments,
     folder: &StudyFolder,
     quiet: bool,
 ) -> Result<(), RunError> {
     let Some(scheduler) = asked.engine.scheduler() else { return Ok(()) };
     let options = asked.engine_options.as_deref().map_or(Some(Vec::new()), shlex::split);
     let options = options.ok_or_else(|| {
-        RunError::Usage("--engine-options has a quote that is not closed".to_owned())
+        RunError::Usage("--engine-options contains an unclosed quotation mark".to_owned())
     })?;
     let hours = Duration::from_secs_f64(asked.deadline.clamp(0.0, 1e6) * 3600.0);
-    let way = Way { scheduler, tasks, folder, until: Instant::now() + hours, quiet };
+    let way = ArrayMonitor { scheduler, tasks, folder, until: Instant::now() + hours, quiet };
     if let Some(array) = under_way(folder).filter(|array| array.engine == scheduler.name()) {
         way.follow(sweep, &array.id)?;
     }
@@ -155,40 +157,40 @@ pub(in super::super) fn fill(
     missing_points(sweep, tasks).map_or(Ok(()), |text| Err(way.failure(text)))
 }
 
-/// How arrays are followed.
-struct Way<'a> {
+/// Context for following an array.
+struct ArrayMonitor<'a> {
     scheduler: &'static dyn Scheduler,
     tasks: &'a Tasks,
     folder: &'a StudyFolder,
-    /// When one gives up.
+    /// Time at which to give up.
     until: Instant,
     quiet: bool,
 }
 
-/// Why an array is not waited for any longer.
-enum Halt {
-    /// The user has stopped it; it is cancelled.
+/// Reason to stop waiting for an array.
+enum WaitError {
+    /// The user interrupted; the array is cancelled.
     Stopped(RunError),
-    /// It has taken too long, and is cancelled.
+    /// The deadline has passed; the array is cancelled.
     Late(String),
-    /// Nobody knows what has become of it.
+    /// The scheduler no longer answers, and the state of the array is unknown.
     Lost(String),
 }
 
-impl Way<'_> {
-    /// Waits for the end of an array, and collects what it has found, whatever the end is.
-    fn follow(&self, sweep: &mut Growing, array: &str) -> Result<(), RunError> {
+impl ArrayMonitor<'_> {
+    /// Waits for the end of an array and collects its results, however the array ends.
+    fn follow(&self, sweep: &mut SweepInProgress, array: &str) -> Result<(), RunError> {
         let missing = self.tasks.missing(&sweep.study);
         let mut steps = Steps::new(self.quiet, missing.len());
         let ended = self.wait(array, missing.len(), &mut steps);
         steps.finish();
-        if !matches!(ended, Err(Halt::Lost(_))) {
+        if !matches!(ended, Err(WaitError::Lost(_))) {
             self.folder.remove(ARRAY)?;
         }
         missing.iter().try_for_each(|part| collect::part(sweep, &self.tasks.folder(*part)))?;
         match ended {
-            Err(Halt::Stopped(error)) => return Err(error),
-            Err(Halt::Late(what) | Halt::Lost(what)) => return Err(self.failure(what)),
+            Err(WaitError::Stopped(error)) => return Err(error),
+            Err(WaitError::Late(what) | WaitError::Lost(what)) => return Err(self.failure(what)),
             Ok(()) => {}
         }
         if let Some(text) = missing_points(sweep, self.tasks) {
@@ -198,44 +200,50 @@ impl Way<'_> {
     }
 
     /// Waits until an array has ended.
-    fn wait(&self, array: &str, total: usize, steps: &mut Steps) -> Result<(), Halt> {
+    fn wait(&self, array: &str, total: usize, steps: &mut Steps) -> Result<(), WaitError> {
         let name = self.scheduler.name();
         let (mut heard, mut pause) = (Instant::now(), LOOKS[0]);
         loop {
             match self.scheduler.look(array) {
-                Ok(Look { waiting: 0, running: 0, .. }) => return Ok(()),
+                Ok(ArrayStatus { waiting: 0, running: 0, .. }) => return Ok(()),
                 Ok(look) => {
                     heard = Instant::now();
                     let ended = total.saturating_sub(look.waiting + look.running);
                     steps.reach(ended + 1, &look.told(name, array));
                 }
                 Err(why) if heard.elapsed() > SILENT => {
-                    return Err(Halt::Lost(format!("{why}; array {array} may still be under way")));
+                    return Err(WaitError::Lost(format!(
+                        "{why}; array {array} may still be running"
+                    )));
                 }
-                Err(why) => tracing::warn!("{name}: {why}; asked again"),
+                Err(why) => tracing::warn!("{name}: {why}; asking again"),
             }
             if let Some(signal) = rest(pause) {
                 self.end(array);
-                let when = format!("while array {array} of {name} went on, which is cancelled");
-                return Err(Halt::Stopped(RunError::Interrupted { signal, when }));
+                let when =
+                    format!("while array {array} of {name} was running; the array is cancelled");
+                return Err(WaitError::Stopped(RunError::Interrupted { signal, when }));
             }
             if Instant::now() > self.until {
                 self.end(array);
                 let what = format!("array {array} has passed --deadline and is cancelled");
-                return Err(Halt::Late(what));
+                return Err(WaitError::Late(what));
             }
             pause = (pause * 5 / 4).min(LOOKS[1]);
         }
     }
 
-    /// Cancels an array, and waits until its tasks have ended with what they have found.
+    /// Cancels an array and waits until its tasks have ended and kept their results.
     fn end(&self, array: &str) {
         if let Err(why) = self.scheduler.cancel(array) {
-            tracing::warn!("{}: array {array} is not cancelled: {why}", self.scheduler.name());
+            tracing::warn!(
+                "{}: array {array} could not be cancelled: {why}",
+                self.scheduler.name()
+            );
             return;
         }
         let until = Instant::now() + ENDING;
-        let gone = |look: Look| look == Look::default();
+        let gone = |look: ArrayStatus| look == ArrayStatus::default();
         while Instant::now() < until && !self.scheduler.look(array).is_ok_and(gone) {
             sleep(LOOKS[0]);
         }
@@ -247,12 +255,12 @@ impl Way<'_> {
             who: self.scheduler.name().to_owned(),
             when: "in a sweep".to_owned(),
             what,
-            fix: format!("see {logs}; the same command goes on with what is missing"),
+            fix: format!("see {logs}; the same command resumes with the missing points"),
         })
     }
 }
 
-/// Waits for so long; the signal that ends it.
+/// Waits for the given time, and returns early with the name of a signal.
 fn rest(pause: Duration) -> Option<&'static str> {
     let until = Instant::now() + pause;
     while signals::received().is_none() && Instant::now() < until {
@@ -261,8 +269,8 @@ fn rest(pause: Duration) -> Option<&'static str> {
     signals::received()
 }
 
-/// The points that are missing, with their parts.
-fn missing_points(sweep: &Growing, tasks: &Tasks) -> Option<String> {
+/// Lists the missing points and their parts.
+fn missing_points(sweep: &SweepInProgress, tasks: &Tasks) -> Option<String> {
     let missing = sweep.study.missing();
     let mut text = format!("{} missing:", counted(missing.len() as u64, "point"));
     for number in missing.iter().take(NAMED) {

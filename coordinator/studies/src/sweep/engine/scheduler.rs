@@ -1,35 +1,35 @@
-//! What the schedulers have in common.
+//! Interface common to all schedulers.
 
 use super::tasks::Tasks;
 
-/// A scheduler.
+/// A scheduler of task arrays.
 pub(super) trait Scheduler {
-    /// Its name in messages.
+    /// Name for messages.
     fn name(&self) -> &'static str;
 
-    /// Submits these parts as an array; its identifier.
+    /// Submits these parts as an array and returns its identifier.
     fn submit(&self, tasks: &Tasks, parts: &[usize], options: &[String]) -> Result<String, String>;
 
-    /// What its tasks do; nothing if it has ended.
-    fn look(&self, array: &str) -> Result<Look, String>;
+    /// Queries the state of an array; all counts are zero after its end.
+    fn look(&self, array: &str) -> Result<ArrayStatus, String>;
 
-    /// Ends it.
+    /// Cancels an array.
     fn cancel(&self, array: &str) -> Result<(), String>;
 }
 
-/// What the tasks of an array do.
+/// State of the tasks of an array.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Look {
-    /// Tasks in the queue.
+pub(super) struct ArrayStatus {
+    /// Number of tasks in the queue.
     pub waiting: usize,
-    /// Tasks that run.
+    /// Number of running tasks.
     pub running: usize,
-    /// Why the first of those that wait does.
+    /// Reason why the first waiting task waits.
     pub why: Option<String>,
 }
 
-impl Look {
-    /// What is shown while one waits.
+impl ArrayStatus {
+    /// Progress text shown while waiting.
     pub(super) fn told(&self, scheduler: &str, array: &str) -> String {
         let why = self.why.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
         let (waiting, running) = (self.waiting, self.running);

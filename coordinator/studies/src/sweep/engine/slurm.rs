@@ -1,14 +1,13 @@
 //! Slurm: `sbatch --array`, `squeue`, `scancel`.
 
 use super::ask::{listed, text_of};
-use super::scheduler::{Look, Scheduler};
+use super::scheduler::{ArrayStatus, Scheduler};
 use super::tasks::Tasks;
 use std::process::Command;
 
-/// What `squeue` says of an array that it has forgotten.
+/// Message of `squeue` about an array that it no longer knows.
 const FORGOTTEN: &str = "Invalid job id";
 
-/// The scheduler.
 #[derive(Debug)]
 pub(super) struct Slurm;
 
@@ -23,31 +22,31 @@ impl Scheduler for Slurm {
         sbatch.arg("--output").arg(tasks.log("%a"));
         sbatch.arg(format!("--array={}", listed(parts))).args(options).arg(tasks.script());
         let said = text_of(sbatch)?;
-        // The identifier, and the cluster where there are several.
+        // The output is the identifier, followed by the cluster if there are several.
         Ok(said.trim().split(';').next().unwrap_or_default().to_owned())
     }
 
-    fn look(&self, array: &str) -> Result<Look, String> {
+    fn look(&self, array: &str) -> Result<ArrayStatus, String> {
         let mut squeue = Command::new("squeue");
         squeue.args(["--noheader", "--array", "--format=%T %r", "--jobs"]).arg(array);
         match text_of(squeue) {
             Ok(text) => Ok(read(&text)),
-            Err(why) if why.contains(FORGOTTEN) => Ok(Look::default()),
+            Err(why) if why.contains(FORGOTTEN) => Ok(ArrayStatus::default()),
             Err(why) => Err(why),
         }
     }
 
     fn cancel(&self, array: &str) -> Result<(), String> {
         let mut scancel = Command::new("scancel");
-        // The script too, which is the coordinator: it ends in order.
+        // Cancel the batch script as well: it is the coordinator, which then ends in order.
         scancel.arg("--full").arg(array);
         text_of(scancel).map(drop)
     }
 }
 
-/// A line a task: its state, and why it has that.
-fn read(text: &str) -> Look {
-    let mut look = Look::default();
+/// Parses one line per task: its state and the reason for the state.
+fn read(text: &str) -> ArrayStatus {
+    let mut look = ArrayStatus::default();
     for line in text.lines() {
         let (state, why) = line.trim().split_once(' ').unwrap_or((line.trim(), ""));
         match state {
@@ -69,7 +68,10 @@ mod tests {
     #[test]
     fn states_are_counted() {
         let text = "PENDING Resources\nPENDING Priority\nRUNNING None\nCOMPLETING None\n";
-        assert_eq!(read(text), Look { waiting: 2, running: 2, why: Some("Resources".to_owned()) });
-        assert_eq!(read("\n"), Look::default());
+        assert_eq!(
+            read(text),
+            ArrayStatus { waiting: 2, running: 2, why: Some("Resources".to_owned()) }
+        );
+        assert_eq!(read("\n"), ArrayStatus::default());
     }
 }

@@ -1,4 +1,4 @@
-//! The tasks of a sweep: its parts, and the script that runs one.
+//! Tasks of a sweep: its parts, and the script that runs a part.
 
 use super::super::design::Part;
 use super::super::study::Study;
@@ -10,33 +10,35 @@ use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The folder of the parts, in that of the sweep.
+/// Folder of the parts, in the folder of the sweep.
 pub(in super::super) const PARTS: &str = "parts";
-/// The script.
+/// Name of the script.
 const SCRIPT: &str = "tasks.sh";
-/// Variables of the environment that a task needs, by how they begin.
+/// Prefix of the environment variables that a task needs.
 const VARIABLES: &str = "COSIM_";
-/// A task is this long, as one costs seconds to start \[s\].
+/// Target duration of a task \[s\], long compared with the seconds that a task takes to start.
 const TASK: f64 = 60.0;
-/// Parts at most, unless they are asked for: what Slurm allows in an array as it comes.
+/// Maximum number of parts unless given by the user: the default limit of Slurm for an array.
 const MOST: usize = 1000;
 
-/// The parts of a sweep, each a task.
+/// The parts of a sweep, one task each.
 #[derive(Debug)]
 pub(in super::super) struct Tasks {
-    /// How many there are.
+    /// Number of parts.
     pub parts: usize,
-    /// Folder of the sweep, absolute.
+    /// Absolute path of the folder of the sweep.
     folder: PathBuf,
-    /// What `coordinator sweep` is asked, but for part and folder.
+    /// Arguments of `coordinator sweep`, without the part and the folder.
     options: Vec<String>,
-    /// Points at a time in a task, if it was asked for.
+    /// Number of points at a time in a task, if given by the user.
     jobs: Option<u16>,
 }
 
 impl Tasks {
+    /// Prepares the tasks of a sweep.
+    ///
     /// # Errors
-    /// The file system.
+    /// The working directory cannot be determined.
     pub(in super::super) fn new(
         folder: &StudyFolder,
         parts: usize,
@@ -48,55 +50,55 @@ impl Tasks {
         Ok(Self { parts, folder, options, jobs })
     }
 
-    /// How many parts make tasks of about a minute, by what a point is expected to take \[s\].
+    /// Number of parts that gives tasks of about a minute, from the expected time of a point \[s\].
     pub(in super::super) fn parts_for(points: usize, seconds: f64) -> usize {
         let a_task = (TASK / seconds.max(1e-3)).ceil().max(1.0) as usize;
         points.div_ceil(a_task).clamp(1, MOST)
     }
 
-    /// Where a part writes.
+    /// Folder of a part.
     pub(in super::super) fn folder(&self, part: usize) -> PathBuf {
         self.folder.join(PARTS).join(Part { one: part, of: self.parts }.name())
     }
 
-    /// The script, which takes the number of a part.
+    /// Path of the script, which takes the number of a part as argument.
     pub(super) fn script(&self) -> PathBuf {
         self.folder.join(SCRIPT)
     }
 
-    /// Where what a task prints goes; the scheduler puts the number of its part there.
+    /// Log file of a task. `number` may be the scheduler's placeholder for the number of the part.
     pub(super) fn log(&self, number: &str) -> PathBuf {
         self.folder.join(PARTS).join(format!("{number}-of-{}.log", self.parts))
     }
 
-    /// All logs, in words.
+    /// Pattern that matches all log files.
     pub(super) fn logs(&self) -> String {
         self.log("*").display().to_string()
     }
 
-    /// A name for the array.
+    /// Name of the array.
     pub(super) fn title(&self) -> String {
         let name = self.folder.file_name().unwrap_or(OsStr::new("sweep"));
         format!("cosim-{}", name.to_string_lossy())
     }
 
-    /// The part in which a point is.
+    /// Part that contains a point.
     pub(super) fn part_of(&self, number: usize) -> usize {
         Part::with(number, self.parts)
     }
 
-    /// The parts of which points are missing.
+    /// Parts with missing points.
     pub(super) fn missing(&self, study: &Study) -> Vec<usize> {
         let parts: BTreeSet<usize> = study.missing().into_iter().map(|n| self.part_of(n)).collect();
         parts.into_iter().collect()
     }
 
-    /// The command of a part.
+    /// Shell command that runs a part.
     pub(super) fn command(&self, part: usize) -> String {
         format!("sh {} {part}", quoted(self.script().as_os_str()))
     }
 
-    /// Writes the script, and makes the folder of the parts.
+    /// Writes the script and creates the folder of the parts.
     pub(super) fn write(&self) -> Result<(), RunError> {
         let parts = self.folder.join(PARTS);
         fs::create_dir_all(&parts).map_err(|error| file_failure(&parts, &error))?;
@@ -113,7 +115,7 @@ impl Tasks {
         program: &Path,
         environment: impl Iterator<Item = (OsString, OsString)>,
     ) -> String {
-        // A shell has no other names, and a name cannot be quoted.
+        // The shell accepts only such names, and a name cannot be quoted.
         let is_letter = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
         let is_ours = |name: &OsString| {
             name.to_str()
@@ -131,7 +133,7 @@ impl Tasks {
         let (of, parts) = (self.parts, quoted(self.folder.join(PARTS).as_os_str()));
         format!(
             "#!/bin/sh\n\
-             # A part of a sweep; its number is the first argument, or that of the task.\n\
+             # Runs one part of a sweep: the first argument, or the number of the task.\n\
              part=${{1:-${{SLURM_ARRAY_TASK_ID:-$HQ_TASK_ID}}}}\n\
              cd {} || exit\n\
              {exports}\
@@ -143,7 +145,7 @@ impl Tasks {
     }
 }
 
-/// A word for a shell.
+/// Quotes a word for a shell.
 fn quoted(word: &OsStr) -> String {
     let word = word.to_string_lossy();
     shlex::try_quote(&word).map_or_else(|_| word.to_string(), |quoted| quoted.into_owned())
@@ -178,7 +180,7 @@ mod tests {
         assert_eq!(
             text,
             "#!/bin/sh\n\
-             # A part of a sweep; its number is the first argument, or that of the task.\n\
+             # Runs one part of a sweep: the first argument, or the number of the task.\n\
              part=${1:-${SLURM_ARRAY_TASK_ID:-$HQ_TASK_ID}}\n\
              cd /home/me || exit\n\
              export COSIM_RUNTIME_DIR='/dev/shm/x y'\n\

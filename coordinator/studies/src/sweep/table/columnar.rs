@@ -11,14 +11,14 @@ use parquet::schema::types::{Type, TypePtr};
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Rows that are in memory as columns at a time.
+/// Number of rows held in memory as columns at a time.
 const GROUP: usize = 1 << 16;
 
-/// Writes `sweep.parquet`: cells without a value are null, keys whose values are plain numbers are
-/// numbers.
+/// Writes `sweep.parquet`. Missing values are null; keys whose values are plain numbers are written
+/// as numbers.
 ///
 /// # Errors
-/// It cannot be written.
+/// Writing fails.
 pub(in crate::sweep) fn write(study: &Study, out: &mut (impl Write + Send)) -> io::Result<()> {
     let columns = columns(study, true);
     let written = || -> Result<(), ParquetError> {
@@ -67,7 +67,7 @@ impl Column<'_> {
     }
 }
 
-/// Writes the next column of a group: the cells that there are, and for every cell whether there is one.
+/// Writes the next column of a group: the present values, and a definition level for every cell.
 fn append<T: DataType, W: Write + Send>(
     group: &mut SerializedRowGroupWriter<'_, W>,
     cells: impl Iterator<Item = Option<T::T>>,
@@ -89,7 +89,8 @@ mod tests {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::Field;
 
-    /// All values as they are, texts that begin as formulas do too; cells without a value are null.
+    /// Values are written unchanged, including text that looks like a formula. Missing values are
+    /// null.
     #[test]
     fn values_are_written_to_the_bit() {
         let (mut study, mut columns) = (study(), Vec::new());
@@ -118,7 +119,7 @@ mod tests {
         );
     }
 
-    /// A file that a reader can have.
+    /// Writes the content to a temporary file for the reader.
     fn bytes(content: Vec<u8>) -> std::fs::File {
         use std::io::Seek;
         let mut file = tempfile::tempfile().unwrap();

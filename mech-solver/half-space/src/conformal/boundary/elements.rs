@@ -4,8 +4,8 @@
 //! u_z, i(∂_y u_x + k u_y) and i(∂_z u_x + k u_z), so that the energy is a real form of three
 //! fields over the section. Elements have nine nodes in columns below (or above) the surface, at
 //! the distances of a graded row from it; far away, where the wave has decayed, they are held.
-//! Tractions are integrated over the arcs on which they act. Nothing is shared with the boundary
-//! elements but the section.
+//! Tractions are integrated over the arcs on which they act. Only the section is shared with the
+//! boundary elements.
 
 use super::*;
 use crate::conformal::section::CrossSection;
@@ -13,10 +13,10 @@ use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 use numerics::quadrature::GAUSS_3;
 
-/// Elements over a boundary element, and how much larger the next ones are beyond them.
+/// Finite elements per boundary element, and growth of the elements beyond them.
 const FINER: usize = 3;
 const GROWTH: f64 = 1.3;
-/// Distance k·s at which the body is held; e^{−HELD} of the displacement is left there.
+/// Distance k·s at which the body is held; a share e^{−HELD} of the displacement is left there.
 const HELD: f64 = 9.0;
 
 /// Quadratic shape functions on (−1, 1), and their slopes.
@@ -24,14 +24,14 @@ fn quadratic(x: f64) -> [[f64; 2]; 3] {
     [[0.5 * x * (x - 1.0), x - 0.5], [1.0 - x * x, -2.0 * x], [0.5 * x * (x + 1.0), x + 0.5]]
 }
 
-/// Edges of elements with their middles between them.
+/// Edges of elements, with the midpoints between them.
 fn with_middles(edges: &[f64]) -> Vec<f64> {
     let mut nodes = vec![edges[0]];
     nodes.extend(edges.windows(2).flat_map(|pair| [0.5 * (pair[0] + pair[1]), pair[1]]));
     nodes
 }
 
-/// Edges from `start` on, that grow from `size`, to beyond `reach`.
+/// Edges from `start` to beyond `reach`; the first element has the length `size`, later ones grow.
 fn growing(start: f64, size: f64, reach: f64) -> Vec<f64> {
     let (mut edges, mut size) = (vec![start], size);
     while edges[edges.len() - 1] < reach {
@@ -41,9 +41,9 @@ fn growing(start: f64, size: f64, reach: f64) -> Vec<f64> {
     edges
 }
 
-/// Displacements in the middles of `count` boundary elements by tractions on them [m/Pa], as of
-/// [`Body::flexibility`]; they are `length` [m] long, about s = 0, on a body below (`outward` 1) or
-/// above the surface, which turns within `half` [m] of the middle.
+/// Displacements in the middles of `count` boundary elements under tractions on them [m/Pa],
+/// indexed like [`Body::flexibility`]. The elements cover `length` [m] about s = 0 on a body below
+/// (`outward` 1) or above the surface. The surface turns within `half` [m] of the middle.
 fn flexibility(
     material: &ElasticConstants,
     section: &CrossSection,
@@ -53,7 +53,7 @@ fn flexibility(
     count: usize,
 ) -> Mat<f64> {
     let size = length / FINER as f64;
-    // Boundary elements begin with an element, however many there are.
+    // A boundary element always begins at the edge of a finite element.
     let beside = (half / size - 0.5 * (FINER * count) as f64).ceil().max(0.0) as usize;
     let fine = FINER * count + 2 * beside;
     let reach = HELD / k;
@@ -165,7 +165,7 @@ fn flexibility(
     let solved = matrix.sp_cholesky(Side::Lower).expect("a stiffness of a held body").solve(&load);
     let mut flexibility = Mat::zeros(3 * count, 3 * count);
     for t in 0..count {
-        // The middle of a boundary element of an odd number of elements is a node.
+        // Each boundary element has an odd number of finite elements, so its middle is a node.
         let node = 2 * (first_edge + FINER * t) + FINER;
         let (_, direction) = section.at(along[node]);
         for (c, axis) in axes(direction).iter().enumerate() {
@@ -179,11 +179,12 @@ fn flexibility(
     flexibility
 }
 
-/// The change of flexibility by curvature agrees with finite elements in all nine pairs of components,
-/// for a corner of 10 mm and the throat round it (CONTACT's conformal examples), also with tractions
-/// and displacements exchanged. Tolerances, as shares
-/// of the largest change of the pair: a tenth for constant tractions on boundary elements of a
-/// tenth of the radius, of which 6 % are reached; 3 % for reciprocity, as collocation has it.
+/// The change of flexibility by curvature agrees with finite elements in all nine pairs of
+/// components. The case is a corner of 10 mm and the throat round it (CONTACT's conformal
+/// examples), also with tractions and displacements exchanged. Tolerances are shares of the largest
+/// change of the pair. A tenth covers constant tractions on boundary elements of a tenth of the
+/// radius, where 6 % are reached. 3 % covers reciprocity, which collocation meets only
+/// approximately.
 #[test]
 fn a_corner_and_a_throat_are_those_of_finite_elements() {
     let material = ElasticConstants { shear_modulus: 82e9, poisson_ratio: 0.28 };

@@ -15,7 +15,7 @@ const DRIVEN: Prescription = Prescription {
     adheres: true,
 };
 
-/// On elements twice as long as CONTACT's 0.4 mm, with its difference.
+/// Solver on elements twice as long as CONTACT's 0.4 mm, with CONTACT's difference.
 fn corner(turn: f64) -> ConformalSolver {
     let (side, nx, ny) = (0.8e-3, 27, 21);
     let first = |count: usize| -0.5 * (count as f64 - 1.0) * side;
@@ -29,8 +29,9 @@ fn integrals(solver: &ConformalSolver, found: &Conformal) -> [f64; 3] {
     [&found.pressure, x, s].map(|field| field.iter().sum::<f64>() * solver.grid.element_area())
 }
 
-/// Case 4 of the example: the creepages turn with the surface, the influence numbers are those of half-spaces. Its elements are half as long, and its arcs
-/// turn about a radius of 10.1 mm.
+/// Case 4 of the example: the creepages turn with the surface, and the influence numbers are those
+/// of half-spaces. CONTACT's elements are half as long, and its arcs turn about a radius of 10.1
+/// mm.
 #[test]
 fn a_corner_of_half_spaces() {
     let mut solver = corner(0.0);
@@ -41,8 +42,9 @@ fn a_corner_of_half_spaces() {
     }
 }
 
-/// Case 5: with the numbers of a corner and a throat, in CONTACT by finite elements. Those here are exact for a cylinder and a bore
-/// (`cylinders_and_bores_under_waves`); the difference is counted as that of the finite elements.
+/// Case 5: influence numbers of a corner and a throat, in CONTACT by finite elements. The numbers
+/// here are exact for a cylinder and a bore (`cylinders_and_bores_under_waves`), so the difference
+/// is attributed to the finite elements.
 #[test]
 fn a_corner_in_a_throat() {
     let mut solver = corner(FRAC_PI_2);
@@ -62,7 +64,7 @@ fn a_corner_in_a_throat() {
 fn a_given_force_finds_its_approach(solver: &mut ConformalSolver, found: &Conformal) {
     let load = Prescribed::Load(found.force[2]);
     let again = solver.solve(&Prescription { load, ..DRIVEN }).unwrap();
-    // As far as the turns of normal and tangential contact settle.
+    // Tolerance: the iteration between normal and tangential contact.
     assert!((again.approach / found.approach - 1.0).abs() < 1e-5, "{}", again.approach);
 }
 
@@ -80,8 +82,9 @@ fn mirrored_creepages_have_mirrored_forces(solver: &mut ConformalSolver, found: 
     }
 }
 
-/// What the tractions do on the rigid slip is what friction takes and what the pressure does on the normal displacement of the
-/// particles that pass: to the reciprocity of the numbers.
+/// The work of the tractions on the rigid slip equals the friction work plus the work of the
+/// pressure on the normal displacement of passing particles. Tolerance: the reciprocity of the
+/// influence numbers.
 fn friction_takes_what_the_rigid_slip_gives(solver: &mut ConformalSolver, found: &Conformal) {
     let (speed, grid) = (30.0, solver.grid);
     let [x, s] = &found.state.traction;

@@ -2,7 +2,8 @@ use super::*;
 
 const STEEL: Material = Material { youngs_modulus: 209.92e9, poisson_ratio: 0.28 };
 
-/// A wave along x on flat bodies, summed over x, is that of half-spaces with all its signs: rigid against elastic.
+/// A wave along x on flat bodies, summed over x, gives half-spaces with all signs; one body is
+/// rigid.
 #[test]
 fn flat_bodies_are_half_spaces() {
     let patch = SurfaceGrid { counts: [24, 7], sides: [1e-3, 1e-3], first: -3.5e-3 };
@@ -30,13 +31,14 @@ fn flat_bodies_are_half_spaces() {
                 .zip(&flexibilities)
                 .map(|(w, m)| w * sign * m[(3 * t + a, 3 * q + b)])
                 .sum();
-            // Constant tractions on elements, three elements away.
+            // Tolerance: constant tractions on elements, three elements away.
             assert!((value - exact).abs() < 0.01 * own, "{a}{b}: {value:e} instead of {exact:e}");
         }
     }
 }
 
-/// Betti's reciprocity, which boundary elements do not have by themselves: error of constant tractions.
+/// Betti's reciprocity, which boundary elements meet only approximately. Tolerance: the error of
+/// constant tractions.
 #[test]
 fn curved_bodies_are_reciprocal() {
     let patch = SurfaceGrid { counts: [9, 13], sides: [0.8e-3; 2], first: -5.2e-3 };
@@ -56,8 +58,8 @@ fn curved_bodies_are_reciprocal() {
     }
 }
 
-/// Boundary elements of three rows, which turn by less than 0.01, are off by less than that share of an element's own number: next to an element
-/// what curvature changes is not as smooth as elsewhere.
+/// Boundary elements of three rows, which turn by less than 0.01, err by less than that share of an
+/// element's own number. The change by curvature is less smooth next to an element than elsewhere.
 #[test]
 fn boundary_elements_may_be_longer_than_rows() {
     let patch = SurfaceGrid { counts: [9, 48], sides: [0.2e-3; 2], first: -4.8e-3 };

@@ -83,8 +83,8 @@ fn adaptive(
     centres.iter().map(|centre| adaptive(function, *centre, quarter, 0.25 * tolerance)).sum()
 }
 
-/// Tolerance: what the quadrature is asked for, and the rounding of the corner sum and of
-/// Boussinesq's solution near its axis.
+/// Tolerance: the target of the quadrature, and the rounding of the corner sum and of Boussinesq's
+/// solution near the axis.
 #[test]
 fn closed_forms_equal_quadrature_of_point_loads() {
     let places = [
@@ -129,8 +129,8 @@ fn derivatives(of: &dyn Fn([f64; 3]) -> Stress, at: [f64; 3], step: f64) -> [Str
 const KINDS: [fn(&UnitStresses) -> Stress; 3] =
     [|units| units.pressure, |units| units.traction_x, |units| units.traction_y];
 
-/// Forces on a small box balance: ∂σ_ij/∂x_j = 0. Tolerance: differences of fourth order with a
-/// step of 1e-3, and rounding over the step.
+/// Forces on a small box are in equilibrium: ∂σ_ij/∂x_j = 0. Tolerance: differences of fourth order
+/// with a step of 1e-3, and rounding over the step.
 #[test]
 fn stresses_are_in_equilibrium() {
     for kind in KINDS {
@@ -144,9 +144,9 @@ fn stresses_are_in_equilibrium() {
     }
 }
 
-/// Strains fit together, (1 + ν) ∇²σ_ij + ∂²σ_kk/∂x_i∂x_j = 0 (Beltrami and Michell): what
-/// equilibrium alone does not tell from a wrong Poisson's ratio. Tolerance: second differences of
-/// fourth order with a step of 1e-2, taken twice; the terms are of order 1.
+/// Strains are compatible, (1 + ν) ∇²σ_ij + ∂²σ_kk/∂x_i∂x_j = 0 (Beltrami and Michell). Unlike
+/// equilibrium, this detects a wrong Poisson's ratio. Tolerance: second differences of fourth order
+/// with a step of 1e-2, taken twice; the terms are of order 1.
 #[test]
 fn strains_are_compatible() {
     for kind in KINDS {
@@ -174,7 +174,7 @@ fn strains_are_compatible() {
     }
 }
 
-/// On the surface the tractions come back, inside at once and outside zero. Tolerance: the depth.
+/// The stresses at the surface equal the tractions, and zero outside. Tolerance: the depth.
 #[test]
 fn tractions_at_the_surface() {
     for depth in [0.0, 1e-9] {
@@ -202,7 +202,8 @@ fn surface_stress_at_the_centre_of_a_square() {
     assert!((xx + 0.8).abs() < 1e-15 && (yy + 0.8).abs() < 1e-15, "{xx} {yy}");
 }
 
-/// The two ways of integration meet. Tolerance: Gauss's error and the corner sum's rounding there.
+/// The corner sum and the far rule meet. Tolerance: the errors of Gauss's rule and of the corner
+/// sum's rounding there.
 #[test]
 fn no_jump_where_the_far_rule_takes_over() {
     let far = 16.0 * ELEMENT.dx;
@@ -233,13 +234,13 @@ fn far_elements_act_like_point_loads() {
     }
 }
 
-/// Mirrored in x and in y, bit for bit where corner sums are used.
+/// Mirror images in x and in y agree, bit for bit where corner sums are used.
 #[test]
 fn mirror_images() {
     let (x, y, z) = (1.3, 0.7, 0.6);
     let of = |sx: f64, sy: f64| {
         let units = ELEMENT.at(sx * x, sy * y, z);
-        // The mirrored traction along the mirrored axis, seen in the mirror.
+        // Mirrors the traction along the mirrored axis, and mirrors the stress back.
         let back = |s: Stress| Stress { yz: sy * s.yz, xz: sx * s.xz, xy: sx * sy * s.xy, ..s };
         UnitStresses {
             pressure: back(units.pressure),
@@ -270,8 +271,8 @@ fn additive_in_the_element() {
     }
 }
 
-/// Everything stays of the order of the load on corners at the surface, and between equal elements the
-/// edge cannot be seen. Tolerance: rounding.
+/// Stresses stay of the order of the load at corners on the surface, and the edge between equal
+/// elements leaves no trace. Tolerance: rounding.
 #[test]
 fn edges_between_equal_elements_cannot_be_seen() {
     let wide = Element { dx: 2.0 * ELEMENT.dx, ..ELEMENT };

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 const NU: f64 = 0.3;
 const FRICTION: f64 = 0.4;
 
-/// Semi-ellipsoidal pressure of radius 1 with n elements along it, values at the centres of the
-/// elements, and `FRICTION` times as much traction along x.
+/// Semi-ellipsoidal pressure of radius 1 with n elements per radius, values at the centres of the
+/// elements, and traction along x of `FRICTION` times the pressure.
 struct Disc {
     grid: Structured,
     pressure: Vec<f64>,
@@ -33,7 +33,7 @@ impl Disc {
     }
 }
 
-/// Error of the stresses on the axis of a sliding Hertz contact, at depths of an element and more.
+/// Error of the stresses on the axis of a sliding Hertz contact, at depths of at least one element.
 fn error_on_axis(n: usize) -> f64 {
     let disc = Disc::new(n);
     let depths = [0.1, 0.2, 0.48, 1.0, 2.0];
@@ -44,8 +44,8 @@ fn error_on_axis(n: usize) -> f64 {
     stresses.iter().zip(depths).map(error).fold(0.0, f64::max)
 }
 
-/// Tolerance: pressure taken at the centres of elements, whose error by the root at the edge of
-/// the contact falls with the power 3/2 of the step; the staircase makes it uneven.
+/// Tolerance: pressure taken at the centres of elements. The root at the edge of the contact makes
+/// the error fall with the power 3/2 of the step; the staircase makes it uneven.
 #[test]
 fn sliding_hertz_contact_on_the_axis() {
     let errors = [10, 20, 40, 80].map(error_on_axis);
@@ -74,7 +74,7 @@ fn textbook_maxima_below_a_hertz_contact() {
     assert!((shear[best] - 0.31).abs() < 5e-3 && (mises[best] - 0.62).abs() < 5e-3);
 }
 
-/// Elements so long that they act like strips: (half-length)^-2 is 1e-8.
+/// Error of a line contact. Elements are long enough to act like strips: (half-length)^-2 is 1e-8.
 fn error_of_line_contact(n: usize) -> f64 {
     let step = 1.0 / n as f64;
     let grid = Structured::contact_plane(-1.0 + 0.5 * step, 0.0, step, 2e4, 2 * n, 1);
@@ -103,7 +103,7 @@ fn sliding_line_contact() {
     }
 }
 
-/// Turning the traction mirrors the stresses in x. Tolerance: rounding.
+/// Reversed traction mirrors the stresses in x. Tolerance: rounding.
 #[test]
 fn reversed_traction_mirrors_the_stress() {
     let disc = Disc::new(6);

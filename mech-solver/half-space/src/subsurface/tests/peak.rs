@@ -2,7 +2,8 @@ use super::*;
 
 const NU: f64 = 0.3;
 
-/// An elliptic contact (1, b) about (x, y) on n elements along its semi-axis of 1, with tractions of a share of its pressure.
+/// An elliptic contact with semi-axes (1, b) about (x, y), n elements per unit semi-axis, and
+/// tractions proportional to the pressure.
 struct Patch {
     grid: Structured,
     pressure: Vec<f64>,
@@ -30,7 +31,8 @@ impl Patch {
     }
 }
 
-/// Johnson's textbook figures for a round contact, wherever it lies: 0.62 p₀ at a depth of 0.48 a. Tolerance: their digits, and the last step.
+/// Johnson's textbook values for a round contact at any position: 0.62 p₀ at a depth of 0.48 a.
+/// Tolerance: their digits, and the last step.
 #[test]
 fn below_a_round_contact() {
     for (n, place) in [(8, [0.0, 0.0]), (20, [3.0, -2.0]), (40, [0.0, 0.5])] {
@@ -40,7 +42,7 @@ fn below_a_round_contact() {
     }
 }
 
-/// Below a line, plane strain: 0.300 p₀ of shear at 0.786 a (Johnson 4.4).
+/// Below a line contact in plane strain: shear 0.300 p₀ at 0.786 a (Johnson 4.4).
 #[test]
 fn below_a_line() {
     let n = 50;
@@ -53,8 +55,8 @@ fn below_a_line() {
     assert!((depth - 0.786).abs() < 0.01 && x.abs() < 5e-3 && y == 0.0, "{x} {y} {depth}");
 }
 
-/// Tractions at an angle turn with their peak: below them in the surface or under it, and nothing that a dense box of points finds is
-/// higher. Tolerance: half a per cent for the points between.
+/// The peak follows the direction of the traction, on the surface or below, and no point of a dense
+/// box is higher. Tolerance: half a per cent for the spacing of the points.
 #[test]
 fn nothing_is_higher_in_a_box() {
     for friction in [[0.0, 0.1], [0.15, 0.1], [0.3, 0.0], [-0.2, 0.5]] {
@@ -75,7 +77,8 @@ fn nothing_is_higher_in_a_box() {
     }
 }
 
-/// A single loaded element among light ones, as under a rough surface, is not lost among the means.
+/// A single loaded element among light ones, as under a rough surface, is found although the coarse
+/// grid averages it.
 #[test]
 fn a_narrow_peak_is_found() {
     let n = 80;
@@ -95,7 +98,7 @@ fn without_load_there_is_none() {
     assert_eq!(SurfaceLoad::new(&grid, &pressure, &[]).peak(NU, Stress::von_mises), None);
 }
 
-/// Directions are those of the tensor: σ n = s n, of unit length and across each other.
+/// Principal directions satisfy σ n = s n, have unit length and are perpendicular.
 #[test]
 fn principal_directions() {
     for values in noise(60, 7).chunks_exact(6) {
@@ -115,8 +118,10 @@ fn principal_directions() {
     }
 }
 
-/// Two patches, one twice the other's size and pressure: each has the peak of a round contact below its middle, under what the other adds; far
-/// apart nothing. The whole search finds the larger one. Tolerance: the digits of the textbook, the last step, and p/r² of the other patch.
+/// Two patches, one with twice the size and pressure of the other. Each has the peak of a round
+/// contact below its middle, plus the contribution of the other patch, which is negligible far
+/// apart. The whole search finds the larger peak. Tolerance: the digits of the textbook, the last
+/// step, and p/r² of the other patch.
 #[test]
 fn every_patch_has_its_peak() {
     let (step, apart) = (0.05, 12.0);

@@ -1,7 +1,7 @@
 use super::*;
 use elastic::subsurface::{circular_contact_axis, line_contact};
 
-/// Loads without any symmetry on a grid whose origin is at no special place.
+/// Loads without symmetry, on a grid whose origin is arbitrary.
 fn load() -> (Structured, Vec<f64>, Vec<f64>) {
     let grid = Structured::contact_plane(-0.7, 0.4, 0.1, 0.15, 13, 9);
     let (pressure, traction) = (noise(grid.points(), 3), noise(2 * grid.points(), 4));
@@ -20,8 +20,9 @@ fn axis(first: f64, step: f64, count: usize) -> Vec<f64> {
     (0..count).map(|n| first + n as f64 * step).collect()
 }
 
-/// Lattices with the spacing of the elements, with a half and twice of it, and of any other, within the grid, over it and beyond it, by
-/// transforms and by sums over nodes: the direct sum over elements. Tolerance: rounding of corner sums and transforms, with loads up to 1.
+/// Lattices with the spacing of the elements, half of it, twice of it and any other spacing,
+/// within, over and beyond the grid, by transforms and by sums over nodes. The reference is the
+/// direct sum over elements. Tolerance: rounding of corner sums and transforms, with loads up to 1.
 #[test]
 fn lattices_equal_the_direct_sum() {
     let (grid, pressure, traction) = load();
@@ -48,7 +49,7 @@ fn lattices_equal_the_direct_sum() {
     }
 }
 
-/// The nodes of one loaded element are its four corners, and a uniform load has none within.
+/// One loaded element has four nodes, its corners; a uniform load has no nodes inside.
 #[test]
 fn loads_have_their_nodes() {
     let grid = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 3, 3);
@@ -58,7 +59,7 @@ fn loads_have_their_nodes() {
     assert_eq!((count(&one), count(&[2.0; 9]), count(&[0.0; 9])), (4, 4, 0));
 }
 
-/// Pressure and traction of Hertz on the centres of elements, n of them along the radius or half-width 1.
+/// Hertzian pressure and traction at the centres of elements, n per radius or half-width 1.
 fn hertz(n: usize, rows: usize, dy: f64) -> (Structured, Vec<f64>, Vec<f64>) {
     let step = 1.0 / n as f64;
     let first_y = if rows == 1 { 0.0 } else { -1.0 };
@@ -74,8 +75,8 @@ fn hertz(n: usize, rows: usize, dy: f64) -> (Structured, Vec<f64>, Vec<f64>) {
     (grid, pressure, traction)
 }
 
-/// A plane of layers below a sliding circle, on its axis. Tolerance: pressure taken at the centres of elements, whose error falls
-/// with the power 3/2 of their size.
+/// A sliding circular contact, on the axis. Tolerance: pressure taken at the centres of elements,
+/// whose error falls with the power 3/2 of their size.
 #[test]
 fn the_axis_of_a_sliding_circle() {
     for n in [10_usize, 40] {
@@ -93,7 +94,8 @@ fn the_axis_of_a_sliding_circle() {
     }
 }
 
-/// A line of contact, a single row: McEwen's stresses at points beside its axis too. Tolerance: as above.
+/// A line of contact (a single row): McEwen's stresses, also beside the axis. Tolerance: pressure
+/// taken at the centres of elements.
 #[test]
 fn a_sliding_line() {
     for n in [25_usize, 100] {
@@ -109,8 +111,9 @@ fn a_sliding_line() {
     }
 }
 
-/// A square with a unit pressure and a traction along x, at points of CONTACT's example subsurf, case 2: mean, von Mises, xx, yy, zz, xy, yz, xz.
-/// Tolerance: six digits printed, and a load that is 1e-6 short of 1.
+/// A square with a unit pressure and a traction along x, at points of CONTACT's example subsurf,
+/// case 2: mean, von Mises, xx, yy, zz, xy, yz, xz. Tolerance: six printed digits, and a load that
+/// is 1e-6 short of 1.
 #[test]
 fn the_points_of_contact() {
     #[rustfmt::skip]

@@ -2,7 +2,7 @@ use super::*;
 
 const DEPTHS: [f64; 5] = [0.0, 0.03, 0.2, 0.9, 4.0];
 
-/// Pressure and tractions without any symmetry, some rows and columns free.
+/// Pressure and tractions without symmetry; some rows and columns are unloaded.
 fn loads(grid: &Structured, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let points = grid.points();
     let free = |index: usize| (index / grid.ni) % 5 == 2 || index % grid.ni == 1;
@@ -24,8 +24,8 @@ fn direct(load: &SurfaceLoad<'_>, y: f64, depths: &[f64]) -> Vec<Stress> {
     load.stresses_at(0.3, &points.collect::<Vec<_>>())
 }
 
-/// On a row, between rows, at no special place, beside the grid. Tolerance: rounding of transforms
-/// and of the sums over some hundred elements.
+/// Sections on a row, between rows, at an arbitrary position and beside the grid. Tolerance:
+/// rounding of transforms and of sums over some hundred elements.
 #[test]
 fn equals_the_direct_sum() {
     for (nx, ny) in [(1, 1), (1, 7), (8, 1), (13, 10), (31, 17)] {
@@ -35,7 +35,7 @@ fn equals_the_direct_sum() {
         for y in [middle, grid.y(ny / 3), middle + 0.04, grid.y(0) - 0.225, 9.0] {
             let mut section = Section::new(&grid, 0.3, y, &DEPTHS);
             let mut stresses = vec![Stress::default(); section.points()];
-            // Twice, so that nothing left in the working memory may matter.
+            // Solves twice, to detect state left in the working memory.
             for traction in [&traction[..], &[]] {
                 let load = SurfaceLoad::new(&grid, &pressure, traction);
                 section.stresses(&load, &mut stresses);
@@ -48,7 +48,7 @@ fn equals_the_direct_sum() {
     }
 }
 
-/// Von Mises' and the largest shear stress are those of the tensors.
+/// Von Mises and largest shear stresses equal those of the tensors.
 #[test]
 fn equivalents_are_those_of_the_stresses() {
     let grid = Structured::contact_plane(0.0, 0.0, 0.1, 0.1, 9, 6);
@@ -65,8 +65,8 @@ fn equivalents_are_those_of_the_stresses() {
     }
 }
 
-/// Work: loads that are zero cost nothing, rows at the same distance are done once, and lines of
-/// corners between rows are shared.
+/// Cost of a section: zero loads cost nothing, rows at the same distance are computed once, and
+/// lines of corners between rows are shared.
 #[test]
 fn work_of_a_section() {
     let grid = Structured::contact_plane(-2.0, -1.0, 0.1, 0.1, 40, 20);
@@ -75,7 +75,7 @@ fn work_of_a_section() {
     pressure[16 * 40..].fill(0.0);
     let traction: Vec<f64> = [pressure.clone(), vec![0.0; 800]].concat();
     let depths = [0.1, 0.2, 0.3];
-    // Twelve rows bear loads; from halfway between the rows they are six.
+    // Twelve rows are loaded; seen from halfway between rows, they are six pairs.
     for (y, rows) in [(-0.05, 6), (-0.03, 12)] {
         for (traction, kinds) in [(&traction[..], 2), (&[], 1)] {
             let load = SurfaceLoad::new(&grid, &pressure, traction);

@@ -5,7 +5,7 @@ fn diagonal(values: [f64; 3]) -> Stress {
     Stress { xx: values[0], yy: values[1], zz: values[2], ..Stress::default() }
 }
 
-/// The tensor with these principal stresses along the axes of Euler's angles.
+/// Tensor with these principal stresses along axes turned by Euler's angles.
 fn turned(values: [f64; 3], [a, b, c]: [f64; 3]) -> Stress {
     let (sa, ca, sb, cb, sc, cc) = (a.sin(), a.cos(), b.sin(), b.cos(), c.sin(), c.cos());
     let axes = [
@@ -29,8 +29,9 @@ fn simple_states() {
     assert_eq!(Stress::default().principal(), [0.0; 3]);
 }
 
-/// Two equal principal stresses, or three nearly equal ones below a large mean: half of the digits
-/// would be lost by a cosine near 1. Tolerance: rounding of the components of the tensor.
+/// Two equal principal stresses, or three nearly equal ones with a large mean, where a formula by a
+/// cosine near 1 would lose half of the digits. Tolerance: rounding of the components of the
+/// tensor.
 #[test]
 fn equal_principal_stresses_keep_their_digits() {
     for angles in [[0.3, 1.1, -0.7], [2.0, 0.2, 0.1], [0.0, 1e-9, 0.0]] {

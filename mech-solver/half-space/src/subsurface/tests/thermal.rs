@@ -2,7 +2,7 @@ use super::*;
 use numerics::convolution::Complex64;
 use std::f64::consts::PI;
 
-/// Steel in units of the thermal stress of a kelvin.
+/// Steel, in units of the thermal stress per kelvin.
 const BODY: WarmBody = WarmBody {
     youngs_modulus: 0.7,
     poisson_ratio: 0.3,
@@ -11,7 +11,7 @@ const BODY: WarmBody = WarmBody {
     speed: 2.0,
 };
 
-/// xx, yy, zz, yz, xz, xy and the rise of a wave at a depth.
+/// Components xx, yy, zz, yz, xz, xy and the temperature rise of a wave at a depth.
 fn components(body: &WarmBody, k: [f64; 2], z: f64) -> ([Complex64; 6], Complex64) {
     let (length, gamma) = body.decay(k);
     let wave = body.wave((length, gamma), z, ((-length * z).exp(), (-gamma * z).exp()));
@@ -29,9 +29,11 @@ fn components(body: &WarmBody, k: [f64; 2], z: f64) -> ([Complex64; 6], Complex6
     (stresses, (gamma + size) * (-gamma * z).exp())
 }
 
-/// A wave is in equilibrium, leaves the surface free, and its strains are those of displacements, by differences over the depth: no
-/// other stresses are that by the same rise. Waves short and long against the skin, along, across and oblique, moving and at rest.
-/// Tolerance: differences of second order over a thousandth of the shorter depth, against the largest of the terms.
+/// A wave is in equilibrium, leaves the surface free, and its strains derive from displacements,
+/// checked by differences over the depth. These conditions make the stresses by this rise unique.
+/// Waves are short and long against the skin; along, across and oblique; moving and at rest.
+/// Tolerance: differences of second order over a thousandth of the shorter depth, against the
+/// largest of the terms.
 #[test]
 fn a_wave_is_a_solution() {
     let resting = WarmBody { speed: 0.0, ..BODY };
@@ -61,12 +63,13 @@ fn a_wave_is_a_solution() {
                 assert!(residual.norm() < 1e-5 * largest * size, "{k:?} at {z}: {residual}");
             }
             if k[1] == 0.0 {
-                // Plane strain.
+                // Plane strain along the y axis.
                 let free = yy - body.poisson_ratio * (xx + zz) + 0.7 * theta;
                 assert!(free.norm() < 1e-12 * largest, "{free}");
                 continue;
             }
-            // Strains times E, with E α = 0.7 for the stress of a kelvin; the displacements from those along x and y.
+            // Strains times E, with E α = 0.7 for the stress of a kelvin; displacements follow from
+            // the strains along x and y.
             let strains = |at: &([Complex64; 6], Complex64)| {
                 let ([xx, yy, zz, yz, xz, xy], theta) = *at;
                 let nu = body.poisson_ratio;
@@ -80,7 +83,7 @@ fn a_wave_is_a_solution() {
             let (normal, shear) = of[1];
             let turn = i * k[1] * across[1][0] + i * k[0] * across[1][1];
             let scale = normal.iter().chain(&shear).map(|e| e.norm()).fold(0.0, f64::max);
-            // What differences leave of a term that varies over the skin.
+            // Error of the differences for a term that varies over the skin.
             let rough = 1e-5 * scale * (1.0 + gamma.norm() / k[0].abs().min(k[1].abs()));
             assert!((turn - shear[2]).norm() < rough, "{k:?} at {z}: {turn} {}", shear[2]);
             let derivative = |c: usize| (across[2][c] - across[0][c]) / (2.0 * step);
@@ -105,9 +108,10 @@ fn a_wave_is_a_solution() {
     }
 }
 
-/// Steady heat at rest: W = c/(r² + c²)^1.5 has stresses σ_xx = 2(1 − ν)S(3y²/R⁵ − 1/R³), σ_xy = −6(1 − ν)S xy/R⁵ with
-/// R² = r² + (c + z)², and none that reach down: the harmonic function 1/R by its derivatives. Tolerance: what the grid's edges cut
-/// off, a part (c/edge)³, and its repetitions across.
+/// Steady heat at rest: W = c/(r² + c²)^1.5 has the stresses σ_xx = 2(1 − ν)S(3y²/R⁵ − 1/R³),
+/// σ_xy = −6(1 − ν)S xy/R⁵ with R² = r² + (c + z)², and zero σ_zz, σ_yz, σ_xz: derivatives of the
+/// harmonic function 1/R. Tolerance: the part cut off at the grid's edges, (c/edge)³, and its
+/// repetitions across.
 #[test]
 fn a_warm_place_at_rest() {
     let (c, step, half) = (1e-3, 1e-4, 80_i32);
@@ -135,7 +139,8 @@ fn a_warm_place_at_rest() {
     }
 }
 
-/// Rise of a column at a depth, a time after an even flux set in (Carslaw & Jaeger, 2.9), for a unit of flux over the conductivity.
+/// Temperature rise of a column at a depth, a time after the start of a uniform flux (Carslaw &
+/// Jaeger, 2.9), for a unit of flux over the conductivity.
 fn column(depth: f64, time: f64) -> f64 {
     if time <= 0.0 {
         return 0.0;
@@ -150,9 +155,10 @@ fn erfc(x: f64) -> f64 {
     2.0 / PI.sqrt() * numerics::quadrature::simpson(x, x + 8.0, |t| (-t * t).exp())
 }
 
-/// A flux that rises and falls as a parabola and is wide across, on fast material: a skin in which σ_xx = σ_yy = −Eαϑ/(1 − ν), with ϑ by Duhamel's
-/// integral of columns, on the way, behind and ahead; the surface is free. Tolerance: a skin is a part √(κ/(Va)) of the length a deep,
-/// and stretches by half as much again at most; 2e-4 for the elements.
+/// A parabolic flux, wide across, on fast material heats a thin skin with
+/// σ_xx = σ_yy = −Eαϑ/(1 − ν). ϑ follows from Duhamel's integral over columns within, behind and
+/// ahead of the heated zone; the surface is free. Tolerance: the depth of the skin is a share
+/// √(κ/(Va)) of the length a, and stretches by at most half as much again; 2e-4 for the elements.
 #[test]
 fn a_skin_is_pressed_in_its_plane() {
     for speed in [40.0, 4000.0] {
@@ -164,7 +170,7 @@ fn skin_at(speed: f64) {
     let a = 5e-3;
     let body = WarmBody { speed, ..BODY };
     let skin = (body.diffusivity * a / body.speed).sqrt();
-    // W of a unit of flux over the conductivity: κ/V times what has come in.
+    // W of a unit of flux over the conductivity: κ/V times the heat that has entered.
     let integral = |x: f64| {
         let xi = (-x / a).clamp(-1.0, 1.0);
         body.diffusivity / body.speed * a * (xi - xi.powi(3) / 3.0 + 2.0 / 3.0)
@@ -173,7 +179,7 @@ fn skin_at(speed: f64) {
     let values: Vec<f64> = (0..grid.ni).map(|i| integral(grid.x(i))).collect();
     let heat = RiseIntegral { grid: &grid, values: &values };
     let rise = |x: f64, depth: f64| {
-        // The derivative of the flux along the way, times the answer to a step.
+        // Integrates the derivative of the flux along x times the step response.
         let way = (a - x).max(0.0);
         let inside = way.min(2.0 * a);
         numerics::quadrature::simpson(0.0, inside, |s| {
@@ -199,8 +205,9 @@ fn skin_at(speed: f64) {
     println!("skin {:.1e} of the length: {worst:.1e}", skin / a);
 }
 
-/// A grid that ends a tenth of the length behind the section, as that of a contact does, or far behind it. Tolerance: a twentieth of the
-/// skin's depth over the length, for the wake falls where it should stay.
+/// A grid that ends a tenth of the length behind the section, as in a contact, or far behind it.
+/// Tolerance: a twentieth of the skin's depth over the length, since the modelled wake decays where
+/// it should stay.
 #[test]
 fn the_end_of_the_grid_hardly_matters() {
     let a = 5e-3;

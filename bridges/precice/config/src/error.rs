@@ -1,0 +1,162 @@
+//! Errors of a configuration, with their lines.
+
+use thiserror::Error;
+
+/// Reason why a text is no configuration.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ConfigError {
+    /// The text is longer than any configuration.
+    #[error("the configuration has {bytes} bytes, at most {most} are read")]
+    Size {
+        /// Length of the text.
+        bytes: usize,
+        /// Largest length.
+        most: usize,
+    },
+    /// Elements are nested too deep.
+    #[error("line {line}: elements are nested more than {most} deep")]
+    Depth {
+        /// Line of the first element that is too deep.
+        line: usize,
+        /// Largest depth.
+        most: usize,
+    },
+    /// Elements have too many different prefixes.
+    #[error("line {line}: more than {most} different prefixes of elements")]
+    Prefixes {
+        /// Line of the first prefix that is too much.
+        line: usize,
+        /// Largest number.
+        most: usize,
+    },
+    /// The text is not XML.
+    #[error("line {line}: not XML: {reason}")]
+    Xml {
+        /// Line at which reading stopped.
+        line: usize,
+        /// Reason from the XML parser.
+        reason: String,
+    },
+    /// The root element has another name.
+    #[error(
+        "line {line}: the root element is <{found}>, not <precice-configuration>{}",
+        of_version_two(.found)
+    )]
+    Root {
+        /// Line of the root element.
+        line: usize,
+        /// Name of the root element.
+        found: String,
+    },
+    /// A required attribute is absent.
+    #[error("line {line}: <{element}> has no attribute `{attribute}`")]
+    Attribute {
+        /// Line of the element.
+        line: usize,
+        /// Name of the element.
+        element: String,
+        /// Name of the attribute.
+        attribute: &'static str,
+    },
+    /// The value of an attribute cannot be read.
+    #[error("line {line}: <{element}>: {attribute}=\"{value}\" is not {expected}")]
+    Value {
+        /// Line of the element.
+        line: usize,
+        /// Name of the element.
+        element: String,
+        /// Name of the attribute.
+        attribute: &'static str,
+        /// Value of the attribute, shortened.
+        value: String,
+        /// Kind of value that is expected.
+        expected: String,
+    },
+    /// A required element is absent.
+    #[error("line {line}: <{element}> has no element <{child}>")]
+    Element {
+        /// Line of the surrounding element.
+        line: usize,
+        /// Name of the surrounding element.
+        element: String,
+        /// Name of the absent element.
+        child: &'static str,
+    },
+    /// A name is defined twice.
+    #[error("line {line}: the {what} \"{name}\" is defined a second time; rename one of them")]
+    Twice {
+        /// Line of the second definition.
+        line: usize,
+        /// Kind of thing.
+        what: &'static str,
+        /// Name.
+        name: String,
+    },
+    /// A name is used but not defined.
+    #[error("line {line}: the {what} \"{name}\" is not defined; defined are: {}", list(.known))]
+    Undefined {
+        /// Line of the use.
+        line: usize,
+        /// Kind of thing.
+        what: &'static str,
+        /// Name.
+        name: String,
+        /// Names that are defined.
+        known: Vec<String>,
+    },
+    /// A mesh does not carry some data.
+    #[error(
+        "line {line}: the mesh \"{mesh}\" has no data \"{data}\"; \
+         add <use-data name=\"{data}\" /> to the mesh"
+    )]
+    DataOfMesh {
+        /// Line of the use.
+        line: usize,
+        /// Mesh.
+        mesh: String,
+        /// Data.
+        data: String,
+    },
+    /// A participant uses a mesh that it neither provides nor receives.
+    #[error(
+        "line {line}: the participant \"{participant}\" neither provides nor receives the mesh \
+         \"{mesh}\"; add <provide-mesh name=\"{mesh}\" />, or <receive-mesh /> with the participant \
+         that provides the mesh"
+    )]
+    MeshOfParticipant {
+        /// Line of the use.
+        line: usize,
+        /// Participant.
+        participant: String,
+        /// Mesh.
+        mesh: String,
+    },
+}
+
+/// Returns a hint if the root element is that of an older configuration.
+fn of_version_two(found: &str) -> &'static str {
+    match found {
+        "solver-interface" => "; configurations of version 2 have this root",
+        _ => "",
+    }
+}
+
+/// Returns a list of names, of which the first twenty are shown.
+fn list(names: &[String]) -> String {
+    const SHOWN: usize = 20;
+    let shown: Vec<&str> = names.iter().take(SHOWN).map(String::as_str).collect();
+    match (names.len(), shown.join(", ")) {
+        (0, _) => "none".to_owned(),
+        (many, text) if many > SHOWN => format!("{text}, and {} more", many - SHOWN),
+        (_, text) => text,
+    }
+}
+
+/// Returns the start of a text for a message.
+pub(crate) fn shortened(text: &str) -> String {
+    const SHOWN: usize = 60;
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}

@@ -1,0 +1,9 @@
+//! The participant that starts a program and speaks for it.
+
+pub mod coupled;
+pub mod model;
+pub mod placement;
+pub mod program;
+pub mod solver;
+pub mod starter;
+pub mod wire;

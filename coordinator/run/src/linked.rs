@@ -1,0 +1,83 @@
+//! Solvers linked into this program. They take part in a run on threads of their own, over the same
+//! shared memory and protocol as processes. No process is started, and a debugger sees both sides
+//! of the coupling.
+
+use contract::advice::{Opinion, Scene};
+use contract::configuration::{Configuration, Estimate};
+use contract::description::Description;
+use proto::model::Solver;
+use proto::participant::{Host, Stop, estimate, take_part};
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A solver that is linked into this program.
+#[derive(Clone)]
+pub struct LinkedSolver(Arc<dyn Solver + Send + Sync>);
+
+impl PartialEq for LinkedSolver {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for LinkedSolver {}
+
+impl fmt::Debug for LinkedSolver {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("LinkedSolver")
+    }
+}
+
+impl LinkedSolver {
+    pub(crate) fn describe(&self) -> Description {
+        self.0.description()
+    }
+
+    pub(crate) fn estimate(&self, configuration: &Configuration) -> Estimate {
+        estimate(&*self.0, configuration)
+    }
+
+    pub(crate) fn advise(&self, scene: &Scene) -> Opinion {
+        self.0.advise(scene)
+    }
+
+    /// Takes part in a run until its end. Returns the exit code and last words that a process would
+    /// have.
+    pub(crate) fn take_part(&self, folder: &Path, role: &str, stop: Stop) -> (u8, Option<String>) {
+        let part = || take_part(folder, role, &*self.0, Host::Thread(stop));
+        match catch_unwind(AssertUnwindSafe(part)) {
+            Ok(Ok(())) => (0, None),
+            Ok(Err(error)) => (1, Some(format!("error: {error}"))),
+            Err(panic) => (101, Some(format!("panicked: {}", text(&*panic)))),
+        }
+    }
+}
+
+/// Returns the message of a panic.
+fn text(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref().copied()).unwrap_or("without a message")
+}
+
+/// Linked solvers by the name of the program that each replaces: `ROLE-solver`, or the command of a
+/// case.
+#[derive(Clone, Debug, Default)]
+pub struct LinkedSolvers(BTreeMap<String, LinkedSolver>);
+
+impl LinkedSolvers {
+    /// Adds a solver that replaces the program of this name.
+    #[must_use]
+    pub fn with(mut self, program: &str, solver: impl Solver + Send + Sync + 'static) -> Self {
+        self.0.insert(program.to_owned(), LinkedSolver(Arc::new(solver)));
+        self
+    }
+
+    /// Returns the solver that replaces the program of this name.
+    pub(crate) fn get(&self, program: &str) -> Option<LinkedSolver> {
+        self.0.get(program).cloned()
+    }
+}

@@ -1,0 +1,240 @@
+//! `coordinator import`: writes the case of a preCICE configuration.
+
+use clap::Args;
+use console::command::{Command, Context, Group};
+use contract::input_file;
+use precice_config::{Configuration, Import, ImportOptions, Note, NoteKind, case_of};
+use run::error::{RunError, file_failure, input_failure};
+use run::format::counted;
+use run::results::write::replace;
+use run::wrap;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+
+/// Name of the case if the folder of the configuration has none that is valid.
+const DEFAULT: &str = "case";
+
+/// Options of `coordinator import`.
+#[derive(Debug, Args)]
+pub(crate) struct ImportCommand {
+    /// The configuration, `precice-config.xml`.
+    #[arg(value_name = "CONFIGURATION")]
+    configuration: PathBuf,
+    /// The case to write [default: the name of the configuration's folder, and .toml].
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Program of a participant and its arguments, quoted as in a shell; may be repeated.
+    #[arg(long = "command", value_name = "NAME=COMMAND", value_parser = program)]
+    commands: Vec<(String, Vec<String>)>,
+    /// Folder in which the program of a participant runs; may be repeated.
+    #[arg(long = "directory", value_name = "NAME=DIR", value_parser = directory)]
+    directories: Vec<(String, String)>,
+    /// Replace an existing file.
+    #[arg(long)]
+    replace: bool,
+}
+
+/// Parses NAME=COMMAND.
+fn program(option: &str) -> Result<(String, Vec<String>), String> {
+    let (name, line) = option
+        .split_once('=')
+        .ok_or("write the name of a participant, an equals sign and its program")?;
+    let words = shlex::split(line).ok_or("a quote is not closed")?;
+    if words.is_empty() { Err("no program".to_owned()) } else { Ok((name.to_owned(), words)) }
+}
+
+/// Parses NAME=DIR.
+fn directory(option: &str) -> Result<(String, String), String> {
+    match option.split_once('=') {
+        Some((name, folder)) if !folder.is_empty() => Ok((name.to_owned(), folder.to_owned())),
+        _ => Err("write the name of a participant, an equals sign and a folder".to_owned()),
+    }
+}
+
+/// Returns values by the names of their participants.
+fn by_name<T: Clone>(
+    option: &str,
+    values: &[(String, T)],
+) -> Result<BTreeMap<String, T>, RunError> {
+    let mut found = BTreeMap::new();
+    for (name, value) in values {
+        if found.insert(name.clone(), value.clone()).is_some() {
+            let reason = format!("{option} {name}=… is given twice");
+            return Err(RunError::Usage(reason));
+        }
+    }
+    Ok(found)
+}
+
+impl Command for ImportCommand {
+    const NAME: &'static str = "import";
+    const GROUP: Group = Group::Connect;
+    const ABOUT: &'static str = "Write the case of a preCICE configuration. Whatever has no counterpart is listed, with its line";
+    const EXAMPLES: &'static [&'static str] = &[
+        "coordinator import precice-config.xml --out mine.toml",
+        "coordinator import precice-config.xml --command Fluid=./fluid",
+    ];
+
+    fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
+        let path = &self.configuration;
+        let text = input_file::read_text(path, precice_config::LARGEST as u64)
+            .map_err(|error| input_failure(path, &error))?;
+        let refused = |reason: String| RunError::Usage(format!("{}: {reason}", path.display()));
+        let configuration =
+            Configuration::parse(&text).map_err(|error| refused(error.to_string()))?;
+        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(default_name(path) + ".toml"));
+        let options = ImportOptions {
+            name: name_of(&out),
+            path: path.display().to_string(),
+            commands: by_name("--command", &self.commands)?,
+            directories: by_name("--directory", &self.directories)?,
+        };
+        let import =
+            case_of(&configuration, &options).map_err(|error| refused(error.to_string()))?;
+        self.write(&out, &import)?;
+        context.print(&summary(&out, &configuration, &import.notes))
+    }
+}
+
+impl ImportCommand {
+    /// Writes the case. An existing file stays as it is without `--replace`.
+    fn write(&self, out: &Path, import: &Import) -> Result<(), RunError> {
+        if self.replace {
+            return replace(out, import.text.as_bytes());
+        }
+        let file = File::options().write(true).create_new(true).open(out);
+        let mut file = file.map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => {
+                let fix = "choose another name by --out, or replace it by --replace";
+                RunError::Usage(format!("{} exists already; {fix}", out.display()))
+            }
+            _ => file_failure(out, &error),
+        })?;
+        file.write_all(import.text.as_bytes()).map_err(|error| file_failure(out, &error))
+    }
+}
+
+/// Returns the name of the folder that contains a file, if a case can have it.
+fn default_name(path: &Path) -> String {
+    let whole = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let folder = whole.parent().and_then(Path::file_name);
+    valid(folder.map(|name| name.to_string_lossy().into_owned()))
+}
+
+/// Returns the name of the case in a file.
+fn name_of(out: &Path) -> String {
+    valid(out.file_stem().map(|stem| stem.to_string_lossy().into_owned()))
+}
+
+fn valid(name: Option<String>) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    let fits = |name: &String| {
+        (1..=64).contains(&name.len()) && name.chars().all(plain) && !name.starts_with('.')
+    };
+    name.filter(fits).unwrap_or_else(|| DEFAULT.to_owned())
+}
+
+/// Returns the notes by kind, and the command to type next.
+fn summary(out: &Path, configuration: &Configuration, notes: &[Note]) -> String {
+    let participants = counted(configuration.participants.len() as u64, "participant");
+    let mut summary = format!("{}: {participants}\n", out.display());
+    for kind in NoteKind::ALL {
+        let mut of_kind = notes.iter().filter(|note| note.kind == kind).peekable();
+        if of_kind.peek().is_some() {
+            summary += &format!("\n{}:\n", kind.heading());
+        }
+        of_kind.for_each(|note| summary += &(wrap::columns(&format!("  {note}")) + "\n"));
+    }
+    summary + &format!("\nnext: coordinator check {}\n", out.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use case::{RawCase, check_without_participants};
+
+    const TEXT: &str = r#"<precice-configuration>
+      <data:scalar name="Load" />
+      <data:scalar name="Way" />
+      <mesh name="M" dimensions="2"><use-data name="Load" /><use-data name="Way" /></mesh>
+      <participant name="A">
+        <provide-mesh name="M" />
+        <write-data name="Load" mesh="M" /><read-data name="Way" mesh="M" />
+      </participant>
+      <participant name="B">
+        <receive-mesh name="M" from="A" />
+        <write-data name="Way" mesh="M" /><read-data name="Load" mesh="M" />
+        <watch-point name="W" mesh="M" coordinate="0;0" />
+      </participant>
+      <coupling-scheme:KIND>
+        <participants first="A" second="B" />
+        <time-window-size value="0.1" METHOD />
+        <max-time value="1" />
+        <exchange data="Load" mesh="M" from="A" to="B" />
+        <exchange data="Way" mesh="M" from="B" to="A" />
+        INSIDE
+      </coupling-scheme:KIND>
+    </precice-configuration>"#;
+
+    fn import(kind: &str, method: &str, inside: &str) -> (Configuration, Import) {
+        let text = TEXT.replace("KIND", kind).replace("METHOD", method).replace("INSIDE", inside);
+        let configuration = Configuration::parse(&text).unwrap();
+        let options = ImportOptions { name: "pair".to_owned(), ..ImportOptions::default() };
+        let import = case_of(&configuration, &options).unwrap();
+        (configuration, import)
+    }
+
+    /// Every key that an import writes is one of a case, with a value in its range.
+    #[test]
+    fn imported_cases_are_valid() {
+        let inside = "<max-iterations value=\"0\" /><min-iterations value=\"9\" />\
+            <relative-convergence-measure data=\"Way\" mesh=\"M\" limit=\"1e-3\" />\
+            <absolute-convergence-measure data=\"Load\" mesh=\"M\" limit=\"1e-300\" />\
+            <residual-relative-convergence-measure data=\"Load\" mesh=\"M\" limit=\"1\" />\
+            <acceleration:IQN-ILS><data name=\"Way\" mesh=\"M\" /><filter limit=\"0\" />\
+            <initial-relaxation value=\"7\" /><max-used-iterations value=\"0\" />\
+            <preconditioner type=\"residual\" /></acceleration:IQN-ILS>";
+        for (kind, method, inside) in [
+            ("serial-explicit", "", ""),
+            ("serial-explicit", "method=\"first-participant\"", ""),
+            ("serial-implicit", "", inside),
+            ("parallel-implicit", "", inside),
+        ] {
+            let (_, import) = import(kind, method, inside);
+            let raw = RawCase::parse("pair.toml", &import.text).unwrap();
+            let checked = check_without_participants(&raw);
+            let checked = checked.unwrap_or_else(|problems| panic!("{problems}\n{}", import.text));
+            assert_eq!((checked.name.as_str(), checked.participants.len()), ("pair", 2));
+        }
+    }
+
+    #[test]
+    fn the_summary_fits_a_terminal_and_names_the_next_command() {
+        let (configuration, import) = import("serial-explicit", "", "");
+        let text = summary(Path::new("pair.toml"), &configuration, &import.notes);
+        assert!(text.starts_with("pair.toml: 2 participants\n"), "{text}");
+        assert!(text.ends_with("next: coordinator check pair.toml\n"), "{text}");
+        assert!(text.contains("\nWithout a counterpart:\n  line"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= wrap::WIDTH), "{text}");
+    }
+
+    #[test]
+    fn programs_are_quoted_as_in_a_shell() {
+        let words = |text: &str| program(text).map(|(name, words)| (name, words.join("|")));
+        let expected = ("Fluid".to_owned(), "python3|my solver.py|--a=b".to_owned());
+        assert_eq!(words("Fluid=python3 'my solver.py' --a=b"), Ok(expected));
+        for wrong in ["Fluid", "Fluid=", "Fluid='open"] {
+            assert!(words(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn names_are_valid_for_a_case() {
+        assert_eq!(name_of(Path::new("a/heat-1.toml")), "heat-1");
+        for odd in ["a/ß.toml", ".hidden", "a b.toml"] {
+            assert_eq!(name_of(Path::new(odd)), DEFAULT, "{odd}");
+        }
+    }
+}
