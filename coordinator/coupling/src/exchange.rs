@@ -57,13 +57,20 @@ pub trait Exchange {
     /// explicit scheme.
     fn coupling_data(&self) -> &[Part];
 
+    /// Returns the fields that are not iterated, but have tolerances of their own. Their parts
+    /// follow those of the coupling data in the vector of [`Exchange::returned`].
+    fn measured_data(&self) -> &[Part] {
+        &[]
+    }
+
     /// Sends an iterate of the coupling data to the participants that consume it.
     ///
     /// # Errors
     /// A consumer cannot be reached.
     fn send(&mut self, iterate: &[f64], step: &Step) -> Result<(), Self::Error>;
 
-    /// Copies the values that the participants returned last into `returned`.
+    /// Copies the values that the participants returned last into `returned`: coupling data, then
+    /// measured data.
     fn returned(&self, returned: &mut [f64]);
 }
 

@@ -1,5 +1,9 @@
 //! The iteration of a window: x ↦ x̃ = H(x). The vector x is sent into a pass through the
 //! participants, x̃ is returned, and r = x̃ − x is the residual.
+//!
+//! A serial scheme iterates the fields that go back to an earlier participant. Fields that go
+//! forward depend on them; they are tested if the case gives them tolerances of their own. Their
+//! residual is the change since the last iteration, or since the last window in the first one.
 
 use crate::accelerate::{self, AccelerationStats, Accelerator};
 use crate::converge::{Convergence, NonConvergence, OnePass, Verdict, Within};
@@ -7,7 +11,7 @@ use crate::exchange::{Exchange, Order, ParticipantIndex};
 use crate::gain::LoopGain;
 use crate::predict::Predictor;
 use crate::settings::{self, Implicit};
-use crate::vector::{Part, StateMismatch, StateReader, parts};
+use crate::vector::{Part, StateMismatch, StateReader, parts, put_f64s};
 use contract::step::Step;
 use std::convert::Infallible;
 
@@ -51,9 +55,15 @@ pub struct Coupling {
     accelerator: Box<dyn Accelerator>,
     convergence: Box<dyn Convergence>,
     predictor: Predictor,
+    /// Coupling data, then measured data.
     parts: Vec<Part>,
+    /// Number of values of the coupling data.
+    iterated: usize,
+    /// Iterate of the coupling data, then the last values of the measured data.
     sent: Vec<f64>,
     returned: Vec<f64>,
+    /// Measured data at the end of the last accepted window.
+    accepted: Vec<f64>,
     step: Step,
     taken: AccelerationStats,
     gain: Option<LoopGain>,
@@ -80,8 +90,10 @@ impl Coupling {
             convergence: Box::new(OnePass),
             predictor: Predictor::new(settings::Predictor::Last, &[]),
             parts: Vec::new(),
+            iterated: 0,
             sent: Vec::new(),
             returned: Vec::new(),
+            accepted: Vec::new(),
             step: Step::STEADY,
             taken: AccelerationStats::default(),
             gain: None,
@@ -93,19 +105,23 @@ impl Coupling {
     /// participants return before any solve.
     #[must_use]
     pub fn implicit<E: Exchange>(settings: &Implicit, parallel: bool, exchange: &E) -> Self {
-        let parts = exchange.coupling_data().to_vec();
-        let length = parts.last().map_or(0, |part| part.range.end);
-        let mut returned = vec![0.0; length];
-        exchange.returned(&mut returned);
-        let accelerator = accelerate::build(settings, &parts);
+        let length = |parts: &[Part]| parts.last().map_or(0, |part| part.range.end);
+        let coupling_data = exchange.coupling_data();
+        let iterated = length(coupling_data);
+        let accelerator = accelerate::build(settings, coupling_data);
         let patience = accelerator.patience();
+        let parts = [coupling_data, exchange.measured_data()].concat();
+        let mut returned = vec![0.0; length(&parts)];
+        exchange.returned(&mut returned);
         Self {
             order: Order::of(parallel),
             accelerator,
             convergence: Box::new(Within::new(settings, &parts, patience)),
-            predictor: Predictor::new(settings.predictor, &returned),
+            predictor: Predictor::new(settings.predictor, &returned[..iterated]),
             parts,
-            sent: vec![0.0; length],
+            iterated,
+            sent: vec![0.0; returned.len()],
+            accepted: returned[iterated..].to_vec(),
             returned,
             step: Step::STEADY,
             taken: AccelerationStats::default(),
@@ -136,7 +152,9 @@ impl Coupling {
         self.gain.iter_mut().for_each(LoopGain::begin_window);
         self.accelerator.begin_window();
         self.convergence.begin_window();
-        self.predictor.predict(window.duration(), &mut self.sent);
+        let (iterate, last) = self.sent.split_at_mut(self.iterated);
+        self.predictor.predict(window.duration(), iterate);
+        last.copy_from_slice(&self.accepted);
     }
 
     /// Makes one iteration: a pass through the participants, the verdict and, unless the window is
@@ -147,25 +165,30 @@ impl Coupling {
     pub fn iterate<E: Exchange>(&mut self, exchange: &mut E) -> Result<Verdict, E::Error> {
         self.step.iteration += 1;
         if !self.parts.is_empty() {
-            exchange.send(&self.sent, &self.step)?;
+            exchange.send(&self.sent[..self.iterated], &self.step)?;
         }
         self.order.pass(exchange, &self.step)?;
         exchange.returned(&mut self.returned);
+        let n = self.iterated;
         if let Some(gain) = &mut self.gain {
-            gain.learn(&self.sent, &self.returned);
+            gain.learn(&self.sent[..n], &self.returned[..n]);
         }
         let verdict = self.convergence.judge(self.step.iteration, &self.sent, &self.returned);
         self.taken = AccelerationStats::default();
         if verdict == Verdict::Continue {
-            self.taken = self.accelerator.next(&mut self.sent, &self.returned);
+            self.taken = self.accelerator.next(&mut self.sent[..n], &self.returned[..n]);
+            self.sent[n..].copy_from_slice(&self.returned[n..]);
         }
         Ok(verdict)
     }
 
     /// Accepts the window with its last iteration.
     pub fn accept_window(&mut self) {
-        self.accelerator.accept_window(&self.sent, &self.returned);
-        self.predictor.accept_window(self.step.duration(), &self.returned);
+        let (iterate, (returned, measured)) =
+            (&self.sent[..self.iterated], self.returned.split_at(self.iterated));
+        self.accelerator.accept_window(iterate, returned);
+        self.predictor.accept_window(self.step.duration(), returned);
+        self.accepted.copy_from_slice(measured);
     }
 
     /// Iterates one window until it is done, and accepts it.
@@ -212,19 +235,19 @@ impl Coupling {
         &self.step
     }
 
-    /// Returns the values sent into the last iteration, once the window is done.
+    /// Returns the coupling data sent into the last iteration, once the window is done.
     #[must_use]
     pub fn sent(&self) -> &[f64] {
-        &self.sent
+        &self.sent[..self.iterated]
     }
 
-    /// The fields of the coupling data.
+    /// The fields with residuals: coupling data, then measured data.
     #[must_use]
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// Returns ‖r‖/‖x̃‖ of every field of the coupling data in the last iteration.
+    /// Returns ‖r‖/‖x̃‖ of every field of [`Coupling::parts`] in the last iteration.
     #[must_use]
     pub fn residuals(&self) -> &[f64] {
         self.convergence.residuals()
@@ -248,6 +271,7 @@ impl Coupling {
     pub fn save(&mut self, into: &mut Vec<u8>) {
         self.predictor.save(into);
         self.accelerator.save(into);
+        put_f64s(into, &self.accepted);
     }
 
     /// Restores a saved state between two windows. The run then continues bit-identically.
@@ -256,7 +280,8 @@ impl Coupling {
     /// The state comes from another case.
     pub fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateMismatch> {
         self.predictor.restore(from)?;
-        self.accelerator.restore(from)
+        self.accelerator.restore(from)?;
+        from.f64s(&mut self.accepted)
     }
 }
 

@@ -70,7 +70,9 @@ pub struct Session {
     moving: TiVec<MovingIndex, MovingGrid>,
     live: LiveValues,
     memory: SharedMemory,
-    /// Fields of `coupled` as parts of the coupling vector.
+    /// Fields that are not iterated, but have tolerances of their own.
+    measured: Vec<FieldIndex>,
+    /// Fields of `coupled`, then of `measured`, as parts of the coupling vector.
     parts: TiVec<PartIndex, Part>,
     solved: TiVec<ParticipantIndex, SolveRecord>,
     figures: Figures,

@@ -87,8 +87,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
 
 fn layout(configuration: &Configuration, case: &Case, footprint: &Footprint) -> Layout {
     let grid = footprint.grid;
-    let (grids, fields) =
-        fields_over(configuration, grid, case.difference.middle() * grid.dx(), &[]);
+    let upstream = case.difference.middle() * grid.dx();
     let (elements, rows) = (grid.points() as f64, grid.nj as f64);
     let [low, high] = footprint.directions(case).map(f64::to_degrees);
     let remark = format!(
@@ -101,12 +100,10 @@ fn layout(configuration: &Configuration, case: &Case, footprint: &Footprint) -> 
     let [cubic, constant] = BUILD;
     let [pairs, each] = BYTES;
     Layout {
-        grids,
-        fields,
         solve_seconds: SECONDS * elements,
         build_seconds: cubic * rows.powi(3) + constant,
         memory_bytes: (elements * (pairs * rows + each)) as u64,
         remarks: vec![remark],
-        ..Layout::default()
+        ..fields_over(configuration, grid, upstream, &[])
     }
 }

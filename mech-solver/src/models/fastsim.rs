@@ -142,7 +142,8 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
     let grid = extent.grid(asked.resolution)?;
     let (problem, coefficients) = problem(&scene, &asked, &grid)?;
     let wanted = precomputed::wanted_fields(configuration);
-    let mut layout = precomputed::layout(&wanted, grid, build_seconds(&problem, wanted.len()));
+    let mut layout =
+        precomputed::layout(configuration, grid, build_seconds(&problem, wanted.len()));
     if let Some(varying) = &varying {
         layout.remarks = vec![varying.remark(&extent)];
         (layout.solve_seconds, layout.build_seconds) = (layout.build_seconds, 0.0);

@@ -1,7 +1,7 @@
 //! Grids shared by the models, and the selection of those that a run needs.
 
 use crate::terms::Observation;
-use proto::configuration::{Configuration, FieldOnGrid};
+use proto::configuration::{Configuration, FieldOnGrid, Layout};
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Shape, Structured};
 
@@ -20,12 +20,14 @@ pub(super) fn is_rigid(spec: &FieldSpec) -> bool {
     *spec == field::SURFACE_SPEED || *spec == field::CONTACT_FORCE
 }
 
-/// Fields requested by a run, each on the grid named by `on`, and the grids in use.
+/// Layout of the fields requested by a run, each on the grid named by `on`, with the grids in use.
+/// Surface temperatures are requested on the grid of the contact: the participant that sends them
+/// may have any grid.
 pub(super) fn laid_out(
     configuration: &Configuration,
     on: impl Fn(&FieldSpec) -> &'static str,
     grids: Vec<(&'static str, impl Into<Shape>)>,
-) -> (Vec<Grid>, Vec<FieldOnGrid>) {
+) -> Layout {
     let wanted = |spec: &&FieldSpec| {
         configuration.outputs.iter().chain(&configuration.observed).any(|name| name == spec.name)
     };
@@ -34,20 +36,27 @@ pub(super) fn laid_out(
         .filter(wanted)
         .map(|spec| FieldOnGrid { field: spec.name.to_owned(), grid: on(spec).to_owned() })
         .collect();
-    let used = |name: &str| fields.iter().any(|on| on.grid == name);
+    let temperatures = [field::UPPER_TEMPERATURE, field::LOWER_TEMPERATURE];
+    let received = configuration.inputs.iter().map(|input| &input.field.name);
+    let inputs: Vec<FieldOnGrid> = received
+        .filter(|name| temperatures.iter().any(|spec| spec.name == *name))
+        .map(|name| FieldOnGrid { field: name.clone(), grid: CONTACT_GRID.to_owned() })
+        .collect();
+    let used = |name: &str| fields.iter().chain(&inputs).any(|on| on.grid == name);
     let grids = grids.into_iter().filter(|(name, _)| used(name));
     let grid = |(name, shape): (&str, _)| Grid { name: name.to_owned(), revision: 1, shape };
-    (grids.map(|(name, shape)| grid((name, shape.into()))).collect(), fields)
+    let grids = grids.map(|(name, shape)| grid((name, shape.into()))).collect();
+    Layout { grids, fields, inputs, ..Layout::default() }
 }
 
-/// Fields of a contact on this grid. Slip and friction power are shifted along x by `upstream`,
+/// Layout of the fields of a contact on this grid. Slip and friction power are shifted along x by `upstream`,
 /// rigid fields have one element, and observations name their own grids.
 pub(super) fn fields_over(
     configuration: &Configuration,
     grid: Structured,
     upstream: f64,
     observations: &[Box<dyn Observation>],
-) -> (Vec<Grid>, Vec<FieldOnGrid>) {
+) -> Layout {
     let on = |spec: &FieldSpec| match *spec {
         _ if let Some(grid) = observations.iter().find_map(|term| term.grid_of(spec)) => grid,
         _ if is_rigid(spec) => RIGID_GRID,

@@ -382,7 +382,6 @@ fn memory(configuration: &Configuration, scene: &Scene, partial: bool) -> Result
 fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let grid = case.footprint.grid;
     let upstream = case.passage().middle;
-    let (grids, fields) = fields_over(configuration, grid, upstream, &case.terms.observations);
     let elements = grid.points() as f64;
     let how = match case.memory {
         true => "one step per element rolled, or one for a shift",
@@ -416,8 +415,6 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let given = case.footprint.ellipse.filter(|_| case.footprint.gap.is_none());
     let remark = given.and_then(|ellipse| ellipse.remark(&case.scene));
     Layout {
-        grids,
-        fields,
         peaks: peak.into_iter().collect(),
         solve_seconds: if once { 0.0 } else { seconds },
         build_seconds: if once { seconds } else { 0.0 },
@@ -430,6 +427,6 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             .chain(idle)
             .collect(),
         warnings: case.footprint.gap.iter().flat_map(|gap| gap.warnings(&case.scene)).collect(),
-        ..Layout::default()
+        ..fields_over(configuration, grid, upstream, &case.terms.observations)
     }
 }

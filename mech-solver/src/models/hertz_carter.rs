@@ -130,7 +130,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
     let grid = extent.unwrap_or(contact.ellipse.extent()).grid(resolution)?;
     let wanted = precomputed::wanted_fields(configuration);
     let values: usize = wanted.iter().map(|spec| precomputed::count(spec, &grid)).sum();
-    let mut layout = precomputed::layout(&wanted, grid, SECONDS_PER_VALUE * values as f64);
+    let mut layout = precomputed::layout(configuration, grid, SECONDS_PER_VALUE * values as f64);
     if terms.friction_effect().is_some() {
         layout.remarks = vec!["the fields are computed in every iteration".to_owned()];
     }

@@ -90,10 +90,7 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     };
     let [length, width] = case.cell();
     let grids = vec![(CONTACT_GRID, grid), (RIGID_GRID, whole(&grid))];
-    let (grids, fields) = laid_out(configuration, on, grids);
     Layout {
-        grids,
-        fields,
         solve_seconds: SECONDS * grid.points() as f64,
         memory_bytes: (BYTES * grid.points() as f64) as u64,
         remarks: vec![format!(
@@ -104,6 +101,6 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
             grid.nj,
             case.mean_pressure()
         )],
-        ..Layout::default()
+        ..laid_out(configuration, on, grids)
     }
 }

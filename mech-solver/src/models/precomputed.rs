@@ -2,11 +2,11 @@
 //! copies them to the requested outputs.
 
 use super::contact_model::{Contact, ContactModel};
-use super::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, whole};
+use super::grids::{CONTACT_GRID, RIGID_GRID, is_rigid, laid_out, whole};
 use crate::terms::Terms;
-use proto::configuration::{Configuration, FieldOnGrid, Layout};
+use proto::configuration::{Configuration, Layout};
 use proto::field::{self, FieldSpec};
-use proto::grid::{Grid, Structured};
+use proto::grid::Structured;
 use proto::model::{Inputs, Model, Step, StepError, StepReport};
 use serde_json::Value;
 
@@ -31,31 +31,22 @@ pub(super) fn wanted_fields(configuration: &Configuration) -> Vec<&'static Field
     field::TABLE.iter().filter(|spec| named(spec.name)).collect()
 }
 
-/// Grids and cost of the wanted fields, which take `build_seconds` to compute.
+/// Layout and cost of the wanted fields, which take `build_seconds` to compute.
 pub(super) fn layout(
-    wanted: &[&'static FieldSpec],
+    configuration: &Configuration,
     grid: Structured,
     build_seconds: f64,
 ) -> Layout {
-    let mut grids = vec![Grid::structured(CONTACT_GRID, grid)];
-    if wanted.iter().any(|spec| is_rigid(spec)) {
-        grids.push(Grid::structured(RIGID_GRID, whole(&grid)));
-    }
-    let values: usize = wanted.iter().map(|spec| count(spec, &grid)).sum();
+    let values: usize = wanted_fields(configuration).iter().map(|spec| count(spec, &grid)).sum();
+    let on = |spec: &FieldSpec| if is_rigid(spec) { RIGID_GRID } else { CONTACT_GRID };
+    let grids = vec![(CONTACT_GRID, grid), (RIGID_GRID, whole(&grid))];
     Layout {
-        grids,
-        fields: wanted.iter().map(|spec| on_grid(spec)).collect(),
         solve_seconds: SECONDS_PER_COPY * values as f64,
         build_seconds,
         memory_bytes: (values * size_of::<f64>()) as u64,
         remarks: vec!["the fields are computed once; a solve copies them".to_owned()],
-        ..Layout::default()
+        ..laid_out(configuration, on, grids)
     }
-}
-
-fn on_grid(spec: &FieldSpec) -> FieldOnGrid {
-    let grid = if is_rigid(spec) { RIGID_GRID } else { CONTACT_GRID };
-    FieldOnGrid { field: spec.name.to_owned(), grid: grid.to_owned() }
 }
 
 /// A contact that is the same in every window, with its precomputed fields.

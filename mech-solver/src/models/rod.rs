@@ -109,13 +109,13 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
     let side = rods.area.sqrt();
     let end = Structured::contact_plane(0.0, 0.0, side, side, 1, 1);
     let on = |spec: &FieldSpec| if is_rigid(spec) { RIGID_GRID } else { CONTACT_GRID };
-    let (grids, fields) = laid_out(configuration, on, vec![(CONTACT_GRID, end), (RIGID_GRID, end)]);
+    let grids = vec![(CONTACT_GRID, end), (RIGID_GRID, end)];
     let remark = if terms.expansion.is_none() {
         effects::without(Kind::Expansion) + "nothing moves"
     } else {
         format!("ends {:.4e} m apart at the initial temperatures", rods.gap)
     };
-    let layout = Layout { grids, fields, remarks: vec![remark], ..Layout::default() };
+    let layout = Layout { remarks: vec![remark], ..laid_out(configuration, on, grids) };
     Ok(Setup::new(layout, |_| Ok(Box::new(ContactModel::new(Ends { rods, terms })))))
 }
 

@@ -127,7 +127,6 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
 fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
     let grid = plane.grid();
     let upstream = case.settings.difference.middle() * grid.dx();
-    let (grids, fields) = fields_over(configuration, grid, upstream, &case.terms.observations);
     let size = format!(
         "{} x {} elements of {:.4} x {:.4} mm over the rail's surface, along x and along the tape",
         grid.ni,
@@ -144,13 +143,11 @@ fn layout(configuration: &Configuration, case: &Case, plane: &Plane) -> Layout {
     let hottest = plane.hottest_y();
     let peak = hottest.map(|y| (field::FRICTION_POWER.name.to_owned(), [0.0, y, 0.0]));
     Layout {
-        grids,
-        fields,
         peaks: peak.into_iter().collect(),
         solve_seconds: seconds,
         memory_bytes: bytes as u64,
         remarks: std::iter::once(size).chain(case.remarks.iter().cloned()).collect(),
         warnings: case.warnings.clone(),
-        ..Layout::default()
+        ..fields_over(configuration, grid, upstream, &case.terms.observations)
     }
 }

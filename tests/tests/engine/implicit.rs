@@ -116,15 +116,32 @@ fn every_iteration_has_a_row_that_tells_its_residual_and_its_columns() {
 }
 
 #[test]
-fn a_tolerance_of_a_field_that_is_not_fed_back_is_refused() {
+fn a_field_can_have_a_tolerance_of_its_own() {
     let place = Place::new();
-    let set = "coupling.fields.relay_value.relative=1e-3";
-    let ended = place.plan(&case("linear.toml"), &["--set", set]);
-    assert_eq!(ended.code, Some(2));
-    assert!(ended.stderr.contains("is not coupling data"), "{}", ended.stderr);
     let own = ["coupling.fields.operator_value.relative=1e-3", "linear.problem=P4"];
     let more = sets(&own);
     let loose = place.summary(&case("linear.toml"), &more);
     let iterations = loose["coupling"]["iterations"].as_u64().unwrap();
     assert!(iterations < 34, "{iterations}: 34 are needed for 1e-6");
+}
+
+/// A field that goes forward follows the iterates. If it has a tolerance of its own, this tolerance
+/// takes effect, and its residual has a column.
+#[test]
+fn a_field_that_goes_forward_can_be_tested() {
+    let loose = ["coupling.fields.operator_value.relative=0.5", "linear.problem=P4"];
+    let tight = [&loose[..], &["coupling.fields.relay_value.relative=1e-6"]].concat();
+    let places = [Place::new(), Place::new()];
+    let [few, many] = [(&places[0], &loose[..]), (&places[1], &tight)].map(|(place, set)| {
+        place.summary(&case("linear.toml"), &sets(set));
+        place.table("iterations.csv")
+    });
+    assert_eq!(few.find("residual_relay_value"), None);
+    let columns = ["residual_operator_value", "residual_relay_value"];
+    let columns = columns.map(|name| many.find(name).unwrap());
+    for pair in many.rows.windows(2) {
+        let [operator, relay] = columns.map(|at| pair[0][at].parse::<f64>().unwrap());
+        assert_eq!(operator <= 0.5 && relay <= 1e-6, pair[0][0] != pair[1][0], "{pair:?}");
+    }
+    assert!(2 * few.rows.len() < many.rows.len(), "{} {}", few.rows.len(), many.rows.len());
 }

@@ -165,7 +165,7 @@ fn what_is_fed_back_does_not_grow() {
     let ended = failed(&["mover.motion=grow", "coupling.scheme=parallel-implicit"]);
     for part in [
         "mover (toy-mover) failed while accepting window 0",
-        "grid `patch` has changed from 384 to 400 elements, but `moving_flux` on it is coupling data",
+        "grid `patch` has changed from 384 to 400 elements, but `moving_flux` on it is compared",
         "keep the number of its elements",
     ] {
         assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);

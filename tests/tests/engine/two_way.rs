@@ -38,6 +38,17 @@ fn accelerated_iterations_agree() {
     }
 }
 
+/// Secant columns of the cold first window mislead the second one, in which friction already falls.
+/// The default settings converge.
+#[test]
+fn a_cold_start_converges_with_finite_elements() {
+    let time = ["time.mode=transient", "time.window=20 us", "time.end=100 us"];
+    let summary = run(&[&["thermal.model=fe"], &time[..]].concat());
+    assert_eq!(summary["status"], "converged");
+    let iterations = summary["coupling"]["iterations"].as_u64().unwrap();
+    assert!(iterations <= 60, "{iterations} iterations in 5 windows");
+}
+
 /// Constant friction gives the same result as a case without the effect. Tolerance: that of the
 /// tractions, which a loop solves more accurately.
 #[test]

@@ -19,6 +19,7 @@ mod licences;
 mod paper;
 #[cfg(feature = "complete")]
 mod picture;
+mod precice;
 #[cfg(feature = "complete")]
 mod release;
 #[path = "../shared/failures.rs"]

@@ -137,6 +137,11 @@ impl SecantColumns {
         self.known = false;
     }
 
+    /// Returns whether the next iteration follows another one of its window.
+    pub(super) fn continues(&self) -> bool {
+        self.known
+    }
+
     /// Removes the columns for which `keep(age, window)` returns false.
     pub(super) fn retain(&mut self, mut keep: impl FnMut(usize, u64) -> bool) {
         let (free, windows, pending) = (&mut self.free, &self.windows, &mut self.pending);

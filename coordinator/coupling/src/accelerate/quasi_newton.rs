@@ -13,6 +13,10 @@
 //!
 //! The first iteration of a window uses the columns of earlier windows. Without such columns the
 //! step is a relaxation by `relaxation`. The last iteration of a window also gives a column.
+//!
+//! Columns of earlier windows describe the problem as it was. If the step that they give in the
+//! first iteration of a window increases the weighted residual, they are removed (our addition):
+//! friction that changes, or a mesh that moves, has made them wrong.
 
 use super::accelerator::AccelerationStats;
 use super::accelerator::Accelerator;
@@ -24,6 +28,9 @@ use super::weights::Weights;
 use crate::settings::{Acceleration, Implicit};
 use crate::vector::Part;
 use crate::vector::{StateMismatch, StateReader};
+
+/// Ratio of the squared residuals from which a step of reused columns counts as wrong.
+const GAIN: f64 = 1.0;
 
 /// Rule that turns secant columns into the next iterate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +69,8 @@ pub struct QuasiNewton {
     weights: Weights,
     /// Windows accepted so far.
     window: u64,
+    /// Squares of the residual in the first iteration of the window; empty in later ones.
+    first: Vec<f64>,
 }
 
 impl QuasiNewton {
@@ -79,7 +88,26 @@ impl QuasiNewton {
             weights: Weights::new(settings.preconditioner, parts.len()),
             columns,
             window: 0,
+            first: Vec::with_capacity(parts.len()),
         }
+    }
+
+    /// Removes the columns of earlier windows if their first step has increased the residual.
+    fn judge_reuse(&mut self, starts: bool) {
+        let Self { columns, weights, first, window, .. } = self;
+        let residual = columns.squares().0;
+        if starts {
+            first.clear();
+            first.extend_from_slice(residual);
+            return;
+        }
+        let norm = |squares: &[f64]| -> f64 {
+            squares.iter().zip(weights.squares()).map(|(square, weight)| square * weight).sum()
+        };
+        if !first.is_empty() && norm(residual) > GAIN * norm(first) {
+            columns.retain(|_, of| of == *window);
+        }
+        first.clear();
     }
 
     /// Computes the coefficients, drops linearly dependent columns and returns the number of
@@ -114,9 +142,11 @@ impl Accelerator for QuasiNewton {
     }
 
     fn next(&mut self, sent: &mut [f64], returned: &[f64]) -> AccelerationStats {
+        let starts = !self.columns.continues();
         self.columns.learn(sent, returned, self.window);
         let (residual, values) = self.columns.squares();
         self.weights.update(residual, values);
+        self.judge_reuse(starts);
         let dropped = self.solve();
         let columns = self.columns.count() - dropped;
         let relaxation = (columns == 0).then_some(self.relaxation);

@@ -137,6 +137,26 @@ fn a_linear_problem_of_n_unknowns_ends_after_n_plus_two_iterations() {
     }
 }
 
+/// The second window has another problem, with the opposite sign of the feedback. Its columns alone
+/// are used after the step of the reused ones has increased the residual.
+#[test]
+fn columns_of_earlier_windows_are_removed_if_they_mislead() {
+    let n = 12;
+    let [problem, other] = [Affine::new(n, 0.5), Affine::new(n, -2.0)];
+    let mut accelerator = build(&settings(Acceleration::IqnIls), &parts([("x", n)]));
+    window(&mut *accelerator, |x| problem.apply(x), &vec![0.0; n], 6);
+    accelerator.begin_window();
+    let mut sent = vec![0.0; n];
+    let mut residuals = Vec::new();
+    let counts = [0; 3].map(|_| {
+        let returned = other.apply(&sent);
+        residuals.push(norm(&minus(&returned, &sent)));
+        accelerator.next(&mut sent, &returned).columns.unwrap()
+    });
+    assert!(residuals[1] > residuals[0], "{residuals:?}");
+    assert_eq!(counts, [5, 1, 2]);
+}
+
 #[test]
 fn anderson_with_mixing_one_is_quasi_newton_without_reuse() {
     let problem = Affine::new(20, 0.4);

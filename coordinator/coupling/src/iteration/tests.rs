@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::accelerate::tests::settings;
-use crate::settings::Acceleration;
+use crate::settings::{Acceleration, Tolerances};
 
 /// Response of one participant to the other.
 type Answer = fn(f64) -> f64;
@@ -14,6 +14,7 @@ struct Pair {
     values: [f64; 2],
     received: [f64; 2],
     coupling_data: Vec<Part>,
+    measured_data: Vec<Part>,
     solves: u32,
 }
 
@@ -21,7 +22,14 @@ impl Pair {
     /// Creates a pair. The coupling data are b alone in a serial scheme, a and b in a parallel one.
     fn new(f: Answer, g: Answer, fields: &[&str]) -> Self {
         let coupling_data = parts(fields.iter().map(|name| (*name, 1)));
-        Self { f, g, values: [0.0; 2], received: [0.0; 2], coupling_data, solves: 0 }
+        let (measured_data, values) = (Vec::new(), [0.0; 2]);
+        Self { f, g, values, received: [0.0; 2], coupling_data, measured_data, solves: 0 }
+    }
+
+    /// Creates a serial pair whose field a, which goes forward, is tested too.
+    fn measured(f: Answer, g: Answer) -> Self {
+        let a = Part { name: "a".to_owned(), range: 1..2 };
+        Self { measured_data: vec![a], ..Self::new(f, g, &["b"]) }
     }
 
     fn is_serial(&self) -> bool {
@@ -55,14 +63,19 @@ impl Exchange for Pair {
         &self.coupling_data
     }
 
+    fn measured_data(&self) -> &[Part] {
+        &self.measured_data
+    }
+
     fn send(&mut self, iterate: &[f64], _step: &Step) -> Result<(), Infallible> {
         self.received[..iterate.len()].copy_from_slice(iterate);
         Ok(())
     }
 
     fn returned(&self, returned: &mut [f64]) {
-        let first = if self.is_serial() { 1 } else { 0 };
-        returned.copy_from_slice(&self.values[first..first + returned.len()]);
+        let [a, b] = self.values;
+        let all = if self.is_serial() { [b, a] } else { [a, b] };
+        returned.copy_from_slice(&all[..returned.len()]);
     }
 }
 
@@ -165,20 +178,49 @@ fn a_window_can_be_tried_again_as_if_it_had_not_been_tried() {
     }
 }
 
+/// With a_k = f(b_{k-1}), the residual of a is its change since the last iteration, and since the
+/// last window in the first one. The iterates are those without the measure.
+#[test]
+fn a_field_that_goes_forward_is_tested() {
+    let (f, g): (Answer, Answer) = (|b| 0.5 * b, |a| 1.0 - a);
+    let mut settings = settings(Acceleration::None);
+    let loose = Tolerances { relative: Some(0.9), ..Tolerances::default() };
+    settings.fields.insert("b".to_owned(), loose);
+    settings.tolerances = Tolerances { absolute: Some(0.1), ..Tolerances::default() };
+    let (mut pair, mut plain) = (Pair::measured(f, g), Pair::new(f, g, &["b"]));
+    let mut coupling = Coupling::implicit(&settings, false, &pair);
+    let mut without = Coupling::implicit(&settings, false, &plain);
+    coupling.begin_window(&window(0));
+    without.begin_window(&window(0));
+    // b = 0, 1, 1/2, 3/4, ... is within its tolerance in the third iteration, a in the fifth.
+    let mut last = 0.0_f64;
+    for (k, a) in [0.0, 0.5, 0.25, 0.375, 0.3125].into_iter().enumerate() {
+        let verdict = coupling.iterate(&mut pair).unwrap();
+        let residual = if a == last { 0.0 } else { (a - last).abs() / a };
+        assert_eq!(coupling.residuals()[1], residual);
+        assert_eq!(verdict, if k < 4 { Verdict::Continue } else { Verdict::Done }, "{a}");
+        last = a;
+        if k < 2 {
+            without.iterate(&mut plain).unwrap();
+            assert_eq!(coupling.sent(), without.sent());
+        }
+    }
+}
+
 #[test]
 fn a_restored_coupling_continues_bit_identically() {
     let (f, g): (Answer, Answer) = (f64::cos, |a| 1.0 - 3.0 * a);
     for word in Acceleration::WORDS.iter().filter(|word| !["none", "constant"].contains(word)) {
         let mut settings = settings(Acceleration::from_word(word).unwrap());
         settings.predictor = crate::settings::Predictor::Linear;
-        let mut pair = Pair::new(f, g, &["b"]);
+        let mut pair = Pair::measured(f, g);
         let mut whole = Coupling::implicit(&settings, false, &pair);
         let mut state = Vec::new();
         for index in 0..3 {
             whole.solve_window(&mut pair, &window(index)).unwrap();
         }
         whole.save(&mut state);
-        let mut other = Pair::new(f, g, &["b"]);
+        let mut other = Pair::measured(f, g);
         let mut resumed = Coupling::implicit(&settings, false, &other);
         resumed.restore(&mut StateReader(&state)).unwrap();
         assert_eq!(

@@ -34,13 +34,18 @@ pub enum MapError {
     },
 }
 
+/// Distance beyond the border, in sizes of the nearest element, that does not count: two borders
+/// that coincide differ by rounding, or by the coarser description of a curve.
+const BEYOND: f64 = 1e-3;
+
 /// Position of the elements of one grid on the surface of the other. These are target elements on
 /// the source for a consistent mapping, and source elements on the target for a conservative one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coverage {
     /// Number of elements.
     pub elements: usize,
-    /// Number of elements whose centres lie beyond the border of the other surface.
+    /// Number of elements whose centres lie beyond the border of the other surface, by more than a
+    /// thousandth of an element.
     pub outside: usize,
     /// Largest distance of such a centre from the border, along the surface [m].
     pub farthest: f64,
@@ -231,7 +236,7 @@ fn rows<M: MappingWeights>(
     for (index, &place) in to.places().iter().enumerate() {
         let foot = from.foot(place);
         let size = from.size(foot.node);
-        if foot.outside > COINCIDENT * size {
+        if foot.outside > BEYOND * size {
             coverage.outside += 1;
             coverage.farthest = coverage.farthest.max(foot.outside);
         }

@@ -78,7 +78,9 @@ impl Tables {
         let inputs = Inputs::of(plan).heads(plan);
         let roles: Vec<&str> = plan.participants.iter().map(|p| p.role.as_str()).collect();
         let fed_back = plan.fields.iter().filter(|field| !field.fed_back.is_empty());
-        let fields: Vec<String> = fed_back.map(|field| plan.shown(&field.kind.name)).collect();
+        let measured = plan.fields.iter().filter(|field| plan.is_only_measured(field));
+        let fields: Vec<String> =
+            fed_back.chain(measured).map(|field| plan.shown(&field.kind.name)).collect();
         Ok(Self {
             iterations: IterationTable::create(&paths[0], &roles, &fields)?,
             history: HistoryTable::create(&paths[1], &inputs, figures, &given)?,

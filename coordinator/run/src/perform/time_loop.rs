@@ -13,7 +13,6 @@ use crate::results::vtk::{FieldOutput, FieldWriter};
 use crate::session::{Balance, FieldSubscription, Observed, Receipt, Session};
 use contract::bodies::Bodies;
 use contract::step::Step;
-use coupling::Exchange as _;
 use coupling::StateReader;
 use coupling::converge::Verdict;
 use coupling::windows::{self, Controller, WindowState, Windows};
@@ -380,7 +379,7 @@ impl<'a> TimeLoop<'a> {
     fn iteration(&self, coupling_seconds: f64) -> Iteration {
         let (step, taken) = (self.coupling.step(), self.coupling.taken());
         let balance = self.session.balance();
-        let names = self.session.coupling_data().iter().map(|part| part.name.clone());
+        let names = self.coupling.parts().iter().map(|part| part.name.clone());
         Iteration {
             window: step.window,
             iteration: step.iteration,

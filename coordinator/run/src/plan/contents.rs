@@ -197,6 +197,14 @@ impl Plan {
         }
     }
 
+    /// Returns whether a field is not iterated, but has tolerances of its own in an implicit scheme.
+    #[must_use]
+    pub fn is_only_measured(&self, field: &Field) -> bool {
+        self.scheme.scheme.is_implicit()
+            && field.fed_back.is_empty()
+            && self.implicit.fields.contains_key(&field.kind.name)
+    }
+
     /// Returns the size of the secant columns that the acceleration of an implicit scheme may
     /// store. Returns `None` if the method stores none, or if a grid of the coupling data is
     /// unknown.

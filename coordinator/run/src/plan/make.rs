@@ -383,13 +383,12 @@ fn cannot_go_back(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem>
     problem.into_iter().collect()
 }
 
-/// Finds tolerances of fields without a residual.
+/// Finds tolerances of fields that are not exchanged.
 fn unused_tolerances(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Problem> {
-    let fed_back =
-        |name: &str| fields.iter().any(|f| f.kind.name == name && !f.fed_back.is_empty());
+    let exchanged = |name: &str| fields.iter().any(|f| f.kind.name == name && !f.observed_only());
     let names = case.coupling.implicit.fields.keys().filter(|_| scheme.is_implicit());
-    let unused = names.filter(|name| !fed_back(name)).map(|name| {
-        let reason = format!("`{name}` is not coupling data, so it has no residual");
+    let unused = names.filter(|name| !exchanged(name)).map(|name| {
+        let reason = format!("`{name}` is not exchanged, so it has no residual");
         case.problem_at(&format!("coupling.fields.{name}"), reason, "remove it")
     });
     unused.collect()

@@ -199,23 +199,26 @@ impl Session {
         Ok(())
     }
 
-    /// Checks that coupling data keep their length, and that all other fields have room in shared
+    /// Checks that coupling data and measured data keep their length, and that all other fields have room in shared
     /// memory.
     fn check_growth(&mut self, index: MovingIndex, moved: &Grid) -> Result<(), RunError> {
         let MovingGrid { participant, grid, capacity, .. } = &self.moving[index];
-        let mut fed_back = self.coupled.iter().map(|coupled| &self.fields[coupled.field]);
-        if let Some(field) = fed_back.find(|field| field.moving == Some(index)) {
+        let compared = self
+            .compared_fields()
+            .map(|field| &self.fields[field])
+            .find(|field| field.moving == Some(index));
+        if let Some(field) = compared {
             let (name, from, to) = (&grid.name, grid.points(), moved.points());
             return Err(RunError::Failed(Failure {
                 who: self.peers.all()[*participant].who(),
                 when: self.peers.phase.to_string(),
                 what: format!(
                     "grid `{name}` has changed from {from} to {to} elements, but `{}` on it is \
-                     coupling data",
+                     compared between iterations",
                     field.kind.name
                 ),
-                fix: "keep the number of its elements, or use a scheme in which the field is not \
-                      coupling data"
+                fix: "keep the number of its elements, or use a scheme that does not iterate the \
+                      field, and no tolerance of its own"
                     .to_owned(),
             }));
         }
@@ -394,14 +397,18 @@ impl Session {
         waited.map_err(|error| self.not_sent(&error))
     }
 
-    /// Returns the parts of the coupling vector: the fields of the coupling data, in the order of
-    /// the plan.
+    /// Returns the parts of the coupling vector: the fields of the coupling data, then those that
+    /// are only measured, each in the order of the plan.
     pub(super) fn coupling_parts(&self) -> TiVec<PartIndex, Part> {
-        let fields = self.coupled.iter().map(|coupled| {
-            let field = &self.fields[coupled.field];
+        let fields = self.compared_fields().map(|index| {
+            let field = &self.fields[index];
             (field.kind.name.as_str(), field.values().map_or(0, <[f64]>::len))
         });
         coupling::parts(fields).into()
+    }
+
+    fn compared_fields(&self) -> impl Iterator<Item = FieldIndex> + '_ {
+        self.coupled.iter().map(|coupled| coupled.field).chain(self.measured.iter().copied())
     }
 
     /// Sends the iterate of a step to all of its consumers.
@@ -424,11 +431,11 @@ impl Session {
         Ok(())
     }
 
-    /// Copies the newest samples of the coupling data.
+    /// Copies the newest samples of coupling data and measured data.
     pub(super) fn copy_returned(&self, returned: &mut [f64]) {
-        for (coupled, part) in self.coupled.iter().zip(&self.parts) {
-            let values = self.fields[coupled.field].values();
-            let values = values.expect("a field of the coupling data has its first values");
+        for (field, part) in self.compared_fields().zip(&self.parts) {
+            let values = self.fields[field].values();
+            let values = values.expect("a compared field has its first values");
             returned[part.range.clone()].copy_from_slice(values);
         }
     }

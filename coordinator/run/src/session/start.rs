@@ -103,6 +103,7 @@ impl Session {
             reusable: plan.participants.iter().all(reusable),
             fields: TiVec::new(),
             coupled: TiVec::new(),
+            measured: Vec::new(),
             mapped: TiVec::new(),
             moving: TiVec::new(),
             live: LiveValues::default(),
@@ -356,6 +357,7 @@ impl Session {
             let publisher = (!readers.is_empty()).then(|| open(readers.len())).transpose()?;
             self.coupled.push(CoupledField::new(index, readers, publisher));
         }
+        self.measured.extend(plan.is_only_measured(field).then_some(index));
         for &participant in &field.consumers {
             let FieldSource::Mapped(grid) = source_of(field, participant, layouts) else {
                 continue;

@@ -219,7 +219,11 @@ impl Exchange for Session {
     }
 
     fn coupling_data(&self) -> &[Part] {
-        &self.parts.raw
+        &self.parts.raw[..self.coupled.len()]
+    }
+
+    fn measured_data(&self) -> &[Part] {
+        &self.parts.raw[self.coupled.len()..]
     }
 
     fn send(&mut self, iterate: &[f64], step: &Step) -> Result<(), RunError> {

@@ -90,7 +90,7 @@ pub(super) fn configure(configuration: &Configuration, terms: Terms) -> Result<S
     let cores = configuration.threads.clamp(1, 2) as f64;
     let per_step = elements as f64 / (cores * ELEMENTS_PER_SECOND);
     let wanted = precomputed::wanted_fields(configuration);
-    let mut layout = precomputed::layout(&wanted, grid, steps * per_step);
+    let mut layout = precomputed::layout(configuration, grid, steps * per_step);
     layout.memory_bytes += elements as u64 * BYTES_PER_ELEMENT[0];
     layout.remarks.push(format!(
         "{elements} elements of {:.4} mm in the contact, about {steps:.0} steps of {:.1} ns over {:.1} mm of rolling",

@@ -126,31 +126,26 @@ impl Tolerance {
 struct Tolerances {
     /// Limit of the fields without their own.
     relative: Option<f64>,
+    /// Fields that are iterated; others are only tested.
+    coupled: Vec<String>,
     fields: BTreeMap<String, Tolerance>,
 }
 
 impl Tolerances {
     fn read(source: &mut Source<'_>) -> Self {
         let mut fields: BTreeMap<String, Tolerance> = BTreeMap::new();
-        let mut untested = Tolerance::default();
         let coupled = coupled(source);
         for scheme in source.configuration.schemes.iter().filter(|one| one.kind.is_implicit()) {
             for measure in &scheme.measures {
                 let Some(field) = measured(source, scheme, measure) else { continue };
-                if !coupled.contains(&field) {
-                    let reason = format!(
-                        "`{field}` goes from an earlier to a later participant, and is not tested"
-                    );
-                    let element = "convergence-measure";
-                    source.notes.add(NoteKind::Changed, measure.of.line, element, reason);
-                    add(source, measure, &mut untested);
-                    continue;
-                }
                 add(source, measure, fields.entry(field).or_default());
             }
         }
-        let limits = fields.values().filter_map(|tolerance| tolerance.relative);
-        let relative = limits.reduce(f64::max).or(untested.relative);
+        let limit = |of: &dyn Fn(&String) -> bool| {
+            let limits = fields.iter().filter(|(field, _)| of(field));
+            limits.filter_map(|(_, tolerance)| tolerance.relative).reduce(f64::max)
+        };
+        let relative = limit(&|field| coupled.contains(field)).or_else(|| limit(&|_| true));
         for field in coupled.iter().filter(|field| !fields.contains_key(*field)) {
             let limit = relative.unwrap_or(1e-6);
             let reason =
@@ -158,7 +153,7 @@ impl Tolerances {
             let element = format!("coupling-scheme:{}", source.leading.kind.word());
             source.notes.add(NoteKind::Changed, source.leading.line, element, reason);
         }
-        Self { relative, fields }
+        Self { relative, coupled, fields }
     }
 
     fn write(&self, tables: &mut Tables) {
@@ -166,7 +161,9 @@ impl Tolerances {
             tables.key("relative", number(relative));
         }
         let general = Tolerance { relative: self.relative, ..Tolerance::default() };
-        for (field, tolerance) in self.fields.iter().filter(|(_, one)| **one != general) {
+        let own =
+            |field: &String, one: &Tolerance| *one != general || !self.coupled.contains(field);
+        for (field, tolerance) in self.fields.iter().filter(|(field, one)| own(field, one)) {
             tables.open(&format!("coupling.fields.{field}"));
             tolerance.keys().for_each(|(key, value)| tables.key(key, number(value)));
         }
