@@ -25,7 +25,7 @@ from cosim import (
     Inputs,
     Key,
     Layout,
-    Model,
+    ModelSpec,
     Outputs,
     Refusal,
     Solver,
@@ -48,7 +48,7 @@ class FiniteElements(Solver):
     version = "0.1.0"
     role = "thermal"
     models = (
-        Model(
+        ModelSpec(
             "bricks",
             "heat conduction in three dimensions in bodies that move, trilinear bricks",
             "Brooks & Hughes, Comput. Methods Appl. Mech. Eng. 32 (1982) 199-259",

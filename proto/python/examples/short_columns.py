@@ -2,7 +2,7 @@ import struct
 
 import numpy as np
 
-from cosim import Effect, Figure, Key, Layout, Model, Solver, StepReport, main
+from cosim import Effect, Figure, Key, Layout, ModelSpec, Solver, StepReport, main
 
 BODIES = ("lower_temperature", "upper_temperature")
 STEEL = {"density": "kg/m3", "specific_heat": "J/(kg K)", "conductivity": "W/(m K)"}
@@ -16,7 +16,7 @@ class ShortColumns(Solver):
     name = "short-columns"
     role = "thermal"
     models = (
-        Model("short", "Abel's integral", "Jaeger", True, False, ("friction_power",), BODIES),
+        ModelSpec("short", "Abel's integral", "Jaeger", True, False, ("friction_power",), BODIES),
     )
     effects = (Effect("friction_heat", "q/2 into each body", "symmetry", ("short",), keys=(HALF,)),)
     keys = (

@@ -33,7 +33,7 @@ from cosim import (
     Inputs,
     Key,
     Layout,
-    Model,
+    ModelSpec,
     Outputs,
     Refusal,
     Solver,
@@ -59,7 +59,7 @@ class StripColumns(Solver):
     version = "0.1.0"
     role = "thermal"
     models = (
-        Model(
+        ModelSpec(
             "columns",
             "heat conduction normal to the surface, flux constant over elements",
             "Carslaw & Jaeger, Conduction of Heat in Solids, 2.9",

@@ -10,12 +10,13 @@ function. Fields are numpy arrays over shared memory, read and written in place.
 from . import fields
 from .command import CosimError
 from .configuration import Case, Configuration, Input, Layout, Refusal, Simplification
-from .description import Effect, Figure, Key, Model
+from .description import Effect, Figure, Key, ModelSpec
 from .driven import Drive, Live, NoAnswer, Refused, Window, drive, live
 from .fields import FieldKind
 from .front import Study, cost, plan, run, sweep
 from .grids import Array, Grid, Quadrilaterals, Structured, Vertices
 from .main import main
+from .model import Failure, Model
 from .ports import Inputs, Outputs
 from .recording import Recording, Sample, Samples
 from .results import Results, Section
@@ -38,6 +39,7 @@ __all__ = [
     "CosimError",
     "Drive",
     "Effect",
+    "Failure",
     "FieldKind",
     "Figure",
     "Grid",
@@ -48,6 +50,7 @@ __all__ = [
     "Live",
     "MissingInput",
     "Model",
+    "ModelSpec",
     "NoAnswer",
     "NonFiniteInput",
     "Outputs",

@@ -107,7 +107,7 @@ class Key:
 
 
 @dataclass(frozen=True)
-class Model:
+class ModelSpec:
     """One model (fidelity level) of a participant."""
 
     name: str
@@ -200,7 +200,7 @@ class Figure:
         return {name: given for name, given in asdict(self).items() if given is not None}
 
 
-def _with_keys(spec: Model | Effect) -> dict[str, Any]:
+def _with_keys(spec: ModelSpec | Effect) -> dict[str, Any]:
     value = {name: getattr(spec, name) for name in spec.__dataclass_fields__}
     value["keys"] = [key.to_json() for key in spec.keys]
     return {name: list(v) if isinstance(v, tuple) else v for name, v in value.items()}

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar
 import numpy as np
 
 from .configuration import Configuration, Layout
-from .description import Effect, Figure, Key, Model
+from .description import Effect, Figure, Key, ModelSpec
 from .fields import FieldKind
 from .grids import Array, Grid
 
@@ -129,7 +129,7 @@ class Solver:
     a run may be kept in the class, in a module or in a library."""
     follows_moving_grids: ClassVar[bool] = False
     """The solver calls `inputs.grid(field)` in every solve, so the grids of its inputs may move."""
-    models: ClassVar[Sequence[Model]] = ()
+    models: ClassVar[Sequence[ModelSpec]] = ()
     """Models, cheapest first."""
     effects: ClassVar[Sequence[Effect]] = ()
     """Effects that the participant supports."""

@@ -3,7 +3,7 @@ the first solve."""
 
 import time
 
-from cosim import FieldKind, Layout, Model, Solver, Structured, main
+from cosim import FieldKind, Layout, ModelSpec, Solver, Structured, main
 from cosim.grids import Grid
 
 
@@ -13,7 +13,7 @@ class Long(Solver):
     name, role, standalone = "python-long", "right", True
     fields = (FieldKind("left_value", "1"), FieldKind("right_value", "1"))
     models = (
-        Model("relay", "sends what it receives", "none", True, True, ("left_value",), ("right_value",)),
+        ModelSpec("relay", "sends what it receives", "none", True, True, ("left_value",), ("right_value",)),
     )
 
     def configure(self, configuration):

@@ -5,7 +5,7 @@ import struct
 import sys
 
 import numpy as np
-from cosim import FieldKind, Grid, Key, Layout, Model, Quadrilaterals, Refusal, Solver
+from cosim import FieldKind, Grid, Key, Layout, ModelSpec, Quadrilaterals, Refusal, Solver
 from cosim import StepError, StepReport, Structured, main
 
 ROLE = sys.argv.pop(1)
@@ -53,7 +53,7 @@ class Moving(Solver):
     moves = ROLE == "mover"
     sends, receives = ("moving_flux", "plate_temperature")[:: 1 if moves else -1]
     models = (
-        Model(
+        ModelSpec(
             "law",
             "a field given as a function of place",
             "a closed form",

@@ -1,6 +1,6 @@
 """Participant that sets the load of the contact, a live value, as a function of time."""
 
-from cosim import FieldKind, Grid, Layout, Model, Solver, Structured, main
+from cosim import FieldKind, Grid, Layout, ModelSpec, Solver, Structured, main
 
 LOAD = "load.normal_force"
 
@@ -11,7 +11,7 @@ class Vehicle(Solver):
     name, role, standalone = "python-vehicle", "vehicle", True
     fields = (FieldKind(LOAD, "N", meaning="load on the contact"),)
     models = (
-        Model("law", "a load by a law of time", "a closed form", provides=(LOAD,), transient=True),
+        ModelSpec("law", "a load by a law of time", "a closed form", provides=(LOAD,), transient=True),
     )
 
     def configure(self, configuration):

@@ -3,7 +3,7 @@
 import struct
 
 import numpy as np
-from cosim import FieldKind, Grid, Key, Layout, Model, Solver, Volume, main
+from cosim import FieldKind, Grid, Key, Layout, ModelSpec, Solver, Volume, main
 
 
 def block(kind, n, swollen):
@@ -31,7 +31,7 @@ class Block(Solver):
         FieldKind("volume_place", "m", 3, meaning="centres of the block's elements"),
     )
     models = (
-        Model(
+        ModelSpec(
             "law",
             "a temperature given as a function of place and time",
             "a closed form",
