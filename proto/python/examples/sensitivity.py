@@ -89,10 +89,11 @@ def plot(found: Indices, rises: Array, path: Path) -> None:
     )
     left.legend(loc="lower right", frameon=False)
     right.hist(rises, bins=40, color="0.6", density=True)
+    right.set_ylim(0.0, 1.15 * right.get_ylim()[1])
     low, middle, high = np.percentile(rises, [2.5, 50.0, 97.5])
     for value in (low, middle, high):
         right.axvline(value, color="tab:red", lw=1.0)
-        right.text(value, right.get_ylim()[1], f" {value:.0f} K", color="tab:red", va="top")
+        right.text(value, 0.98 * right.get_ylim()[1], f" {value:.0f} K", color="tab:red", va="top")
     right.set(xlabel="largest temperature rise of the rail [K]", yticks=[])
     right.set_title("2.5, 50 and 97.5 % of all points", fontsize="medium")
     figure.savefig(path, dpi=110)

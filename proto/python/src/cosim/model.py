@@ -89,7 +89,7 @@ class Model:
 
     A point without a result has NaN, and an entry with the reason in `failures`; it is computed
     again when it is needed again. Raises `ValueError` for an unknown key or output and for another
-    shape, and `CosimError` if no point can be computed.
+    shape, and `CosimError` for a case that is wrong at any point, or a program that cannot start.
 
     Attributes: `inputs` (names), `outputs` (keys), `failures`, and `runs`, the number of runs so far.
     Values from the cache take no run. A model can be pickled.
@@ -279,52 +279,51 @@ class Model:
         return np.array([self._values.get(row.tobytes(), unknown) for row in rows])
 
     def _run(self, rows: Sequence[Array]) -> list[tuple[Array, str | None]]:
-        """Compute rows; return the outputs of each, and the reason if one is missing."""
-        if not rows:
-            return []
+        """Compute rows; return the outputs of each, and the reason if one is missing.
+
+        A sweep begins with the plan of its first row. A row whose plan is refused there is left out,
+        and the others are computed without it.
+        """
+        found: list[tuple[Array, str | None]] = []
+        while len(found) < len(rows):
+            rest = rows[len(found) :]
+            try:
+                found += self._sweep(rest)
+                self.runs += len(rest)
+            except CosimError as error:
+                reason = str(error)
+                if error.exit_code != 2 or "nothing in this case reads it" in reason:
+                    raise
+                found.append((np.full(len(self.outputs), np.nan), reason))
+        return found
+
+    def _sweep(self, rows: Sequence[Array]) -> list[tuple[Array, str | None]]:
+        """Compute rows by one sweep; raises `CosimError` if its plan is refused."""
         with TemporaryDirectory(prefix="cosim-") as name:
             folder = Path(name)
-            path = self._source
+            table, out, path = folder / "points.csv", folder / "sweep", self._source
             if not isinstance(path, Path):
                 path = folder / "case.toml"
                 path.write_text(str(self._source), "utf-8")
-            table, out = folder / "points.csv", folder / "sweep"
             with table.open("w", newline="", encoding="utf-8") as file:
                 writer = csv.writer(file)
                 writer.writerow(one.heading for one in self._columns)
-                writer.writerows(
-                    [one.cell(value) for one, value in zip(self._columns, row.tolist())]
-                    for row in rows
-                )
+                for row in rows:
+                    cells = zip(self._columns, row.tolist(), strict=True)
+                    writer.writerow(one.cell(value) for one, value in cells)
             jobs = str(min(self._jobs, len(rows)))
-            options: list[Source] = [
-                "--table",
-                table,
-                "--out",
-                out,
-                "--jobs",
-                jobs,
-                *self._settings,
-            ]
+            options: list[Source] = ["--table", table, "--out", out, "--jobs", jobs]
             try:
-                call(["sweep", path, *options], progress=self._progress)
-            except CosimError as error:
+                call(["sweep", path, *options, *self._settings], progress=self._progress)
+            except CosimError:
+                # If every point fails, so does the sweep, with a table of the reasons.
                 if not (out / "sweep.csv").exists():
-                    return self._without_first(rows, error)
+                    raise
             with (out / "sweep.csv").open(newline="", encoding="utf-8") as file:
                 found = [self._outcome(row) for row in csv.DictReader(file)]
-        self.runs += len(rows)
+        if len(found) != len(rows):
+            raise CosimError(f"the sweep has {len(found)} of {len(rows)} points", 1)
         return found
-
-    def _without_first(
-        self, rows: Sequence[Array], error: CosimError
-    ) -> list[tuple[Array, str | None]]:
-        """Compute the other rows if the plan of the first was refused; a sweep begins with a plan."""
-        text = str(error)
-        if error.exit_code != 2 or "nothing in this case reads it" in text:
-            raise error
-        refused = np.full(len(self.outputs), np.nan), text
-        return [refused, *self._run(rows[1:])]
 
     def _outcome(self, row: Mapping[str, str]) -> tuple[Array, str | None]:
         values = np.array([float(row.get(key) or "nan") for key in self.outputs])
