@@ -3,11 +3,14 @@
 use tests::harness::snippets;
 
 /// Pages that take minutes, or need what only `--workspace` builds.
-const PAGES: [&str; 7] = [
+const PAGES: [&str; 10] = [
     "README.md",
     "docs/how-to/run-a-case.md",
     "docs/how-to/look-at-results.md",
     "docs/how-to/vary-a-case.md",
+    "docs/how-to/fit-to-measurements.md",
+    "docs/how-to/sensitivity.md",
+    "docs/how-to/probability.md",
     "docs/surrogate.md",
     "docs/scaling.md",
     "proto/python/README.md",

@@ -16,17 +16,29 @@ fn python() -> Command {
     command
 }
 
-/// Cases run from Python: `proto/python/tests/front_door.py`, which needs the executables.
-#[test]
-fn cases_are_run_from_python() {
+/// Runs a file of `proto/python/tests` that needs the executables.
+fn pytest(file: &str) {
     let ended = Command::new(interpreter())
-        .args(["-m", "pytest", "-p", "no:cacheprovider", "proto/python/tests/front_door.py"])
+        .args(["-m", "pytest", "-p", "no:cacheprovider"])
+        .arg(root().join("proto/python/tests").join(file))
         .env("COSIM_COORDINATOR", programs().join("coordinator"))
         .current_dir(root())
         .output()
         .unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stdout));
     println!("{}", String::from_utf8_lossy(&ended.stdout));
+}
+
+/// Cases run from Python.
+#[test]
+fn cases_are_run_from_python() {
+    pytest("front_door.py");
+}
+
+/// `cosim.Model`, and the scripts that use it with SciPy and SALib.
+#[test]
+fn cases_are_functions_of_arrays_in_python() {
+    pytest("model_runs.py");
 }
 
 fn strip_columns() -> String {
