@@ -2,7 +2,7 @@
 
     python3 probability.py [--samples 1000] [--plot probability.png]
 
-First-order reliability (FORM) finds the most likely point of failure, and importance sampling around
+First-order reliability (FORM) finds the most likely point of failure. Importance sampling around
 this point gives the probability with its confidence interval. docs/how-to/probability.md explains
 both.
 """
@@ -138,15 +138,15 @@ def plot(form: DesignPoint, found: Probability, path: Path) -> None:
     distributions = [one for _, one in INPUTS.values()]
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
     usual = physical(distributions, np.random.default_rng(0).normal(size=(2000, len(INPUTS))))
-    left.plot(*usual[:, :2].T, ".", ms=2.0, color="0.8", label="inputs as they occur")
+    left.plot(*usual[:, :2].T, ".", ms=4.0, color="0.85", mew=0.0, label="inputs as they occur")
     places = physical(distributions, found.points)[:, :2]
     for failed, colour, words in ((False, "tab:blue", "below 600 °C"), (True, "tab:red", "above")):
         chosen = places[found.failed == failed]
-        left.plot(*chosen.T, ".", ms=3.0, color=colour, label=f"sample, {words}")
+        left.plot(*chosen.T, ".", ms=5.0, mew=0.0, color=colour, label=f"sample, {words}")
     left.plot(*form.physical[:2], "k*", ms=11.0, label="most likely point of failure")
     names = list(INPUTS)
     left.set(xlabel=names[0], ylabel=names[1])
-    left.legend(fontsize="small", loc="lower right", markerscale=2.0)
+    left.legend(fontsize="small", loc="lower right")
     weights = np.exp(0.5 * form.beta**2 - found.points @ form.normal) * found.failed
     count = np.arange(1, len(weights) + 1)
     mean = np.cumsum(weights) / count

@@ -1,4 +1,4 @@
-"""Sobol' indices of the rail's peak temperature over uncertain inputs of the paper's contact.
+"""Sobol' indices of the rail's peak temperature of the paper's contact.
 
     python3 sensitivity.py [--samples 256] [--plot sensitivity.png]
 
@@ -29,7 +29,7 @@ RANGES = {
     "conductivity [W/(m K)]": ("materials.steel.conductivity", 40.0, 55.0),
     "specific heat [J/(kg K)]": ("materials.steel.specific_heat", 420.0, 500.0),
 }
-"""Inputs of the paper with keys and ranges, in which each value is equally likely."""
+"""Inputs with keys and ranges, in which each value is equally likely."""
 Indices = Mapping[str, Array]
 
 

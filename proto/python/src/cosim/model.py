@@ -77,7 +77,7 @@ class Model:
     - `error`: relative error of the outputs, for the steps of differences; see `jacobian`.
 
     With d inputs and k values, a call takes shape (d,) or (n, d) and returns (k,) or (n, k). There
-    are k = m values for each output, first those of the first output. Conventions of other packages:
+    are k = m values for each output, first those of the first output. How other packages call it:
 
     - SciPy: `least_squares(lambda p: model(p) - data, start, jac=model.jacobian)`, and with one
       value `minimize(model, start, jac=model.gradient)`
@@ -91,7 +91,7 @@ class Model:
     again when it is needed again. Raises `ValueError` for an unknown key or output and for another
     shape, and `CosimError` for a case that is wrong at any point, or a program that cannot start.
 
-    Attributes: `inputs` (names), `outputs` (keys), `failures`, and `runs`, the number of runs so far.
+    Attributes: `inputs` (names), `outputs` (keys), `failures`, and `runs`, the number of runs.
     Values from the cache take no run. A model can be pickled.
     """
 
@@ -163,8 +163,8 @@ class Model:
 
             h = |x| (3 ε)^(1/3)
 
-        with the relative error ε of the outputs: this h minimises the sum of the scatter ε/h and the
-        remainder h²/6 of an output that varies on the scale of x. ε is `error`, or the scatter at
+        with the relative error ε of the outputs. This h minimises the sum of the scatter ε/h and
+        the remainder h²/6 of an output that varies on the scale of x. ε is `error`, or the scatter at
         the first x: the root mean square, over the outputs, of the fifth differences of nine points
         0.5 % apart, between 1e-9 and 1e-3. This scatter contains tolerances of iterations and the
         jumps of edges between elements. It is kept in `error`, so later Jacobians have equal steps.
@@ -281,8 +281,8 @@ class Model:
     def _run(self, rows: Sequence[Array]) -> list[tuple[Array, str | None]]:
         """Compute rows; return the outputs of each, and the reason if one is missing.
 
-        A sweep begins with the plan of its first row. A row whose plan is refused there is left out,
-        and the others are computed without it.
+        A sweep begins with the plan of its first row. If this plan is refused, the other rows are
+        computed without it.
         """
         found: list[tuple[Array, str | None]] = []
         while len(found) < len(rows):
