@@ -4,7 +4,7 @@
 //! instant, with a row for each point. By default there is one instant for each window, the
 //! accepted one. With every iteration, instants are numbered in the order of the recording.
 
-use crate::inspect::{self, failed};
+use crate::recording_file::{self, failed};
 use clap::Args;
 use console::command::{self, Context, Group};
 use console::output::print;
@@ -51,7 +51,7 @@ impl command::Command for ExportCommand {
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let ExportCommand { recording: path, vtk, csv, iterations } = self;
         let reading = signals::end_at_once();
-        let mut recording = inspect::open(path)?;
+        let mut recording = recording_file::open(path)?;
         drop(reading);
         let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
         let instants = export(path, &mut recording, &target)?;

@@ -1,22 +1,21 @@
 //! `coordinator inspect`: shows the content of a recording, in one pass over the file.
 
+mod against;
 mod survey;
 
 pub use survey::{Details, FieldSurvey, ListFilter, Range, RecordingSummary, survey};
 
+use crate::recording_file::{open, unreadable};
+use crate::replay::difference;
 use clap::Args;
 use console::command::{Command, Context, Group};
 use console::output::print;
-use contract::input_file::{self, InputFileError};
 use contract::text::{json, one_line};
-use proto::recording::{Recording, RecordingError};
-use run::error::{Failure, RunError, input_failure};
+use run::error::RunError;
 use run::format::{bytes, counted, seconds};
 use run::signals;
 use run::wrap;
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 /// Options of `coordinator inspect`.
@@ -33,6 +32,9 @@ pub struct InspectCommand {
     /// List all iterations.
     #[arg(long)]
     iterations: bool,
+    /// Find the first difference from another recording of the case, and its cause.
+    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["field", "window", "iterations"])]
+    against: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -45,11 +47,15 @@ impl Command for InspectCommand {
     const EXAMPLES: &'static [&'static str] = &[
         "coordinator inspect results/latest/recording.mcap",
         "coordinator inspect results/latest/recording.mcap --window 0",
+        "coordinator inspect results/latest/recording.mcap --against good/recording.mcap",
     ];
 
     fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
         let _reading = signals::end_at_once();
         let path = &self.recording;
+        if let Some(reference) = &self.against {
+            return self.compare(reference);
+        }
         let wanted = ListFilter {
             field: self.field.clone(),
             window: self.window,
@@ -70,46 +76,18 @@ impl Command for InspectCommand {
     }
 }
 
-/// A recording in a file.
-pub type FileRecording = Recording<BufReader<File>>;
-
-/// Opens a recording.
-///
-/// # Errors
-/// The file does not exist, or is not a recording.
-pub fn open(path: &Path) -> Result<FileRecording, RunError> {
-    let file = input_file::open(path).map_err(|error| match error {
-        InputFileError::System(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            RunError::Usage(format!(
-                "there is no recording {}; `coordinator run CASE --record` writes one",
-                path.display()
-            ))
-        }
-        error => input_failure(path, &error),
-    })?;
-    Recording::open(BufReader::with_capacity(1 << 20, file)).map_err(|error| failed(path, &error))
-}
-
-/// Returns the error for a recording that cannot be read further.
-#[must_use]
-pub fn failed(path: &Path, error: &RecordingError) -> RunError {
-    let fix = match error {
-        RecordingError::Format { .. } => "read it with the version that wrote it",
-        RecordingError::Io(_) => "check the path and its permissions",
-        _ => "record the run again, or copy the file again from its source",
-    };
-    failure(path, error.to_string(), fix)
-}
-
-/// Returns the error for a recording of which only the first part could be read.
-#[must_use]
-pub fn unreadable(path: &Path, damage: &str) -> RunError {
-    failure(path, damage.to_owned(), "everything before the damage was read")
-}
-
-fn failure(path: &Path, what: String, fix: &str) -> RunError {
-    let (who, when) = ("the recording".to_owned(), format!("at {}", path.display()));
-    RunError::Failed(Failure { who, when, what, fix: fix.to_owned() })
+impl InspectCommand {
+    /// Compares the recording with a reference.
+    fn compare(&self, reference: &Path) -> Result<(), RunError> {
+        let paths = [self.recording.as_path(), reference];
+        let [mut now, mut then] = [open(paths[0])?, open(paths[1])?];
+        let found = against::compare((&mut now, paths[0]), (&mut then, paths[1]))?;
+        print(&if self.json { json(&found) } else { against::text(&found, paths) })?;
+        let compared = &found.comparison;
+        let first = compared.first.as_ref().map(difference);
+        let what = first.or_else(|| compared.other.clone());
+        what.map_or(Ok(()), |what| Err(RunError::Differs(format!("the recordings differ: {what}"))))
+    }
 }
 
 /// Describes the whole recording.

@@ -1,10 +1,11 @@
 //! Tools for participants and recordings. Checks of a participant against the whole contract
-//! ([`conform`]) or a recording ([`replay`]); inspection ([`inspect`]) and export ([`export`]) of
-//! recordings.
+//! ([`conform`]) or a recording ([`replay`]); inspection and comparison ([`inspect`]) and export
+//! ([`export`]) of recordings.
 
 pub mod conform;
 pub mod export;
 pub mod inspect;
+pub mod recording_file;
 pub mod replay;
 
 /// Returns the settings of tests over arbitrary bytes: 400 cases, or the number in `FUZZ_CASES`.

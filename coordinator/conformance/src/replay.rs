@@ -16,7 +16,7 @@ mod report;
 #[cfg(test)]
 mod tests;
 
-use crate::inspect::{self, unreadable};
+use crate::recording_file::{self, unreadable};
 use clap::Args;
 use configuration::Request;
 use console::command::{Command, Context, Group};
@@ -24,7 +24,8 @@ use console::output::print;
 use contract::text::json;
 use drive::Driver;
 use proto::recording::{Item, Participant};
-use report::{Replay, difference, text};
+pub(crate) use report::{Comparison, difference, first_unequal, growth_lines, mislabelled};
+use report::{Replay, text};
 use run::deadlines::Deadlines;
 use run::error::RunError;
 use run::peers::{ParticipantSlot, Peers};
@@ -104,7 +105,10 @@ impl Command for ReplayCommand {
         let compared = &replay.comparison;
         let first = compared.first.as_ref().map(difference);
         match (first.or_else(|| compared.other.clone()), &replay.damage) {
-            (Some(difference), _) => Err(RunError::Differs(difference)),
+            (Some(difference), _) => {
+                let what = format!("the replay differs from the recording: {difference}");
+                Err(RunError::Differs(what))
+            }
             (None, Some(damage)) => Err(unreadable(&self.recording, damage)),
             (None, None) if compared.samples == 0 => {
                 Err(RunError::Usage("there was nothing to compare in these windows".to_owned()))
@@ -150,7 +154,7 @@ pub(crate) fn replay(request: &Request) -> Result<Replay, RunError> {
         Some(window) if window > 0 => last_state_before(path, &request.only, window)?,
         _ => None,
     };
-    let mut recording = inspect::open(path)?;
+    let mut recording = recording_file::open(path)?;
     drop(reading);
     let index = participant(path, &recording.head().participants, &request.only)?;
     let recorded = recording.head().participants[index].clone();
@@ -230,10 +234,12 @@ fn built_in(path: &Path, recorded: &Participant) -> Result<Program, RunError> {
 
 /// Returns the number of states of the role up to the last one from which `window` can be reached.
 fn last_state_before(path: &Path, role: &str, window: u64) -> Result<Option<u64>, RunError> {
-    let mut recording = inspect::open(path)?;
+    let mut recording = recording_file::open(path)?;
     let index = participant(path, &recording.head().participants, role)?;
     let (mut states, mut last, mut saving, mut end) = (0, None, None, 0);
-    while let Some(entry) = recording.read().map_err(|error| inspect::failed(path, &error))? {
+    while let Some(entry) =
+        recording.read().map_err(|error| recording_file::failed(path, &error))?
+    {
         match entry.item {
             Item::State { role: whose, .. } if whose == role => {
                 states += 1;

@@ -56,8 +56,8 @@ pub enum RunError {
         /// Advice to the user.
         fix: String,
     },
-    /// A replayed participant sends other values than those recorded.
-    #[error("the replay differs from the recording: {0}")]
+    /// Values differ from those of a recording.
+    #[error("{0}")]
     Differs(String),
     /// A generated file is out of date.
     #[error("stale: {0}")]

@@ -20,9 +20,9 @@ pub(super) fn is_rigid(spec: &FieldSpec) -> bool {
     *spec == field::SURFACE_SPEED || *spec == field::CONTACT_FORCE
 }
 
-/// Layout of the fields requested by a run, each on the grid named by `on`, with the grids in use.
-/// Surface temperatures are requested on the grid of the contact: the participant that sends them
-/// may have any grid.
+/// Returns the layout of the fields requested by a run, each on the grid named by `on`, with the
+/// grids in use. Surface temperatures are requested on the grid of the contact: the participant
+/// that sends them may have any grid.
 pub(super) fn laid_out(
     configuration: &Configuration,
     on: impl Fn(&FieldSpec) -> &'static str,
@@ -49,8 +49,8 @@ pub(super) fn laid_out(
     Layout { grids, fields, inputs, ..Layout::default() }
 }
 
-/// Layout of the fields of a contact on this grid. Slip and friction power are shifted along x by `upstream`,
-/// rigid fields have one element, and observations name their own grids.
+/// Returns the layout of the fields of a contact on this grid. Slip and friction power are shifted
+/// along x by `upstream`, rigid fields have one element, and observations name their own grids.
 pub(super) fn fields_over(
     configuration: &Configuration,
     grid: Structured,

@@ -46,7 +46,7 @@ fn strip_columns() -> String {
     format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string())
 }
 
-/// Solver with a fault, started by a shell that sets the path of the examples.
+/// Setting for a solver with a fault, started by a shell that sets the path of the examples.
 fn faulty(fault: &str) -> String {
     let examples = root().join("proto/python/examples");
     let script = format!(
@@ -451,6 +451,42 @@ fn a_killed_run_is_resumed() {
     let last = format!("thermal_contact_{:06}.vti", 124);
     let read = |place: &Place| place.field(&last, "wheel_temperature");
     assert_eq!(read(&place), read(&undisturbed));
+}
+
+/// In one of 40 windows, a solver takes the value of the next element. The comparison with a
+/// recording of the right solver names window, sender and cause. The command that it prints shows
+/// the fault in the build at hand.
+#[test]
+fn a_wrong_index_is_found_from_two_recordings() {
+    let time = ["time.mode=transient", "time.window=5 us", "time.end=200 us", "mech.resolution=10"];
+    let record = |fault: &str| {
+        let place = Place::new();
+        let solver = faulty(fault);
+        let more = [sets(&time), sets(&[&solver]), vec!["--record"]].concat();
+        place.summary(&case("falling-friction.toml"), &more);
+        let recording = place.out().join("recording.mcap").display().to_string();
+        (place, recording)
+    };
+    let ((good, reference), (_other, recording)) = (record("none"), record("wrong-index"));
+    let compared = good.start(&["inspect", &recording, "--against", &reference]).wait();
+    assert_eq!(compared.code, Some(4), "{}", compared.stderr);
+    let command = format!("coordinator replay {reference} --only thermal --until 20");
+    for told in [
+        "window 20, iteration 1: lower_temperature[30]",
+        "sender    thermal (strip-columns 0.1.0)",
+        "its build or its state",
+        command.as_str(),
+    ] {
+        assert!(compared.stdout.contains(told), "{told}: {}", compared.stdout);
+    }
+    for (fault, code) in [("none", 0), ("wrong-index", 4)] {
+        let program = faulty(fault).split_once('=').unwrap().1.to_owned();
+        let words: Vec<String> = serde_json::from_str(&program).unwrap();
+        let program = words.iter().map(|word| format!("'{word}'")).collect::<Vec<_>>().join(" ");
+        let typed: Vec<&str> = command.split(' ').skip(1).chain(["--command", &program]).collect();
+        let ended = good.start(&typed).wait();
+        assert_eq!(ended.code, Some(code), "{}", ended.stderr);
+    }
 }
 
 /// A thread of the Python package watches the coordinator, even while the solver is busy.

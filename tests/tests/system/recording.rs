@@ -68,6 +68,28 @@ fn a_two_way_implicit_run_replays_to_the_bit_on_both_sides() {
     }
 }
 
+/// Two recordings of a case are equal. With another conductivity, the comparison names the key.
+#[test]
+fn two_recordings_are_compared() {
+    let places = [Place::new(), Place::new(), Place::new()];
+    let conductivities = ["50", "50", "51"];
+    let recordings = [0, 1, 2].map(|n| {
+        let set = format!("materials.steel.conductivity={}", conductivities[n]);
+        let set = [set.as_str(), "mech.resolution=10", "time.end=100 us"];
+        record(&places[n], "cold-start.toml", "--record", &set).display().to_string()
+    });
+    let [one, again, other] = &recordings;
+    let against = |new: &str| places[0].start(&["inspect", new, "--against", one]).wait();
+    let equal = against(again);
+    assert_eq!(equal.code, Some(0), "{}", equal.stderr);
+    assert!(equal.stdout.contains("bit-identical"), "{}", equal.stdout);
+    let differs = against(other);
+    assert_eq!(differs.code, Some(4), "{}", differs.stderr);
+    let cause = "its configuration: case.materials.steel.conductivity is 51.0, recorded 50.0";
+    assert!(differs.stdout.contains(cause), "{}", differs.stdout);
+    assert!(differs.stderr.contains("the recordings differ: window 0"), "{}", differs.stderr);
+}
+
 /// Ten windows of the linear pair, with all secant columns of an accelerator.
 #[test]
 fn a_loop_over_many_windows_replays_to_the_bit() {

@@ -1,7 +1,7 @@
 //! Inputs of a participant under test: smooth positive fields of a typical magnitude, or recorded
 //! ones.
 
-use crate::inspect;
+use crate::recording_file;
 use contract::configuration::Configuration;
 use contract::field::{FieldKind, SURFACE_SPEED};
 use contract::grid::{Grid, Structured};
@@ -122,13 +122,15 @@ impl RecordedInputs {
     /// # Errors
     /// The recording cannot be read, or no participant in it has the role.
     pub(super) fn read(path: &Path, role: &str) -> Result<Self, RunError> {
-        let mut recording = inspect::open(path)?;
+        let mut recording = recording_file::open(path)?;
         let participants = &recording.head().participants;
         let index = participants.iter().position(|p| p.role == role).ok_or_else(|| {
             RunError::Usage(format!("no participant in {} plays `{role}`", path.display()))
         })?;
         let mut recorded = Self::default();
-        while let Some(entry) = recording.read().map_err(|error| inspect::failed(path, &error))? {
+        while let Some(entry) =
+            recording.read().map_err(|error| recording_file::failed(path, &error))?
+        {
             match entry.item {
                 Item::Event(Event::Command { participant, command, body })
                     if usize::from(participant) == index

@@ -3,7 +3,7 @@
 use super::configuration::{Reconfiguration, Request};
 use super::fields::{Inputs, Output, moving_grids, open_outputs, sample_sizes};
 use super::report::{Replay, difference, first_unequal, mislabelled, unequal};
-use crate::inspect::FileRecording;
+use crate::recording_file::FileRecording;
 use console::output::print;
 use contract::configuration::{Layout, Refusal};
 use contract::description::Description;

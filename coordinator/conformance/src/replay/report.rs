@@ -118,7 +118,7 @@ impl Comparison {
     }
 
     /// Compares a sample with the recorded one; `tolerance` as in [`Request`].
-    pub(super) fn sample(
+    pub(crate) fn sample(
         &mut self,
         recorded: (&FieldHeader, &[f64]),
         now: &[f64],
@@ -178,7 +178,7 @@ impl Comparison {
     }
 
     /// Notes a difference of a step outside of the fields.
-    pub(super) fn other(&mut self, step: &Step, what: &str) {
+    pub(crate) fn other(&mut self, step: &Step, what: &str) {
         let (window, iteration) = (step.window, step.iteration);
         let place = || format!("in window {window}, iteration {iteration}: {what}");
         self.other.get_or_insert_with(place);
@@ -234,7 +234,7 @@ pub(super) fn unequal(now: &Reply, then: &Reply, tolerance: Option<f64>) -> Opti
 
 /// Returns the difference between the labels of two samples, except in sequence number and
 /// protocol.
-pub(super) fn mislabelled(now: &FieldHeader, then: &FieldHeader) -> Option<String> {
+pub(crate) fn mislabelled(now: &FieldHeader, then: &FieldHeader) -> Option<String> {
     let now = FieldHeader { sequence: then.sequence, protocol: then.protocol, ..*now };
     (now != *then).then(|| {
         let name = then.name.as_str();
@@ -243,7 +243,7 @@ pub(super) fn mislabelled(now: &FieldHeader, then: &FieldHeader) -> Option<Strin
 }
 
 /// Returns the first key in which two trees differ, with both values.
-pub(super) fn first_unequal(
+pub(crate) fn first_unequal(
     now: &Value,
     then: &Value,
     key: String,
@@ -303,8 +303,8 @@ pub(super) fn text(replay: &Replay, request: &Request) -> String {
     let _ = writeln!(out, "{verdict}");
     if let Some(first) = &compared.first {
         let _ = writeln!(out, "  first     {}", difference(first));
-        let growth: Vec<String> = thinned(replay).collect();
-        let _ = writeln!(out, "  growth    {}", growth.join("\n            "));
+        let growth = growth_lines(&compared.growth).join("\n            ");
+        let _ = writeln!(out, "  growth    {growth}");
     }
     if let Some(other) = &compared.other {
         let word = if compared.first.is_some() { "also" } else { "what" };
@@ -325,7 +325,7 @@ pub(super) fn text(replay: &Replay, request: &Request) -> String {
 }
 
 /// Describes the first difference in one line.
-pub(super) fn difference(first: &Difference) -> String {
+pub(crate) fn difference(first: &Difference) -> String {
     format!(
         "window {}, iteration {}: {}[{}] is {:e} {unit}, recorded {:e} {unit} (off by \
          {:.3e} of the largest)",
@@ -341,14 +341,15 @@ pub(super) fn difference(first: &Difference) -> String {
 }
 
 /// Returns at most nine steps of the growth, including the last.
-fn thinned(replay: &Replay) -> impl Iterator<Item = String> + '_ {
-    let steps = &replay.comparison.growth.steps;
+pub(crate) fn growth_lines(growth: &Growth) -> Vec<String> {
+    let steps = &growth.steps;
     let stride = steps.len().div_ceil(8).max(1);
     let last = steps.len().saturating_sub(1);
     let chosen = move |(n, _): &(usize, _)| n.is_multiple_of(stride) || *n == last;
-    steps.iter().enumerate().filter(chosen).map(|(_, step)| {
+    let line = |step: &StepDifference| {
         format!("window {}, iteration {}: {:.3e}", step.window, step.iteration, step.relative)
-    })
+    };
+    steps.iter().enumerate().filter(chosen).map(|(_, step)| line(step)).collect()
 }
 
 #[cfg(test)]

@@ -197,7 +197,8 @@ impl Plan {
         }
     }
 
-    /// Returns whether a field is not iterated, but has tolerances of its own in an implicit scheme.
+    /// Returns whether a field is not iterated, but has tolerances of its own in an implicit
+    /// scheme.
     #[must_use]
     pub fn is_only_measured(&self, field: &Field) -> bool {
         self.scheme.scheme.is_implicit()

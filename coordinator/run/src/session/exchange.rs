@@ -199,8 +199,8 @@ impl Session {
         Ok(())
     }
 
-    /// Checks that coupling data and measured data keep their length, and that all other fields have room in shared
-    /// memory.
+    /// Checks that coupling data and measured data keep their length, and that all other fields
+    /// have room in shared memory.
     fn check_growth(&mut self, index: MovingIndex, moved: &Grid) -> Result<(), RunError> {
         let MovingGrid { participant, grid, capacity, .. } = &self.moving[index];
         let compared = self

@@ -2,6 +2,7 @@
 
 use crate::study;
 use conformance::inspect::{self, ListFilter, RecordingSummary};
+use conformance::recording_file;
 use console::case_arguments::Changes;
 use run::error::RunError;
 use run::perform::{self, RunOptions};
@@ -64,7 +65,7 @@ impl CaseRun {
             Some(error) if study::ends_study(&error) => return Err(error),
             other => other.map(|error| (error.exit_code(), message(&error))),
         };
-        let mut recording = inspect::open(&folder.file("recording.mcap"))?;
+        let mut recording = recording_file::open(&folder.file("recording.mcap"))?;
         let survey = inspect::survey(&mut recording, &ListFilter::default());
         let mut quantities = outcome.summary;
         quantities["field"] = ranges(&survey);
