@@ -1,6 +1,6 @@
 //! `coordinator inspect`: shows the content of a recording, in one pass over the file.
 
-mod against;
+pub(crate) mod against;
 mod survey;
 
 pub use survey::{Details, FieldSurvey, ListFilter, Range, RecordingSummary, survey};

@@ -6,11 +6,11 @@
 //! bit. Everything that was sent before the first difference is equal; the sender
 //! of the first difference has therefore received the same values as in the other recording.
 
-use crate::recording_file::{FileRecording, failed};
+use crate::recording_file::failed;
 use crate::replay::{Comparison, difference, first_unequal, growth_lines, mislabelled};
 use contract::message::{CommandKind, FieldHeader};
 use contract::text::one_line;
-use proto::recording::{Event, Head, Item};
+use proto::recording::{Event, Head, Item, Recording};
 use run::error::RunError;
 use run::format::counted;
 use run::peers::COORDINATOR;
@@ -18,13 +18,14 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
+use std::io::Read;
 use std::path::Path;
 
 /// Difference of a recording from a reference.
 #[derive(Debug, Default, Serialize)]
-pub(super) struct RecordingDifference {
+pub(crate) struct RecordingDifference {
     /// Comparison of all samples.
-    pub(super) comparison: Comparison,
+    pub(crate) comparison: Comparison,
     /// Role of the sender of the first difference, and its program with its version.
     sender: Option<[String; 2]>,
     /// Cause of the first difference, as far as the recordings show it.
@@ -37,9 +38,11 @@ pub(super) struct RecordingDifference {
 type Key = (String, u64, u32, u32);
 
 /// A recording that is read as far as needed.
-struct Side<'a> {
-    recording: &'a mut FileRecording,
+struct Side<'a, R: Read> {
+    recording: &'a mut Recording<R>,
     path: &'a Path,
+    /// Roles of the participants.
+    roles: Vec<String>,
     /// Samples that were read before they were needed.
     waiting: HashMap<Key, (FieldHeader, Vec<f64>)>,
     /// Newest window of a sample.
@@ -52,9 +55,11 @@ struct Side<'a> {
     saved: BTreeMap<String, u64>,
 }
 
-impl<'a> Side<'a> {
-    fn new(recording: &'a mut FileRecording, path: &'a Path) -> Self {
+impl<'a, R: Read> Side<'a, R> {
+    fn new(recording: &'a mut Recording<R>, path: &'a Path) -> Self {
+        let participants = &recording.head().participants;
         Self {
+            roles: participants.iter().map(|one| one.role.clone()).collect(),
             recording,
             path,
             waiting: HashMap::new(),
@@ -67,8 +72,6 @@ impl<'a> Side<'a> {
 
     /// Reads to the next sample and returns its key; `None` at the end.
     fn next(&mut self) -> Result<Option<(Key, FieldHeader, Vec<f64>)>, RunError> {
-        let roles: Vec<String> =
-            self.recording.head().participants.iter().map(|one| one.role.clone()).collect();
         loop {
             let entry = self.recording.read().map_err(|error| failed(self.path, &error))?;
             let Some(entry) = entry else { return Ok(None) };
@@ -85,7 +88,7 @@ impl<'a> Side<'a> {
                     return Ok(Some((key, header, values.to_vec())));
                 }
                 Item::Event(Event::Command { participant, command, body }) => {
-                    let role = || roles[usize::from(participant)].clone();
+                    let role = || self.roles[usize::from(participant)].clone();
                     match CommandKind::from_number(command.kind) {
                         Some(CommandKind::Configure) => {
                             // The reader reports a damaged configuration itself.
@@ -127,9 +130,9 @@ impl<'a> Side<'a> {
 ///
 /// # Errors
 /// A recording that cannot be read to its end.
-pub(super) fn compare(
-    (recording, path): (&mut FileRecording, &Path),
-    (reference, reference_path): (&mut FileRecording, &Path),
+pub(crate) fn compare<R: Read>(
+    (recording, path): (&mut Recording<R>, &Path),
+    (reference, reference_path): (&mut Recording<R>, &Path),
 ) -> Result<RecordingDifference, RunError> {
     let mut now = Side::new(recording, path);
     let mut then = Side::new(reference, reference_path);
@@ -166,13 +169,20 @@ pub(super) fn compare(
         let program = program(heads[0], role);
         found.cause = Some(cause(role, heads, [&now.configurations, &then.configurations]));
         found.replay = (role != COORDINATOR && found.comparison.first.is_some()).then(|| {
-            let from = saved.map_or_else(String::new, |window| format!(" --from {}", window + 1));
-            let path = reference_path.display();
+            let from = saved
+                .map_or_else(String::new, |window| format!(" --from {}", window.saturating_add(1)));
+            let path = quoted(&reference_path.display().to_string());
+            let role = quoted(role);
             format!("coordinator replay {path} --only {role}{from} --until {}", key.1)
         });
         found.sender = Some([role.to_owned(), program]);
     }
     Ok(found)
+}
+
+/// Quotes a word for a shell. Names in a recording may come from anywhere.
+fn quoted(word: &str) -> String {
+    shlex::try_quote(word).map_or_else(|_| "''".to_owned(), std::borrow::Cow::into_owned)
 }
 
 /// Returns the role that sends the topic of a sample, `field/ROLE/…` or `geometry/ROLE/…`.
@@ -211,7 +221,7 @@ fn cause(role: &str, heads: [&Head; 2], configurations: [&BTreeMap<String, Value
 }
 
 /// Describes the difference in a few lines.
-pub(super) fn text(found: &RecordingDifference, paths: [&Path; 2]) -> String {
+pub(crate) fn text(found: &RecordingDifference, paths: [&Path; 2]) -> String {
     let compared = &found.comparison;
     let [path, reference] = paths.map(Path::display);
     let mut out = format!(
@@ -230,7 +240,7 @@ pub(super) fn text(found: &RecordingDifference, paths: [&Path; 2]) -> String {
         let _ = writeln!(out, "  {name:9} {text}");
     };
     if let Some(first) = &compared.first {
-        line("first", &difference(first));
+        line("first", &one_line(&difference(first)));
     }
     if let Some(other) = &compared.other {
         line(if compared.first.is_some() { "also" } else { "first" }, &one_line(other));

@@ -1,9 +1,10 @@
-//! Recordings of unknown origin: `inspect`, `export` and `replay` end with a result or an error for
-//! any content. They only write files of plain names into the given folder.
+//! Recordings of unknown origin: `inspect`, also with `--against`, `export` and `replay` end with a
+//! result or an error for any content. They only write files of plain names into the given folder.
 
 use super::configuration::Reconfiguration;
 use super::*;
 use crate::export::{Target, export};
+use crate::inspect::against::{compare, text as text_of_difference};
 use crate::inspect::{ListFilter, survey, text as text_of};
 use contract::configuration::{Configuration, Mode};
 use contract::description::{Description, KeySpec, ModelSpec};
@@ -194,6 +195,15 @@ fn survive(bytes: &[u8]) -> Result<Vec<String>, TestCaseError> {
         text_of(&survey(&mut recording, &wanted), &path)
     });
     if let Ok(text) = inspected {
+        prop_assert!(!text.contains(['\u{1b}', '\u{9b}', '\r']), "{text:?}");
+    }
+    let good = Content::good().bytes();
+    let compared = Recording::open(bytes).map(|mut recording| {
+        let mut reference = Recording::open(good.as_slice()).unwrap();
+        let found = compare((&mut recording, &path), (&mut reference, &path));
+        found.map(|found| text_of_difference(&found, [&path, &path]))
+    });
+    if let Ok(Ok(text)) = compared {
         prop_assert!(!text.contains(['\u{1b}', '\u{9b}', '\r']), "{text:?}");
     }
     let folder = place.path().join("a/b");
