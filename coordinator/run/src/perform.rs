@@ -55,7 +55,7 @@ impl Outcome {
     }
 }
 
-/// How to run a case: from the start, from a checkpoint, or driven from outside.
+/// Way to run a case: from the start, from a checkpoint, or driven from outside.
 pub struct RunOptions<'a> {
     /// Display of the progress.
     pub progress: Rc<dyn Progress>,

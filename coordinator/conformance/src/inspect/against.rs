@@ -3,8 +3,8 @@
 //! Both files are read once, side by side. Samples are matched by topic, window, iteration, and the
 //! attempt at the window if it is repeated. Solvers of a parallel scheme may therefore answer in
 //! another order, and windows may take another number of iterations. Values are compared bit by
-//! bit. Everything that was sent before the first difference is equal; the sender
-//! of the first difference has therefore received the same values as in the other recording.
+//! bit. Everything that was sent before the first difference is equal. The sender of the first
+//! difference has therefore received the same values as in the other recording.
 
 use crate::recording_file::failed;
 use crate::replay::{Comparison, difference, first_unequal, growth_lines, mislabelled};

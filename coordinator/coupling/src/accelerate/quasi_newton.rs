@@ -29,9 +29,6 @@ use crate::settings::{Acceleration, Implicit};
 use crate::vector::Part;
 use crate::vector::{StateMismatch, StateReader};
 
-/// Ratio of the squared residuals from which a step of reused columns counts as wrong.
-const GAIN: f64 = 1.0;
-
 /// Rule that turns secant columns into the next iterate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
@@ -104,7 +101,7 @@ impl QuasiNewton {
         let norm = |squares: &[f64]| -> f64 {
             squares.iter().zip(weights.squares()).map(|(square, weight)| square * weight).sum()
         };
-        if !first.is_empty() && norm(residual) > GAIN * norm(first) {
+        if !first.is_empty() && norm(residual) > norm(first) {
             columns.retain(|_, of| of == *window);
         }
         first.clear();
