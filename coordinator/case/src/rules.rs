@@ -11,6 +11,7 @@ use contract::bodies::{Bodies, TABLE, position_key};
 use contract::configuration::Mode;
 use contract::description::{KeyKind, ModelSpec};
 use contract::suggest::{all_of, any_of, nearest};
+use coupling::map::{Basis, Method};
 use std::collections::BTreeSet;
 
 impl FilledCase<'_> {
@@ -227,6 +228,7 @@ impl FilledCase<'_> {
         }
         self.window_bounds();
         self.iterations();
+        self.basis_functions();
         let key = "output.fields";
         let word = self.values.get(key).and_then(serde_json::Value::as_str);
         if let Some(word) = word.filter(|word| OutputWord::from_word(word).is_none()) {
@@ -261,6 +263,52 @@ impl FilledCase<'_> {
             let reason = format!("{least} is more than coupling.max_iterations = {most}");
             let fix = "lower it, or raise coupling.max_iterations";
             self.faults.at("coupling.min_iterations", reason, fix);
+        }
+    }
+
+    /// Checks that a radial basis function goes with its method, and a radius with its function.
+    fn basis_functions(&mut self) {
+        let own = self.scope.case.tree.names("mapping.fields");
+        let own = own.into_iter().map(|name| format!("mapping.fields.{name}"));
+        for section in std::iter::once("mapping".to_owned()).chain(own) {
+            let [method, basis, radius] =
+                ["method", "basis", "radius"].map(|name| format!("{section}.{name}"));
+            let word = |key: &str| self.values.get(key).and_then(serde_json::Value::as_str);
+            let radial = Method::RadialBasis.word();
+            let chosen = word(&basis).and_then(Basis::from_word);
+            let with_radius = self.values.has(&radius);
+            // An unknown word has already been reported.
+            let written = self.scope.case.tree.text(&method);
+            let unknown = self.scope.case.has(&method) && written != word(&method);
+            if chosen.is_some() && word(&method) != Some(radial) && !unknown {
+                let reason = match word(&method) {
+                    Some(other) => format!("`{other}` has no radial basis function"),
+                    None => format!("a radial basis function needs {method}"),
+                };
+                let fix = format!("set {method} to \"{radial}\", or remove the key");
+                self.faults.at(&basis, reason, fix);
+            }
+            match chosen {
+                Some(chosen) if chosen.has_radius() && !self.scope.case.has(&radius) => {
+                    let reason = format!("`{}` needs a radius", chosen.word());
+                    let fix = format!(
+                        "add {radius}, for example five times the distance between neighbouring \
+                         points"
+                    );
+                    self.faults.at(&basis, reason, fix);
+                }
+                Some(chosen) if !chosen.has_radius() && with_radius => {
+                    let reason = format!("`{}` has no radius", chosen.word());
+                    self.faults.at(&radius, reason, "remove the key");
+                }
+                None if with_radius && !self.scope.case.has(&basis) => {
+                    let reason = "a radius needs a radial basis function";
+                    let fix =
+                        format!("add {basis}, for example \"wendland-c2\", or remove the key");
+                    self.faults.at(&radius, reason, fix);
+                }
+                _ => {}
+            }
         }
     }
 

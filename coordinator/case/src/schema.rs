@@ -3,7 +3,7 @@
 use super::settings::{Beyond, Coupling, Lengths, OnFailure, OutputWord, Time, TimeMode};
 use contract::description::KeySpec;
 use contract::message::Interpolation;
-use coupling::map::Method;
+use coupling::map::{Basis, Method};
 use coupling::settings::{Acceleration, Preconditioner, Predictor, Scheme, Tolerances};
 use std::sync::LazyLock;
 
@@ -225,7 +225,22 @@ fn mappings() -> Vec<OwnKey> {
     let method = |path: &str, help| KeySpec::choice(path, &methods(), help);
     let all = method("mapping.method", "mapping of fields between non-matching grids");
     let own = method("mapping.fields.*.method", "mapping of one field between non-matching grids");
-    vec![one(all.default_value(Method::AUTO)), one(own)]
+    let mut keys = vec![one(all.default_value(Method::AUTO)), one(own)];
+    for section in ["mapping", "mapping.fields.*"] {
+        keys.push(one(KeySpec::choice(
+            &format!("{section}.basis"),
+            Basis::WORDS,
+            "radial basis function of the method radial-basis; absent: a local stencil",
+        )));
+        keys.push(one(KeySpec::quantity(
+            &format!("{section}.radius"),
+            "m",
+            "distance at which the basis vanishes, or falls to 1e-9 (gaussian); length of \
+             multiquadrics",
+        )
+        .above(0.0)));
+    }
+    keys
 }
 
 fn output_and_limits() -> Vec<OwnKey> {

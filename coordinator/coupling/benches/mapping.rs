@@ -1,10 +1,11 @@
 //! Benchmarks of mappings between grids of 10⁴ and 10⁵ values, with a target 1.37 times as fine as
-//! the source: structured grids, vertices with triangles, and vertices alone. `build` sets up the
+//! the source: structured grids, vertices with triangles, and vertices alone. A chosen radial basis
+//! function in addition with 44 x 44 values, which have one interpolant. `build` sets up the
 //! operator, surfaces and search trees included; `apply` maps one component.
 
 use contract::field::Mapping;
 use contract::grid::{Grid, Measure, Structured, Vertices};
-use coupling::map::{GridMapping, Method};
+use coupling::map::{Basis, GridMapping, Kernel, Method};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -30,6 +31,29 @@ fn mapping(criterion: &mut Criterion) {
     mapping_between(criterion, "mapping", square);
     mapping_between(criterion, "mapping of triangles", |n| vertices(n, true));
     mapping_between(criterion, "mapping of points", |n| vertices(n, false));
+    mapping_by_kernel(criterion);
+}
+
+/// Measures Wendland's C2 function with a radius of ten elements.
+fn mapping_by_kernel(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("mapping by a kernel");
+    group.sample_size(10);
+    for side in [44_usize, 100, 316] {
+        let radius = Some(10.0 / side as f64);
+        let method = Method::Kernel(Kernel { basis: Basis::WendlandC2, radius });
+        let (source, target) = (square(side), square((1.37 * side as f64) as usize));
+        let field: Vec<f64> = (0..source.points()).map(|n| (n % 97) as f64).collect();
+        let mut mapped = vec![0.0; target.points()];
+        let make =
+            || GridMapping::between(&source, &target, method, Mapping::Consistent).expect("grids");
+        let label = |what| BenchmarkId::new(what, side * side);
+        group.bench_function(label("build"), |bencher| bencher.iter(make));
+        let ready = make();
+        group.bench_function(label("apply"), |bencher| {
+            bencher.iter(|| ready.apply(black_box(&field), black_box(&mut mapped)));
+        });
+    }
+    group.finish();
 }
 
 fn mapping_between(criterion: &mut Criterion, name: &str, grid: fn(usize) -> Grid) {

@@ -13,13 +13,14 @@
 //! beyond the edge of the target's grid, because C' has a full row for every element. [`Coverage`]
 //! says how many elements have no counterpart, and how far they lie outside.
 //!
-//! The four methods differ in C:
+//! The methods differ in C:
 //!
 //! | method | value at a target element | order | weights |
 //! |---|---|---|---|
 //! | [`Method::NearestNeighbour`] | value at the nearest centre or vertex | 1 | ≥ 0 |
 //! | [`Method::NearestProjection`] | bilinear between centres, at the target's foot on the surface through them | 2 | ≥ 0 |
-//! | [`Method::RadialBasis`] | interpolant of compactly supported functions with a linear polynomial | 2 to 3 | any |
+//! | [`Method::RadialBasis`] | local interpolant of compactly supported functions with a linear polynomial | 2 to 3 | any |
+//! | [`Method::Kernel`] | interpolant of a chosen function with a linear polynomial, through all values or through overlapping clusters of them | 2 and higher | any |
 //! | [`Method::Intersection`] | mean over the covered part of the source | 1 | ≥ 0 |
 //!
 //! Weights ≥ 0 keep a consistently mapped field within the source's extremes. For a conservatively
@@ -37,8 +38,9 @@
 //! Sources: A. de Boer, A. H. van Zuijlen, H. Bijl, *Comput. Methods Appl. Mech. Engrg.* 196 (2007)
 //! 1515–1525 (consistent and conservative forms); H. Wendland, *Adv. Comput. Math.* 4 (1995)
 //! 389–396 (functions); P. E. Farrell, J. R. Maddison, *Comput. Methods Appl. Mech. Engrg.* 200
-//! (2011) 89–100 (intersections). Deviation from the first: the interpolants are local, one small
-//! system for each target. W is therefore sparse, and applying it needs no solve.
+//! (2011) 89–100 (intersections). Deviation from the first: the interpolants of
+//! [`Method::RadialBasis`] are local, one small system for each target, and those of
+//! [`Method::Kernel`] are evaluated as weights. Applying W therefore needs no solve.
 //!
 //! # A field between two grids
 //!
@@ -70,11 +72,18 @@
 //! # Ok::<(), coupling::map::MapError>(())
 //! ```
 
+mod axes;
+mod by_kernel;
 mod cloud;
+mod error;
+mod interpolant;
 mod intersection;
+mod kernel;
 mod mapping;
 mod nearest;
 mod nodes;
+mod operator;
+mod partition;
 mod patch;
 mod prepared;
 mod radial;
@@ -82,5 +91,6 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use crate::settings::{FieldMapping, Mappings, Method};
-pub use mapping::{Coverage, CurrentMapping, GridMapping, MapError};
+pub use crate::settings::{Basis, FieldMapping, Kernel, Mappings, Method};
+pub use error::MapError;
+pub use mapping::{Coverage, CurrentMapping, GridMapping};

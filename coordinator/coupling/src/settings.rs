@@ -192,24 +192,124 @@ impl Implicit {
 }
 
 words! {
-    /// Method that computes the value of a target element from the values of source elements.
-    pub enum Method {
-        /// The value of the nearest element centre or vertex; the mean if several are equally near.
-        NearestNeighbour = "nearest-neighbour",
-        /// Bilinear between the element centres around the target's foot on the surface, or linear
-        /// on the triangles and edges of vertices; constant beyond the outermost ones, which avoids
-        /// overshoot. On vertices without connectivity the nearest neighbour.
-        NearestProjection = "nearest-projection",
-        /// Wendland's C2 function with a linear polynomial on a few rings of elements or vertices.
-        RadialBasis = "radial-basis",
-        /// Mean over the intersections of the elements, exact in a common plane; not for vertices.
-        Intersection = "intersection",
+    /// Radial basis function φ(r/a) of the distance r between two points, with a length a.
+    ///
+    /// `coupling::map` gives the formulas. The numbers 0 to 8 say how often a function is
+    /// differentiable.
+    pub enum Basis {
+        /// Wendland's function, zero beyond a.
+        WendlandC0 = "wendland-c0",
+        /// Wendland's function, zero beyond a.
+        WendlandC2 = "wendland-c2",
+        /// Wendland's function, zero beyond a.
+        WendlandC4 = "wendland-c4",
+        /// Wendland's function, zero beyond a.
+        WendlandC6 = "wendland-c6",
+        /// Wendland's function, zero beyond a.
+        WendlandC8 = "wendland-c8",
+        /// Buhmann's function with a logarithm, zero beyond a.
+        CompactThinPlateSplinesC2 = "compact-thin-plate-splines-c2",
+        /// Gauss's function, 1e-9 at a.
+        Gaussian = "gaussian",
+        /// √(a² + r²).
+        Multiquadrics = "multiquadrics",
+        /// 1/√(a² + r²).
+        InverseMultiquadrics = "inverse-multiquadrics",
+        /// r² log r, without a length.
+        ThinPlateSplines = "thin-plate-splines",
+        /// r, without a length.
+        VolumeSplines = "volume-splines",
     }
+}
+
+impl Basis {
+    /// Returns whether the function has a length.
+    #[must_use]
+    pub fn has_radius(self) -> bool {
+        !matches!(self, Self::ThinPlateSplines | Self::VolumeSplines)
+    }
+
+    /// Returns whether the function falls to zero with the distance.
+    #[must_use]
+    pub fn decays(self) -> bool {
+        self.has_radius() && self != Self::Multiquadrics
+    }
+}
+
+/// A radial basis function with its length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel {
+    /// The function.
+    pub basis: Basis,
+    /// Length a \[m\]; `None` for functions without one.
+    pub radius: Option<f64>,
+}
+
+impl std::fmt::Display for Kernel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let word = self.basis.word();
+        let Some(radius) = self.radius else { return f.write_str(word) };
+        let within = match self.basis {
+            Basis::Multiquadrics | Basis::InverseMultiquadrics => "of",
+            _ => "within",
+        };
+        write!(f, "{word} {within} {}", shown_length(radius))
+    }
+}
+
+/// Formats a length to six significant digits without trailing zeros, in mm below a metre.
+pub(crate) fn shown_length(length: f64) -> String {
+    let (factor, unit) = if length < 1.0 { (1e3, "mm") } else { (1.0, "m") };
+    let rounded = format!("{:.5e}", factor * length).parse::<f64>();
+    format!("{} {unit}", rounded.unwrap_or(f64::NAN))
+}
+
+/// Method that computes the value of a target element from the values of source elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// The value of the nearest element centre or vertex; the mean if several are equally near.
+    NearestNeighbour,
+    /// Bilinear between the element centres around the target's foot on the surface, or linear on
+    /// the triangles and edges of vertices; constant beyond the outermost ones, which avoids
+    /// overshoot. On vertices without connectivity the nearest neighbour.
+    NearestProjection,
+    /// Wendland's C2 function with a linear polynomial on a few rings of elements or vertices.
+    RadialBasis,
+    /// A chosen radial basis function with a linear polynomial, on all values of the source or on
+    /// overlapping clusters of them.
+    Kernel(Kernel),
+    /// Mean over the intersections of the elements, exact in a common plane; not for vertices.
+    Intersection,
 }
 
 impl Method {
     /// The word that selects the method suited to the field.
     pub const AUTO: &str = "auto";
+
+    /// The methods that a word alone selects: all but those with a chosen radial basis function.
+    pub const ALL: [Self; 4] =
+        [Self::NearestNeighbour, Self::NearestProjection, Self::RadialBasis, Self::Intersection];
+
+    /// The words of [`Method::ALL`], as written in a case.
+    pub const WORDS: &[&str] =
+        &["nearest-neighbour", "nearest-projection", "radial-basis", "intersection"];
+
+    /// Returns the word in the case file.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::NearestNeighbour => Self::WORDS[0],
+            Self::NearestProjection => Self::WORDS[1],
+            Self::RadialBasis | Self::Kernel(_) => Self::WORDS[2],
+            Self::Intersection => Self::WORDS[3],
+        }
+    }
+
+    /// Returns the method that a word alone selects.
+    #[must_use]
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.word() == word)
+    }
 
     /// Returns the default method for a kind of field between two grids. Between elements it is of
     /// second order without overshoot for point values, and has exact areas for densities. Vertices
@@ -226,26 +326,56 @@ impl Method {
         }
     }
 
-    /// Reads a method; `None` for [`Method::AUTO`].
+    /// Reads the method of a table; `None` for [`Method::AUTO`].
     fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Self>, D::Error> {
-        String::deserialize(from).map(|word| Self::from_word(&word))
+        MethodKeys::deserialize(from).map(MethodKeys::method)
+    }
+}
+
+impl std::fmt::Display for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.word())?;
+        match self {
+            Self::Kernel(kernel) => write!(f, ", {kernel}"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Keys that choose a method.
+#[derive(Deserialize)]
+struct MethodKeys {
+    method: Option<String>,
+    basis: Option<Basis>,
+    radius: Option<f64>,
+}
+
+impl MethodKeys {
+    fn method(self) -> Option<Method> {
+        let method = self.method.as_deref().and_then(Method::from_word);
+        match (method, self.basis) {
+            (Some(Method::RadialBasis), Some(basis)) => {
+                Some(Method::Kernel(Kernel { basis, radius: self.radius }))
+            }
+            (method, _) => method,
+        }
     }
 }
 
 /// Mapping of one field to a consumer whose grid does not match.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct FieldMapping {
     /// The method; `None` for the default of the field.
-    #[serde(default, deserialize_with = "Method::read")]
+    #[serde(flatten, deserialize_with = "Method::read")]
     pub method: Option<Method>,
 }
 
 /// Mapping of fields to consumers whose grids do not match.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub struct Mappings {
     /// The method for every field; `None` for the default of each field.
-    #[serde(deserialize_with = "Method::read")]
+    #[serde(flatten, deserialize_with = "Method::read")]
     pub method: Option<Method>,
     /// Single fields, by name.
     pub fields: BTreeMap<String, FieldMapping>,

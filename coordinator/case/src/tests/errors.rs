@@ -370,12 +370,41 @@ const ROWS: &[BadCase] = &[
     },
     BadCase {
         replace: "[load]",
-        by: "[mapping]\nmethod = \"linear\"\n[mapping.fields.presure]\nmethod = \"auto\"\n\
+        by: "[mapping]\nmethod = \"linear\"\nbasis = \"gaussian\"\nradius = 1\n[mapping.fields.presure]\nmethod = \"auto\"\n\
              [mapping.fields.pressure]\nmethod = \"intersection\"\n[load]",
         errors: &[
             r#"19:10 mapping.method: unknown method `linear` | write "auto", "nearest-neighbour", "nearest-projection", "radial-basis" or "intersection""#,
-            "20:1 mapping.fields.presure: unknown field `presure`; did you mean `pressure`? | the participants provide friction_power and pressure",
-            "22:1 mapping.fields.pressure: no participant consumes `pressure`: it is never mapped | remove it; the participants consume friction_power",
+            "22:1 mapping.fields.presure: unknown field `presure`; did you mean `pressure`? | the participants provide friction_power and pressure",
+            "24:1 mapping.fields.pressure: no participant consumes `pressure`: it is never mapped | remove it; the participants consume friction_power",
+        ],
+    },
+    BadCase {
+        replace: "[load]",
+        by: "[mapping]\nbasis = \"wendland-c2\"\nradius = 0.1\n\
+             [mapping.fields.friction_power]\nmethod = \"intersection\"\n\
+             basis = \"thin-plate-splines\"\nradius = \"1 mm\"\n[load]",
+        errors: &[
+            r#"19:9 mapping.basis: `auto` has no radial basis function | set mapping.method to "radial-basis", or remove the key"#,
+            r#"23:9 mapping.fields.friction_power.basis: `intersection` has no radial basis function | set mapping.fields.friction_power.method to "radial-basis", or remove the key"#,
+            "24:10 mapping.fields.friction_power.radius: `thin-plate-splines` has no radius | remove the key",
+        ],
+    },
+    BadCase {
+        replace: "[load]",
+        by: "[mapping]\nmethod = \"radial-basis\"\nradius = 0.1\n\
+             [mapping.fields.friction_power]\nmethod = \"radial-basis\"\n\
+             basis = \"gaussian\"\n[load]",
+        errors: &[
+            r#"20:10 mapping.radius: a radius needs a radial basis function | add mapping.basis, for example "wendland-c2", or remove the key"#,
+            "23:9 mapping.fields.friction_power.basis: `gaussian` needs a radius | add mapping.fields.friction_power.radius, for example five times the distance between neighbouring points",
+        ],
+    },
+    BadCase {
+        replace: "[load]",
+        by: "[mapping]\nmethod = \"radial-basis\"\nbasis = \"wendland\"\nradius = 0\n[load]",
+        errors: &[
+            r#"20:9 mapping.basis: unknown basis `wendland` | write "wendland-c0", "wendland-c2", "wendland-c4", "wendland-c6", "wendland-c8", "compact-thin-plate-splines-c2", "gaussian", "multiquadrics", "inverse-multiquadrics", "thin-plate-splines" or "volume-splines""#,
+            r#"21:10 mapping.radius: 0 m is not above 0 m | write a value that is above 0 m, for example "0.5 m""#,
         ],
     },
     BadCase {

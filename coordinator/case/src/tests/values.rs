@@ -5,7 +5,7 @@ use crate::schema::{ROLE, own_keys};
 use crate::{Control, Coupling, Limits, OutputFields, Place, RawCase, Timing, validate};
 use contract::description::KeySpec;
 use contract::field;
-use coupling::map::Method;
+use coupling::map::{Basis, Kernel, Method};
 use coupling::settings::{Acceleration, Predictor, Scheme, Tolerances};
 use serde_json::json;
 
@@ -88,6 +88,27 @@ fn methods_of_mapping_are_left_open_unless_chosen() {
     assert_eq!(methods(&["mapping.method=radial-basis"]), [Some(Method::RadialBasis); 2]);
     let own = ["mapping.method=nearest-neighbour", "mapping.fields.friction_power.method=auto"];
     assert_eq!(methods(&own), [Some(Method::NearestNeighbour), None]);
+}
+
+#[test]
+fn radial_basis_functions_have_a_radius_where_they_need_one() {
+    let [consistent, conservative] = [field::LOWER_TEMPERATURE, field::FRICTION_POWER];
+    let sets = [
+        "mapping.method=radial-basis",
+        "mapping.basis=wendland-c6",
+        "mapping.radius=5 mm",
+        "mapping.fields.friction_power.method=radial-basis",
+        "mapping.fields.friction_power.basis=thin-plate-splines",
+    ];
+    let mappings = case_with(GOOD, &sets).unwrap().mappings;
+    let kernel = |basis, radius| Some(Method::Kernel(Kernel { basis, radius }));
+    assert_eq!(
+        mappings.method_of(&consistent.kind()),
+        kernel(Basis::WendlandC6, Some(5e-3)),
+        "the general function"
+    );
+    let own = mappings.method_of(&conservative.kind());
+    assert_eq!(own, kernel(Basis::ThinPlateSplines, None), "the field's own function");
 }
 
 #[test]

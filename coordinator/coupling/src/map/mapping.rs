@@ -1,38 +1,15 @@
 //! Mappings between two grids: a sparse matrix in compressed rows for fixed grids, and a mapping
 //! that follows moving grids.
 
+use super::error::MapError;
 use super::nodes::{MappingWeights, Nodes, Target};
+use super::operator::SparseOperator;
 use super::patch::{COINCIDENT, Row};
 use super::prepared::Prepared;
-use super::{intersection, nearest, radial};
+use super::{by_kernel, intersection, nearest, radial};
 use crate::settings::Method;
 use contract::field::Mapping;
 use contract::grid::{Grid, pairwise_sum};
-
-/// Reason why a mapping cannot be built.
-#[derive(Clone, Debug, thiserror::Error, PartialEq, Eq)]
-pub enum MapError {
-    /// The grid fails [`Grid::check`].
-    #[error("no mapping from or to an invalid grid: {0}")]
-    Grid(String),
-    /// The grid is a volume, or of points in blocks; fields there are only written to files.
-    #[error("no mapping from or to `{0}`: fields on volumes and at points are only written out")]
-    OnlyWritten(String),
-    /// Elements of a grid of vertices cannot be intersected.
-    #[error(
-        "no mapping by intersection from or to `{0}`: values belong to its vertices, not to elements; \
-         use another method, or \"auto\""
-    )]
-    NoElements(String),
-    /// The grid has more points than 32-bit indices can count.
-    #[error("no mapping for grid `{grid}`: {points} points are more than 32 bits can count")]
-    Size {
-        /// Name of the grid.
-        grid: String,
-        /// Number of points.
-        points: usize,
-    },
-}
 
 /// Distance beyond the border, in sizes of the nearest element, that does not count: two borders
 /// that coincide differ by rounding, or by the coarser description of a curve.
@@ -92,7 +69,8 @@ impl GridMapping {
     ///
     /// # Errors
     /// A grid fails its check, is a volume or of points in blocks, or has more than 2³¹ points; or
-    /// the method is the intersection and a grid is of vertices.
+    /// the method is the intersection and a grid is of vertices; or a chosen radial basis function
+    /// does not suit the grid.
     pub fn between(
         source: &Grid,
         target: &Grid,
@@ -215,6 +193,10 @@ fn consistent(
             None => by_nearest(),
         },
         (Method::RadialBasis, ..) => rows(nodes.0, nodes.1, radial::RadialBasis::new(nodes.0)),
+        (Method::Kernel(kernel), ..) => {
+            let (targets, coverage) = targets(nodes.0, nodes.1);
+            (by_kernel::operator(nodes.0, &targets, kernel, &source.name)?, coverage)
+        }
         (Method::Intersection, Prepared::Surface(from), Prepared::Surface(to)) => {
             rows(from, to, intersection::Intersection::new(from, to))
         }
@@ -230,118 +212,34 @@ fn rows<M: MappingWeights>(
     to: &dyn Nodes,
     mut method: M,
 ) -> (SparseOperator, Coverage) {
-    let mut coverage = Coverage { elements: to.places().len(), ..Coverage::default() };
-    let mut operator = SparseOperator::with_rows(to.places().len());
+    let (targets, coverage) = targets(from, to);
+    let mut operator = SparseOperator::with_rows(targets.len());
     let mut row = Row::new();
-    for (index, &place) in to.places().iter().enumerate() {
+    for target in &targets {
+        row.clear();
+        if !(M::OF_POINTS && target.at_node) {
+            method.weigh(target, &mut row);
+        }
+        operator.push_or_copy(&mut row, target);
+    }
+    (operator, coverage)
+}
+
+/// Returns the nodes of a grid as targets, and their coverage by the other grid.
+pub(super) fn targets(from: &dyn Nodes, to: &dyn Nodes) -> (Vec<Target>, Coverage) {
+    let mut coverage = Coverage { elements: to.places().len(), ..Coverage::default() };
+    let target = |(index, &place)| {
         let foot = from.foot(place);
         let size = from.size(foot.node);
         if foot.outside > BEYOND * size {
             coverage.outside += 1;
             coverage.farthest = coverage.farthest.max(foot.outside);
         }
-        row.clear();
         let offset = (foot.point - from.places()[foot.node]).norm();
-        if M::OF_POINTS && offset <= COINCIDENT * size {
-            row.push((foot.node as u32, 1.0));
-        } else {
-            method.weigh(&Target { index, place, foot }, &mut row);
-        }
-        if row.is_empty() {
-            row.push((foot.node as u32, 1.0));
-        }
-        operator.push(&mut row);
-    }
-    (operator, coverage)
-}
-
-/// Matrix in compressed rows.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct SparseOperator {
-    /// Row r has the entries `starts[r]..starts[r + 1]`.
-    starts: Vec<usize>,
-    columns: Vec<u32>,
-    weights: Vec<f64>,
-}
-
-impl SparseOperator {
-    /// Creates an empty matrix with room for `rows` rows.
-    pub(super) fn with_rows(rows: usize) -> Self {
-        let mut starts = Vec::with_capacity(rows + 1);
-        starts.push(0);
-        Self { starts, columns: Vec::new(), weights: Vec::new() }
-    }
-
-    /// Creates the matrix that copies `rows` values.
-    fn identity(rows: usize) -> Self {
-        let mut operator = Self::with_rows(rows);
-        let mut row = Row::new();
-        for column in 0..rows as u32 {
-            row.clear();
-            row.push((column, 1.0));
-            operator.push(&mut row);
-        }
-        operator
-    }
-
-    /// Adds a row, scaled so that it sums to one, and sorts its columns.
-    pub(super) fn push(&mut self, row: &mut Row) {
-        row.sort_unstable_by_key(|(column, _)| *column);
-        let sum: f64 = row.iter().map(|(_, weight)| weight).sum();
-        let start = self.columns.len();
-        for &(column, weight) in row.iter() {
-            if self.columns.len() > start && self.columns.last() == Some(&column) {
-                *self.weights.last_mut().expect("a weight for every column") += weight / sum;
-            } else {
-                self.columns.push(column);
-                self.weights.push(weight / sum);
-            }
-        }
-        self.starts.push(self.columns.len());
-    }
-
-    /// Number of entries.
-    pub(super) fn len(&self) -> usize {
-        self.weights.len()
-    }
-
-    /// Iterates over the rows as slices of columns and weights.
-    pub(super) fn rows(&self) -> impl Iterator<Item = (&[u32], &[f64])> {
-        self.starts.windows(2).map(|ends| {
-            let range = ends[0]..ends[1];
-            (&self.columns[range.clone()], &self.weights[range])
-        })
-    }
-
-    /// target = W source.
-    pub(super) fn apply(&self, source: &[f64], target: &mut [f64]) {
-        for ((columns, weights), value) in self.rows().zip(target) {
-            let terms = columns.iter().zip(weights).map(|(c, weight)| weight * source[*c as usize]);
-            *value = terms.sum();
-        }
-    }
-
-    /// Returns W_ts = A_s C_st / A_t of this matrix C, with the areas of its rows (s) and columns
-    /// (t).
-    pub(super) fn transposed(&self, row_areas: &[f64], column_areas: &[f64]) -> Self {
-        let mut starts = vec![0; column_areas.len() + 1];
-        for column in &self.columns {
-            starts[*column as usize + 1] += 1;
-        }
-        for column in 0..column_areas.len() {
-            starts[column + 1] += starts[column];
-        }
-        let mut next = starts.clone();
-        let (mut columns, mut weights) = (vec![0; self.len()], vec![0.0; self.len()]);
-        for (row, (old_columns, old_weights)) in self.rows().enumerate() {
-            for (column, weight) in old_columns.iter().map(|c| *c as usize).zip(old_weights) {
-                columns[next[column]] = row as u32;
-                weights[next[column]] = weight * (row_areas[row] / column_areas[column]);
-                next[column] += 1;
-            }
-        }
-        Self { starts, columns, weights }
-    }
+        Target { index, place, foot, at_node: offset <= COINCIDENT * size }
+    };
+    let targets = to.places().iter().enumerate().map(target).collect();
+    (targets, coverage)
 }
 
 /// A mapping that follows its grids: rebuilt only when the revision of a grid changes.

@@ -66,4 +66,6 @@ pub(super) struct Target {
     pub(super) place: Vector,
     /// Nearest point of the source.
     pub(super) foot: Foot,
+    /// Whether the foot is exactly at its node.
+    pub(super) at_node: bool,
 }

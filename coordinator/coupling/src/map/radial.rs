@@ -1,4 +1,4 @@
-//! Radial basis functions of compact support, with a linear polynomial.
+//! Radial basis functions of compact support, with a linear polynomial, on the stencil of a target.
 //!
 //! The stencil x₁ … x_m surrounds the target's foot x on the source. It consists of the element
 //! with the foot (all of them, if the foot is on a side or vertex) and [`RINGS`] rings of elements
@@ -22,9 +22,11 @@
 //! source's elements, so extrapolation is at most half an element. Among vertices a point beyond
 //! the stencil's box along the principal axes takes the value at the box.
 
+use super::axes::{Axes, Place};
 use super::nodes::{MappingWeights, Nodes, Span, Target};
 use super::patch::{Row, Vector};
-use nalgebra::{DMatrix, DVector, Dyn, LU, Matrix3, SymmetricEigen};
+use crate::settings::Basis;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Number of rings of elements around the element with the foot.
 const RINGS: usize = 2;
@@ -100,9 +102,6 @@ struct Fit {
     system: LU<f64, Dyn, Dyn>,
 }
 
-/// Coordinates along the principal axes of a stencil.
-type Place = [f64; 3];
-
 impl Fit {
     fn of(stencil: impl ExactSizeIterator<Item = Vector> + Clone, span: Span) -> Self {
         let axes = Axes::of(stencil.clone(), span);
@@ -142,7 +141,7 @@ impl Fit {
 /// Returns the value of the n-th function, radial or polynomial, at a point.
 fn entry(places: &[Place], support: f64, at: Place, n: usize) -> f64 {
     match n.checked_sub(places.len()) {
-        None => wendland(distance(at, places[n]) / support),
+        None => Basis::WendlandC2.value(distance(at, places[n]) / support),
         Some(0) => 1.0,
         Some(k) => at[k - 1],
     }
@@ -150,40 +149,4 @@ fn entry(places: &[Place], support: f64, at: Place, n: usize) -> f64 {
 
 fn distance(a: Place, b: Place) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Principal axes of a stencil, scaled by its extents.
-struct Axes {
-    mean: Vector,
-    axes: [Vector; 3],
-    count: usize,
-}
-
-impl Axes {
-    fn of(points: impl ExactSizeIterator<Item = Vector> + Clone, span: Span) -> Self {
-        let count = points.len() as f64;
-        let mean = points.clone().sum::<Vector>() / count;
-        let spread = |p: Vector| (p - mean) * (p - mean).transpose() / count;
-        let eigen = SymmetricEigen::new(points.map(spread).sum::<Matrix3<f64>>());
-        let mut order = [0, 1, 2];
-        order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
-        let extents = order.map(|k| eigen.eigenvalues[k].max(0.0).sqrt());
-        let spanned = |n: usize| n < span.directions && extents[n] > span.flat * extents[0];
-        let axis = |n: usize| match spanned(n) {
-            true => eigen.eigenvectors.column(order[n]) / extents[n],
-            false => Vector::zeros(),
-        };
-        let axes = [axis(0), axis(1), axis(2)];
-        Self { mean, axes, count: (0..3).filter(|n| spanned(*n)).count() }
-    }
-
-    fn place(&self, point: Vector) -> Place {
-        self.axes.map(|axis| axis.dot(&(point - self.mean)))
-    }
-}
-
-/// Wendland's C2 function.
-fn wendland(r: f64) -> f64 {
-    let beyond = (1.0 - r).max(0.0);
-    beyond.powi(4) * (4.0 * r + 1.0)
 }

@@ -2,6 +2,7 @@
 
 mod conservation;
 mod invariants;
+mod kernels;
 mod orders;
 mod vertices;
 

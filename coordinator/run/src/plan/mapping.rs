@@ -52,8 +52,8 @@ impl Plan {
         of_field.map(|mapping| sample_bytes(mapping.elements[1], components)).sum()
     }
 
-    /// Returns warnings about grids that do not cover each other, about methods that do not bound a
-    /// density, and about grids without areas.
+    /// Returns warnings about mappings that cannot be built, about grids that do not cover each
+    /// other, about methods that do not bound a density, and about grids without areas.
     pub(super) fn warn_of_mappings(&self, case: &Case) -> Vec<Warning> {
         let mut warnings = Vec::new();
         for mapping in &self.mappings {
@@ -62,6 +62,10 @@ impl Plan {
             let name = &field.kind.name;
             let poor = mapping.coverage.as_ref().ok().filter(|coverage| coverage.is_poor());
             let poor = poor.map(|coverage| poorly_covered(name, role, coverage));
+            let refused = mapping.coverage.as_ref().err().map(|error| {
+                let reason = format!("`{name}` cannot be mapped for {role}: {error}");
+                (reason, "change the method, or its function and radius")
+            });
             let suited = self
                 .grids(field, mapping.consumer)
                 .map(|[source, wanted]| Method::suited_to(field.kind.mapping, source, wanted));
@@ -71,11 +75,11 @@ impl Plan {
                 let reason = format!(
                     "`{name}` is mapped for {role} by {}, which conserves the integral but does not \
                      bound the density",
-                    mapping.method.word()
+                    mapping.method
                 );
                 (reason, "set \"intersection\", which does both")
             });
-            for (reason, fix) in poor.into_iter().chain(unbounded) {
+            for (reason, fix) in refused.into_iter().chain(poor).chain(unbounded) {
                 warnings.push(case.problem_at(METHOD, reason, fix).into());
             }
         }
@@ -116,7 +120,7 @@ impl Plan {
             let field = &self.fields[*field];
             let role = |index: ParticipantIndex| self.participants[index].role.as_str();
             let route = format!("{} -> {}", role(field.producer), role(*consumer));
-            let (form, method) = (form(field.kind.mapping), method.word());
+            let form = form(field.kind.mapping);
             let name = &field.kind.name;
             if !head.is_empty() {
                 writeln!(f)?;

@@ -240,6 +240,83 @@ fn methods_are_written_by_field_where_they_differ() {
     assert_eq!(import(&rbf).notes[0].lines.len(), 2, "one note on two lines");
 }
 
+/// Returns the small configuration with radial basis functions of these attributes and this
+/// function.
+fn radial(kind: &str, attributes: &str, function: &str) -> String {
+    let mut text = SMALL.to_owned();
+    while let Some(start) = text.find("<mapping:nearest-neighbor") {
+        let end = start + text[start..].find("/>").expect("an element ends");
+        let common = &text[start + "<mapping:nearest-neighbor".len()..end];
+        let element = format!(
+            "<mapping:{kind} {attributes} {common}><basis-function:{function} /></mapping:{kind}>"
+        );
+        text.replace_range(start..end + 2, &element);
+    }
+    text
+}
+
+#[test]
+fn radial_basis_functions_keep_function_and_length() {
+    let long = "support-radius=\"0.25\"";
+    let shape = "shape-parameter=\"0.25\"";
+    let gauss = (9.0 * std::f64::consts::LN_10).sqrt() / 0.25;
+    for (function, basis, radius) in [
+        (format!("compact-polynomial-c0 {long}"), "wendland-c0", some(0.25)),
+        (format!("compact-polynomial-c2 {long}"), "wendland-c2", some(0.25)),
+        (format!("compact-polynomial-c4 {long}"), "wendland-c4", some(0.25)),
+        (format!("compact-polynomial-c6 {long}"), "wendland-c6", some(0.25)),
+        (format!("compact-polynomial-c8 {long}"), "wendland-c8", some(0.25)),
+        (format!("compact-tps-c2 {long}"), "compact-thin-plate-splines-c2", some(0.25)),
+        (format!("gaussian {long}"), "gaussian", some(0.25)),
+        (format!("gaussian {shape}"), "gaussian", some(gauss)),
+        (format!("multiquadrics {shape}"), "multiquadrics", some(0.25)),
+        (format!("inverse-multiquadrics {shape}"), "inverse-multiquadrics", some(0.25)),
+        ("thin-plate-splines".to_owned(), "thin-plate-splines", None),
+        ("volume-splines".to_owned(), "volume-splines", None),
+    ] {
+        for kind in ["rbf", "rbf-pum-direct"] {
+            let text = radial(kind, "polynomial=\"on\"", &function);
+            let expected = [
+                ("mapping.method", some("radial-basis")),
+                ("mapping.basis", some(basis)),
+                ("mapping.radius", radius.clone()),
+            ];
+            check(&text, &expected);
+            assert_eq!(import(&text).notes, Vec::new(), "{function}: nothing differs");
+        }
+    }
+}
+
+#[test]
+fn differences_of_radial_basis_functions_have_notes() {
+    let function = "compact-polynomial-c6 support-radius=\"0.25\"";
+    let notes = |kind: &str, attributes: &str, function: &str| -> Vec<(String, String)> {
+        let notes = import(&radial(kind, attributes, function)).notes;
+        notes.into_iter().map(|note| (note.element, note.reason)).collect()
+    };
+    let pair = |element: &str, reason: &str| (element.to_owned(), reason.to_owned());
+    let together = "a linear polynomial, solved together with the functions";
+    assert_eq!(notes("rbf", "", function), [pair("mapping:rbf, polynomial", together)]);
+    assert_eq!(
+        notes("rbf", "polynomial=\"off\"", function),
+        [pair("mapping:rbf, polynomial", "a linear polynomial all the same")]
+    );
+    let clusters = "more than 2000 points are interpolated in overlapping clusters";
+    assert_eq!(
+        notes("rbf-global-iterative", "polynomial=\"on\" solver-rtol=\"1e-6\"", function),
+        [
+            pair("mapping:rbf-global-iterative", clusters),
+            pair("mapping:rbf-global-iterative, solver-rtol", "no counterpart of \"1e-6\""),
+        ]
+    );
+    let stencil = "a local stencil without a support radius, in place of compact-polynomial-c6";
+    assert_eq!(
+        notes("rbf", "", "compact-polynomial-c6"),
+        [pair("mapping:rbf", stencil)],
+        "a function without its length"
+    );
+}
+
 #[test]
 fn invalid_names_of_data_are_wired() {
     let named = with(SMALL, "\"Force\"", "\"Normal Force [N]\"");
@@ -323,7 +400,7 @@ fn everything_without_a_counterpart_has_a_note() {
         ("data, bounds", "<data:vector"),
         ("data, waveform-degree", "<data:scalar name=\"Pressure\""),
         ("receive-mesh, safety-factor", "<receive-mesh"),
-        ("mapping:rbf-pum-direct", "<mapping:rbf"),
+        ("mapping:rbf-pum-direct, polynomial", "<mapping:rbf"),
         ("mapping:rbf-pum-direct, executor", "<mapping:rbf"),
         ("mapping:rbf-pum-direct, vertices-per-cluster", "<mapping:rbf"),
         ("export:vtu", "<export"),
