@@ -13,7 +13,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -21,6 +21,9 @@ from scipy.stats import chi2, norm
 
 import cosim
 from cosim import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CASE = Path(__file__).resolve().parents[3] / "cases" / "third-body.toml"
 CREEPAGES = -1e-3 * np.array([0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0])
@@ -97,16 +100,29 @@ def fit(model: cosim.Model, measured: Array) -> Fit:
     return Fit(found.x, covariance, 2.0 * found.cost)
 
 
-def plot(measured: Array, fits: Sequence[Fit], path: Path) -> None:
-    """Plot the first fit with its measurements, and the parameters of all fits."""
-    import matplotlib  # noqa: PLC0415
+def summary(found: Fit) -> str:
+    """Return a fit in words: parameters with intervals, their correlation, and chi-squared."""
+    names = ("friction coefficient", "flexibility [µm/MPa]")
+    lines = [
+        f"{name:21}{value:.4f} ± {half:.4f} (95 %), true {true}"
+        for name, value, half, true in zip(names, found.parameters, found.interval(), TRUE)
+    ]
+    correlation = found.covariance[0, 1] / np.sqrt(np.prod(np.diag(found.covariance)))
+    freedom = len(CREEPAGES) - len(TRUE)
+    lines.append(f"correlation {correlation:.2f}, chi-squared {found.squares:.1f} of {freedom}")
+    return "\n".join(lines)
 
-    matplotlib.use("Agg")
+
+def draw(measured: Array, fits: Sequence[Fit], **options: Any) -> Figure:
+    """Draw the first fit with its measurements, and the parameters of all fits.
+
+    The options are those of `creep_curve`, which computes the curves.
+    """
     from matplotlib import pyplot  # noqa: PLC0415
 
     first = fits[0]
     creepages = -1e-3 * np.linspace(0.25, 13.0, 35)
-    curve = creep_curve(creepages)
+    curve = creep_curve(creepages, **options)
     slopes, forces = curve.jacobian(first.parameters), curve(first.parameters)
     band = norm.ppf(0.975) * np.sqrt(np.einsum("ki,ij,kj->k", slopes, first.covariance, slopes))
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
@@ -134,7 +150,15 @@ def plot(measured: Array, fits: Sequence[Fit], path: Path) -> None:
     low, high = right.get_ylim()
     right.set_ylim(low, high + 0.45 * (high - low))
     right.legend(frameon=False, fontsize="small", loc="upper left")
-    figure.savefig(path, dpi=110)
+    return figure
+
+
+def plot(measured: Array, fits: Sequence[Fit], path: Path) -> None:
+    """Write the figure of `draw` to a file; needs no display."""
+    import matplotlib  # noqa: PLC0415
+
+    matplotlib.use("Agg")
+    draw(measured, fits).savefig(path, dpi=110)
 
 
 def main() -> None:
@@ -147,12 +171,7 @@ def main() -> None:
     asked = parser.parse_args()
     with creep_curve() as model:
         fits = [fit(model, measure(model, seed)) for seed in range(asked.seeds)]
-        first = fits[0]
-        names = ("friction coefficient", "flexibility [µm/MPa]")
-        for name, value, half, true in zip(names, first.parameters, first.interval(), TRUE):
-            print(f"{name:21}{value:.4f} ± {half:.4f} (95 %), true {true}")
-        correlation = first.covariance[0, 1] / np.sqrt(np.prod(np.diag(first.covariance)))
-        print(f"correlation {correlation:.2f}, chi-squared {first.squares:.1f} of 6")
+        print(summary(fits[0]))
         distances = np.array([one.distance(TRUE) for one in fits])
         inside = int(np.sum(distances < chi2.ppf(LEVEL, 2)))
         print(f"inside the joint {100.0 * LEVEL:g} % region: {inside} of {len(fits)} seeds")

@@ -13,7 +13,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from scipy.stats import lognorm, norm
 
 import cosim
 from cosim import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CASE = Path(__file__).resolve().parents[3] / "cases" / "locked-wheel.toml"
 LIMIT_K = 580.0
@@ -32,6 +35,7 @@ INPUTS = {
     "conductivity [W/(m K)]": ("materials.steel.conductivity", norm(50.0, 2.5)),
 }
 """Uncertain inputs with keys and distributions, independent of each other."""
+DISTRIBUTIONS = [one for _, one in INPUTS.values()]
 
 
 @dataclass(frozen=True)
@@ -48,6 +52,11 @@ class DesignPoint:
         """Probability by the tangent plane at this point."""
         return float(norm.cdf(-self.beta))
 
+    @property
+    def shares(self) -> Array:
+        """Share of each input in β²."""
+        return (self.normal / self.beta) ** 2
+
 
 @dataclass(frozen=True)
 class Probability:
@@ -62,6 +71,11 @@ class Probability:
         """Return the confidence interval."""
         half = float(norm.ppf(0.5 + 0.5 * level)) * self.error
         return self.value - half, self.value + half
+
+    @property
+    def plain_points(self) -> float:
+        """Points of a plain Monte Carlo sample with the same interval."""
+        return (1.0 - self.value) * self.value / self.error**2
 
 
 def rail_rise(**options: Any) -> cosim.Model:
@@ -128,18 +142,26 @@ def importance_sampling(
     return Probability(float(weights.mean()), error, points, failed)
 
 
-def plot(form: DesignPoint, found: Probability, path: Path) -> None:
-    """Plot the sample in the plane of friction and load, and the estimate over the sample size."""
-    import matplotlib  # noqa: PLC0415
+def summary(form: DesignPoint) -> str:
+    """Return the most likely point of failure in words: inputs, shares of the inputs, and
+    probability."""
+    place = ", ".join(f"{name} {x:.3g}" for name, x in zip(INPUTS, form.physical))
+    shares = ", ".join(f"{name} {one:.0%}" for name, one in zip(INPUTS, form.shares))
+    return (
+        f"most likely: {place}\n"
+        f"FORM: beta {form.beta:.2f}, probability {form.probability:.2e}\n"
+        f"shares: {shares}"
+    )
 
-    matplotlib.use("Agg")
+
+def draw(form: DesignPoint, found: Probability) -> Figure:
+    """Draw the sample in the plane of friction and load, and the estimate over the sample size."""
     from matplotlib import pyplot  # noqa: PLC0415
 
-    distributions = [one for _, one in INPUTS.values()]
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
-    usual = physical(distributions, np.random.default_rng(0).normal(size=(2000, len(INPUTS))))
+    usual = physical(DISTRIBUTIONS, np.random.default_rng(0).normal(size=(2000, len(INPUTS))))
     left.plot(*usual[:, :2].T, ".", ms=4.0, color="0.85", mew=0.0, label="inputs as they occur")
-    places = physical(distributions, found.points)[:, :2]
+    places = physical(DISTRIBUTIONS, found.points)[:, :2]
     for failed, colour, words in ((False, "tab:blue", "below 600 °C"), (True, "tab:red", "above")):
         chosen = places[found.failed == failed]
         left.plot(*chosen.T, ".", ms=5.0, mew=0.0, color=colour, label=f"sample, {words}")
@@ -160,7 +182,15 @@ def plot(form: DesignPoint, found: Probability, path: Path) -> None:
         xlabel="points of the sample", ylabel="probability of more than 600 °C", ylim=(0, None)
     )
     right.legend(frameon=False)
-    figure.savefig(path, dpi=110)
+    return figure
+
+
+def plot(form: DesignPoint, found: Probability, path: Path) -> None:
+    """Write the figure of `draw` to a file; needs no display."""
+    import matplotlib  # noqa: PLC0415
+
+    matplotlib.use("Agg")
+    draw(form, found).savefig(path, dpi=110)
 
 
 def main() -> None:
@@ -171,22 +201,17 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=1000)
     parser.add_argument("--plot", type=Path)
     asked = parser.parse_args()
-    distributions = [one for _, one in INPUTS.values()]
     with rail_rise() as model:
-        form = design_point(model, distributions, LIMIT_K)
-        place = ", ".join(f"{name} {x:.3g}" for name, x in zip(INPUTS, form.physical))
-        print(f"most likely: {place}")
-        print(f"FORM: beta {form.beta:.2f}, probability {form.probability:.2e}, {model.runs} runs")
-        shares = (form.normal / form.beta) ** 2
-        print("shares: " + ", ".join(f"{name} {one:.0%}" for name, one in zip(INPUTS, shares)))
+        form = design_point(model, DISTRIBUTIONS, LIMIT_K)
+        print(f"{summary(form)}\n{model.runs} runs for FORM")
         random = np.random.default_rng(1)
         found = importance_sampling(
-            model, distributions, LIMIT_K, form.normal, asked.samples, random
+            model, DISTRIBUTIONS, LIMIT_K, form.normal, asked.samples, random
         )
         low, high = found.interval()
         print(f"probability {found.value:.2e}, 95 % interval {low:.2e} to {high:.2e}")
-        plain = (1.0 - found.value) * found.value / found.error**2
-        print(f"{model.runs} runs; plain Monte Carlo needs {plain:.1e} for the same interval")
+        plain = f"{found.plain_points:.1e}"
+        print(f"{model.runs} runs; plain Monte Carlo needs {plain} for the same interval")
         if asked.plot:
             plot(form, found, asked.plot)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from SALib.analyze import sobol as analyse
@@ -18,6 +18,9 @@ from SALib.sample import sobol as sample
 
 import cosim
 from cosim import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CASE = Path(__file__).resolve().parents[3] / "cases" / "wheel-rail.toml"
 RANGES = {
@@ -68,11 +71,21 @@ def indices(
     return found, rises
 
 
-def plot(found: Indices, rises: Array, path: Path) -> None:
-    """Plot the indices as bars, and the distribution of the rise."""
-    import matplotlib  # noqa: PLC0415
+def table(found: Indices) -> str:
+    """Return the indices with their intervals as a table, the largest first."""
+    lines = [f"{'input':26}total          first order"]
+    names = np.array(list(RANGES))
+    for n in np.argsort(-found["ST"]):
+        total, first = (
+            f"{found[key][n]:.3f} ± {found[f'{key}_conf'][n]:.3f}" for key in ("ST", "S1")
+        )
+        lines.append(f"{names[n]:26}{total}  {first}")
+    lines.append(f"sum of the first order: {found['S1'].sum():.2f}")
+    return "\n".join(lines)
 
-    matplotlib.use("Agg")
+
+def draw(found: Indices, rises: Array) -> Figure:
+    """Draw the indices as bars, and the distribution of the rise."""
     from matplotlib import pyplot  # noqa: PLC0415
 
     order = np.argsort(found["ST"])
@@ -96,7 +109,15 @@ def plot(found: Indices, rises: Array, path: Path) -> None:
         right.text(value, 0.98 * right.get_ylim()[1], f" {value:.0f} K", color="tab:red", va="top")
     right.set(xlabel="largest temperature rise of the rail [K]", yticks=[])
     right.set_title("2.5, 50 and 97.5 % of all points", fontsize="medium")
-    figure.savefig(path, dpi=110)
+    return figure
+
+
+def plot(found: Indices, rises: Array, path: Path) -> None:
+    """Write the figure of `draw` to a file; needs no display."""
+    import matplotlib  # noqa: PLC0415
+
+    matplotlib.use("Agg")
+    draw(found, rises).savefig(path, dpi=110)
 
 
 def main() -> None:
@@ -110,14 +131,7 @@ def main() -> None:
     with peak_temperature() as model:
         found, rises = indices(model, RANGES, asked.samples)
     print(f"{len(rises)} points, rise {rises.mean():.1f} K ± {rises.std():.1f} K")
-    print(f"{'input':26}total          first order")
-    names = np.array(list(RANGES))
-    for n in np.argsort(-found["ST"]):
-        total, first = (
-            f"{found[key][n]:.3f} ± {found[f'{key}_conf'][n]:.3f}" for key in ("ST", "S1")
-        )
-        print(f"{names[n]:26}{total}  {first}")
-    print(f"sum of the first order: {found['S1'].sum():.2f}")
+    print(table(found))
     if asked.plot:
         plot(found, rises, asked.plot)
 

@@ -41,6 +41,12 @@ fn cases_are_functions_of_arrays_in_python() {
     pytest("model_runs.py");
 }
 
+/// Notebooks of the how-to pages on `cosim.Model`, with small samples.
+#[test]
+fn notebooks_of_the_how_to_pages_run() {
+    pytest("model_notebooks.py");
+}
+
 fn strip_columns() -> String {
     let program = "proto/python/examples/strip_columns.py";
     format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string())
@@ -479,6 +485,7 @@ fn a_wrong_index_is_found_from_two_recordings() {
     ] {
         assert!(compared.stdout.contains(told), "{told}: {}", compared.stdout);
     }
+    assert!(compared.stdout.contains("add --serve --step=20"), "{}", compared.stdout);
     for (fault, code) in [("none", 0), ("wrong-index", 4)] {
         let program = faulty(fault).split_once('=').unwrap().1.to_owned();
         let words: Vec<String> = serde_json::from_str(&program).unwrap();
