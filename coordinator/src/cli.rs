@@ -38,6 +38,7 @@ use studies::reproduce::ReproduceCommand;
 use studies::stability::StabilityCommand;
 use studies::states::StatesCommand;
 use studies::sweep::SweepCommand;
+use watch::WatchCommand;
 
 /// Every command, in the order of the help.
 const COMMANDS: &[Entry] = &[
@@ -45,6 +46,7 @@ const COMMANDS: &[Entry] = &[
     Entry::of::<CheckCommand>(),
     Entry::of::<PlanCommand>(),
     Entry::of::<NewCommand>(),
+    Entry::of::<WatchCommand>(),
     Entry::of::<ReportCommand>(),
     Entry::of::<PictureCommand>(),
     Entry::of::<InspectCommand>(),

@@ -25,18 +25,22 @@
 //! [`Recording::end`] tells whether the file is complete.
 
 mod admit;
+mod chunks;
 mod event;
 mod held;
 mod label;
 mod reader;
 mod writer;
 
+pub use chunks::{Chunk, Chunks};
 pub use event::{Event, Iteration, read_topics};
 pub use label::{LABEL_BYTES, read_label, write_label};
 pub use reader::{End, Entry, Item, Recording};
 pub use writer::{Compression, RecordingWriter};
 
 use crate::description::Description;
+use crate::field::{Body, FieldKind, Mapping};
+use crate::message::FieldHeader;
 use serde::{Deserialize, Serialize};
 
 /// Version of the content of the container; raised when a layout below changes.
@@ -92,6 +96,24 @@ pub struct Head {
     pub participants: Vec<Participant>,
     /// Keys of the case that name a file, with the attachment of each.
     pub files: Vec<CaseFile>,
+}
+
+impl Head {
+    /// Returns the kind of the field of a sample, as the contract or a participant describes it. An
+    /// unknown field has its label only, and belongs to the interface.
+    #[must_use]
+    pub fn field_kind(&self, header: &FieldHeader) -> FieldKind {
+        let name = header.name.as_str();
+        let known = self.participants.iter().find_map(|one| one.description.field_kind(name));
+        known.unwrap_or_else(|| FieldKind {
+            name: name.to_owned(),
+            unit: header.unit.as_str().to_owned(),
+            components: header.components,
+            mapping: Mapping::Consistent,
+            body: Body::Interface,
+            meaning: String::new(),
+        })
+    }
 }
 
 /// A participant of a recorded run.

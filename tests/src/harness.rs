@@ -14,6 +14,7 @@ pub use programs::{example, library, programs, root};
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
+use std::io::{BufRead, BufReader, Write};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -265,6 +266,24 @@ impl Running<'_> {
     /// Sends a signal to the coordinator.
     pub fn signal(&self, signal: Signal) {
         kill_process(self.pid(), signal).unwrap();
+    }
+
+    /// Types a text into standard input, which must be a pipe, and closes it.
+    pub fn type_text(&mut self, text: &str) {
+        let mut input = self.child.as_mut().unwrap().stdin.take().unwrap();
+        input.write_all(text.as_bytes()).unwrap();
+    }
+
+    /// Waits for the first line of the output. The rest of the output is lost.
+    pub fn first_line(&mut self) -> String {
+        let out = self.child.as_mut().unwrap().stdout.take().unwrap();
+        let reading = std::thread::spawn(move || {
+            let mut line = String::new();
+            BufReader::new(out).read_line(&mut line).unwrap();
+            line.trim_end().to_owned()
+        });
+        wait_until("the first line of the output", || reading.is_finished());
+        reading.join().unwrap()
     }
 
     /// Waits until the coordinator has ended, at most for the time of the watchdog.

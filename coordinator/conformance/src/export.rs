@@ -10,11 +10,11 @@ use console::command::{self, Context, Group};
 use console::output::print;
 use contract::bodies::Bodies;
 use contract::configuration::Configuration;
-use contract::field::{Body, FieldKind, GEOMETRY, Mapping};
+use contract::field::{FieldKind, GEOMETRY};
 use contract::grid::Grid;
 use contract::message::{Command, CommandKind, FieldHeader};
 use contract::step::Step;
-use proto::recording::{End, Event, Item, Participant, Recording, RecordingError};
+use proto::recording::{End, Event, Head, Item, Recording, RecordingError};
 use run::error::{RunError, file_failure};
 use run::format::counted;
 use run::results::vtk::{FieldOutput, FieldWriter};
@@ -100,7 +100,7 @@ pub(crate) fn export<R: Read>(
     let mut export = Export {
         target,
         vtk: target.vtk.as_ref().map(|folder| FieldWriter::new(folder.clone())),
-        participants: recording.head().participants.clone(),
+        head: recording.head().clone(),
         grids: BTreeMap::new(),
         newest: BTreeMap::new(),
         bodies: None,
@@ -131,8 +131,8 @@ pub(crate) fn export<R: Read>(
 struct Export<'a> {
     target: &'a Target,
     vtk: Option<FieldWriter>,
-    /// Participants, which describe their fields.
-    participants: Vec<Participant>,
+    /// Head of the recording, which describes the fields.
+    head: Head,
     /// Current grid of each topic, and the service of its geometry if the grid moves.
     grids: BTreeMap<String, (Grid, Option<String>)>,
     newest: BTreeMap<String, NewestSample>,
@@ -201,7 +201,7 @@ impl Export<'_> {
         }
         let grid = self.grids.get(service).map(|(grid, _)| grid);
         let newest = self.newest.entry(service.to_owned()).or_insert_with(|| NewestSample {
-            kind: kind(header, &self.participants),
+            kind: self.head.field_kind(header),
             producer: header.producer.as_str().to_owned(),
             grid: None,
             values: Vec::new(),
@@ -285,21 +285,6 @@ fn fits(components: u32, grid: &Grid, header: &FieldHeader) -> Result<(), String
         "`{name}` has {found} component(s) at {points} point(s); its grid `{on}` has {expected}, and \
          the field {components} component(s)"
     ))
-}
-
-/// Returns the kind of a field, as the contract or a participant describes it. An unknown field
-/// gets its label only, and belongs to the interface.
-fn kind(header: &FieldHeader, participants: &[Participant]) -> FieldKind {
-    let name = header.name.as_str();
-    let known = participants.iter().find_map(|one| one.description.field_kind(name));
-    known.unwrap_or_else(|| FieldKind {
-        name: name.to_owned(),
-        unit: header.unit.as_str().to_owned(),
-        components: header.components,
-        mapping: Mapping::Consistent,
-        body: Body::Interface,
-        meaning: String::new(),
-    })
 }
 
 /// Writes one row for each point: index, coordinates, and components.

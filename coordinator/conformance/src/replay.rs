@@ -58,9 +58,15 @@ pub struct ReplayCommand {
     /// Change a value of the recorded configuration: dotted name and SI number, or text.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Ask before every command.
-    #[arg(long)]
-    step: bool,
+    /// Ask before every command, from the first solve of WINDOW on.
+    #[arg(
+        long,
+        value_name = "WINDOW",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "0"
+    )]
+    step: Option<u64>,
     /// Wait for a solver that is started by hand, for example in a debugger; there are no
     /// deadlines.
     #[arg(long)]

@@ -5,7 +5,7 @@ use run::format::superscript;
 use std::fmt::Write as _;
 
 /// Names of the spatial axes.
-pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
+pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// A linear or logarithmic axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -223,7 +223,8 @@ pub fn largest_magnitude(values: &[f64]) -> f64 {
 }
 
 /// Label of an axis from a name and a unit, each of which may be empty.
-pub(crate) fn label(name: &str, unit: &str) -> String {
+#[must_use]
+pub fn label(name: &str, unit: &str) -> String {
     match (name, unit) {
         (name, "") => name.to_owned(),
         ("", unit) => unit.to_owned(),

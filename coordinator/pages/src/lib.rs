@@ -28,10 +28,11 @@ pub mod sheet;
 pub mod source;
 pub mod table;
 
+use lanes::Lanes;
 use page::Page;
 use run::error::RunError;
 use run::results::write::replace;
-use source::Results;
+use source::{Columns, Results};
 use std::path::{Path, PathBuf};
 
 /// Name of the page in a result directory.
@@ -61,4 +62,11 @@ pub fn page(results: &Results) -> Page {
     let mut page = sections::opening(results);
     page.sections.extend(sections::all(results));
     page
+}
+
+/// Draws the work of the participants in rows of `iterations.csv`, under a coupling scheme. `None`
+/// without rows, or without the times of every participant.
+#[must_use]
+pub fn work(iterations: &Columns, scheme: &str) -> Option<Lanes> {
+    sections::lanes(iterations, scheme)
 }

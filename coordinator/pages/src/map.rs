@@ -3,7 +3,7 @@
 mod contour;
 mod overlay;
 
-pub use contour::{Polyline, contours};
+pub use contour::{Polyline, contours, contours_at};
 pub use overlay::{Arrows, Edge};
 
 use super::axis::{Axis, Frame, extent};
@@ -156,7 +156,11 @@ impl Heatmap {
         };
         let place = |[i, j]: [f64; 2]| [along(self.x, *columns, i), along(self.y, rows, j)];
         let levels = colour_axis(self.range(), [0.0, 1.0]).ticks(LEVELS);
-        let lines = levels.iter().filter(|(level, _)| *level != 0.0);
+        // At an end of the range, a line would separate values that differ by rounding only.
+        let [low, high] = self.range();
+        let margin = 1e-6 * (high - low);
+        let within = |level: f64| level != 0.0 && level > low + margin && level < high - margin;
+        let lines = levels.iter().filter(|(level, _)| within(*level));
         let lines = lines.flat_map(|(level, _)| contours(values, *columns, *level));
         let lines: Vec<Polyline> =
             lines.map(|line| line.into_iter().map(place).collect()).collect();

@@ -4,7 +4,8 @@
 use super::axis::extent;
 use super::axis::{AXES, label, largest_magnitude};
 use super::canvas::Drawing;
-use super::map::{Arrows, Edge, Heatmap, Polyline, contours};
+use super::map::{Arrows, Edge, Heatmap, Polyline, contours, contours_at};
+use super::page::Block;
 use super::plot::Figure;
 use super::source::{Field, GridSeries, Image, Results};
 use contract::field::{EDGES, QUOTIENTS, Quotient};
@@ -34,6 +35,15 @@ pub enum FieldDrawing {
 }
 
 impl FieldDrawing {
+    /// The block of a page with this drawing.
+    #[must_use]
+    pub fn block(self) -> Block {
+        match self {
+            Self::Map(map) => Block::Heatmap(map),
+            Self::Line(line) => Block::Figure(line),
+        }
+    }
+
     /// The drawing, for a sheet.
     #[must_use]
     pub(super) fn drawing(&self) -> Drawing<'_> {
@@ -59,13 +69,17 @@ pub fn named(results: &Results) -> Vec<(String, FieldDrawing)> {
         let Some(image) = &series.image else { continue };
         let edges = if series.is_surface() { edges.as_slice() } else { &[] };
         let made: Vec<Field> = QUOTIENTS.iter().filter_map(|one| quotient(image, one)).collect();
-        let drawn = |field: &Field| {
-            let drawn = map(image, field, edges).map(FieldDrawing::Map);
-            Some((field.name.clone(), drawn.or_else(|| row(image, field).map(FieldDrawing::Line))?))
-        };
+        let drawn = |field: &Field| Some((field.name.clone(), draw(image, field, edges)?));
         maps.extend(image.fields.iter().chain(&made).filter_map(drawn));
     }
     maps
+}
+
+/// Draws a field with the edges of the contact; `None` if all values are zero.
+#[must_use]
+pub fn draw(image: &Image, field: &Field, edges: &[Edge]) -> Option<FieldDrawing> {
+    let drawn = map(image, field, edges).map(FieldDrawing::Map);
+    drawn.or_else(|| row(image, field).map(FieldDrawing::Line))
 }
 
 /// Names of the fields that are zero everywhere, which have no map.
@@ -89,6 +103,7 @@ fn quotient(image: &Image, made: &Quotient) -> Option<Field> {
         unit: made.unit.to_owned(),
         meaning: made.meaning.to_owned(),
         components: 1,
+        in_contact: true,
         values,
     })
 }
@@ -122,17 +137,21 @@ fn edges(results: &Results) -> Vec<Edge> {
     };
     let found = EDGES.iter().filter_map(|edge| {
         let (image, mut inside) = find(edge.field.name)?;
-        let mut outside = 0.0;
         if let Some(within) = edge.within {
             let (other, differs) = find(within.name)?;
             if other.cells != image.cells {
                 return None;
             }
-            outside = f64::NAN;
             let masked = inside.iter_mut().zip(differs).filter(|(_, other)| *other == 0.0);
-            masked.for_each(|(value, _)| *value = outside);
+            masked.for_each(|(value, _)| *value = f64::NAN);
         }
-        let lines = edge_of(image, &inside, outside);
+        let lines = match edge.growth {
+            None => edge_of(image, &inside),
+            Some(growth) => {
+                let values = image.field(edge.field.name)?.magnitudes();
+                border_of(image, &inside, &values, growth)
+            }
+        };
         (!lines.is_empty()).then(|| Edge { name: edge.words.to_owned(), lines })
     });
     found.collect()
@@ -145,20 +164,68 @@ fn differs(field: &Field) -> Vec<f64> {
     values.iter().map(|value| f64::from(u8::from(*value > EDGE * largest))).collect()
 }
 
-/// Lines between cells with 0 and cells with 1 \[m\]. `outside` is the value assumed beyond the
-/// grid.
-fn edge_of(image: &Image, inside: &[f64], outside: f64) -> Vec<Polyline> {
+/// Lines between cells with 0 and cells with 1, within the grid \[m\].
+fn edge_of(image: &Image, inside: &[f64]) -> Vec<Polyline> {
+    let (framed, wide) = framed(image, inside, f64::NAN);
+    let lines = contours(&framed, wide, 0.5).into_iter();
+    lines.map(|line| smoothed(line.into_iter().map(|at| place(image, at)).collect())).collect()
+}
+
+/// Border of the area in which a field differs from zero \[m\]. The field grows from the border
+/// inwards with the distance to this power.
+///
+/// The power 1/growth of the field is continued from the three elements behind the outermost one,
+/// which the border may cut, by the parabola through them: exact for Hertz's contact. Where this
+/// parabola is not zero near the outermost element, as under a sharp corner or on a rough surface,
+/// the line follows the elements.
+fn border_of(image: &Image, inside: &[f64], values: &[f64], growth: f64) -> Vec<Polyline> {
+    let (framed_inside, wide) = framed(image, inside, 0.0);
+    let linear: Vec<f64> = values.iter().map(|value| value.abs().powf(1.0 / growth)).collect();
+    let (linear, _) = framed(image, &linear, 0.0);
+    let crossing = |a: usize, b: usize| {
+        let inward =
+            if framed_inside[a] > 0.5 { a as isize - b as isize } else { (b - a) as isize };
+        let last = if inward < 0 { a } else { b };
+        let behind = [1, 2, 3].map(|n| {
+            let at = last.checked_add_signed(n * inward);
+            at.and_then(|at| linear.get(at)).copied().unwrap_or(0.0)
+        });
+        let part = zero_beyond(behind).unwrap_or(0.5);
+        if last == a { part } else { 1.0 - part }
+    };
+    let lines = contours_at(&framed_inside, wide, 0.5, crossing).into_iter();
+    lines.map(|line| smoothed(line.into_iter().map(|at| place(image, at)).collect())).collect()
+}
+
+/// Place where the parabola through values at -1, -2 and -3 falls to zero, if that is between -1
+/// and 1 and the values fall towards it.
+fn zero_beyond([first, second, third]: [f64; 3]) -> Option<f64> {
+    if !(0.0 < first && first < second && second < third) {
+        return None;
+    }
+    // The parabola first + slope (s + 1) + bend (s + 1)(s + 2).
+    let (slope, bend) = (first - second, 0.5 * (first - 2.0 * second + third));
+    let half = 0.5 * (slope + bend);
+    let root = (half * half - bend * first).sqrt();
+    let beyond = first / (root - half);
+    let place = beyond - 1.0;
+    (-1.0..=1.0).contains(&place).then_some(place)
+}
+
+/// Values with a row and a column more on every side, and the length of a row.
+fn framed(image: &Image, values: &[f64], outside: f64) -> (Vec<f64>, usize) {
     let [columns, rows] = [image.cells[0], image.cells[1]];
     let wide = columns + 2;
     let mut framed = vec![outside; wide * (rows + 2)];
-    for (n, value) in inside.iter().enumerate() {
+    for (n, value) in values.iter().enumerate() {
         framed[(n / columns + 1) * wide + n % columns + 1] = *value;
     }
-    let place = |[i, j]: [f64; 2]| {
-        [0, 1].map(|axis| image.corner[axis] + ([i, j][axis] - 0.5) * image.spacing[axis])
-    };
-    let lines = contours(&framed, wide, 0.5).into_iter();
-    lines.map(|line| smoothed(line.into_iter().map(place).collect())).collect()
+    (framed, wide)
+}
+
+/// Place of a position among framed cells \[m\].
+fn place(image: &Image, at: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|axis| image.corner[axis] + (at[axis] - 0.5) * image.spacing[axis])
 }
 
 /// Smooths a line of element borders: each point becomes a weighted mean of itself and its
@@ -199,7 +266,12 @@ fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
     let most = largest_at(image, field, &values, &scale);
     for value in &mut values {
         let shown = if is_positive { value.max(0.0) } else { *value };
-        *value = if is_zero(value) { f64::NAN } else { shown / scale.factor };
+        // Outside the contact there is no value of its fields; a body has a temperature everywhere.
+        *value = match is_zero(value) {
+            true if field.in_contact => f64::NAN,
+            true => 0.0,
+            false => shown / scale.factor,
+        };
     }
     let lengths = [horizontal, upright].map(|axis| {
         let borders = image.borders(axis);
@@ -322,6 +394,7 @@ mod tests {
             unit: "Pa".to_owned(),
             meaning: "normal pressure".to_owned(),
             components: 1,
+            in_contact: true,
             values,
         };
         let (corner, spacing) = ([-1e-3, -1e-3, 0.0], [1e-3; 3]);
@@ -379,33 +452,49 @@ mod tests {
         assert_eq!(ratios[5..10], [0.0, 0.0, 0.3, 0.25, 0.0]);
     }
 
-    /// The edge of a disc of elements is a circle within a tenth of an element, without steps.
+    /// Cells of unit size round the origin.
+    fn square(count: usize) -> Image {
+        let corner = [-0.5 * count as f64, -0.5 * count as f64, 0.0];
+        Image { corner, spacing: [1.0; 3], cells: [count, count, 0], fields: vec![] }
+    }
+
+    fn radius(n: usize, count: usize) -> f64 {
+        let [x, y] = [n % count, n / count].map(|k| k as f64 - 0.5 * (count - 1) as f64);
+        x.hypot(y)
+    }
+
+    /// The edge of a disc of elements is a circle within a third of an element, without steps.
     #[test]
     fn an_edge_has_no_steps() {
         let count = 41;
-        let spacing = [1.0; 3];
-        let image = Image {
-            corner: [-20.5, -20.5, 0.0],
-            spacing,
-            cells: [count, count, 0],
-            fields: vec![],
-        };
-        let inside = |n: usize| {
-            let [x, y] = [n % count, n / count].map(|k| k as f64 - 20.0);
-            f64::from(u8::from(x.hypot(y) < 15.0))
-        };
+        let inside = |n: usize| f64::from(u8::from(radius(n, count) < 15.0));
         let inside: Vec<f64> = (0..count * count).map(inside).collect();
-        let lines = edge_of(&image, &inside, 0.0);
+        let lines = edge_of(&square(count), &inside);
         assert_eq!(lines.len(), 1);
         let radii = || lines[0].iter().map(|[x, y]| x.hypot(*y));
         let (least, most) = (radii().fold(f64::MAX, f64::min), radii().fold(0.0, f64::max));
         assert!(most - least < 0.6 && (0.5 * (most + least) - 15.0).abs() < 0.3, "{least} {most}");
     }
 
+    /// The square of Hertz's pressure is a paraboloid, whose continuation is exact; smoothing moves
+    /// a point of a circle inwards by at most 1/4R in each of six passes.
+    #[test]
+    fn the_border_of_a_hertzian_pressure_is_a_circle() {
+        let count = 41;
+        let edge = 15.2;
+        let pressure = |n: usize| (1.0 - (radius(n, count) / edge).powi(2)).max(0.0).sqrt();
+        let pressures: Vec<f64> = (0..count * count).map(pressure).collect();
+        let inside: Vec<f64> = pressures.iter().map(|p| f64::from(u8::from(*p > 0.0))).collect();
+        let lines = border_of(&square(count), &inside, &pressures, 0.5);
+        assert_eq!(lines.len(), 1);
+        let apart = lines[0].iter().map(|[x, y]| (x.hypot(*y) - edge).abs()).fold(0.0, f64::max);
+        assert!(apart < 6.0 / (4.0 * edge), "{apart}");
+    }
+
     #[test]
     fn an_edge_goes_round_what_differs_from_zero() {
         let (image, field) = image(vec![0.0, 5e6, 0.0, 0.0, 1e3, 0.0]);
-        let lines = edge_of(&image, &differs(&field), 0.0);
+        let lines = border_of(&image, &differs(&field), &field.values, 0.5);
         assert_eq!(lines.len(), 1);
         assert_eq!(lines[0].first(), lines[0].last());
         // The line surrounds the lower cell of the middle column; 1 kPa beside 5 MPa counts as

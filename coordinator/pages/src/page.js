@@ -259,7 +259,7 @@
     node.setAttribute("aria-pressed", on);
     return on;
   };
-  for (const svg of document.querySelectorAll("svg.plot[data-x]")) {
+  const equip = svg => {
     const figure = svg.closest("figure");
     const name = figure.querySelector("figcaption").textContent.trim().replace(/[^\w.-]+/g, "-");
     const tools = make("div", "tools");
@@ -275,5 +275,9 @@
     figure.querySelector("figcaption").append(tools);
     slider(figure, svg);
     zoom(svg);
-  }
+  };
+  const equipAll = root => root.querySelectorAll("svg.plot[data-x]").forEach(equip);
+  equipAll(document);
+  // A script that adds drawings to the page announces them with this event.
+  document.addEventListener("drawn", event => equipAll(event.target));
 })();

@@ -17,6 +17,22 @@ const SCRIPT: &str = include_str!("page.js");
 /// Content security policy: a browser may load only resources embedded in the page.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:";
 
+/// Addition to the policy for a page that requests its contents from the server it came from.
+const REQUESTS: &str = "; connect-src 'self'";
+
+/// Additions to a page that is more than a report.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Addition<'a> {
+    /// HTML above the sections.
+    pub body: &'a str,
+    /// Style sheet.
+    pub style: &'a str,
+    /// Script, run after that of the page.
+    pub script: &'a str,
+    /// Whether the script may send requests to the server of the page.
+    pub requests: bool,
+}
+
 /// One prominent figure of the page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Headline {
@@ -126,22 +142,30 @@ impl Section {
         (!blocks.is_empty()).then(|| Self { title: title.to_owned(), blocks })
     }
 
-    /// Renders the section as HTML, with drawings in a grid.
-    fn html(&self) -> String {
-        let mut out = format!("<section>\n<h2>{}</h2>\n", escape(&self.title));
-        for group in self.blocks.chunk_by(|a, b| a.is_drawing() == b.is_drawing()) {
-            let inner: String = group.iter().map(Block::html).collect();
-            match group[0].is_drawing() {
-                true => {
-                    let all_maps = group.iter().all(|block| matches!(block, Block::Heatmap(_)));
-                    let class = if all_maps { "plots maps" } else { "plots" };
-                    out += &format!("<div class=\"{class}\">\n{inner}</div>\n");
-                }
-                false => out += &inner,
-            }
-        }
-        out + "</section>\n"
+    /// Renders the section as HTML.
+    #[must_use]
+    pub fn html(&self) -> String {
+        let (title, blocks) = (escape(&self.title), html(&self.blocks));
+        format!("<section>\n<h2>{title}</h2>\n{blocks}</section>\n")
     }
+}
+
+/// Renders blocks as HTML, with drawings in a grid.
+#[must_use]
+pub fn html(blocks: &[Block]) -> String {
+    let mut out = String::new();
+    for group in blocks.chunk_by(|a, b| a.is_drawing() == b.is_drawing()) {
+        let inner: String = group.iter().map(Block::html).collect();
+        match group[0].is_drawing() {
+            true => {
+                let all_maps = group.iter().all(|block| matches!(block, Block::Heatmap(_)));
+                let class = if all_maps { "plots maps" } else { "plots" };
+                out += &format!("<div class=\"{class}\">\n{inner}</div>\n");
+            }
+            false => out += &inner,
+        }
+    }
+    out
 }
 
 /// Outcome of a run, which sets the colour of the status.
@@ -174,6 +198,36 @@ pub struct Page {
 
 impl Display for Page {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        f.write_str(&self.with(&Addition::default()))
+    }
+}
+
+impl Page {
+    /// Renders the page with an addition.
+    #[must_use]
+    pub fn with(&self, addition: &Addition<'_>) -> String {
+        let policy = POLICY.to_owned() + if addition.requests { REQUESTS } else { "" };
+        let [name, status] = [&self.name, &self.status].map(|text| escape(text));
+        let (Addition { body, style, script, .. }, head) = (addition, self.head());
+        let sections: String = self.sections.iter().map(Section::html).collect();
+        // The policy blocks all other requests, whatever the contents of the page. An embedded icon
+        // keeps the browser from requesting one, and the CDATA marker keeps the page well-formed
+        // XML.
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+             <meta name=\"color-scheme\" content=\"light dark\"/>\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\"/>\n\
+             <link rel=\"icon\" href=\"data:,\"/>\n\
+             <title>{name} · {status}</title>\n<style>\n{PLOT_STYLE}{STYLE}{style}</style>\n\
+             </head>\n<body>\n<main>\n{head}{body}{sections}</main>\n\
+             <script>//<![CDATA[\n{SCRIPT}{script}//]]></script>\n</body>\n</html>\n"
+        )
+    }
+
+    /// Renders name, title and status of the run.
+    #[must_use]
+    pub fn head(&self) -> String {
         let mood = match self.mood {
             RunStatus::Good => "good",
             RunStatus::Bad => "bad",
@@ -182,24 +236,10 @@ impl Display for Page {
         let [name, title, status, reason] =
             [&self.name, &self.title, &self.status, &self.reason].map(|text| escape(text));
         let reason = quoted(&reason);
-        writeln!(f, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>")?;
-        writeln!(f, "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>")?;
-        writeln!(f, "<meta name=\"color-scheme\" content=\"light dark\"/>")?;
-        // The policy blocks all requests, whatever the contents of the page.
-        writeln!(f, "<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"/>")?;
-        // An embedded icon keeps the browser from requesting one.
-        writeln!(f, "<link rel=\"icon\" href=\"data:,\"/>")?;
-        writeln!(
-            f,
-            "<title>{name} · {status}</title>\n<style>\n{PLOT_STYLE}{STYLE}</style>\n</head>\n<body>"
-        )?;
-        writeln!(f, "<main>\n<header>\n<h1>{name}</h1>\n<p class=\"title\">{title}</p>")?;
-        writeln!(f, "<p class=\"status {mood}\"><b>{status}</b> {reason}</p>\n</header>")?;
-        for section in &self.sections {
-            f.write_str(&section.html())?;
-        }
-        // The CDATA marker keeps the page well-formed XML.
-        writeln!(f, "</main>\n<script>//<![CDATA[\n{SCRIPT}//]]></script>\n</body>\n</html>")
+        format!(
+            "<header>\n<h1>{name}</h1>\n<p class=\"title\">{title}</p>\n\
+             <p class=\"status {mood}\"><b>{status}</b> {reason}</p>\n</header>\n"
+        )
     }
 }
 

@@ -5,6 +5,8 @@ mod fields;
 mod results;
 mod setup;
 
+pub(crate) use coupling::lanes;
+
 use super::page::{Page, RunStatus, Section};
 use super::source::Results;
 

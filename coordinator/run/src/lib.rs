@@ -72,6 +72,7 @@ pub mod signals;
 pub mod stopped;
 pub mod supervise;
 pub mod warnings;
+pub mod watching;
 pub mod wrap;
 
 /// Returns the settings of tests over arbitrary bytes: 400 cases, or the number in `FUZZ_CASES`.

@@ -22,6 +22,7 @@ use crate::results::{ResultFolder, show};
 use crate::results::{derived, history};
 use crate::session::{PendingExits, Session};
 use crate::warnings::Warning;
+use crate::watching::Watcher;
 use case::Case;
 use contract::message::Finished;
 use serde_json::Value;
@@ -285,8 +286,16 @@ fn perform(
             Ok::<_, RunError>(time_loop::Writing { every, into, origin })
         };
         let checkpoints = plan.checkpoint_every.map(writing).transpose()?;
-        let mut windows =
-            TimeLoop::new(plan, &mut session, &mut tables, &mut fields, counts, checkpoints);
+        let watcher = Watcher::of(&folder.path());
+        let mut windows = TimeLoop::new(
+            plan,
+            &mut session,
+            &mut tables,
+            &mut fields,
+            counts,
+            checkpoints,
+            watcher,
+        );
         windows.record(recorder.as_deref());
         if let Some(checkpoint) = from {
             windows.resume(checkpoint)?;

@@ -218,6 +218,7 @@ mod tests {
             unit: "K".to_owned(),
             meaning: String::new(),
             components: 1,
+            in_contact: true,
             values: (0..columns * rows).map(value).collect(),
         };
         let (corner, spacing) = ([-2.0, -1.0, 0.0], [dx, dy, dx]);

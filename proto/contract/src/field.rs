@@ -157,20 +157,28 @@ field_table! {
 }
 
 /// An edge drawn in maps of a surface: the line where a field begins to differ from zero.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edge {
     /// Field whose support has the edge.
     pub field: &'static FieldSpec,
     /// Field that limits the edge to the region where this field differs from zero.
     pub within: Option<&'static FieldSpec>,
+    /// Power of the distance from the edge with which the field grows, if it is the same in every
+    /// contact. Hertz's pressure grows with its square root.
+    pub growth: Option<f64>,
     /// Meaning of the line.
     pub words: &'static str,
 }
 
 /// Edges of a contact, for pictures.
 pub const EDGES: &[Edge] = &[
-    Edge { field: &PRESSURE, within: None, words: "edge of contact" },
-    Edge { field: &SLIP_VELOCITY, within: Some(&PRESSURE), words: "between stick and slip" },
+    Edge { field: &PRESSURE, within: None, growth: Some(0.5), words: "edge of contact" },
+    Edge {
+        field: &SLIP_VELOCITY,
+        within: Some(&PRESSURE),
+        growth: None,
+        words: "between stick and slip",
+    },
 ];
 
 /// A map of the magnitude of one field divided by another on the same grid, where the divisor is

@@ -1,5 +1,6 @@
-//! Reading a recording from front to back.
+//! Reading a recording from front to back, or from a chunk on.
 
+use super::chunks::Chunk;
 use super::held::MemoryBudget;
 use super::{
     CONTROL, Event, FORMAT, Head, LONGEST_RECORD, RecordingError, STATE, admit, read_label,
@@ -9,7 +10,7 @@ use crate::message::FieldHeader;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::HashMap;
-use std::io::Read;
+use std::io::{Read, Seek, SeekFrom};
 
 /// Maximum number of bytes requested from the file at a time. A length claimed in the file is
 /// allocated only as far as its bytes exist.
@@ -76,7 +77,7 @@ impl<R: Read> Recording<R> {
     /// Fails if the file is not a recording, has another format, is damaged, or is truncated before
     /// its first message.
     pub fn open(file: R) -> Result<Self, RecordingError> {
-        let mut source = Source::new(file);
+        let mut source = Source::new(file, At::Start);
         let mut attachments = Vec::new();
         let mut held = None;
         while let Some((opcode, bytes)) = source.next()? {
@@ -183,6 +184,17 @@ impl<R: Read> Recording<R> {
     }
 }
 
+impl<R: Read + Seek> Recording<R> {
+    /// Goes to the first message of a chunk, which [`Recording::read`] returns next. Channels named
+    /// before stay known.
+    ///
+    /// # Errors
+    /// Fails if the file cannot be positioned.
+    pub fn seek(&mut self, chunk: Chunk) -> Result<(), RecordingError> {
+        self.source.seek(chunk)
+    }
+}
+
 fn damaged<T>(what: String) -> Result<T, RecordingError> {
     Err(RecordingError::Content(what))
 }
@@ -268,16 +280,37 @@ struct Source<R: Read> {
     end: End,
 }
 
+/// Place of a file where reading begins.
+#[derive(Clone, Copy, PartialEq)]
+enum At {
+    Start,
+    Chunk,
+}
+
+/// Returns a reader of the container from this place on.
+fn reader(at: At) -> LinearReader {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(at == At::Chunk)
+        .with_skip_end_magic(true)
+        .with_validate_chunk_crcs(true)
+        .with_record_length_limit(LONGEST_RECORD + 64);
+    LinearReader::new_with_options(options)
+}
+
+impl<R: Read + Seek> Source<R> {
+    fn seek(&mut self, chunk: Chunk) -> Result<(), RecordingError> {
+        self.file.seek(SeekFrom::Start(chunk.position))?;
+        self.reader = reader(At::Chunk);
+        self.end = End::Unknown;
+        Ok(())
+    }
+}
+
 impl<R: Read> Source<R> {
-    fn new(file: R) -> Self {
-        let options = LinearReaderOptions::default()
-            .with_skip_end_magic(true)
-            .with_validate_chunk_crcs(true)
-            .with_record_length_limit(LONGEST_RECORD + 64);
-        let reader = LinearReader::new_with_options(options);
+    fn new(file: R, at: At) -> Self {
         Self {
             file,
-            reader,
+            reader: reader(at),
             record: Vec::new(),
             bytes_read: 0,
             held: MemoryBudget::default(),

@@ -448,3 +448,76 @@ fn topics_are_checked() {
         assert!(fault.contains(words), "{fault}");
     }
 }
+
+/// Reads a recording chunk by chunk, as far as its file has been written.
+fn read_by_chunks(bytes: &[u8]) -> Result<Vec<u64>, RecordingError> {
+    let mut recording = Recording::open(Cursor::new(bytes))?;
+    let mut chunks = Chunks::new(Cursor::new(bytes));
+    let mut times = Vec::new();
+    while let Some(chunk) = chunks.find_next()? {
+        recording.seek(chunk)?;
+        while let Some(entry) = recording.read()? {
+            times.push(entry.nanoseconds);
+            if entry.nanoseconds >= chunk.last {
+                break;
+            }
+        }
+    }
+    Ok(times)
+}
+
+#[test]
+fn a_recording_is_read_chunk_by_chunk_in_any_order() {
+    for compression in [Compression::None, Compression::Zstd] {
+        let bytes = recorded(compression);
+        let mut whole = Recording::open(bytes.as_slice()).unwrap();
+        let mut times = Vec::new();
+        while let Some(entry) = whole.read().unwrap() {
+            times.push(entry.nanoseconds);
+        }
+        assert_eq!(read_by_chunks(&bytes).unwrap(), times);
+        let mut finder = Chunks::new(Cursor::new(&bytes));
+        let chunks: Vec<Chunk> = std::iter::from_fn(|| finder.find_next().unwrap()).collect();
+        assert!(finder.is_finished() && chunks.len() >= 4, "{chunks:?}");
+        // Backwards, after the channels have been read once.
+        let mut recording = Recording::open(Cursor::new(&bytes)).unwrap();
+        while recording.read().unwrap().is_some() {}
+        for chunk in chunks.iter().rev() {
+            recording.seek(*chunk).unwrap();
+            let entry = recording.read().unwrap().unwrap();
+            assert!(entry.nanoseconds <= chunk.last && times.contains(&entry.nanoseconds));
+        }
+    }
+}
+
+/// A chunk counts once it is complete; a search goes on where it has ended.
+#[test]
+fn a_recording_that_grows_is_followed() {
+    let bytes = recorded(Compression::None);
+    let mut all = Chunks::new(Cursor::new(&bytes));
+    let expected: Vec<Chunk> = std::iter::from_fn(|| all.find_next().unwrap()).collect();
+    let mut chunks = Chunks::new(Cursor::new(Vec::new()));
+    let mut found = Vec::new();
+    for length in (0..=bytes.len()).step_by(7).chain([bytes.len()]) {
+        chunks.put_file(Cursor::new(bytes[..length].to_vec()));
+        while let Some(chunk) = chunks.find_next().unwrap() {
+            assert!(chunk.end <= length as u64);
+            found.push(chunk);
+        }
+    }
+    assert_eq!(found, expected);
+    assert!(chunks.is_finished());
+}
+
+proptest! {
+    /// Neither the search nor the reader trusts a length in the file.
+    #[test]
+    fn damaged_chunks_end_the_search(at in 0.0..1.0, bits in 1_u8.., cut in 0.0..1.0) {
+        let mut bytes = recorded(Compression::Zstd);
+        let place = (at * bytes.len() as f64) as usize;
+        bytes[place] ^= bits;
+        let _ = read_by_chunks(&bytes);
+        bytes.truncate((cut * bytes.len() as f64) as usize);
+        let _ = read_by_chunks(&bytes);
+    }
+}

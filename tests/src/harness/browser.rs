@@ -121,7 +121,10 @@ fn browse(place: &TempDir, more: &[String], address: &str) -> Output {
         ])
         .args(["--disable-dev-shm-usage", "--disable-background-networking", "--disable-sync"])
         .args(["--disable-component-update", "--disable-extensions", "--disable-default-apps"])
-        .args(["--host-resolver-rules=MAP * 127.0.0.1:9", "--force-device-scale-factor=1"])
+        .args([
+            "--host-resolver-rules=MAP * 127.0.0.1:9, EXCLUDE 127.0.0.1",
+            "--force-device-scale-factor=1",
+        ])
         .args(["--allow-file-access-from-files", "--virtual-time-budget=5000", "--timeout=60000"])
         .arg(format!("--user-data-dir={}", profile.display()))
         .args(more)
@@ -247,6 +250,26 @@ fn requests(log: &Path, page: &Path) -> Vec<String> {
     let urls = events.iter().filter(of_page).filter_map(|event| event["params"]["url"].as_str());
     let own = format!("file://{}", page.display());
     urls.filter(|url| !url.starts_with("data:") && *url != own).map(str::to_owned).collect()
+}
+
+/// Opens a page, runs a script in it, and returns the list that the script writes as JSON into the
+/// title.
+pub fn act(page: &Path, script: &str) -> Vec<Value> {
+    let place = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(page).unwrap();
+    let script = format!("<script>{script}</script></body>");
+    let path = place.path().join("page.html");
+    fs::write(&path, text.replace("</body>", &script)).unwrap();
+    let address = format!("file://{}", path.display());
+    let ended = browse(&place, &["--dump-dom".to_owned()], &address);
+    probed(&String::from_utf8_lossy(&ended.stdout))
+}
+
+/// Opens an address on this machine and returns the page after its scripts have run for a while.
+pub fn opened(address: &str) -> String {
+    let place = tempfile::tempdir().unwrap();
+    let ended = browse(&place, &["--dump-dom".to_owned()], address);
+    String::from_utf8_lossy(&ended.stdout).into_owned()
 }
 
 fn probed(dom: &str) -> Vec<Value> {

@@ -38,6 +38,7 @@ const ORDER: &[(&str, &[&str])] = &[
     ("console", &["contract", "proto", "case", "run"]),
     ("pages", &["contract", "run"]),
     ("conformance", &["contract", "proto", "coupling", "case", "run", "console"]),
+    ("watch", &["contract", "proto", "run", "console", "pages", "conformance"]),
     (
         "studies",
         &[
@@ -66,6 +67,7 @@ const ORDER: &[(&str, &[&str])] = &[
             "console",
             "pages",
             "conformance",
+            "watch",
             "studies",
         ],
     ),

@@ -71,5 +71,6 @@ mod terminal;
 mod threads;
 mod volume;
 mod warnings;
+mod watch;
 
 use tests::harness;

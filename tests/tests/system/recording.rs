@@ -6,6 +6,7 @@ use crate::harness::{Ended, Place, Table, case, programs, root, sets, wait_until
 use rustix::process::{Pid, Resource, Rlimit, Signal, prlimit};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
 
 /// Runs and records a case; returns the path of the recording.
 fn record(place: &Place, name: &str, flag: &str, settings: &[&str]) -> PathBuf {
@@ -88,6 +89,24 @@ fn two_recordings_are_compared() {
     let cause = "its configuration: case.materials.steel.conductivity is 51.0, recorded 50.0";
     assert!(differs.stdout.contains(cause), "{}", differs.stdout);
     assert!(differs.stderr.contains("the recordings differ: window 0"), "{}", differs.stderr);
+}
+
+/// A replay asks before the first solve of a window, and stops there if told so.
+#[test]
+fn a_replay_stops_before_a_window() {
+    let place = Place::new();
+    let set = ["mech.resolution=10", "time.end=100 us"];
+    let recording = record(&place, "cold-start.toml", "--record", &set).display().to_string();
+    let mut command = place.command(&["replay", &recording, "--only", "thermal", "--step=3"]);
+    command.stdin(Stdio::piped());
+    let mut running = place.launch(command);
+    running.type_text("q\n");
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let asked: Vec<&str> = ended.stdout.lines().filter(|line| line.contains(" > ")).collect();
+    assert_eq!(asked.len(), 1, "{}", ended.stdout);
+    assert!(asked[0].contains("thermal: Solve window 3, iteration 1, "), "{}", ended.stdout);
+    assert!(ended.stdout.contains("3 solves"), "{}", ended.stdout);
 }
 
 /// Ten windows of the linear pair, with all secant columns of an accelerator.

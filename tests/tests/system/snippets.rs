@@ -5,7 +5,7 @@ use crate::harness::snippets::{self, blocks};
 use crate::keys::{fits, flatten, known_keys};
 
 /// Pages tested here, each in a test of its own.
-const DAILY: [&str; 8] = [
+const DAILY: [&str; 9] = [
     "docs/install.md",
     "docs/tutorial.md",
     "docs/how-to/swap-a-solver.md",
@@ -14,6 +14,7 @@ const DAILY: [&str; 8] = [
     "docs/how-to/run-on-a-cluster.md",
     "docs/recording.md",
     "docs/fmi.md",
+    "docs/how-to/watch-a-run.md",
 ];
 
 table_of_tests! {
@@ -26,6 +27,7 @@ table_of_tests! {
     run_on_a_cluster(DAILY[5]);
     recordings(DAILY[6]);
     fmus(DAILY[7]);
+    watch_a_run(DAILY[8]);
 }
 
 fn is_true(page: &str) {

@@ -256,6 +256,8 @@ pub(crate) fn text(found: &RecordingDifference, paths: [&Path; 2]) -> String {
     }
     if let Some(replay) = &found.replay {
         line("replay", &one_line(replay));
+        let window = compared.first.as_ref().map_or(0, |first| first.window);
+        line("debugger", &format!("add --serve --step={window}: it asks before the first solve"));
     }
     out
 }

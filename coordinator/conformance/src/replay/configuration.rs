@@ -29,8 +29,8 @@ pub(crate) struct Request {
     pub until: Option<u64>,
     /// Changes of the recorded configuration: dotted key and SI value.
     pub set: Vec<(String, serde_json::Value)>,
-    /// Whether to ask before every command.
-    pub step: bool,
+    /// Window from whose first solve on to ask before every command; 0: from the first command on.
+    pub step: Option<u64>,
 }
 
 /// Participant to configure, and its recorded data.

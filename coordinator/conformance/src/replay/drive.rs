@@ -420,7 +420,7 @@ impl<'a> Driver<'a> {
                     self.replay.comparison.other(&self.step, &what);
                 }
                 self.replay.comparison.sample((header, then), sample.values(), tolerance);
-                if self.request.step
+                if self.request.step.is_some()
                     && let Some(first) = &self.replay.comparison.first
                     && self.replay.comparison.different_samples == 1
                 {
@@ -526,21 +526,27 @@ enum Choice {
 #[derive(Debug)]
 struct Prompt {
     asking: bool,
+    /// Window whose first solve is the first command that is asked about.
+    from: Option<u64>,
 }
 
 impl Prompt {
-    fn new(asking: bool) -> Result<Self, RunError> {
-        if asking {
+    fn new(from: Option<u64>) -> Result<Self, RunError> {
+        if from.is_some() {
             print("Enter: send · c: continue without asking · q: stop here\n")?;
         }
-        Ok(Self { asking })
+        Ok(Self { asking: from == Some(0), from: from.filter(|window| *window > 0) })
     }
 
     fn ask(&mut self, role: &str, command: &Command) -> Result<Choice, RunError> {
+        let kind = CommandKind::from_number(command.kind);
+        let reached = self.from.is_some_and(|window| command.window >= window);
+        if reached && kind == Some(CommandKind::Solve) {
+            (self.asking, self.from) = (true, None);
+        }
         if !self.asking {
             return Ok(Choice::Continue);
         }
-        let kind = CommandKind::from_number(command.kind);
         let what = kind.map_or_else(|| "?".to_owned(), |kind| format!("{kind:?}"));
         let place = match kind {
             Some(CommandKind::Solve) => format!(

@@ -180,7 +180,7 @@ fn request(recording: &Path, set: &[(&str, serde_json::Value)]) -> Request {
         from: None,
         until: None,
         set: set.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect(),
-        step: false,
+        step: None,
     }
 }
 

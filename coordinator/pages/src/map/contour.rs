@@ -17,6 +17,18 @@ type Side = (usize, usize);
 /// centre of the first cell.
 #[must_use]
 pub fn contours(values: &[f64], columns: usize, level: f64) -> Vec<Polyline> {
+    let crossing = |a: usize, b: usize| (level - values[a]) / (values[b] - values[a]);
+    contours_at(values, columns, level, crossing)
+}
+
+/// Like [`contours`], with lines that cross between two cells a and b at this part of the way.
+#[must_use]
+pub fn contours_at(
+    values: &[f64],
+    columns: usize,
+    level: f64,
+    crossing: impl Fn(usize, usize) -> f64,
+) -> Vec<Polyline> {
     let rows = values.len() / columns;
     let mut pieces = Vec::new();
     for j in 1..rows {
@@ -29,7 +41,7 @@ pub fn contours(values: &[f64], columns: usize, level: f64) -> Vec<Polyline> {
         }
     }
     let cross = |(a, b): Side| {
-        let part = (level - values[a]) / (values[b] - values[a]);
+        let part = crossing(a, b);
         let [x, y] = [a % columns, a / columns].map(|n| n as f64);
         if b - a == 1 { [x + part, y] } else { [x, y + part] }
     };

@@ -155,7 +155,7 @@ const PIECES: usize = 400;
 /// Lanes of the processes, and the composition of the wall-clock time.
 pub(super) fn work(results: &Results) -> Option<Section> {
     let mut blocks = Vec::new();
-    blocks.extend(lanes(results).map(Block::Lanes));
+    blocks.extend(lanes(&results.iterations, results.word("/coupling/scheme")).map(Block::Lanes));
     blocks.extend(costs(results).map(|table| Block::Card("cost".to_owned(), table)));
     Section::of("Time line and cost", blocks)
 }
@@ -181,8 +181,7 @@ fn windows(table: &Columns) -> Vec<Range<usize>> {
 
 /// Lanes of the iterations: in a serial scheme the participants follow each other, in a parallel
 /// scheme they work simultaneously; the coupling comes last.
-fn lanes(results: &Results) -> Option<Lanes> {
-    let table = &results.iterations;
+pub(crate) fn lanes(table: &Columns, scheme: &str) -> Option<Lanes> {
     let roles: Vec<&str> = table.ending("_work").collect();
     let spent = |name: &str| table.column(&format!("{name}_s"));
     let times: Vec<Vec<f64>> = roles.iter().filter_map(|role| spent(role)).collect();
@@ -190,7 +189,7 @@ fn lanes(results: &Results) -> Option<Lanes> {
     if table.is_empty() || times.len() != roles.len() {
         return None;
     }
-    let serial = !results.word("/coupling/scheme").starts_with("parallel");
+    let serial = !scheme.starts_with("parallel");
     let group = table.len().div_ceil(PIECES);
     let names = roles.iter().copied().chain(["coupling"]);
     let mut lanes: Vec<Lane> =
@@ -259,19 +258,12 @@ mod tests {
         assert_eq!(windows(&table), [2..3, 3..6, 6..7]);
     }
 
-    fn results(scheme: &str) -> Results {
-        let rows = "coupling_s,mech_s,mech_work,thermal_s,thermal_work\n1,2,0,4,0\n1,2,0,4,0";
-        Results {
-            iterations: Columns::parse(rows),
-            summary: serde_json::json!({"coupling": {"scheme": scheme}}),
-            ..Results::default()
-        }
-    }
-
     #[test]
     fn lanes_follow_the_scheme() {
+        let rows = "coupling_s,mech_s,mech_work,thermal_s,thermal_work\n1,2,0,4,0\n1,2,0,4,0";
+        let table = Columns::parse(rows);
         let bars = |scheme: &str| -> Vec<Vec<[f64; 2]>> {
-            lanes(&results(scheme)).unwrap().lanes.into_iter().map(|lane| lane.bars).collect()
+            lanes(&table, scheme).unwrap().lanes.into_iter().map(|lane| lane.bars).collect()
         };
         let serial =
             [[[0.0, 2.0], [7.0, 9.0]], [[2.0, 6.0], [9.0, 13.0]], [[6.0, 7.0], [13.0, 14.0]]];

@@ -13,11 +13,7 @@ const NOTHING: f64 = 1e-5;
 
 /// All fields of all grids, in the order of the files: mechanical fields first.
 pub(super) fn maps(results: &Results) -> Option<Section> {
-    let block = |drawn| match drawn {
-        FieldDrawing::Map(map) => Block::Heatmap(map),
-        FieldDrawing::Line(line) => Block::Figure(line),
-    };
-    let mut blocks: Vec<Block> = maps::all(results).into_iter().map(block).collect();
+    let mut blocks: Vec<Block> = maps::all(results).into_iter().map(FieldDrawing::block).collect();
     if !blocks.is_empty() {
         let when = when(results);
         let axes = match results.summary.get("contact") {
@@ -39,10 +35,10 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
         blocks.insert(
             0,
             Block::Text(format!(
-                "{when}{axes} Blank elements are zero or within rounding of zero. A cross marks \
-                 the element with the largest value, and thin lines are contours. A map shows \
-                 means or point values of elements. The results at the top of the page interpolate \
-                 between elements and are the values to quote.{zero}"
+                "{when}{axes} Blank elements are outside the contact. A cross marks the element \
+                 with the largest value, and thin lines are contours. A map shows means or point \
+                 values of elements. The results at the top of the page interpolate between \
+                 elements and are the values to quote.{zero}"
             )),
         );
     }

@@ -2,6 +2,7 @@
 
 use run::results::cells::Cells;
 use run::results::last::LastField;
+use run::results::vtk::INTERFACE;
 
 /// A box of cells with fields.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub struct Field {
     pub meaning: String,
     /// Number of vector components; 1 for a scalar.
     pub components: usize,
+    /// Whether the field exists only where the bodies touch. A field of a body is everywhere.
+    pub in_contact: bool,
     /// Values cell by cell, x fastest; the components of a cell are adjacent.
     pub values: Vec<f64>,
 }
@@ -110,6 +113,7 @@ impl Field {
             unit: field.kind.unit.clone(),
             meaning: field.kind.meaning.clone(),
             components,
+            in_contact: field.kind.body == INTERFACE,
             values: order.iter().flat_map(of).map(|at| field.values[at]).collect(),
         }
     }

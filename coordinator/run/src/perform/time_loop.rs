@@ -11,6 +11,7 @@ use crate::results::iterations::IterationRecord;
 use crate::results::summary::{Counts, Status};
 use crate::results::vtk::{FieldOutput, FieldWriter};
 use crate::session::{Balance, FieldSubscription, Observed, Receipt, Session};
+use crate::watching::Watcher;
 use contract::bodies::Bodies;
 use contract::step::Step;
 use coupling::StateReader;
@@ -43,6 +44,7 @@ pub(super) struct TimeLoop<'a> {
     inputs: Inputs<'a>,
     checkpoints: Option<Writing>,
     recorder: Option<&'a Recorder>,
+    watcher: Watcher,
     pub(super) coupling: Coupling,
     pub(super) time: Controller,
 }
@@ -80,6 +82,7 @@ impl<'a> TimeLoop<'a> {
         fields: &'a mut FieldWriter,
         counts: &'a mut Counts,
         checkpoints: Option<Writing>,
+        watcher: Watcher,
     ) -> Self {
         let coupling = coupling(plan, session);
         let time = Controller::new(plan.windows.clone());
@@ -93,6 +96,7 @@ impl<'a> TimeLoop<'a> {
             inputs,
             checkpoints,
             recorder,
+            watcher,
             coupling,
             time,
         }
@@ -275,7 +279,9 @@ impl<'a> TimeLoop<'a> {
         let roles: Vec<&str> = self.plan.participants.iter().map(|p| p.role.as_str()).collect();
         audit(&self.session.balance(), &roles, step.window, self.counts)?;
         self.coupling.accept_window();
-        let observed = match (due, self.recorder) {
+        // A recording shows more than the newest fields to somebody who watches.
+        let watched = !due && self.recorder.is_none() && self.watcher.is_due();
+        let observed = match (due || watched, self.recorder) {
             (true, _) => Observed::Everybody,
             // While recording, every participant is observed, so that a replay can compare every
             // window.
@@ -286,11 +292,16 @@ impl<'a> TimeLoop<'a> {
         let given = Some(self.session.figures());
         let inputs = &self.inputs.values(self.session, step);
         self.tables.history.row(&HistoryRecord { step, status, iterations, inputs, given })?;
-        if due {
+        if due || watched {
             let wanted = self.session.fields().iter().filter(|field| field.wanted());
             let bodies = self.plan.bodies.as_ref();
             let shown: Vec<FieldOutput> = wanted.filter_map(|field| shown(field, bodies)).collect();
-            self.fields.write(&shown, step.window, step.end)?;
+            if due {
+                self.fields.write(&shown, step.window, step.end)?;
+            } else if let Err(error) = self.fields.show(&shown, step.window, step.end) {
+                // Nobody's look may end a run.
+                self.watcher.stop(&error);
+            }
             self.tables.flush()?;
         }
         self.counts.windows += 1;

@@ -8,6 +8,7 @@ use super::vtk::{SCENE, is_scene};
 use super::write::{UNFINISHED, remove};
 use crate::checkpoint::{self, Checkpoints};
 use crate::error::{RunError, file_failure};
+use crate::watching::LOOK;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
@@ -26,7 +27,7 @@ pub(super) const REFINED: &str = "refined";
 
 /// Files that a run writes besides fields and numbered recordings. The summary comes first, because
 /// a run without one counts as unfinished.
-pub(super) const FILES: [&str; 10] = [
+pub(super) const FILES: [&str; 11] = [
     SUMMARY,
     RESERVE,
     LOG,
@@ -37,6 +38,7 @@ pub(super) const FILES: [&str; 10] = [
     "plan.json",
     "recording.mcap",
     "report.html",
+    LOOK,
 ];
 
 /// Removes the results of an earlier run.

@@ -17,5 +17,5 @@ mod shown;
 mod writer;
 
 pub(super) use scene::{FILE as SCENE, is_scene};
-pub use shown::{FieldLabel, FieldOutput, FileSeries};
+pub use shown::{FieldLabel, FieldOutput, FileSeries, INTERFACE};
 pub use writer::FieldWriter;

@@ -13,6 +13,9 @@ use std::fmt::Write as _;
 /// Fields with their values.
 pub(super) type Fields<'a> = [(&'a FieldLabel, &'a [f64])];
 
+/// Word in place of the name of a body, for a field of the interface.
+pub const INTERFACE: &str = "interface";
+
 /// A kind of field, named for display.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FieldLabel {
@@ -36,7 +39,7 @@ impl FieldLabel {
         let body = match kind.body {
             Body::Upper => names[UPPER],
             Body::Lower => names[LOWER],
-            Body::Interface => "interface",
+            Body::Interface => INTERFACE,
         };
         Self {
             name: shown(&kind.name, bodies),

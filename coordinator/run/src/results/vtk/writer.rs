@@ -120,6 +120,20 @@ impl FieldWriter {
         }
     }
 
+    /// Stores these fields for somebody who watches the run, without a file of their own.
+    pub fn show(&mut self, shown: &[FieldOutput], window: u64, time: f64) -> Result<(), RunError> {
+        if shown.is_empty() {
+            return Ok(());
+        }
+        let mut series = self.series.clone();
+        for one in shown {
+            if series.iter().all(|known| known.name != one.series) {
+                series.push(FileSeries { name: one.series.clone(), files: Vec::new() });
+            }
+        }
+        LastFields::of(shown, &series, window, time).write(&self.home.path()?)
+    }
+
     fn write_grid(
         &mut self,
         grid: &Grid,
