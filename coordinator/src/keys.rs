@@ -106,12 +106,24 @@ fn schema(keys: &[Key], described: &[Description]) -> Value {
         node["description"] = format!("{} ({})", effect.law, effect.source).into();
     }
     root["$schema"] = "http://json-schema.org/draft-07/schema#".into();
+    allow_other_programs(&mut root, &roles);
+    root
+}
+
+/// Allows participants of other programs and tables of their keys. A case whose participants all
+/// run the programs of this project has known tables only.
+fn allow_other_programs(root: &mut Value, roles: &[&str]) {
+    let ours = json!({"not": {"anyOf": [{"required": ["command"]}, {"required": ["attach"]}]}});
+    let tables = root["properties"].as_object().into_iter().flat_map(Map::keys);
+    let known: Map<String, Value> = tables.map(|name| (name.clone(), true.into())).collect();
+    let mut only_ours = known.clone();
+    only_ours.extend(roles.iter().map(|role| ((*role).to_owned(), ours.clone())));
     root["additionalProperties"] = json!({
         "type": "object",
-        "description": "a participant of another program",
-        "anyOf": [{"required": ["command"]}, {"required": ["attach"]}],
+        "description": "a participant of another program, or a table of keys that it reads",
     });
-    root
+    root["if"] = json!({"properties": only_ours, "additionalProperties": ours});
+    root["then"] = json!({"properties": known, "additionalProperties": false});
 }
 
 /// Schema of a table without keys.

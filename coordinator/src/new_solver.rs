@@ -37,16 +37,22 @@ enum Language {
     Rust,
 }
 
-/// Checks that the name is valid in every language: letters, digits and `_`, a letter first.
+/// Checks a name: lower-case letters, digits, `_` and `-`, a letter first. Programs replace `-` by
+/// `_`, which every language allows.
 fn name(text: &str) -> Result<String, String> {
-    let plain = text.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
-    match plain && text.starts_with(|c: char| c.is_ascii_lowercase()) && text.len() <= 31 {
+    let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
+    let begins = text.starts_with(|c: char| c.is_ascii_lowercase());
+    match text.chars().all(plain) && begins && text.len() <= 31 {
         true => Ok(text.to_owned()),
-        false => {
-            Err("a name has up to 31 small letters, digits and _, and begins with a letter"
-                .to_owned())
-        }
+        false => Err("a name has up to 31 lower-case letters, digits, _ and -, and begins with a \
+                      letter"
+            .to_owned()),
     }
+}
+
+/// Returns the name of files, programs and types of a solver.
+fn identifier(name: &str) -> String {
+    name.replace('-', "_")
 }
 
 /// A solver to write.
@@ -118,9 +124,10 @@ fn readme(name: &str, build: Option<&str>, command: &[String]) -> String {
 
 /// Replaces the name `short_columns`, in all its spellings.
 fn renamed(text: &str, name: &str) -> String {
-    let camel: String = name.split('_').map(capital).collect();
-    let dashed = name.replace('_', "-");
-    text.replace("short_columns", name)
+    let identifier = identifier(name);
+    let camel: String = identifier.split('_').map(capital).collect();
+    let dashed = identifier.replace('_', "-");
+    text.replace("short_columns", &identifier)
         .replace("ShortColumns", &camel)
         .replace("short-columns", &dashed)
 }
@@ -133,23 +140,25 @@ fn capital(word: &str) -> String {
 }
 
 fn python(name: &str) -> Template {
-    let file = format!("{name}.py");
+    let file = format!("{}.py", identifier(name));
     let command = vec!["python3".to_owned(), format!("{name}/{file}")];
     Template { files: vec![(file, renamed(PYTHON, name))], build: None, command }
 }
 
 fn c(name: &str, asked: &NewSolverCommand) -> Result<Template, RunError> {
+    let program = identifier(name);
     let build = format!(
-        "{name}: {name}.c\n\tcc -std=c11 -O2 -Wall -Wextra -I$(INCLUDE) $< {LINKED} -lm -o $@\n"
+        "{program}: {program}.c\n\tcc -std=c11 -O2 -Wall -Wextra -I$(INCLUDE) $< {LINKED} -lm -o $@\n"
     );
-    made(name, asked, (format!("{name}.c"), renamed(C, name)), &build)
+    made(name, asked, (format!("{program}.c"), renamed(C, name)), &build)
 }
 
 fn fortran(name: &str, asked: &NewSolverCommand) -> Result<Template, RunError> {
+    let program = identifier(name);
     let build = format!(
-        "{name}: {name}.f90\n\tgfortran -std=f2018 -O2 -Wall -Wno-unused-dummy-argument $(INCLUDE)/cosim.f90 $< {LINKED} -o $@\n"
+        "{program}: {program}.f90\n\tgfortran -std=f2018 -O2 -Wall -Wno-unused-dummy-argument $(INCLUDE)/cosim.f90 $< {LINKED} -o $@\n"
     );
-    made(name, asked, (format!("{name}.f90"), renamed(FORTRAN, name)), &build)
+    made(name, asked, (format!("{program}.f90"), renamed(FORTRAN, name)), &build)
 }
 
 /// Command of a Makefile that links a program.
@@ -168,7 +177,7 @@ fn made(
         "# Header and library of the project; in its sources `cargo build --release` makes the latter.\nINCLUDE = {include}\nLIBRARY = {library}\n\n{build}"
     );
     let files = vec![source, ("Makefile".to_owned(), make)];
-    Ok(Template { files, build: Some("make"), command: vec![format!("./{name}/{name}")] })
+    Ok(Template { files, build: Some("make"), command: vec![format!("./{name}/{}", identifier(name))] })
 }
 
 /// Returns the folders of the headers and of the library for C and Fortran: those of an archive, or

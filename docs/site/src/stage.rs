@@ -1,4 +1,5 @@
-//! Copies the pages of docs/SUMMARY.md and the files that they link to.
+//! Copies the pages of docs/SUMMARY.md and the files that they link to. A folder that a page links to
+//! becomes a list of its files; a link to docs/SUMMARY.md leads to the contents of the site.
 
 use anyhow::{Context, Result, ensure};
 use mdbook_markdown::pulldown_cmark::{Event, Tag};
@@ -18,6 +19,9 @@ pub(crate) struct Pages {
 
 /// Files of these kinds open in a browser; others are shown as text.
 const OPENS: [&str; 8] = ["svg", "png", "html", "pdf", "csv", "json", "css", "txt"];
+
+/// Page with the contents of the site, which mdBook writes.
+const CONTENTS: &str = "toc.html";
 
 /// Copies everything that the site shows from the repository at `root`.
 pub(crate) fn fill(root: &Path, into: &Path) -> Result<Pages> {
@@ -41,10 +45,27 @@ pub(crate) fn fill(root: &Path, into: &Path) -> Result<Pages> {
     for file in files {
         let to = into.join(shown(&file));
         fs::create_dir_all(to.parent().expect("a file is in a folder"))?;
-        fs::copy(root.join(&file), to)
+        copy(&root.join(&file), &to)
             .with_context(|| format!("{}, which a page links to", file.display()))?;
     }
     Ok(Pages { summary, count: pages.len() })
+}
+
+/// Copies a file, or writes the sorted names of the entries of a folder.
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    if !from.is_dir() {
+        fs::copy(from, to)?;
+        return Ok(());
+    }
+    let mut names = Vec::new();
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let mark = if entry.file_type()?.is_dir() { "/" } else { "" };
+        names.push(format!("{}{mark}\n", entry.file_name().display()));
+    }
+    names.sort();
+    fs::write(to, names.concat())?;
+    Ok(())
 }
 
 /// Gives every chapter its place in the repository.
@@ -80,6 +101,12 @@ fn linked(
             continue;
         }
         let file = normal(&folder.join(path));
+        let at = text[range.clone()].rfind(path).context("a link has its address in the text")?;
+        let address = range.start + at..range.start + at + path.len();
+        if file == Path::new("docs/SUMMARY.md") {
+            changes.push((address, format!("{}{CONTENTS}", "../".repeat(depth(page)))));
+            continue;
+        }
         let is_page = pages.contains(&file);
         ensure!(
             is_page || file.extension().is_none_or(|kind| kind != "md"),
@@ -87,8 +114,6 @@ fn linked(
             page.display(),
             file.display()
         );
-        let at = text[range.clone()].rfind(path).context("a link has its address in the text")?;
-        let address = range.start + at..range.start + at + path.len();
         if is_page {
             // mdBook turns README.md into the index of its folder, but does not change links to it.
             if let Some(folder) = path.strip_suffix("README.md") {
@@ -115,6 +140,11 @@ fn shown(file: &Path) -> PathBuf {
         true => file.to_owned(),
         false => PathBuf::from(format!("{}.txt", file.display())),
     }
+}
+
+/// Returns the number of folders above a page of the site.
+fn depth(page: &Path) -> usize {
+    page.components().count() - 1
 }
 
 /// A path without `..` and `.`.

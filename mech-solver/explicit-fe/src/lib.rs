@@ -30,6 +30,8 @@
 //! Neglected: centrifugal stress in the wheel (V² ρ is 12 MPa at 140 km/h, compared with a pressure
 //! of 1.3 GPa) and Coriolis forces. Wheel and rail are fixed at the faces of their blocks.
 
+pub use grids::Structured;
+
 pub mod block;
 pub mod contact;
 pub mod frequency;

@@ -26,6 +26,9 @@
 //! index j·nx + i, i along x and j along y. Sums of influence over the grid are convolutions of
 //! [`numerics::convolution`].
 
+pub use elastic::{Elasticity, Material};
+pub use grids::Structured;
+
 pub mod area;
 pub mod conformal;
 pub mod coupling;

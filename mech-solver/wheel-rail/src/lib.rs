@@ -39,6 +39,8 @@
 //! surface round a corner (conformal contact), half-spaces are a rough approximation; such a patch
 //! may lie on a curved surface ([`half_space::conformal`]).
 
+pub use elastic::Material;
+
 mod analyn;
 pub mod balance;
 pub mod columns;

@@ -195,3 +195,27 @@ fn one_crate_knows_the_transport() {
         }
     }
 }
+
+/// The example of a library's page imports this library only, so that `cargo add --path` of the
+/// library is enough. Types of other crates in its signatures are re-exported.
+#[test]
+fn an_example_of_a_library_needs_no_other_crate() {
+    let mut imports = 0;
+    for folder in [
+        "numerics",
+        "mech-solver/elastic",
+        "mech-solver/half-space",
+        "mech-solver/explicit-fe",
+        "mech-solver/wheel-rail",
+        "thermal-solver/heat",
+    ] {
+        let own = folder.rsplit('/').next().unwrap().replace('-', "_");
+        let page = fs::read_to_string(root().join(folder).join("README.md")).unwrap();
+        for line in page.lines().filter_map(|line| line.strip_prefix("use ")) {
+            let from = line.split([':', ';']).next().unwrap();
+            assert!(from == own || from == "std", "{folder}/README.md: use {line}");
+            imports += 1;
+        }
+    }
+    assert!(imports > 10, "{imports}");
+}

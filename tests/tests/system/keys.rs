@@ -63,15 +63,16 @@ fn the_schema_knows_what_a_case_may_have() {
         let path = entry.unwrap().path();
         let is_case = path.extension().is_some_and(|extension| extension == "toml");
         let text = if is_case { std::fs::read_to_string(&path).unwrap() } else { continue };
-        // Other programs have tables of their own.
-        if !text.contains("\ncommand =") {
-            judge(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-            seen += 1;
-        }
+        judge(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        seen += 1;
     }
-    assert!(seen > 30, "{seen}");
+    assert!(seen > 50, "{seen}");
+    // A program of the reader's reads tables of its own, beside the solvers of this project too.
+    let own = "[mine]\nkey = 1\n[thermal]\ncommand = [\"mine\"]";
+    judge(own).unwrap_or_else(|error| panic!("{error}"));
     for wrong in [
         "[frction]\ncoefficient = 0.6",
+        "[frction]\ncoefficient = 0.6\n[thermal]\nmodel = \"columns\"",
         "[motion]\nsped = 3",
         "[load]\nnormal_force = true",
         "[mech]\nmodel = \"half-space\"\nresolution = -3",

@@ -43,7 +43,7 @@ fn made(folder: &Path, name: &str, language: &str) -> String {
     let library = format!("LIBRARY={}", library().display());
     let made = Command::new("make").arg(library).current_dir(folder.join(name)).output().unwrap();
     assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-    folder.join(name).join(name).display().to_string()
+    folder.join(name).join(name.replace('-', "_")).display().to_string()
 }
 
 fn assert_alike(a: &[f64], b: &[f64]) {
@@ -69,7 +69,7 @@ fn in_every_language_they_conform_and_are_alike() {
     assert!(source.contains("class MyStrips(Solver)") && source.contains("name = \"my-strips\""));
     let python = conforms(&[&interpreter().display().to_string(), &script]);
 
-    assert_alike(&python, &conforms(&[&made(folder.path(), "in_c", "c")]));
+    assert_alike(&python, &conforms(&[&made(folder.path(), "in-c", "c")]));
     assert_alike(&python, &conforms(&[&made(folder.path(), "in_fortran", "fortran")]));
 
     // The generated Rust solver equals this example; the nightly test compiles it in a folder of
