@@ -139,8 +139,9 @@ fn list() -> String {
     Group::ALL.into_iter().map(group).collect()
 }
 
-/// Runs the command line and returns the exit code.
-pub fn main(since: Instant) -> u8 {
+/// Runs the command line and returns the exit code. Faults of the preparation are logged as soon as
+/// there is a log.
+pub fn main(since: Instant, faults: Vec<(std::io::Error, &str)>) -> u8 {
     let parsed = parser().color(colour::of_help(std::env::args_os())).try_get_matches();
     let (options, found) = match parsed.and_then(|found| {
         let options = Options::from_arg_matches(&found)?;
@@ -151,6 +152,9 @@ pub fn main(since: Instant) -> u8 {
     };
     colour::choose(options.color);
     let log = Logging::install(if options.quiet { Some(Level::Error) } else { options.log });
+    for (error, what) in faults {
+        tracing::warn!(%error, "{what}");
+    }
     let context = Context { quiet: options.quiet, log: &log, since, whole: parser };
     let (name, words) = found.subcommand().expect("a command is required");
     let entry = COMMANDS.iter().find(|entry| entry.name == name).expect("the list is the parser's");

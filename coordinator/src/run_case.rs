@@ -44,7 +44,7 @@ pub(crate) struct RunCommand {
     /// Write DIR/report.html at the end, also of a run that fails.
     #[arg(long)]
     report: bool,
-    /// Turn warnings into errors, those of the case before the run starts.
+    /// Turn warnings into errors: those of the case before the run starts, others at its end.
     #[arg(long)]
     strict: bool,
     /// Print summary.json at the end.
@@ -60,7 +60,8 @@ pub(crate) struct RunCommand {
     /// participants].
     #[arg(long, value_name = "KEY", requires = "stated")]
     quantity: Option<String>,
-    /// Resume the run of this result directory from its last checkpoint.
+    /// Resume the run of this result directory from its last checkpoint. A recorded run is recorded
+    /// on, in a file of its own.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["case", "set", "unset", "out", "replace"])]
     resume: Option<PathBuf>,
 }
@@ -83,11 +84,14 @@ impl Command for RunCommand {
             let _participants = crew::start_early();
             return run_case(&begin(self, context.log)?, self, context);
         };
-        match resume(folder, context.log)? {
+        match resume(self, folder, context.log)? {
             Some(begun) => run_case(&begun, self, context),
             None => {
                 let shown = folder.display();
-                context.print(&format!("the run in {shown} has already finished\n"))
+                context.print(&format!(
+                    "the run in {shown} has already finished; for a later end, run its case again \
+                     with a later time.end\n"
+                ))
             }
         }
     }
@@ -105,6 +109,17 @@ impl RunCommand {
     fn case(&self) -> CaseArguments {
         let case = self.case.clone().expect("required unless a run is resumed");
         CaseArguments { case, changes: self.changes.clone() }
+    }
+
+    /// Logs the warnings of a plan, or refuses them before anything runs.
+    fn judge(&self, planned: &Planned) -> Result<(), RunError> {
+        let warnings = &planned.plan.warnings;
+        if !self.strict || warnings.is_empty() {
+            log_warnings(warnings);
+            return Ok(());
+        }
+        let said = texts(warnings).join("\n  ");
+        Err(RunError::Usage(format!("{said}; change it, or leave out --strict")))
     }
 
     /// Returns the folder of a planned run: the one that the user names, or the next one of the
@@ -125,10 +140,7 @@ fn begin(run: &RunCommand, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
     let case = run.case();
     let planned = case.plan()?;
-    match run.strict {
-        true => refuse_warnings(&planned.plan.warnings)?,
-        false => log_warnings(&planned.plan.warnings),
-    }
+    run.judge(&planned)?;
     let plan_seconds = planning.elapsed().as_secs_f64();
     let folder = run.folder(&planned, &case.case)?;
     log_into(&folder, log)?;
@@ -136,12 +148,13 @@ fn begin(run: &RunCommand, log: &Logging) -> Result<Begun, RunError> {
 }
 
 /// Resumes a run from its newest intact checkpoint. Returns `None` for a finished run.
-fn resume(path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
+fn resume(run: &RunCommand, path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
     let planning = Instant::now();
     let Some(stopped) = StoppedRun::read(path)? else { return Ok(None) };
     let StoppedRun { folder, checkpoint, case } = stopped;
     let planned = tracing::info_span!("plan").in_scope(|| plan(case))?;
     perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned)?)?;
+    run.judge(&planned)?;
     log_into(&folder, log)?;
     let plan_seconds = planning.elapsed().as_secs_f64();
     Ok(Some(Begun { planned, folder, plan_seconds, from: Some(checkpoint) }))
@@ -211,6 +224,7 @@ fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
 fn refine(run: &RunCommand, answer: &ResultFolder, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
     let planned = run.case().plan()?;
+    run.judge(&planned)?;
     let plan_seconds = planning.elapsed().as_secs_f64();
     let folder = answer.refined()?;
     log_into(&folder, log)?;
@@ -272,22 +286,17 @@ fn conclude(
                 true => print_json(),
                 false => context.print_lines(&text()),
             });
-            let strict = || match asked.strict {
-                true => refuse_warnings(&warnings::of_summary(&outcome.summary)),
-                false => Ok(()),
-            };
-            printed.and_then(|()| strict())
+            let warnings = texts(&warnings::of_summary(&outcome.summary));
+            match printed {
+                Ok(()) if asked.strict && !warnings.is_empty() => Err(RunError::Warned { warnings }),
+                printed => printed,
+            }
         }
     }
 }
 
-/// Returns warnings as an error.
-fn refuse_warnings(warnings: &[Warning]) -> Result<(), RunError> {
-    let said: Vec<String> = warnings.iter().map(Warning::to_string).collect();
-    if said.is_empty() {
-        return Ok(());
-    }
-    Err(RunError::Usage(format!("{}; change it, or leave out --strict", said.join("\n  "))))
+fn texts(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(Warning::to_string).collect()
 }
 
 /// Writes the report of the run in a folder.

@@ -2,6 +2,7 @@
 
 pub(crate) mod indicators;
 
+use proto::bodies::surface_speed_key;
 use proto::figure::contact::{
     APPROACH, MAX_PRESSURE, NORMAL_FORCE, PATCHES, SEMI_AXIS_A, SEMI_AXIS_B,
 };
@@ -82,7 +83,12 @@ fn motion() -> Vec<FigureSpec> {
     vec![
         figure("creepage_xi", "1", "creepage along x", "creepage ξ")
             .style(percent)
-            .expected_below(0.05, "beyond that bodies slide rather than roll")
+            .expected_below(
+                0.05,
+                "beyond that bodies slide rather than roll; where they are to slide, give the \
+                 surface_speed of a body in place of the creepage",
+            )
+            .unless_given(&surface_speed_key().path)
             .rank(5)
             .headline(),
         figure("creepage_eta", "1", "creepage along y", "creepage η").style(percent).unless_zero(),

@@ -8,6 +8,7 @@ mod programs;
 pub mod python;
 pub mod slurm;
 pub mod snippets;
+mod watchdog;
 
 pub use answers::{Table, field, field_files, number};
 pub use programs::{example, library, programs, root};
@@ -20,11 +21,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tempfile::TempDir;
 
-/// Maximum duration of a run or a wait. Generous, because it serves only to end processes that
-/// hang.
+/// Maximum duration of a run or a wait, on the clock of [`watchdog`]. Generous, because it serves
+/// only to end processes that hang.
 const WATCHDOG: Duration = Duration::from_secs(400);
 
 /// Returns the path of a shipped case.
@@ -250,9 +251,9 @@ fn is_running(pid: i64) -> bool {
 
 /// Waits until `done` returns true, at most for the time of the watchdog.
 pub fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
-    let deadline = Instant::now() + WATCHDOG;
+    let deadline = watchdog::now() + WATCHDOG;
     while !done() {
-        assert!(Instant::now() < deadline, "waited in vain for {what}");
+        assert!(watchdog::now() < deadline, "waited in vain for {what}");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -301,13 +302,13 @@ impl Running<'_> {
     }
 
     fn status(&mut self) -> ExitStatus {
-        let deadline = Instant::now() + WATCHDOG;
+        let deadline = watchdog::now() + WATCHDOG;
         let child = self.child.as_mut().unwrap();
         loop {
             if let Some(status) = child.try_wait().unwrap() {
                 return status;
             }
-            assert!(Instant::now() < deadline, "the coordinator hangs: {:?}", self.place.log());
+            assert!(watchdog::now() < deadline, "the coordinator hangs: {:?}", self.place.log());
             std::thread::sleep(Duration::from_millis(2));
         }
     }

@@ -19,6 +19,11 @@ pub const LEFT_VALUE: FieldSpec = field("left_value");
 /// Field sent by `right`.
 pub const RIGHT_VALUE: FieldSpec = field("right_value");
 
+/// Line on standard error at the begin of a solve with a delay longer than [`LONG`].
+pub const SOLVING: &str = "solving";
+/// Delay from which on a solve is announced.
+const LONG: Duration = Duration::from_secs(60);
+
 /// Ways to misbehave, as values of `ROLE.fault`, in the window `ROLE.fault_window`. Only
 /// [`crate::rogue`] supports the entries after `exit-at-start`.
 pub const FAULTS: &[&str] = &[
@@ -244,6 +249,10 @@ impl Model for ToyModel {
         let received = received.values.iter().chain(std::iter::repeat(&0.0));
         for (sent, received) in sent.iter_mut().zip(received).take(written) {
             *sent = received + 1.0;
+        }
+        if self.setup.delay > LONG {
+            // A test waits for this line in the log before it disturbs the solve.
+            let _ = writeln!(io::stderr(), "{SOLVING}");
         }
         if !self.setup.delay.is_zero() {
             std::thread::sleep(self.setup.delay);

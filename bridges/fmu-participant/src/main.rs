@@ -64,8 +64,8 @@ fn read(own: Own, asked: &[OsString]) -> Result<FmuSolver, String> {
         asked.get(place + 1)
     };
     let stem = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let asked_for = after("--role").map(|role| role.to_string_lossy().into_owned());
-    let role = asked_for.or(role).or_else(stem).unwrap_or_default();
+    // The role that a run gives does not count: it is compared with the one that is described.
+    let role = role.or_else(stem).unwrap_or_default();
     let fmu = Fmu::read(&path, &role, &wires)?;
     Ok(FmuSolver::new(fmu, after("--join").map(PathBuf::from)))
 }

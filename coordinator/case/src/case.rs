@@ -57,6 +57,13 @@ pub struct Case {
 }
 
 impl Case {
+    /// Returns the command of a section, also of one that takes no part in the run.
+    #[must_use]
+    pub fn command(&self, role: &str) -> Option<Vec<String>> {
+        let sections = self.raw.participants();
+        sections.into_iter().find(|section| section.role == role)?.command
+    }
+
     /// Returns the case as run: TOML that gives this case again, without options. Relative file
     /// names are resolved against [`Case::folder`].
     #[must_use]

@@ -3,7 +3,7 @@
 
 use crate::error::RunError;
 use crate::plan::Planned;
-use crate::programs::Program;
+use crate::programs::{self, Program};
 use case::schema::WELL_KNOWN_ROLES;
 use contract::advice::{Advice, Known, Opinion, Scene};
 use std::time::Duration;
@@ -19,11 +19,7 @@ const TURNS: usize = 2;
 /// # Errors
 /// A program fails, or its answer is invalid.
 pub fn ask(planned: &Planned) -> Result<Vec<Advice>, RunError> {
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_all()
-        .build()
-        .map_err(|e| crate::error::file_failure(std::path::Path::new("tokio"), &e))?;
-    runtime.block_on(ask_async(planned))
+    programs::wait_for(ask_async(planned))
 }
 
 async fn ask_async(planned: &Planned) -> Result<Vec<Advice>, RunError> {
@@ -66,8 +62,8 @@ async fn advising(planned: &Planned) -> Vec<(String, Program)> {
         if takes_part || programs.iter().any(|(known, _)| known == role) {
             continue;
         }
-        let program = Program::of_role(role, None);
-        if program.describe(role, ANSWER).await.is_ok_and(|description| description.advises) {
+        let program = Program::of_role(role, planned.case.command(role).as_deref());
+        if program.known(role, ANSWER).await.is_ok_and(|description| description.advises) {
             programs.push((role.to_owned(), program));
         }
     }

@@ -20,6 +20,7 @@ use crate::results::vtk::FileSeries;
 use crate::sealed::{self, Magic, SealedFileError, sum_of_stream};
 use coupling::windows;
 use proto::binary;
+use proto::recording::Compression;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -76,6 +77,9 @@ pub struct CoordinatorState {
     pub history_bytes: u64,
     /// The series of field files so far.
     pub series: Vec<FileSeries>,
+    /// Compression of the recording, if the run is recorded.
+    #[serde(default)]
+    pub recorded: Option<Compression>,
 }
 
 /// Name, length and CRC-64 of a file.

@@ -1,4 +1,5 @@
-//! Reports on standard error when damaged shared memory ends the process.
+//! Reports on standard error when damaged shared memory ends the process. Lets a write beyond the
+//! largest size of a file fail instead.
 //!
 //! Touching a file that was truncated, or for which `/dev/shm` has no room, raises a bus error.
 //! Overwritten management data of iceoryx2 leads to an invalid access. Neither can be repaired; the
@@ -24,8 +25,13 @@ static BEFORE: OnceLock<libc::sigaction> = OnceLock::new();
 pub fn report() -> io::Result<()> {
     let before = install(libc::SIGSEGV, overwritten)?;
     let _ = BEFORE.set(before);
+    install(libc::SIGXFSZ, too_long)?;
     install(libc::SIGBUS, cut).map(|_| ())
 }
+
+/// Lets a write beyond the largest size of a file (`ulimit -f`) fail with an error, which names the
+/// file, instead of ending the process.
+extern "C" fn too_long(_signal: i32) {}
 
 fn install(signal: i32, handler: extern "C" fn(i32)) -> io::Result<libc::sigaction> {
     let mut before = MaybeUninit::zeroed();

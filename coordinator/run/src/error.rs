@@ -56,6 +56,17 @@ pub enum RunError {
         /// Advice to the user.
         fix: String,
     },
+    /// The run has finished, and `--strict` makes its warnings an error.
+    #[error(
+        "the run has finished, and --strict refuses its {}:\n  {}\n  its results are complete; \
+         change the case, or leave out --strict",
+        if warnings.len() == 1 { "warning" } else { "warnings" },
+        warnings.join("\n  ")
+    )]
+    Warned {
+        /// The warnings, as text.
+        warnings: Vec<String>,
+    },
     /// Values differ from those of a recording.
     #[error("{0}")]
     Differs(String),
@@ -109,6 +120,7 @@ impl RunError {
     /// - 2: invalid usage or case,
     /// - 3: not converged,
     /// - 4: a replay differs, or a generated file is out of date,
+    /// - 5: the run has finished with warnings, and `--strict` makes them errors,
     /// - 128 plus the number of the signal that stopped the command.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
@@ -117,6 +129,7 @@ impl RunError {
             Self::Failed(_) | Self::NotFinite { .. } => 1,
             Self::NotConverged(_) | Self::Inaccurate { .. } => 3,
             Self::Differs(_) | Self::Stale(_) => 4,
+            Self::Warned { .. } => 5,
             Self::Interrupted { signal: "SIGHUP", .. } => 129,
             Self::Interrupted { signal: "SIGTERM", .. } => 143,
             Self::Interrupted { .. } => 130,
@@ -207,6 +220,15 @@ mod tests {
         assert!(text.starts_with("the first\nerror: ") && text.contains("full"), "{text}");
         assert_eq!(first().and(Ok(())).to_string(), "the first");
         assert_eq!(second().and(Err(first())).exit_code(), 1);
+    }
+
+    #[test]
+    fn a_finished_run_with_a_warning_is_no_wrong_usage() {
+        let error = RunError::Warned { warnings: vec!["a.b is 7".to_owned()] };
+        assert_eq!(error.exit_code(), 5);
+        let text = error.to_string();
+        assert!(text.starts_with("the run has finished, and --strict refuses its warning:\n"));
+        assert!(text.contains("  a.b is 7\n") && text.contains("results are complete"), "{text}");
     }
 
     #[test]

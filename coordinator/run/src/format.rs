@@ -137,6 +137,16 @@ pub fn number(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
+/// Formats a number with as many digits as give it back, without hundreds of zeros: 1e300 is not
+/// written out.
+#[must_use]
+pub fn exact(value: f64) -> String {
+    match value.abs() {
+        0.0 | 1e-4..1e7 => value.to_string(),
+        _ => format!("{value:e}"),
+    }
+}
+
 /// Formats a time in minutes and seconds, or hours, minutes and seconds: "1:23", "2:03:04".
 #[must_use]
 pub fn clock(time: Duration) -> String {
@@ -217,6 +227,12 @@ pub fn sentence(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn huge_and_tiny_numbers_are_not_written_out() {
+        let shown = [0.0, 2.5e-4, -1.0, 1e300, 1e-300].map(exact);
+        assert_eq!(shown, ["0", "0.00025", "-1", "1e300", "1e-300"]);
+    }
 
     #[test]
     fn per_cent_is_as_written() {

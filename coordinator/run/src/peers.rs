@@ -15,7 +15,7 @@ mod stopped;
 
 pub use peer::Peer;
 pub use phase::Phase;
-pub use stopped::Stopped;
+pub use stopped::{Delay, Stopped};
 
 use crate::deadlines::Deadlines;
 use crate::error::{Failure, RunError, machine_failure};
@@ -701,7 +701,7 @@ impl Watch<'_> {
             return Err(Stopped::Silent(one, silence));
         }
         if waited > patience {
-            return Err(Stopped::Late(one, patience));
+            return Err(Stopped::Late(one, Delay { waited: patience, silence }));
         }
         Ok(())
     }

@@ -19,9 +19,10 @@ use crate::results::dir::shown;
 use crate::results::summary::{Counts, Sections, Status, SummaryInput, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
-use crate::results::{derived, history};
+use crate::results::derived;
+use crate::results::history::{self, Survey};
 use crate::session::{PendingExits, Session};
-use crate::warnings::Warning;
+use crate::warnings::{self, Warning};
 use crate::watching::Watcher;
 use case::Case;
 use contract::message::Finished;
@@ -66,7 +67,8 @@ pub struct RunOptions<'a> {
     pub plan_seconds: f64,
     /// Checkpoint from which to continue.
     pub from: Option<&'a Checkpoint>,
-    /// Compression of the recording; `None`: no recording.
+    /// Compression of the recording; `None`: no recording, unless the run before the checkpoint was
+    /// recorded.
     pub record: Option<Compression>,
     /// Driver that requests the windows one by one; `None`: the windows of the case.
     pub driver: Option<&'a mut dyn Driver>,
@@ -98,6 +100,7 @@ impl Default for RunOptions<'_> {
 pub fn run(planned: &Planned, folder: &ResultFolder, options: RunOptions<'_>) -> Outcome {
     let RunOptions { progress, since, plan_seconds, from, record, driver } = options;
     let Planned { case, plan } = planned;
+    let record = record.or_else(|| from.and_then(|checkpoint| checkpoint.state.recorded));
     let mut counts = match from {
         Some(checkpoint) => checkpoint.state.counts.resumed(plan_seconds),
         None => Counts { plan_seconds, ..Counts::default() },
@@ -131,9 +134,10 @@ pub fn run(planned: &Planned, folder: &ResultFolder, options: RunOptions<'_>) ->
     derived::complete(&mut sections.merged, &plan.figures);
     let not_finite = sections.not_finite.clone();
     let error = error.or(not_finite.map(|(role, key)| RunError::NotFinite { role, key }));
-    let (error, extremes) = match error {
-        None => match history::finish(&folder.file(history::FILE), &plan.figures) {
-            Ok(extremes) => (None, Some(extremes)),
+    let table = folder.file(history::FILE);
+    let (error, survey) = match error {
+        None => match Survey::read(&table, &plan.figures) {
+            Ok(survey) => (None, Some(survey)),
             Err(error) => (Some(error), None),
         },
         error => (error, None),
@@ -145,7 +149,7 @@ pub fn run(planned: &Planned, folder: &ResultFolder, options: RunOptions<'_>) ->
     };
     let wall_seconds = since.elapsed().as_secs_f64();
     let (finished, sections, warnings) = (&finished, &sections, &warnings);
-    let extremes = extremes.as_ref();
+    let extremes = survey.as_ref().map(|survey| &survey.extremes);
     let summary = build(&SummaryInput {
         plan,
         status,
@@ -158,7 +162,12 @@ pub fn run(planned: &Planned, folder: &ResultFolder, options: RunOptions<'_>) ->
         wall_seconds,
     });
     let error = first(error, folder.write_summary(&json(&summary)));
-    Outcome { summary, error }
+    let outcome = Outcome { summary, error };
+    // The summary of a complete run exists: its table is not needed to resume it any more.
+    match survey.filter(|_| outcome.error.is_none()).map(|survey| survey.trim(&table)) {
+        Some(Err(error)) => outcome.fail(error, folder),
+        _ => outcome,
+    }
 }
 
 /// Writes the files that are known before a run, and starts its recording if requested.
@@ -283,7 +292,8 @@ fn perform(
     let windows = || {
         let writing = |every| {
             let (into, origin) = (Checkpoints::of(&folder.path()), origin(planned)?);
-            Ok::<_, RunError>(time_loop::Writing { every, into, origin })
+            let recorded = recorder.as_ref().map(|recorder| recorder.compression());
+            Ok::<_, RunError>(time_loop::Writing { every, into, origin, recorded })
         };
         let checkpoints = plan.checkpoint_every.map(writing).transpose()?;
         let watcher = Watcher::of(&folder.path());
@@ -317,6 +327,7 @@ fn perform(
     });
     counts.bytes_exchanged = session.bytes_exchanged();
     add(warnings, session.warnings());
+    add(warnings, &warnings::of_counts(counts));
     // The results written so far stay readable after any error.
     if let Some(error) = first(looped.err(), tables.flush()) {
         return Err(error);

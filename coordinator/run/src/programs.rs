@@ -6,7 +6,7 @@
 
 pub use crate::program::Program;
 
-use crate::error::{Failure, RunError};
+use crate::error::{Failure, RunError, machine_failure};
 use crate::processes::Process;
 use crate::program::our_folder;
 use crate::signals;
@@ -30,6 +30,19 @@ const LONGEST_ANSWER: usize = 16 << 20;
 fn known() -> MutexGuard<'static, Vec<(Program, Description)>> {
     static KNOWN: Mutex<Vec<(Program, Description)>> = Mutex::new(Vec::new());
     KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Waits for the answer of a program outside of a run.
+///
+/// # Errors
+/// The error of the question, or the machine has no files left for a conversation.
+pub fn wait_for<T>(answer: impl Future<Output = Result<T, RunError>>) -> Result<T, RunError> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    let failed = |error: io::Error| {
+        let fix = "raise the limit of open files (`ulimit -n`)";
+        machine_failure("the machine", "when programs were to be asked", &error, fix)
+    };
+    runtime.map_err(failed)?.block_on(answer)
 }
 
 impl Program {

@@ -42,6 +42,7 @@ const LAST_WORDS: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub struct Recorder {
     path: PathBuf,
+    compression: Compression,
     files: Vec<CaseFile>,
     notes: Mutex<Notes>,
     progress: Arc<(Mutex<Progress>, Condvar)>,
@@ -93,13 +94,19 @@ impl Recorder {
         let (batch, thread) = (Vec::new(), Some(thread));
         let notes = Mutex::new(Notes { jobs, batch, begun: 0, topics: 0, thread });
         let patience = plan.deadlines.solve;
-        Ok(Self { path: path.to_owned(), files, notes, progress, patience })
+        Ok(Self { path: path.to_owned(), compression, files, notes, progress, patience })
     }
 
     /// Path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Compression of the file.
+    #[must_use]
+    pub fn compression(&self) -> Compression {
+        self.compression
     }
 
     /// Subscribes to a topic.

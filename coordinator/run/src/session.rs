@@ -32,7 +32,6 @@ use crate::error::RunError;
 use crate::peers::{Peers, ProcessGuard};
 use crate::record::Recorder;
 use crate::warnings::Warning;
-use contract::step::Step;
 use coupling::{Part, ParticipantIndex};
 use fields::{CoupledField, MappingIndex, MovingIndex, PartIndex};
 use live::LiveValues;
@@ -131,6 +130,12 @@ impl Session {
         &self.warnings
     }
 
+    /// Logs a warning, and adds it to those of the run.
+    pub(crate) fn warn(&mut self, warning: Warning) {
+        tracing::warn!("{warning}");
+        self.warnings.push(warning);
+    }
+
     /// Returns the time so far in which at least one model computed [s]. Models that compute at the
     /// same time count once, with the longest time.
     #[must_use]
@@ -166,13 +171,12 @@ impl Session {
         self.live.sent.iter().map(|sent| (sent.key.as_str(), sent.value))
     }
 
-    /// Returns the last value that a participant has sent for a live key in a window. Returns
-    /// `None` if no participant sends the key.
+    /// Returns the value of a live key that a participant sends, as its readers used it last.
+    /// Returns `None` if no participant sends the key.
     #[must_use]
-    pub fn provided(&self, key: &str, step: &Step) -> Option<f64> {
-        let mut fields = self.live.provided.iter().map(|provided| &self.fields[provided.field]);
-        let sample = fields.find(|field| field.kind.name == key)?.sample.as_ref()?;
-        (sample.header().window == step.window).then(|| sample.values().first().copied()).flatten()
+    pub fn provided(&self, key: &str) -> Option<f64> {
+        let mut provided = self.live.provided.iter();
+        provided.find(|provided| self.fields[provided.field].kind.name == key)?.used
     }
 
     /// Returns the folder of the run, which is in memory and is removed at the end of the run.

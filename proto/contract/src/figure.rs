@@ -65,6 +65,10 @@ pub struct FigureSpec {
     /// Plausible range; values outside produce a warning.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible: Option<Plausible>,
+    /// Dotted key of the case, with `*` for any name. A case that gives it sets the figure itself,
+    /// so that the plausible range does not apply.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plausible_unless: Option<String>,
 }
 
 fn digits() -> usize {
@@ -183,6 +187,7 @@ impl FigureSpec {
             driven_by: None,
             derived: None,
             plausible: None,
+            plausible_unless: None,
         }
     }
 
@@ -197,6 +202,13 @@ impl FigureSpec {
     #[must_use]
     pub fn expected_above(mut self, least: f64, why: &str) -> Self {
         self.plausible = Some(Plausible { least: Some(least), most: None, why: why.to_owned() });
+        self
+    }
+
+    /// Lifts the plausible range in a case that gives this key.
+    #[must_use]
+    pub fn unless_given(mut self, key: &str) -> Self {
+        self.plausible_unless = Some(key.to_owned());
         self
     }
 

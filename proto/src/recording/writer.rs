@@ -7,6 +7,7 @@ use super::{
 use crate::binary;
 use crate::message::FieldHeader;
 use mcap::records::MessageHeader;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::io::{Seek, Write};
@@ -18,7 +19,8 @@ const CHUNK: u64 = 4 << 20;
 const UNWRITTEN: Duration = Duration::from_millis(100);
 
 /// Compression of chunks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Compression {
     /// Uncompressed, as fast as the disk.
     #[default]

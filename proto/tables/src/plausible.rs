@@ -35,6 +35,13 @@ impl Plausible {
         let least = self.least.filter(|least| size > 0.0 && size < *least);
         least.or(self.most.filter(|most| size > *most))
     }
+
+    /// Returns the ratio, above 1, by which a value violates its bound; `None` within the range.
+    #[must_use]
+    pub fn excess(&self, value: f64) -> Option<f64> {
+        let (size, bound) = (value.abs(), self.bound_passed(value)?);
+        Some(if size < bound { bound / size } else { size / bound })
+    }
 }
 
 #[cfg(test)]
@@ -48,5 +55,7 @@ mod tests {
         assert_eq!((both.bound_passed(0.5), both.bound_passed(-20.0)), (Some(1.0), Some(10.0)));
         assert_eq!((both.bound_passed(0.0), both.bound_passed(-5.0)), (None, None));
         assert_eq!(of(None, None).bound_passed(1e300), None);
+        assert_eq!((both.excess(0.5), both.excess(-20.0)), (Some(2.0), Some(2.0)));
+        assert_eq!(both.excess(-5.0), None);
     }
 }

@@ -4,6 +4,7 @@
 use crate::failures;
 use crate::harness::{Ended, Place, Running, case, programs, sets, wait_until};
 use rustix::process::{Signal, kill_process};
+use tests::toy::SOLVING;
 
 /// Starts a run in which participant `role` takes long over the first window, and waits until it is
 /// in that window.
@@ -12,10 +13,7 @@ fn in_mid_window<'a>(place: &'a Place, role: &str, more: &[&str]) -> Running<'a>
     let mut arguments = vec!["--set", &delay];
     arguments.extend(more);
     let running = place.start_run(&case("exchange.toml"), &arguments);
-    place.wait_for_log("every participant is ready");
-    // Long enough to be in the solve; otherwise the message would name another phase, and the test
-    // would fail.
-    std::thread::sleep(std::time::Duration::from_millis(300));
+    place.wait_for_log(SOLVING);
     running
 }
 

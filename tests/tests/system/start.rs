@@ -32,7 +32,7 @@ fn many_starts() {
 /// the start.
 #[test]
 fn building_may_take_longer_than_starting() {
-    let settings = ["time.end=2", "coupling.start_deadline=1", "left.build_delay=2.5"];
+    let settings = ["time.end=2", "coupling.start_deadline=3", "left.build_delay=4"];
     let (_, ended) = exchange(&settings);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
 }

@@ -313,8 +313,8 @@ impl Run<'_> {
             Stopped::ReplyLost(_) => Over::of(
                 "the participant at the server processed the last command, but its reply did not arrive",
             ),
-            Stopped::Late(_, patience) => {
-                let seconds = patience.as_secs_f64();
+            Stopped::Late(_, delay) => {
+                let seconds = delay.waited.as_secs_f64();
                 Over::of(format!(
                     "the participant at the server did not join within {seconds:.0} s"
                 ))

@@ -13,9 +13,9 @@ use super::setting::{self, Request, Setting};
 use contract::configuration::Configuration;
 use contract::description::Description;
 use run::error::RunError;
+use run::programs::wait_for;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
-use std::future::Future;
 use std::num::NonZero;
 use std::rc::Rc;
 
@@ -115,15 +115,6 @@ impl TestBench {
             true => Finding::inapplicable(inapplicable.join("; ")),
         }
     }
-}
-
-/// Waits for the answer of a program outside of a run.
-pub(super) fn wait_for<T>(
-    answer: impl Future<Output = Result<T, RunError>>,
-) -> Result<T, RunError> {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
-    let failed = |error| run::error::file_failure(std::path::Path::new("tokio"), &error);
-    runtime.map_err(failed)?.block_on(answer)
 }
 
 /// Returns the description of a program before it has given one.

@@ -1,6 +1,6 @@
 //! Checks of the description of a participant, and of its estimate before a run.
 
-use super::bench::{TestBench, wait_for};
+use super::bench::TestBench;
 use super::check::Check;
 use super::fault::{CheckFailure, Finding, broken};
 use case::parse_quantity;
@@ -10,6 +10,7 @@ use contract::grid::check_name;
 use contract::message::{Command, CommandKind};
 use run::error::RunError;
 use run::format::counted;
+use run::programs::wait_for;
 use std::time::Instant;
 
 pub(super) const DESCRIBE: Check = Check {

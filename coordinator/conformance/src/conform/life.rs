@@ -20,7 +20,7 @@ use proto::run_dir::{RunDir, RunInfo};
 use proto::transport::{FieldWriter, TransportError};
 use run::deadlines::Deadlines;
 use run::error::RunError;
-use run::peers::{COORDINATOR, LEAVE, ParticipantSlot, Peers, ProcessGuard, Stopped};
+use run::peers::{COORDINATOR, Delay, LEAVE, ParticipantSlot, Peers, ProcessGuard, Stopped};
 use run::programs::Program;
 use run::session::{FieldSubscription, MovingGrid, layout_fault};
 use run::supervise::{Exit, Supervisor};
@@ -155,7 +155,7 @@ impl TestProcess {
             Stopped::ReplyLost(_) => {
                 broken("no answer, and its heartbeat says that it waits for a command".to_owned())
             }
-            Stopped::Silent(_, time) | Stopped::Late(_, time) => {
+            Stopped::Silent(_, time) | Stopped::Late(_, Delay { waited: time, .. }) => {
                 broken(format!("no answer within {:.0} s", time.as_secs_f64()))
             }
             Stopped::Transport(_, error) | Stopped::Doorbell(error) => error.into(),

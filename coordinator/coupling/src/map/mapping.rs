@@ -172,7 +172,7 @@ fn imbalance(from: &[f64], source: &[f64], to: &[f64], target: &[f64]) -> f64 {
     // A mapped NaN must not pass as a balance: `max` would drop it.
     match (received - sent).abs() {
         0.0 => 0.0,
-        difference if difference.is_nan() => f64::INFINITY,
+        difference if (difference / scale).is_nan() => f64::INFINITY,
         difference => difference / scale,
     }
 }

@@ -49,9 +49,7 @@ fn over_all(results: &Results) -> Option<(&'static str, Block)> {
     let word = all.first()?.word;
     let mut table = Table::new(["figure", "smallest", "largest"], 1);
     for extreme in &all {
-        let mut n = extreme.windows.iter();
-        let mut cell = |said| format!("{said} ({word} {})", n.next().copied().unwrap_or_default());
-        let [least, most] = extreme.said(DIGITS).map(&mut cell);
+        let [least, most] = extreme.said(DIGITS);
         table.row([sentence(&extreme.figure.words), least, most]);
     }
     Some((word, Block::Table(table)))

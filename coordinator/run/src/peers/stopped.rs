@@ -23,13 +23,35 @@ pub enum Stopped {
     ReplyLost(ParticipantIndex),
     /// No heartbeat of the participant for this long.
     Silent(ParticipantIndex, Duration),
-    /// No answer and no progress of the participant for this long, although its heartbeat is
-    /// received.
-    Late(ParticipantIndex, Duration),
+    /// No answer and no progress of the participant for this long, nor a heartbeat for
+    /// [`Delay::silence`].
+    Late(ParticipantIndex, Delay),
     /// The exchange with the participant failed.
     Transport(ParticipantIndex, TransportError),
     /// The coordinator's own doorbell failed.
     Doorbell(TransportError),
+}
+
+/// Delay of a participant that is alive.
+#[derive(Clone, Copy, Debug)]
+pub struct Delay {
+    /// Time without an answer and without progress.
+    pub waited: Duration,
+    /// Time since the last heartbeat.
+    pub silence: Duration,
+}
+
+impl Delay {
+    /// Time without a heartbeat from which on it is mentioned: many beats.
+    const QUIET: Duration = Duration::from_secs(1);
+
+    /// Formats what is known of the heartbeat.
+    fn heartbeat(self) -> String {
+        match self.silence >= Self::QUIET.min(self.waited) {
+            false => "its heartbeat is still received".to_owned(),
+            true => format!("its last heartbeat was {:.1} s ago", self.silence.as_secs_f64()),
+        }
+    }
 }
 
 impl From<TransportError> for Stopped {
@@ -65,9 +87,9 @@ impl Stopped {
                 "it is stopped or its machine is overloaded; raise coupling.heartbeat_deadline \
                  if it may pause for so long",
             ),
-            Self::Late(one, patience) => {
+            Self::Late(one, delay) => {
                 let (what, fix) =
-                    late(phase, patience, peers[one].advance().map(|(report, _)| report));
+                    late(phase, delay, peers[one].advance().map(|(report, _)| report));
                 failed(one, what, &fix)
             }
             Self::Transport(one, error) => {
@@ -84,8 +106,8 @@ impl Stopped {
 }
 
 /// Returns description and fix for a participant that is alive but has not answered in time.
-fn late(phase: Phase, patience: Duration, reached: Option<ProgressReport>) -> (String, String) {
-    let seconds = patience.as_secs_f64();
+fn late(phase: Phase, delay: Delay, reached: Option<ProgressReport>) -> (String, String) {
+    let (seconds, heartbeat) = (delay.waited.as_secs_f64(), delay.heartbeat());
     let (what, key) = match phase {
         Phase::Starting => {
             let what = format!("it did not join within {seconds:.1} s");
@@ -95,10 +117,10 @@ fn late(phase: Phase, patience: Duration, reached: Option<ProgressReport>) -> (S
         _ => ("no answer", "coupling.solve_deadline"),
     };
     let what = match reached {
-        None => format!("{what} after {seconds:.1} s; its heartbeat is still received"),
-        Some(reached) => format!(
-            "it stopped at {reached}: no progress for {seconds:.1} s; its heartbeat is still received"
-        ),
+        None => format!("{what} after {seconds:.1} s; {heartbeat}"),
+        Some(reached) => {
+            format!("it stopped at {reached}: no progress for {seconds:.1} s; {heartbeat}")
+        }
     };
     (what, format!("raise {key} if it needs longer"))
 }
@@ -117,6 +139,19 @@ fn ended(peers: &TiSlice<ParticipantIndex, Peer>, exit: &Exit, when: String) -> 
 mod tests {
     use super::*;
     use typed_index_collections::TiVec;
+
+    /// A process that is stopped sends no heartbeat, even if the deadline is shorter than the
+    /// patience with heartbeats.
+    #[test]
+    fn a_heartbeat_is_claimed_only_if_it_was_received() {
+        let told = |waited: u64, silence: u64| {
+            let [waited, silence] = [waited, silence].map(Duration::from_millis);
+            late(Phase::Connecting, Delay { waited, silence }, None).0
+        };
+        assert_eq!(told(2000, 60), "no answer after 2.0 s; its heartbeat is still received");
+        assert_eq!(told(2000, 2010), "no answer after 2.0 s; its last heartbeat was 2.0 s ago");
+        assert_eq!(told(300, 310), "no answer after 0.3 s; its last heartbeat was 0.3 s ago");
+    }
 
     #[test]
     fn a_failure_of_the_own_doorbell_is_nobody_elses() {

@@ -3,6 +3,7 @@
 
 use super::time_loop::{AcceptedWindow, RejectedWindow, TimeLoop};
 use crate::error::{RunError, file_failure};
+use crate::format::exact;
 use crate::plan::{Participant, Plan};
 use crate::results::summary::Counts;
 use crate::results::vtk::FileSeries;
@@ -190,11 +191,8 @@ impl<'m, 'a> Driven<'m, 'a> {
         };
         let end = match (window, end) {
             (None, end) => end.unwrap_or(start),
-            (Some(window), None) => (index + 1) as f64 * window,
-            (Some(window), Some(end)) => {
-                let whole = (end / window).round() * window;
-                if (whole - end).abs() <= ROUNDING * window { whole } else { end }
-            }
+            (Some(window), None) => whole(start + window, window),
+            (Some(window), Some(end)) => whole(end, window),
         };
         let (start, fits) = match window {
             None => (end, end.is_finite() && end >= start),
@@ -204,6 +202,7 @@ impl<'m, 'a> Driven<'m, 'a> {
             return Ok(Step { window: index, iteration: 0, start, end });
         }
         let start = self.time_loop.time.state().start;
+        let [start, end] = [start, end].map(exact);
         Err(DriverError::Refused(format!(
             "window {index} begins at {start} s and cannot end at {end} s"
         )))
@@ -299,6 +298,13 @@ impl<'m, 'a> Driven<'m, 'a> {
     }
 }
 
+/// Returns a multiple of the window if the time is one within rounding, as a run with fixed windows
+/// has it; otherwise the time.
+fn whole(time: f64, window: f64) -> f64 {
+    let whole = (time / window).round() * window;
+    if (whole - time).abs() <= ROUNDING * window { whole } else { time }
+}
+
 impl TimeLoop<'_> {
     /// Saves the state after the last window into a folder.
     fn keep(&mut self, folder: PathBuf) -> Result<SavedState, RunError> {
@@ -374,6 +380,19 @@ impl TableState {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn a_window_without_an_end_has_the_length_of_the_case() {
+        let window = 1e-4;
+        // The bits of a run with fixed windows.
+        let mut start = 0.0;
+        for index in 0..1000 {
+            start = whole(start + window, window);
+            assert_eq!(start, f64::from(index + 1) * window);
+        }
+        assert_eq!(whole(2.5e-4 + window, window), 3.5e-4);
+        assert_eq!(whole(0.5e-4 + window, window), 0.5e-4 + window);
+    }
 
     /// Cuts and extends a table at will, and checks that every state returns to its content.
     fn play(moves: &[(bool, u8)]) {

@@ -51,7 +51,7 @@ impl<'a> Inputs<'a> {
     pub(super) fn values(&self, session: &Session, step: &Step) -> Vec<Option<f64>> {
         let value = |key: &&str| {
             let live = session.given().find(|(live, _)| live == key).map(|(_, value)| value);
-            live.or_else(|| session.provided(key, step))
+            live.or_else(|| session.provided(key))
                 .or_else(|| self.tables.iter().find_map(|table| table.value(key, step)))
         };
         self.keys.iter().map(value).collect()

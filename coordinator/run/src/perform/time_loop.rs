@@ -5,12 +5,13 @@ use crate::checkpoint::{Checkpoint, Checkpoints, CoordinatorState, Origin};
 use crate::error::{Failure, RunError};
 use crate::plan::Plan;
 use crate::progress::Progress;
-use crate::record::Recorder;
+use crate::record::{Compression, Recorder};
 use crate::results::history::HistoryRecord;
 use crate::results::iterations::IterationRecord;
 use crate::results::summary::{Counts, Status};
 use crate::results::vtk::{FieldOutput, FieldWriter};
 use crate::session::{Balance, FieldSubscription, Observed, Receipt, Session};
+use crate::warnings::Warning;
 use crate::watching::Watcher;
 use contract::bodies::Bodies;
 use contract::step::Step;
@@ -32,6 +33,8 @@ pub(super) struct Writing {
     pub(super) every: u64,
     pub(super) into: Checkpoints,
     pub(super) origin: Origin,
+    /// Compression of the recording, if the run is recorded.
+    pub(super) recorded: Option<Compression>,
 }
 
 /// The loop over the windows of a run.
@@ -277,7 +280,11 @@ impl<'a> TimeLoop<'a> {
         iterations: u32,
     ) -> Result<(), RunError> {
         let roles: Vec<&str> = self.plan.participants.iter().map(|p| p.role.as_str()).collect();
-        audit(&self.session.balance(), &roles, step.window, self.counts)?;
+        let balance = self.session.balance();
+        for warning in unreported(&balance, &roles, self.counts) {
+            self.session.warn(warning);
+        }
+        audit(&balance, &roles, step.window, self.counts)?;
         self.coupling.accept_window();
         // A recording shows more than the newest fields to somebody who watches.
         let watched = !due && self.recorder.is_none() && self.watcher.is_due();
@@ -345,6 +352,7 @@ impl<'a> TimeLoop<'a> {
             table_bytes: self.tables.iterations.seal()?,
             history_bytes: self.tables.history.seal()?,
             series: self.fields.series().to_vec(),
+            recorded: writing.recorded,
         };
         writing.into.complete(&draft, &parts, &state)?;
         tracing::info!(window = done, "checkpoint written");
@@ -440,21 +448,26 @@ fn beside_the_models(wall: f64, models: f64) -> f64 {
     (wall - models).max(0.0)
 }
 
+/// Returns a warning for each participant that does not report the heat it receives, once.
+fn unreported(balance: &Balance, roles: &[&str], counts: &mut Counts) -> Vec<Warning> {
+    let unreported = balance.unreported & !counts.unreported;
+    counts.unreported |= unreported;
+    let silent = roles.iter().enumerate().filter(|(index, _)| unreported >> index & 1 == 1);
+    let warning = |(_, role): (usize, &&str)| {
+        let reason = "does not report the heat it receives, and is excluded from the energy audit";
+        Warning::remark(role, reason, "let its solver report heat_received")
+    };
+    silent.map(warning).collect()
+}
+
 /// Audits the conservative fields: heat that is not conserved between participants ends the run. A
-/// participant that does not report the heat it receives is named once, and excluded.
+/// participant that does not report the heat it receives is excluded.
 fn audit(
     balance: &Balance,
     roles: &[&str],
     window: u64,
     counts: &mut Counts,
 ) -> Result<(), RunError> {
-    let unreported = balance.unreported & !counts.unreported;
-    counts.unreported |= unreported;
-    for (_, role) in roles.iter().enumerate().filter(|(one, _)| unreported >> one & 1 == 1) {
-        tracing::warn!(
-            "{role} does not report the heat it receives and is excluded from the audit"
-        );
-    }
     let Some(imbalance) = balance.imbalance() else { return Ok(()) };
     let worst = counts.energy_imbalance.get_or_insert(0.0);
     *worst = worst.max(imbalance);
@@ -513,7 +526,11 @@ mod tests {
         assert_eq!(judged, Ok(()));
         assert!(worst.unwrap() > 0.9e-9);
         let mut counts = Counts::default();
-        assert!(audit(&balance(1.0, None), &["mech", "thermal"], 0, &mut counts).is_ok());
+        let (silent, roles) = (balance(1.0, None), ["mech", "thermal"]);
+        assert!(audit(&silent, &roles, 0, &mut counts).is_ok());
+        let told = unreported(&silent, &roles, &mut counts);
+        assert_eq!(told.iter().map(Warning::key).collect::<Vec<_>>(), ["thermal"]);
+        assert_eq!(unreported(&silent, &roles, &mut counts), [], "it is told once");
         assert_eq!((counts.unreported, counts.energy_imbalance), (0b10, None));
     }
 

@@ -203,7 +203,7 @@ pub(super) fn replaced(case: &Case) -> impl Iterator<Item = Warning> {
 }
 
 /// Returns the values of a case under a path in which `*` stands for any one name.
-fn instances<'a>(case: &'a Params, path: &str) -> Vec<(String, &'a Value)> {
+pub(super) fn instances<'a>(case: &'a Params, path: &str) -> Vec<(String, &'a Value)> {
     let mut found = vec![(String::new(), &case.0)];
     for part in path.split('.') {
         found = found

@@ -1,8 +1,10 @@
 //! Figures of a run: the figures that its participants describe, for the bodies of its case.
 
 use super::contents::Participant;
+use super::expected::instances;
 use contract::bodies::{Bodies, LOWER, UPPER};
 use contract::figure::FigureSpec;
+use contract::params::Params;
 use std::collections::BTreeSet;
 
 /// Collects the figures of all participants and of their active effects in the order of the plan,
@@ -22,6 +24,7 @@ pub(super) fn gather<'a>(
         let described = participant.description.figures.iter().chain(of_effects);
         let mut own: Vec<_> = described.flat_map(|figure| of_bodies(figure, bodies)).collect();
         own.retain(|(_, figure)| known.insert(figure.key.clone()));
+        own.iter_mut().for_each(|(_, figure)| judge(figure, &participant.configuration.case));
         let given = own.iter().map(|(_, figure)| figure).filter(|figure| figure.is_given());
         participant.figures = given.map(|figure| figure.key.clone()).collect();
         all.extend(own);
@@ -40,6 +43,14 @@ fn of_bodies(figure: &FigureSpec, bodies: Option<&Bodies>) -> Vec<(bool, FigureS
     [LOWER, UPPER].map(|body| (body == UPPER, figure.of_body(&names[body]))).to_vec()
 }
 
+/// Lifts the plausible range of a figure that the case sets itself.
+fn judge(figure: &mut FigureSpec, case: &Params) {
+    let given = |key: &String| !instances(case, key).is_empty();
+    if figure.plausible_unless.as_ref().is_some_and(given) {
+        figure.plausible = None;
+    }
+}
+
 /// Sorts the ranked figures of the upper body behind all others.
 fn rank(figures: &mut [(bool, FigureSpec)]) {
     let ranked = |(_, (upper, figure)): (usize, &(bool, FigureSpec))| Some((*upper, figure.rank?));
@@ -54,6 +65,21 @@ fn rank(figures: &mut [(bool, FigureSpec)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_figure_that_the_case_sets_is_not_judged() {
+        let figure = FigureSpec::new("contact.creepage_xi", "1", "creepage")
+            .expected_below(0.05, "beyond that bodies slide")
+            .unless_given("bodies.*.surface_speed");
+        let judged = |case| {
+            let mut figure = figure.clone();
+            judge(&mut figure, &Params(case));
+            figure.plausible.is_some()
+        };
+        assert!(judged(json!({"bodies": {"pin": {"radius_x": 1.0}}, "motion": {"speed": 3.0}})));
+        assert!(!judged(json!({"bodies": {"disc": {}, "pin": {"surface_speed": 0.0}}})));
+    }
 
     #[test]
     fn figures_of_the_upper_body_come_after_all_others() {

@@ -14,7 +14,7 @@ use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::linked::LinkedSolvers;
 use crate::peers::{COORDINATOR, ParticipantSlot};
-use crate::programs::Program;
+use crate::programs::{self, Program};
 use crate::warnings::Warning;
 use case::schema::WELL_KNOWN_ROLES;
 use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
@@ -23,6 +23,7 @@ use contract::description::Description;
 use contract::grid::check_name;
 use contract::history::Histories;
 use contract::message::{MAX_INPUTS, MOST_PARTICIPANTS};
+use contract::suggest::any_of;
 use coupling::ParticipantIndex;
 use coupling::settings::{Implicit, Scheme};
 use coupling::windows::Windows;
@@ -35,6 +36,9 @@ const RESERVED_ROLES: &[&str] =
     &["coordinator", "wall", "coupling", "output", "plan", "start", "finish"];
 /// Largest number of windows; more are taken for an error of input.
 const MOST_WINDOWS: f64 = 1e9;
+
+/// Largest number of effects and models that the advice about a missing field names.
+const MOST_PROVIDERS: usize = 4;
 
 /// Longest time that a program may take to describe itself or to estimate.
 const ANSWER: Duration = Duration::from_secs(30);
@@ -50,11 +54,7 @@ pub fn plan(raw: RawCase) -> Result<Planned, RunError> {
 /// The case is invalid, a program fails, or a participant refuses the case.
 pub fn plan_with(raw: RawCase, solvers: &LinkedSolvers) -> Result<Planned, RunError> {
     crew::start(&seats(&raw, solvers), ANSWER);
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_all()
-        .build()
-        .map_err(|e| crate::error::file_failure(std::path::Path::new("tokio"), &e))?;
-    runtime.block_on(plan_async(raw, solvers))
+    programs::wait_for(plan_async(raw, solvers))
 }
 
 /// Returns the participants that the case probably has; empty if there are too many or a role is
@@ -78,12 +78,15 @@ fn seats(raw: &RawCase, solvers: &LinkedSolvers) -> Vec<ParticipantSlot> {
 
 async fn plan_async(raw: RawCase, solvers: &LinkedSolvers) -> Result<Planned, RunError> {
     let sections = raw.participants();
-    let mut described = Vec::new();
-    for (section, description) in describe(&raw, &sections, solvers).await? {
-        described.push((section.role.clone(), description));
-    }
-    described.extend(describe_absent(&sections, solvers).await);
-    let case = validate(&raw, &described, &describe_replaced(&sections).await)?;
+    // All programs are asked at the same time.
+    let (own, absent, replaced) = tokio::join!(
+        describe(&raw, &sections, solvers),
+        describe_absent(&sections, solvers),
+        describe_replaced(&sections),
+    );
+    let mut described = own?;
+    described.extend(absent);
+    let case = validate(&raw, &described, &replaced)?;
     let mut plan = route_case(&case, &described, solvers)?;
     estimate(&case, &mut plan).await?;
     plan.mappings = mapping::planned(&plan);
@@ -93,42 +96,44 @@ async fn plan_async(raw: RawCase, solvers: &LinkedSolvers) -> Result<Planned, Ru
     Ok(Planned { case, plan })
 }
 
-/// Asks all programs for their descriptions at the same time.
-async fn describe<'a>(
-    raw: &RawCase,
-    sections: &'a [RawParticipant],
-    solvers: &LinkedSolvers,
-) -> Result<Vec<(&'a RawParticipant, Description)>, RunError> {
+/// Asks programs for their descriptions at the same time, each under its role. Answers keep the
+/// order of the programs.
+async fn ask_all(programs: Vec<(String, Program)>) -> Vec<Result<Description, RunError>> {
     let mut asked = tokio::task::JoinSet::new();
-    for (index, section) in sections.iter().enumerate() {
-        let program =
-            Program::of_role_or_linked(&section.role, section.command.as_deref(), solvers);
-        let role = section.role.clone();
+    for (index, (role, program)) in programs.into_iter().enumerate() {
         asked.spawn(async move { (index, program.known(&role, ANSWER).await) });
     }
     let mut answers = asked.join_all().await;
     answers.sort_by_key(|(index, _)| *index);
-    let mut described = Vec::new();
-    let mut problems = Vec::new();
-    for (index, answer) in answers {
-        let section = &sections[index];
+    answers.into_iter().map(|(_, answer)| answer).collect()
+}
+
+/// Asks for the descriptions that exist, by role.
+async fn ask_known(programs: Vec<(String, Program)>) -> Vec<(String, Description)> {
+    let roles: Vec<String> = programs.iter().map(|(role, _)| role.clone()).collect();
+    let answers = ask_all(programs).await;
+    roles.into_iter().zip(answers).filter_map(|(role, one)| Some((role, one.ok()?))).collect()
+}
+
+/// Describes the programs of a case by role.
+async fn describe(
+    raw: &RawCase,
+    sections: &[RawParticipant],
+    solvers: &LinkedSolvers,
+) -> Result<Vec<(String, Description)>, RunError> {
+    let program = |section: &RawParticipant| {
+        let command = section.command.as_deref();
+        let program = Program::of_role_or_linked(&section.role, command, solvers);
+        (section.role.clone(), program)
+    };
+    let answers = ask_all(sections.iter().map(program).collect()).await;
+    let (mut described, mut problems) = (Vec::new(), Vec::new());
+    for (section, answer) in sections.iter().zip(answers) {
         match answer {
-            Ok(description) if description.protocol != contract::PROTOCOL_VERSION => {
-                problems.push(Problem::new(
-                    section.place.clone(),
-                    format!("{}.command", section.role),
-                    format!(
-                        "`{}` speaks protocol {}, this coordinator protocol {}",
-                        description.name,
-                        description.protocol,
-                        contract::PROTOCOL_VERSION
-                    ),
-                    "install compatible versions",
-                ));
-            }
-            Ok(description) => {
-                described.push((section, description));
-            }
+            Ok(description) => match misplaced(section, &description) {
+                Some(problem) => problems.push(problem),
+                None => described.push((section.role.clone(), description)),
+            },
             // A section with only a model may be a table that a participant reads.
             Err(RunError::NoProgram { role, .. })
                 if section.command.is_none() && !WELL_KNOWN_ROLES.contains(&role.as_str()) => {}
@@ -146,6 +151,27 @@ async fn describe<'a>(
     raw.report(problems).map_or(Ok(described), |problems| Err(problems.into()))
 }
 
+/// Returns the problem of a program that cannot take this place in a case. Its keys say nothing
+/// about the case, which therefore is not judged any further.
+fn misplaced(section: &RawParticipant, description: &Description) -> Option<Problem> {
+    let RawParticipant { role, place, .. } = section;
+    let Description { name, protocol, role: played, .. } = description;
+    let problem = |reason: String, fix: &str| {
+        Some(Problem::new(place.clone(), format!("{role}.command"), reason, fix))
+    };
+    if *protocol != contract::PROTOCOL_VERSION {
+        let own = contract::PROTOCOL_VERSION;
+        let reason = format!("`{name}` speaks protocol {protocol}, this coordinator protocol {own}");
+        return problem(reason, "install compatible versions");
+    }
+    if played != role {
+        let reason = format!("its program plays the role `{played}`");
+        let fix = format!("name the section [{played}], or give a program that plays `{role}`");
+        return problem(reason, &fix);
+    }
+    None
+}
+
 /// Returns an error if there are problems.
 fn refuse(case: &Case, problems: Vec<Problem>) -> Result<(), RunError> {
     case.report(problems).map_or(Ok(()), |problems| Err(problems.into()))
@@ -153,7 +179,7 @@ fn refuse(case: &Case, problems: Vec<Problem>) -> Result<(), RunError> {
 
 /// Checks the roles, which become names of services, files and keys of the summary. Also checks the
 /// number of windows.
-fn check_roles(case: &Case, described: &[(String, Description)]) -> Result<(), RunError> {
+fn check_roles(case: &Case) -> Result<(), RunError> {
     let mut problems = Vec::new();
     let mut problem = |role: &str, reason: String, fix: &str| {
         problems.push(case.problem_at(role, reason, fix));
@@ -168,11 +194,6 @@ fn check_roles(case: &Case, described: &[(String, Description)]) -> Result<(), R
         }
         if index == MOST_PARTICIPANTS {
             problem(role, format!("more than {MOST_PARTICIPANTS} participants"), "use fewer");
-        }
-        let description = described.iter().find(|(r, _)| r == role).map(|(_, d)| d);
-        if let Some(played) = description.map(|d| &d.role).filter(|played| *played != role) {
-            let reason = format!("its program plays the role `{played}`");
-            problem(role, reason, "name the section after the role, or the right program");
         }
     }
     if let Timing::Transient { window, end, control } = case.timing {
@@ -195,32 +216,22 @@ async fn describe_absent(
     sections: &[RawParticipant],
     solvers: &LinkedSolvers,
 ) -> Vec<(String, Description)> {
-    let mut described = Vec::new();
-    for role in WELL_KNOWN_ROLES {
-        if sections.iter().all(|section| section.role != *role)
-            && let Ok(description) =
-                Program::of_role_or_linked(role, None, solvers).known(role, ANSWER).await
-        {
-            described.push(((*role).to_owned(), description));
-        }
-    }
-    described
+    let is_absent = |role: &&&str| sections.iter().all(|section| section.role != ***role);
+    let program = |role: &&str| {
+        ((*role).to_owned(), Program::of_role_or_linked(role, None, solvers))
+    };
+    ask_known(WELL_KNOWN_ROLES.iter().filter(is_absent).map(program).collect()).await
 }
 
 /// Describes the default programs of roles that a `command` gives to another program. Their keys
 /// are known, but not used.
 async fn describe_replaced(sections: &[RawParticipant]) -> Vec<(String, Description)> {
-    let mut described = Vec::new();
-    for RawParticipant { role, command, .. } in sections {
-        let (usual, program) =
-            (Program::of_role(role, None), Program::of_role(role, command.as_deref()));
-        if usual.path != program.path
-            && let Ok(description) = usual.known(role, ANSWER).await
-        {
-            described.push((role.clone(), description));
-        }
-    }
-    described
+    let replaced = sections.iter().filter_map(|RawParticipant { role, command, .. }| {
+        let usual = Program::of_role(role, None);
+        let own = Program::of_role(role, command.as_deref());
+        (usual.path != own.path).then(|| (role.clone(), usual))
+    });
+    ask_known(replaced.collect()).await
 }
 
 fn route_case(
@@ -236,7 +247,7 @@ fn route_case(
         Some(Candidate { role: &p.role, model, description, live, by_keys })
     });
     let running = TiVec::from(route::order(candidates.collect(), case));
-    check_roles(case, described)?;
+    check_roles(case)?;
     let twice = route::provided_twice(&running, case).into_iter().map(|(field, first, second)| {
         let reason = format!("`{first}` and `{second}` both provide the field `{field}`");
         case.problem_at(&second, reason, "keep one of the two")
@@ -248,11 +259,7 @@ fn route_case(
                 "{} needs the field `{}` for `{}`, which no participant provides",
                 u.because, u.field, u.consumer
             );
-            case.problem_at(
-                &u.key,
-                reason,
-                "add a participant or choose a model that provides it, or remove the effect",
-            )
+            case.problem_at(&u.key, reason, provider(described, &u.field))
         });
         case.report(problems.collect()).expect("there is at least one problem")
     })?;
@@ -310,6 +317,24 @@ fn route_case(
         },
         shared_memory_limit: case.limits.shared_memory,
     })
+}
+
+/// Returns the advice for a field that no participant provides: what would provide it.
+fn provider(described: &[(String, Description)], field: &str) -> String {
+    let provides = |fields: &[String]| fields.iter().any(|provided| provided == field);
+    let effects = described.iter().flat_map(|(role, description)| {
+        let effects = description.effects.iter().filter(|effect| provides(&effect.provides));
+        effects.map(move |effect| format!("[effects.{}] of {role}", effect.name))
+    });
+    let models = described.iter().flat_map(|(role, description)| {
+        let models = description.models.iter().filter(|model| provides(&model.provides));
+        models.map(move |model| format!("{role}.model = \"{}\"", model.name))
+    });
+    let found: Vec<String> = effects.chain(models).take(MOST_PROVIDERS).collect();
+    match found.as_slice() {
+        [] => "add a participant that provides it, or remove what needs it".to_owned(),
+        found => format!("add {}, or remove what needs it", any_of(found)),
+    }
 }
 
 fn scheme(

@@ -11,12 +11,18 @@ use rustix::fs::OFlags;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::Path;
+use std::time::Duration;
 
 /// File that marks a result folder.
 pub const MARKER: &str = ".cosim-results";
 
 /// Kind of results in the marker of a run.
 pub const A_RUN: &str = "a run";
+
+/// Number of refusals of the lock that may be due to somebody who watches.
+const LOOKS: usize = 10;
+/// Time between two tries to take the lock.
+const PAUSE: Duration = Duration::from_millis(5);
 
 /// Treatment of existing results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,12 +155,24 @@ fn mark(mut marker: &File, of: &str) -> io::Result<()> {
     marker.set_len(0).and_then(|()| marker.write_all(text.as_bytes()))
 }
 
+/// Tries to take the lock. Whoever watches holds it for an instant at every look, so that a first
+/// refusal proves nothing.
+fn try_lock(marker: &LockFile) -> Result<(), TryLockError> {
+    for _ in 0..LOOKS {
+        match marker.try_lock() {
+            Err(TryLockError::WouldBlock) => std::thread::sleep(PAUSE),
+            other => return other,
+        }
+    }
+    marker.try_lock()
+}
+
 /// Locks the marker for this process.
 fn lock(dir: &Dir) -> Result<LockFile, RunError> {
     let marker = dir.file(MARKER, OFlags::RDWR | OFlags::CREATE | OFlags::APPEND);
     let marker = marker.map_err(|error| file_failure(&dir.path().join(MARKER), &error))?;
     let marker = LockFile::from(marker);
-    match marker.try_lock() {
+    match try_lock(&marker) {
         Err(TryLockError::WouldBlock) => {
             let fix = "wait for its end, or give another folder with --out";
             return Err(refuse(dir, &format!("is used by another run; {fix}")));
@@ -166,4 +184,33 @@ fn lock(dir: &Dir) -> Result<LockFile, RunError> {
         Ok(()) => {}
     }
     Ok(marker)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::watching::is_running;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    /// Somebody who watches a folder does not keep a run from it; another run does.
+    #[test]
+    fn a_look_does_not_refuse_a_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let take = || Claim::take(folder.path(), A_RUN, Existing::Replace);
+        drop(take().unwrap());
+        let done = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !done.load(Ordering::Relaxed) {
+                    is_running(folder.path());
+                }
+            });
+            let refused = (0..200).filter(|_| take().is_err()).count();
+            done.store(true, Ordering::Relaxed);
+            assert_eq!(refused, 0);
+        });
+        let held = take().unwrap();
+        assert!(take().unwrap_err().to_string().contains("is used by another run"));
+        drop(held);
+    }
 }

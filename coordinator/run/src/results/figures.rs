@@ -191,13 +191,19 @@ impl<'a> Extreme<'a> {
         figures.iter().filter_map(extreme).collect()
     }
 
-    /// Formats both values with their times, to `digits` digits at most.
+    /// Formats both values with their places, to `digits` digits at most. Rows need not have times.
     #[must_use]
     pub fn said(&self, digits: usize) -> [String; 2] {
         [0, 1].map(|n| {
             let value = Entry { figure: self.figure, value: self.values[n] }.number(digits);
-            let time = Scale::of("s", self.times[n]).show(self.times[n], 4);
-            format!("{value} at {time}")
+            let (word, window, time) = (self.word, self.windows[n], self.times[n]);
+            match (word, time) {
+                ("row", 0.0) => format!("{value} in row {window}"),
+                _ => {
+                    let time = Scale::of("s", time).show(time, 4);
+                    format!("{value} at {time} ({word} {window})")
+                }
+            }
         })
     }
 }
@@ -252,6 +258,26 @@ mod tests {
             ["F_y −39.643 kN", "M_z 7.9810 N·m", "ξ −0.2000 %", "+298.20 K", "x −0.000 mm"];
         assert_eq!(texts(&line.entries), expected);
         assert_eq!(line.entries[0].number(3), "−39.6\u{a0}kN");
+    }
+
+    #[test]
+    fn extremes_of_rows_name_the_rows() {
+        let figures = [FigureSpec::new("contact.a_m", "m", "semi-axis").headline()];
+        let told = |word: &str, times: [f64; 2]| {
+            let place = json!({
+                "key": "contact.a_m",
+                format!("smallest_{word}"): 1, "smallest_s": times[0],
+                format!("largest_{word}"): 2, "largest_s": times[1],
+            });
+            let summary = json!({"extremes": {
+                format!("{word}s"): 3, "places": [place],
+                "smallest": {"contact": {"a_m": 6e-3}}, "largest": {"contact": {"a_m": 8e-3}},
+            }});
+            Extreme::all(&summary, &figures)[0].said(3).map(|text| text.replace('\u{a0}', " "))
+        };
+        assert_eq!(told("row", [0.0; 2]), ["6.00 mm in row 1", "8.00 mm in row 2"]);
+        assert_eq!(told("row", [1.0, 2.0]), ["6.00 mm at 1.000 s (row 1)", "8.00 mm at 2.000 s (row 2)"]);
+        assert_eq!(told("window", [0.0, 0.5]), ["6.00 mm at 0 s (window 1)", "8.00 mm at 500.0 ms (window 2)"]);
     }
 
     #[test]

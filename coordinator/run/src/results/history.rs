@@ -9,17 +9,22 @@
 //! | keys of the case, with units | the inputs that vary, with their values in the window: columns of tables and live values |
 //! | keys of the summary | the figures that participants describe, at the end of the window; empty where there is none |
 //!
-//! When the run is complete, columns without any value are removed ([`finish`]).
+//! When the summary of a complete run is written, columns without any value are removed ([`trim`]).
+//! Until then a run that is killed can be resumed, because its checkpoints hold the length of the
+//! file.
 //!
 //! All other figures of a summary describe the last window. In a sequence of steady contacts this
 //! is one contact of many. Therefore the summary also holds the smallest and largest value over all
-//! windows, with the windows in which they occur: section `extremes` ([`Extremes`]).
+//! windows, with the windows in which they occur: section `extremes` ([`Extremes`]). Implausible
+//! values are sought in all windows as well.
 
 use super::derived::ratio;
 use super::rows::{Rows, cell, push};
 use super::write::create;
 use crate::error::{RunError, file_failure};
+use crate::format::Scale;
 use contract::figure::{Derived, FigureSpec};
+use contract::plausible::Plausible;
 use contract::step::Step;
 use serde_json::{Map, Value, json};
 use std::fs::File;
@@ -74,7 +79,7 @@ impl HistoryTable {
     ) -> Result<Self, RunError> {
         let mut head = OWN.join(",").into_bytes();
         for input in inputs {
-            push(&mut head, format_args!(",{input}"));
+            push(&mut head, format_args!(",{}", quoted(input)));
         }
         for figure in listed(figures) {
             push(&mut head, format_args!(",{}", figure.key));
@@ -161,42 +166,93 @@ impl HistoryTable {
 /// Columns of every table.
 const OWN: [&str; 5] = ["window", "start_s", "end_s", "status", "iterations"];
 
-/// Removes the columns without any value from the table of a complete run, and returns the extremes
-/// of the headline figures.
-///
-/// # Errors
-/// The file cannot be read or written.
-pub fn finish(path: &Path, figures: &[FigureSpec]) -> Result<Extremes, RunError> {
-    let read = || File::open(path).map(|file| BufReader::new(file).lines());
-    let survey = || -> io::Result<_> {
-        let mut lines = read()?;
-        let head: Vec<String> = match lines.next() {
-            Some(line) => line?.split(',').map(str::to_owned).collect(),
-            None => Vec::new(),
-        };
-        let mut filled: Vec<bool> = (0..head.len()).map(|column| column < OWN.len()).collect();
-        let mut extremes = Extremes::of(&head, figures);
-        for line in lines {
-            let line = line?;
-            let cells: Vec<&str> = line.split(',').collect();
-            filled.iter_mut().zip(&cells).for_each(|(filled, cell)| *filled |= !cell.is_empty());
-            extremes.add(&cells);
-        }
-        Ok((filled, extremes))
-    };
-    let (filled, extremes) = survey().map_err(|error| file_failure(path, &error))?;
-    if !filled.iter().all(|filled| *filled) {
-        create(path, |out| {
-            for line in read()? {
+/// A complete table, read once.
+#[derive(Debug)]
+pub struct Survey {
+    /// Extremes of the headline figures, and implausible values.
+    pub extremes: Extremes,
+    /// Columns that hold a value in at least one row.
+    filled: Vec<bool>,
+}
+
+impl Survey {
+    /// Reads the table of a complete run.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn read(path: &Path, figures: &[FigureSpec]) -> Result<Self, RunError> {
+        let survey = || -> io::Result<_> {
+            let mut lines = lines(path)?;
+            let head = match lines.next() {
+                Some(line) => unquoted(&line?),
+                None => Vec::new(),
+            };
+            let mut filled: Vec<bool> = (0..head.len()).map(|column| column < OWN.len()).collect();
+            let mut extremes = Extremes::of(&head, figures);
+            for line in lines {
                 let line = line?;
-                let cells = line.split(',').zip(&filled).filter(|(_, filled)| **filled);
-                let cells: Vec<&str> = cells.map(|(cell, _)| cell).collect();
-                writeln!(out, "{}", cells.join(","))?;
+                let cells: Vec<&str> = line.split(',').collect();
+                filled
+                    .iter_mut()
+                    .zip(&cells)
+                    .for_each(|(filled, cell)| *filled |= !cell.is_empty());
+                extremes.add(&cells);
+            }
+            Ok(Self { extremes, filled })
+        };
+        survey().map_err(|error| file_failure(path, &error))
+    }
+
+    /// Removes the columns without any value from the table.
+    ///
+    /// # Errors
+    /// The file cannot be read or written.
+    pub fn trim(&self, path: &Path) -> Result<(), RunError> {
+        if self.filled.iter().all(|filled| *filled) {
+            return Ok(());
+        }
+        create(path, |out| {
+            for (row, line) in lines(path)?.enumerate() {
+                let line = line?;
+                let cells = match row {
+                    0 => unquoted(&line).iter().map(|cell| quoted(cell)).collect(),
+                    _ => line.split(',').map(str::to_owned).collect::<Vec<_>>(),
+                };
+                let kept = cells.into_iter().zip(&self.filled).filter(|(_, filled)| **filled);
+                let kept: Vec<String> = kept.map(|(cell, _)| cell).collect();
+                writeln!(out, "{}", kept.join(","))?;
             }
             Ok(())
-        })?;
+        })
     }
-    Ok(extremes)
+}
+
+fn lines(path: &Path) -> io::Result<io::Lines<BufReader<File>>> {
+    File::open(path).map(|file| BufReader::new(file).lines())
+}
+
+/// Quotes a cell that holds a comma or a quotation mark, as RFC 4180 does. Only keys of a case can.
+fn quoted(cell: &str) -> String {
+    match cell.contains([',', '"']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell.to_owned(),
+    }
+}
+
+/// Splits a row of cells that may be quoted.
+fn unquoted(line: &str) -> Vec<String> {
+    let (mut cells, mut inside) = (vec![String::new()], false);
+    let mut letters = line.chars().peekable();
+    while let Some(letter) = letters.next() {
+        let cell = cells.last_mut().expect("there is at least one cell");
+        match letter {
+            '"' if inside && letters.peek() == Some(&'"') => cell.extend(letters.next()),
+            '"' => inside = !inside,
+            ',' if !inside => cells.push(String::new()),
+            other => cell.push(other),
+        }
+    }
+    cells
 }
 
 fn listed(figures: &[FigureSpec]) -> impl Iterator<Item = &FigureSpec> {
@@ -239,6 +295,8 @@ fn write_row(out: &mut Vec<u8>, record: &HistoryRecord<'_>, columns: &[(String, 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extremes {
     columns: Vec<Range>,
+    /// Columns whose values have a plausible range.
+    judged: Vec<Judged>,
     /// Number of windows with an answer.
     windows: u64,
 }
@@ -261,6 +319,26 @@ struct Bound {
     end: f64,
 }
 
+/// Column whose values have a plausible range.
+#[derive(Clone, Debug, PartialEq)]
+struct Judged {
+    key: String,
+    plausible: Plausible,
+    /// Index of the column in a row.
+    at: usize,
+    /// Value farthest outside the range, and the factor by which it is.
+    worst: Option<(f64, Bound)>,
+}
+
+/// An implausible value of a figure, and its window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unexpected {
+    /// Value in the unit of the figure.
+    pub value: f64,
+    /// Window or row, and its time.
+    pub place: String,
+}
+
 impl Extremes {
     /// Extremes of the headline figures, in a table with this header.
     fn of(head: &[String], figures: &[FigureSpec]) -> Self {
@@ -269,13 +347,38 @@ impl Extremes {
             let at = head.iter().position(|name| *name == figure.key)?;
             Some(Range { key: figure.key.clone(), at, bounds: None })
         };
-        Self { columns: large.filter_map(column).collect(), windows: 0 }
+        let judged = figures.iter().filter_map(|figure| {
+            let plausible = figure.plausible.clone()?;
+            let at = head.iter().position(|name| *name == figure.key)?;
+            Some(Judged { key: figure.key.clone(), plausible, at, worst: None })
+        });
+        let judged = judged.collect();
+        Self { columns: large.filter_map(column).collect(), judged, windows: 0 }
+    }
+
+    /// Returns the least plausible value of a figure outside its range, if there is one.
+    #[must_use]
+    pub fn unexpected(&self, key: &str, rows: bool) -> Option<Unexpected> {
+        let judged = self.judged.iter().find(|judged| judged.key == key)?;
+        let (_, Bound { value, window, end }) = judged.worst?;
+        let place = match rows {
+            true => format!("row {}", window as u64 + 1),
+            false => format!("window {window} (at {})", Scale::of("s", end).show(end, 4)),
+        };
+        Some(Unexpected { value, place })
     }
 
     /// Counts a row. Its first cells are window number, start and end.
     fn add(&mut self, cells: &[&str]) {
         let number = |at: usize| cells.get(at)?.parse::<f64>().ok();
         let (Some(window), Some(end)) = (number(0), number(2)) else { return };
+        for Judged { at, plausible, worst, .. } in &mut self.judged {
+            let Some(value) = number(*at) else { continue };
+            let Some(excess) = plausible.excess(value) else { continue };
+            if worst.is_none_or(|(most, _)| excess > most) {
+                *worst = Some((excess, Bound { value, window, end }));
+            }
+        }
         let mut answered = false;
         for Range { at, bounds, .. } in &mut self.columns {
             let Some(value) = number(*at) else { continue };
@@ -396,8 +499,11 @@ mod tests {
             table.row(&record).unwrap();
         }
         table.flush().unwrap();
-        let extremes = finish(&path, &figures).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
+        let before = std::fs::read_to_string(&path).unwrap();
+        let survey = Survey::read(&path, &figures).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), before, "reading changes nothing");
+        survey.trim(&path).unwrap();
+        let (extremes, text) = (survey.extremes, std::fs::read_to_string(&path).unwrap());
         assert_eq!(
             text,
             "window,start_s,end_s,status,iterations,motion.speed [m/s],heat.rise_k\n\

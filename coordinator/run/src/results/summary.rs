@@ -201,13 +201,13 @@ pub fn build(of: &SummaryInput) -> Value {
     for (key, value) in &of.sections.merged {
         summary[key] = value.clone();
     }
-    let figures = warnings::of_figures(&summary, &of.plan.figures);
+    let rows = matches!(of.plan.windows, Windows::Sequence(_));
+    let figures = warnings::of_figures(&summary, &of.plan.figures, of.extremes, rows);
     let found = of.warnings.iter().chain(&of.sections.warnings).cloned();
     let warnings: Vec<Warning> = found.chain(figures).collect();
     if !warnings.is_empty() {
         summary["warnings"] = json!(warnings);
     }
-    let rows = matches!(of.plan.windows, Windows::Sequence(_));
     if let Some(extremes) = of.extremes.and_then(|extremes| extremes.section(rows)) {
         summary["extremes"] = extremes;
     }

@@ -87,12 +87,15 @@ impl Balance {
     /// Returns the largest imbalance of a consumer or of a mapping; `None` if neither is known.
     #[must_use]
     pub fn imbalance(&self) -> Option<f64> {
-        match (self.worst.map(|worst| worst.imbalance()), self.mapping) {
-            // `f64::max` would lose a NaN.
-            (Some(exchange), Some(mapping)) if !exchange.is_nan() => Some(exchange.max(mapping)),
-            (exchange, mapping) => exchange.or(mapping),
-        }
+        let exchange = self.worst.map(|worst| worst.imbalance());
+        exchange.into_iter().chain(self.mapping).reduce(larger)
     }
+}
+
+/// Returns the larger of two imbalances. A NaN is worse than any number, and `f64::max` would lose
+/// it.
+fn larger(one: f64, other: f64) -> f64 {
+    if other.is_nan() || other > one { other } else { one }
 }
 
 /// Returns the power in the conservative fields that a participant consumes, each on the grid on
@@ -146,7 +149,7 @@ pub(super) fn report_fault(reply: &Reply, before: Option<f64>) -> Option<String>
 /// Returns the largest relative change of an integral by a mapping; `None` if no conservative field
 /// is mapped.
 pub(super) fn of_mappings(mapped: &TiSlice<MappingIndex, FieldMapping>) -> Option<f64> {
-    mapped.iter().filter_map(|mapped| Some(mapped.integral?.imbalance)).reduce(f64::max)
+    mapped.iter().filter_map(|mapped| Some(mapped.integral?.imbalance)).reduce(larger)
 }
 
 #[cfg(test)]
@@ -198,5 +201,9 @@ mod tests {
         let infinite = balance(100.0, Some(100.0), f64::INFINITY);
         assert_eq!(infinite.imbalance(), Some(f64::INFINITY));
         assert!(balance(f64::NAN, Some(1.0), 1e-3).imbalance().is_some_and(f64::is_nan));
+        assert!(balance(100.0, Some(99.0), f64::NAN).imbalance().is_some_and(f64::is_nan));
+        let mappings = |all: [f64; 3]| all.into_iter().reduce(larger).unwrap();
+        assert!(mappings([1.0, f64::NAN, 2.0]).is_nan() && mappings([f64::NAN, 1.0, 2.0]).is_nan());
+        assert_eq!(mappings([1.0, 3.0, 2.0]), 3.0);
     }
 }

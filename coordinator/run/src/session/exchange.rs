@@ -364,10 +364,23 @@ impl Session {
         Ok(())
     }
 
+    /// Notes the live values with which these participants are about to solve: iterates of the
+    /// coupling where there are any, otherwise the newest samples.
+    pub(super) fn note_live(&mut self, participants: &[ParticipantIndex]) {
+        let Self { live, fields, coupled, .. } = self;
+        for provided in &mut live.provided {
+            if provided.readers.iter().any(|reader| participants.contains(reader)) {
+                let iterate = coupled.iter().find(|coupled| coupled.field == provided.field);
+                let newest = || fields[provided.field].values()?.first().copied();
+                provided.used = iterate.and_then(|coupled| coupled.first).or_else(newest);
+            }
+        }
+    }
+
     /// Checks that the live values sent by participants in a window are within the limits of the
     /// case.
     pub(super) fn check_live(&self) -> Result<(), RunError> {
-        for ParticipantLiveValue { field, limits } in &self.live.provided {
+        for ParticipantLiveValue { field, limits, .. } in &self.live.provided {
             let field = &self.fields[*field];
             let Some(value) = field.values().and_then(|values| values.first()) else { continue };
             if !within(*limits, *value) {
@@ -416,6 +429,7 @@ impl Session {
         for index in self.coupled.keys() {
             let field = self.coupled[index].field;
             let values = &iterate[self.parts[index].range.clone()];
+            self.coupled[index].first = values.first().copied();
             if self.coupled[index].publisher.is_some() {
                 let power = self.fields[field].is_power();
                 let grid = self.current_grid(field);

@@ -254,6 +254,8 @@ pub(super) struct CoupledField {
     pub(super) readers: Vec<Consumer>,
     /// Surface integral of the last iterate, if the field is a power on a grid with areas.
     pub(super) integral: Option<f64>,
+    /// First value of the last iterate; the only one of a live value.
+    pub(super) first: Option<f64>,
     /// Topic of the iterates; `None` if they have no reader.
     pub(super) publisher: Option<FieldPublisher>,
 }
@@ -264,7 +266,7 @@ impl CoupledField {
         readers: Vec<Consumer>,
         publisher: Option<FieldPublisher>,
     ) -> Self {
-        Self { field, readers, integral: None, publisher }
+        Self { field, readers, integral: None, first: None, publisher }
     }
 
     /// Returns the name of the service for the iterates of a field.

@@ -24,10 +24,14 @@ pub(super) struct CoordinatorLiveValue {
 }
 
 /// A live value that a participant sends, with its limits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ParticipantLiveValue {
     pub(super) field: FieldIndex,
     pub(super) limits: [f64; 2],
+    pub(super) readers: Vec<ParticipantIndex>,
+    /// Value with which the readers solved last. Its participant may have sent a newer one since,
+    /// for the next window.
+    pub(super) used: Option<f64>,
 }
 
 /// All live values of a run.
@@ -71,7 +75,8 @@ impl LiveValues {
                 let field = plan.fields.iter().position(|field| field.kind.name == key);
                 let field =
                     field.expect("what a participant provides is a field of the run").into();
-                provided.push(ParticipantLiveValue { field, limits });
+                let readers = readers.clone();
+                provided.push(ParticipantLiveValue { field, limits, readers, used: None });
                 continue;
             }
             let (of, grid) = (service(&key), Live::grid());

@@ -2,7 +2,8 @@
 //!
 //! A process without free file descriptors cannot map the segment of a message. Therefore the limit
 //! is checked before any process starts, and raised as far as the user may raise it. The started
-//! participants inherit it.
+//! participants inherit it. The coordinator itself needs as many files as all of its runs together:
+//! a study has one run on each of its threads.
 //!
 //! The constants were counted in `/proc/PID/fd` for the shipped cases, and rounded up. A process
 //! opens a few dozen files for itself and for common services of the run, and a few for each topic
@@ -10,6 +11,8 @@
 
 use crate::error::{Failure, RunError};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use std::cell::RefCell;
+use std::sync::{Mutex, PoisonError};
 
 /// Number of files of a process itself and of the run.
 const OWN: u64 = 48;
@@ -20,8 +23,44 @@ const PER_TOPIC: u64 = 8;
 /// Number of files for recording a topic.
 const PER_RECORDED: u64 = 8;
 
-/// Raises the limit of open files to the need of a process of the run. Returns whether it was
-/// raised; processes started before keep the old limit.
+/// Need of the runs of all threads. The lock is held while the limit is raised, so that no thread
+/// lowers it again.
+static TOTAL: Mutex<u64> = Mutex::new(0);
+
+/// Need of the run of a thread, counted in the total until the thread ends: participants may stay
+/// on it after a run.
+#[derive(Debug)]
+struct ThreadNeed {
+    total: &'static Mutex<u64>,
+    own: u64,
+}
+
+impl ThreadNeed {
+    fn new(total: &'static Mutex<u64>) -> Self {
+        Self { total, own: 0 }
+    }
+
+    /// Replaces the need of this thread, and calls `raise` with the need of all threads.
+    fn replace<T>(&mut self, needed: u64, raise: impl FnOnce(u64) -> T) -> T {
+        let mut total = self.total.lock().unwrap_or_else(PoisonError::into_inner);
+        *total = *total + needed - self.own;
+        self.own = needed;
+        raise(*total)
+    }
+}
+
+impl Drop for ThreadNeed {
+    fn drop(&mut self) {
+        self.replace(0, |_| ());
+    }
+}
+
+thread_local! {
+    static NEED: RefCell<ThreadNeed> = RefCell::new(ThreadNeed::new(&TOTAL));
+}
+
+/// Raises the limit of open files to the need of the runs of this process. Returns whether it was
+/// too low for a participant of this run; processes started before keep the old limit.
 ///
 /// # Errors
 /// The hard limit is lower than the need.
@@ -32,24 +71,51 @@ pub(crate) fn provide(
 ) -> Result<bool, RunError> {
     let per_topic = PER_TOPIC + if recorded { PER_RECORDED } else { 0 };
     let needed = OWN + PER_PARTICIPANT * participants as u64 + per_topic * topics as u64;
-    let limit = getrlimit(Resource::Nofile);
-    if limit.current.is_none_or(|current| current >= needed) {
-        return Ok(false);
-    }
-    let raised = Rlimit { current: Some(needed), ..limit };
-    if limit.maximum.is_none_or(|most| most >= needed) {
-        let set = setrlimit(Resource::Nofile, raised).map_err(|error| refused(needed, error));
-        return set.map(|()| true);
-    }
-    let most = limit.maximum.unwrap_or(u64::MAX);
-    Err(refused(needed, format!("{most} are allowed")))
+    NEED.with_borrow_mut(|need| need.replace(needed, |total| raise(needed, total)))
 }
 
-fn refused(needed: u64, why: impl std::fmt::Display) -> RunError {
+/// Raises the limit to `total` files. Returns whether it was below `needed`.
+fn raise(needed: u64, total: u64) -> Result<bool, RunError> {
+    let limit = getrlimit(Resource::Nofile);
+    let Some(current) = limit.current.filter(|current| *current < total) else {
+        return Ok(false);
+    };
+    if let Some(most) = limit.maximum.filter(|most| *most < total) {
+        return Err(refused(needed, total, format!("{most} are allowed")));
+    }
+    let raised = Rlimit { current: Some(total), ..limit };
+    setrlimit(Resource::Nofile, raised).map_err(|error| refused(needed, total, error))?;
+    Ok(current < needed)
+}
+
+fn refused(needed: u64, total: u64, why: impl std::fmt::Display) -> RunError {
+    let (what, fewer) = match total == needed {
+        true => (format!("a process of this run may open up to {needed} files"), ""),
+        false => {
+            let what = format!("the runs at the same time may open up to {total} files");
+            (what, ", or run fewer at the same time (--jobs)")
+        }
+    };
     RunError::Failed(Failure {
         who: "the machine".to_owned(),
         when: "before anything was started".to_owned(),
-        what: format!("a process of this run may open up to {needed} files: {why}"),
-        fix: format!("raise the hard limit of open files (`ulimit -Hn`) to {needed}"),
+        what: format!("{what}: {why}"),
+        fix: format!("raise the hard limit of open files (`ulimit -Hn`) to {total}{fewer}"),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_needs_of_all_threads_add_up_until_they_end() {
+        static ALL: Mutex<u64> = Mutex::new(0);
+        let total = |need: &mut ThreadNeed, own| need.replace(own, |total| total);
+        let mut here = ThreadNeed::new(&ALL);
+        assert_eq!(total(&mut here, 200), 200);
+        let other = std::thread::spawn(move || total(&mut ThreadNeed::new(&ALL), 300));
+        assert_eq!(other.join().unwrap(), 500);
+        assert_eq!(total(&mut here, 250), 250, "the other thread has ended");
+    }
 }

@@ -161,6 +161,7 @@ impl Exchange for Session {
         }
         self.send_live(step)?;
         self.send_mapped(participants)?;
+        self.note_live(participants);
         for &participant in participants {
             let mut command = Command::about(CommandKind::Solve, step);
             for field in &self.fields {
