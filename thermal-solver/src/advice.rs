@@ -6,19 +6,14 @@ use crate::scene::Scene;
 use crate::situation::Situation;
 use crate::{LOWER, UPPER};
 use proto::advice::{self, Advice, Opinion};
-use proto::configuration::Mode;
 
 /// Returns the estimated rises and the advice for a scene. The result is empty if the contact is
-/// unknown, and for a transient case with a stationary body.
+/// unknown.
 #[must_use]
 pub fn opinion(asked: &advice::Scene) -> Opinion {
     let Ok(scene) = Scene::read(&asked.case) else { return Opinion::default() };
-    if asked.mode == Mode::Transient && scene.at_rest.contains(&true) {
-        return Opinion::default();
-    }
     let partition = Partition::read(&asked.case).unwrap_or(Partition::Equal);
-    let shares = |speeds: [f64; 2]| partition.shares(&scene.materials, speeds);
-    let Some(situation) = Situation::of(&scene, &asked.case, &asked.known, shares) else {
+    let Some(situation) = Situation::of(&scene, asked, partition) else {
         return Opinion::default();
     };
     let known = [UPPER, LOWER].map(|body| (situation.rise_of(body), situation.rises[body]));

@@ -46,6 +46,6 @@ pub struct Need {
     pub key: &'static str,
     /// Capability that the value needs.
     pub capability: Capability,
-    /// Alternative value or action for a model without the capability.
-    pub instead: &'static str,
+    /// Alternative value or action for a model without the capability, if there is one.
+    pub instead: Option<&'static str>,
 }

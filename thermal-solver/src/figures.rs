@@ -1,10 +1,14 @@
-//! Figures of the section `temperature` of the summary, one output line per body.
+//! Figures of the summary: the section `temperature`, with one output line per body, and the
+//! difference of the surfaces.
 
 use proto::figure::contact::{FRICTION_POWER, PATCHES, SEMI_AXIS_A};
 use proto::figure::{FigureSpec, Style};
 
 /// Key of the largest rises of the heated strips [K]; a patch is assigned that of its own strip.
 const STRIPS: &str = "temperature.*.each_strip.#.max_rise_k";
+
+/// Largest plausible difference of the surface temperatures over the largest rise.
+const MOST_APART: f64 = 0.5;
 
 /// Returns all figures, in reading order.
 pub(crate) fn figures() -> Vec<FigureSpec> {
@@ -33,5 +37,9 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         figure("y_m", "m", "place y", "y").style(Style::Place).absolute(),
         figure("penetration_depth_m", "m", "depth to 1/e", "1/e at depth").digits(3).rank(3),
         in_patch,
+        FigureSpec::new("surfaces.relative_difference", "1", "temperature difference of surfaces under friction, over the largest rise; only if no heat flows between them")
+            .style(Style::Percent)
+            .absolute()
+            .expected_below(MOST_APART, "surfaces that touch even out: write effects.friction_heat.partition = \"continuity\" and thermal.model = \"moving-source\", or give effects.contact_conductance"),
     ]
 }

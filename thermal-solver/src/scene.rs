@@ -5,7 +5,7 @@ use proto::bodies::{
     Bodies, INITIAL_TEMPERATURE, LOWER, UPPER, initial_temperature_key, position_key,
     surface_speed_key,
 };
-use proto::configuration::Refusal;
+use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::params::Params;
 
@@ -46,6 +46,34 @@ impl Scene {
         let at_rest = [own(UPPER)? == Some(0.0), own(LOWER)? == Some(0.0)];
         let speeds = read_speeds(case, &names)?;
         Ok(Self { names, materials, initial_temperatures, at_rest, speeds })
+    }
+
+    /// Returns the surface speeds of a body [m/s] in the rows of the case's tables; one speed if it
+    /// does not vary, or is given from outside.
+    #[must_use]
+    pub fn speeds_in(&self, body: usize, given: &Configuration) -> Vec<f64> {
+        let own = self.names.key(body, "surface_speed");
+        let key = if given.case.has(&own) { own } else { SPEED.to_owned() };
+        let rows = given.histories.as_ref().filter(|histories| histories.live.is_none());
+        match rows.and_then(|histories| histories.values.get(&key)) {
+            Some(column) => column.clone(),
+            None if self.at_rest[body] => vec![0.0],
+            None => vec![self.speeds[body]],
+        }
+    }
+
+    /// Returns the first row of the case's tables, counted from 0, in which a body is at rest. A
+    /// row that is an instant counts if the body is still at rest at the next one, or at the end.
+    #[must_use]
+    pub fn resting_row(&self, body: usize, given: &Configuration) -> Option<usize> {
+        let speeds = self.speeds_in(body, given);
+        let instants = given.histories.as_ref().filter(|histories| !histories.rows);
+        let lasts = |row: usize| match (instants, speeds.get(row + 1)) {
+            (Some(_), Some(next)) => *next == 0.0,
+            (Some(histories), None) => given.end.is_none_or(|end| end > histories.times[row]),
+            (None, _) => true,
+        };
+        (0..speeds.len()).find(|row| speeds[*row] == 0.0 && lasts(*row))
     }
 }
 

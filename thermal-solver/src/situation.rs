@@ -1,16 +1,20 @@
 //! Estimates for a scene before it is run, on which the advice of the effects is based.
 //!
-//! The flux is elliptic, with the power and the size estimated by the mechanics. The rise combines
-//! that of a fast and that of a stationary source: the squares of their reciprocals are added. This
-//! is exact in both limits and within 10 % between them; for ellipses six times as long as wide it
-//! is within 25 %. The estimate is of first order: it tells whether an effect is worth a run, and
-//! the run gives its size.
+//! The flux is elliptic, with the power and the size estimated by the mechanics. The rise of a body
+//! at rest is exact, at the end of a transient case as well. That of a moving body combines the
+//! rises of a fast and of a stationary source: the squares of their reciprocals are added. This is
+//! exact in both limits and within 10 % between them; for ellipses six times as long as wide it is
+//! within 25 %. In a transient case the fourth powers of the reciprocals of this and of conduction
+//! normal to the surface for the time of the case are added. The estimate is of first order: it
+//! tells whether an effect is worth a run, and the run gives its size.
 
+use crate::effects::friction_heat::Partition;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
-use heat::closed_form::scales::rest_length;
+use heat::closed_form::scales::{rest_length, rest_length_after};
 use heat::fe::law::Law;
-use proto::advice::{Advice, Known};
+use proto::advice::{self, Advice};
+use proto::configuration::Mode;
 use proto::figure::contact::{
     APPROACH, FRICTION_POWER, SEMI_AXIS_A, SEMI_AXIS_B, SLIP_AREA_RATIO, max_rise,
 };
@@ -62,32 +66,61 @@ pub struct Situation<'a> {
     pub rises: [f64; 2],
     /// Share of the contact length in which heat enters [-].
     slips: f64,
+    /// Time for which heat has entered [s]; infinite in steady motion.
+    time: f64,
 }
 
 impl<'a> Situation<'a> {
-    /// Estimates a scene whose contact is known; `shares` returns the heat partition for two
-    /// speeds. `None` if a figure of the contact is missing.
-    pub fn of(
-        scene: &'a Scene,
-        case: &'a Params,
-        known: &Known,
-        shares: impl Fn([f64; 2]) -> [f64; 2],
-    ) -> Option<Self> {
-        let figure = |key: &str| known.get(key).copied();
+    /// Estimates a scene whose contact is known. `None` if a figure of the contact is missing.
+    pub fn of(scene: &'a Scene, asked: &'a advice::Scene, partition: Partition) -> Option<Self> {
+        let figure = |key: &str| asked.known.get(key).copied();
         let power = figure(FRICTION_POWER)?;
         let semi_axes = [figure(SEMI_AXIS_A)?, figure(SEMI_AXIS_B)?];
         let approach = figure(APPROACH)?;
         let rest = |body: usize| if scene.at_rest[body] { 0.0 } else { scene.speeds[body] };
         let speeds = [rest(UPPER), rest(LOWER)];
-        let heat = shares(speeds).map(|share| share * power);
         let slips = figure(SLIP_AREA_RATIO).filter(|ratio| *ratio > 0.0).unwrap_or(1.0);
-        let mut own =
-            Self { scene, case, power, semi_axes, approach, heat, speeds, rises: [0.0; 2], slips };
-        own.rises = [UPPER, LOWER].map(|body| {
-            let material = &scene.materials[body];
-            own.potential(body, material.diffusivity()) / material.conductivity
-        });
+        let time = match asked.mode {
+            Mode::Steady => f64::INFINITY,
+            Mode::Transient => asked.case.maybe_number("time.end").ok()?.unwrap_or(f64::INFINITY),
+        };
+        let mut own = Self {
+            scene,
+            case: &asked.case,
+            power,
+            semi_axes,
+            approach,
+            heat: [power; 2],
+            speeds,
+            rises: [0.0; 2],
+            slips,
+            time,
+        };
+        let rises = own.estimate();
+        let shares = match partition {
+            Partition::Effusivity if !scene.at_rest.contains(&true) => {
+                partition.shares(&scene.materials, speeds)
+            }
+            Partition::Equal => partition.shares(&scene.materials, speeds),
+            // Surfaces of the same temperature share the heat as the reciprocals of the rises that
+            // all of it would cause in each.
+            _ if rises[UPPER] + rises[LOWER] > 0.0 => {
+                let upper = rises[LOWER] / (rises[UPPER] + rises[LOWER]);
+                [upper, 1.0 - upper]
+            }
+            _ => [0.5; 2],
+        };
+        own.heat = shares.map(|share| share * power);
+        own.rises = own.estimate();
         Some(own)
+    }
+
+    /// Estimates the largest rises of both bodies [K] for their heat.
+    fn estimate(&self) -> [f64; 2] {
+        [UPPER, LOWER].map(|body| {
+            let material = &self.scene.materials[body];
+            self.potential(body, material.diffusivity()) / material.conductivity
+        })
     }
 
     /// Largest λ ϑ [W/m] of a body with the given diffusivity [m²/s]; the value of ∫ λ dT if λ
@@ -95,12 +128,18 @@ impl<'a> Situation<'a> {
     fn potential(&self, body: usize, diffusivity: f64) -> f64 {
         let [a, b] = [self.semi_axes[0] * self.slips, self.semi_axes[1]];
         let flux = 1.5 * self.heat[body] / (PI * a * b);
-        let rest = flux * rest_length([a, b]);
+        let spread = (4.0 * diffusivity * self.time).sqrt();
         if self.speeds[body] == 0.0 {
-            return rest;
+            return flux * rest_length_after([a, b], spread);
         }
+        let rest = flux * rest_length([a, b]);
         let fast = FAST * flux * (diffusivity * a / (PI * self.speeds[body])).sqrt();
-        if fast == 0.0 { 0.0 } else { (fast.powi(-2) + rest.powi(-2)).powf(-0.5) }
+        if fast == 0.0 {
+            return 0.0;
+        }
+        let early = flux * spread / PI.sqrt();
+        let steady = (fast.powi(-2) + rest.powi(-2)).powf(-0.5);
+        (steady.powi(-4) + early.powi(-4)).powf(-0.25)
     }
 
     /// Returns the largest rise of a body whose properties depend on temperature [K].
@@ -150,19 +189,23 @@ impl<'a> Situation<'a> {
         self.heat[body] / (self.speeds[body] * 4.0 / 3.0 * self.semi_axes[1])
     }
 
-    /// Rise of a body behind the contact, integrated over the depth with the weight of the surface
-    /// height ([`heat::moving_source::rise_integral`]) [K·m]. It is the heat per area over the heat
-    /// capacity, reduced because deep heat raises more than the surface above it. Infinite for a
-    /// stationary body.
+    /// Rise of a body behind the contact, or of a body at rest within it, integrated over the depth
+    /// with the weight of the surface height ([`heat::moving_source::rise_integral`]) [K·m]. It is
+    /// the heat per area over the heat capacity, reduced because deep heat raises more than the
+    /// surface above it. Infinite for a stationary body in a steady case.
     #[must_use]
     pub fn rise_integral(&self, body: usize) -> f64 {
         let (material, [a, b]) = (&self.scene.materials[body], self.semi_axes);
-        if self.speeds[body] == 0.0 {
+        let rests = self.speeds[body] == 0.0;
+        if rests && self.time == f64::INFINITY {
             return f64::INFINITY;
         }
-        let depth = (2.0 * material.diffusivity() * a / self.speeds[body]).sqrt();
-        let layer = self.left_behind(body) / (material.density * material.specific_heat);
-        layer / (1.0 + WEIGHED_LESS * depth / b)
+        let (left, heated) = match rests {
+            true => (1.5 * self.heat[body] / (PI * a * b) * self.time, self.time),
+            false => (self.left_behind(body), 2.0 * a / self.speeds[body]),
+        };
+        let depth = (material.diffusivity() * heated).sqrt();
+        left / (material.density * material.specific_heat) / (1.0 + WEIGHED_LESS * depth / b)
     }
 
     /// Péclet number Va/(2κ) of a body.

@@ -23,16 +23,17 @@ pub(crate) fn description(effect: &Effect) -> EffectSpec {
 /// # Errors
 /// A capability that the model lacks; a value that cannot be read.
 pub(crate) fn refuse_needs(given: &Configuration, model: &Entry) -> Result<(), Refusal> {
-    let refused = |key: &str, capability: Capability, instead: &str| {
+    let refused = |key: &str, capability: Capability, instead: Option<&str>| {
         let first = models_that_can(&[capability]).next().expect("a model has each capability");
         let reason = format!("model `{}` {}", model.name, capability.lack());
-        let fix = format!("write [thermal] model = \"{}\", or {instead}", first.name);
+        let instead = instead.map_or(String::new(), |instead| format!(", or {instead}"));
+        let fix = format!("write [thermal] model = \"{}\"{instead}", first.name);
         Err(Refusal::new(key, reason, fix))
     };
     let lacks = |capability: &Capability| !model.capabilities.contains(capability);
     for effect in effects::REGISTRY.iter().filter(|effect| given.has_effect(effect.name)) {
         if let Some(need) = effect.needs.iter().copied().find(lacks) {
-            return refused(&format!("effects.{}", effect.name), need, "remove the effect");
+            return refused(&format!("effects.{}", effect.name), need, Some("remove the effect"));
         }
         let needs = effect.needs_of_values.map_or(Ok(Vec::new()), |needs| needs(&given.case))?;
         if let Some(need) = needs.into_iter().find(|need| lacks(&need.capability)) {

@@ -7,6 +7,7 @@ mod support;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
+use proto::history::Histories;
 use proto::model::{Solver, StepError};
 use support::*;
 use thermal_solver::{ThermalSolver, effects, models};
@@ -164,6 +165,56 @@ fn different_initial_temperatures_are_remarked_on() {
     };
     assert!(remarks(350.0).contains("begin at 350 K and 293.15 K"), "{}", remarks(350.0));
     assert!(!remarks(293.15).contains("begin at"));
+}
+
+/// A body that is at rest in any row of a table is refused before the run, if the partition or the
+/// model has no answer for that row. A body that only stops at the end of the run is not at rest.
+#[test]
+fn a_row_at_rest_is_refused_before_the_run() {
+    let grid = row(10, -1.0, 1.0);
+    let refused = |model: &str, partition: &str, rows: bool, speeds: &[f64], end: f64| {
+        let mut case = steel();
+        case["bodies"]["wheel"]["surface_speed"] = serde_json::json!(speeds[0]);
+        case["effects"]["friction_heat"]["partition"] = serde_json::json!(partition);
+        let mode = if rows { Mode::Steady } else { Mode::Transient };
+        let mut given = configuration(model, mode, grid, case);
+        let values = [("bodies.wheel.surface_speed".to_owned(), speeds.to_vec())].into();
+        let times = (0..speeds.len()).map(|row| row as f64).collect();
+        given.histories = Some(Histories { rows, times, values, live: None });
+        given.end = (!rows).then_some(end);
+        ThermalSolver.configure(&given).err().map(|refusal| refusal.to_string())
+    };
+    let partition = "effects.friction_heat.partition";
+    for (rows, speeds, row) in [(true, [3.0, 0.0, 1.0], 2), (false, [3.0, 0.0, 0.0], 2)] {
+        let text = refused("moving-source", "effusivity", rows, &speeds, 2.0).unwrap();
+        for part in [partition, &format!("at rest in row {row}"), "write \"continuity\""] {
+            assert!(text.contains(part), "{text}");
+        }
+        assert_eq!(refused("moving-source", "continuity", rows, &speeds, 2.0), None);
+    }
+    assert_eq!(refused("moving-source", "effusivity", false, &[3.0, 0.0], 1.0), None);
+    assert!(refused("moving-source", "effusivity", false, &[3.0, 0.0], 1.5).is_some());
+    let text = refused("columns", "equal", true, &[3.0, 1.0, 0.0], 0.0).unwrap();
+    for part in ["surface_speed", "at rest in row 3", "model = \"moving-source\""] {
+        assert!(text.contains(part), "{text}");
+    }
+}
+
+/// A model without heat exchange between the surfaces advises the one that has it, and for a body at
+/// rest nothing else.
+#[test]
+fn a_body_at_rest_is_guided_to_equal_temperatures() {
+    let fix = |speed: Option<f64>| {
+        let mut case = steel();
+        case["effects"]["friction_heat"]["partition"] = serde_json::json!("continuity");
+        if let Some(speed) = speed {
+            case["bodies"]["wheel"]["surface_speed"] = serde_json::json!(speed);
+        }
+        let given = configuration("columns", Mode::Transient, row(10, -1.0, 1.0), case);
+        ThermalSolver.configure(&given).err().unwrap().fix
+    };
+    assert_eq!(fix(Some(0.0)), "write [thermal] model = \"moving-source\"");
+    assert!(fix(None).ends_with("or \"effusivity\", which is the same at high speed"));
 }
 
 #[test]

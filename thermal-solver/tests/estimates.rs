@@ -328,3 +328,171 @@ fn hot_bodies_are_softened_as_a_whole() {
         assert_eq!(said.figure, "contact.max_pressure_pa");
     }
 }
+
+/// Solves a model up to a time under an elliptic flux, with a pin at rest (the wheel of the case) on
+/// a moving disc (the rail). The windows grow with the time.
+fn in_time(model: &str, power: f64, case: &Value, axes: [f64; 2], speed: f64, time: f64) -> Run {
+    let steady = solved_at(power, "moving-source", &at(1.0), axes, 1.0);
+    let (grid, flux) = (steady.grid(), steady.given.flux.clone().unwrap());
+    let mut run = Run::new(model, Mode::Transient, grid, case.clone());
+    run.given.speeds = vec![0.0, speed];
+    run.given.pressure = Some(flux.clone());
+    let parts = 12;
+    for part in 0..parts {
+        let until = |part: i32| time * 2f64.powi(part - parts + 1);
+        let from = if part == 0 { 0.0 } else { until(part - 1) };
+        run.advance(&flux, until(part) - from);
+    }
+    run
+}
+
+/// A pin at rest on a disc that moves.
+fn pin(speed: f64, partition: &str, time: f64) -> Value {
+    let mut case = at(speed);
+    case["bodies"]["wheel"]["surface_speed"] = json!(0.0);
+    case["effects"]["friction_heat"]["partition"] = json!(partition);
+    case["time"] = json!({ "end": time });
+    case
+}
+
+/// Returns the advice on a transient case.
+fn advised(power: f64, case: &Value, [a, b]: [f64; 2]) -> Opinion {
+    let known = [
+        ("contact.friction_power_w", power),
+        ("contact.semi_axis_a_m", a),
+        ("contact.semi_axis_b_m", b),
+        ("contact.approach_m", 1e-4),
+    ];
+    let known: Known = known.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    ThermalSolver.advise(&Scene { case: Params(case.clone()), mode: Mode::Transient, known })
+}
+
+/// Sizes of contacts [m], and times in which heat spreads by a part of them, by their size and by
+/// several of them.
+const PINS: [(f64, f64); 5] = [(1e-4, 0.3), (1e-4, 4.0), (1e-3, 1.0), (6e-3, 0.3), (6e-3, 2.0)];
+
+/// Time in which heat spreads by this part of a length.
+fn time_of(length: f64, part: f64) -> f64 {
+    (part * length).powi(2) / (4.0 * DIFFUSIVITY)
+}
+
+/// The error that `columns` states for a body at rest is the one against conduction in three
+/// dimensions, within a tenth and the error of the grid, for circles and ellipses. It is that of the
+/// pin, although the disc moves fast.
+#[test]
+fn columns_state_the_error_of_a_body_at_rest() {
+    for (axes, part) in
+        [([1e-3, 1e-3], 0.3), ([1e-3, 1e-3], 1.0), ([6e-3, 4e-3], 0.6), ([1e-3, 3e-3], 3.0)]
+    {
+        let time = time_of(axes[0], part);
+        let case = pin(50.0, "equal", time);
+        let [columns, exact] = ["columns", "moving-source"].map(|model| {
+            in_time(model, POWER, &case, axes, 50.0, time).summary("wheel", "max_rise_k").unwrap()
+        });
+        let found = columns / exact - 1.0;
+        let grid = in_time("columns", POWER, &case, axes, 50.0, time).grid();
+        let mut given = configuration("columns", Mode::Transient, grid, case);
+        given.end = Some(time);
+        let layout = ThermalSolver.configure(&given).unwrap().layout().clone();
+        let [stated] = &layout.left_out[..] else { panic!("{layout:?}") };
+        println!("{axes:?} {part}: {:.4} stated, {found:.4} found", stated.error);
+        assert!((stated.error - found).abs() < 0.1 * found + 3e-3, "{stated:?} {found}");
+        assert!(stated.what.contains("`wheel`"), "{stated:?}");
+        let warned = layout.warnings.iter().map(|warning| warning.fix.as_str());
+        let fix = "write \"continuity\" and [thermal] model = \"moving-source\"";
+        assert_eq!(warned.collect::<Vec<_>>(), [fix]);
+    }
+}
+
+/// The error that `columns` states for moving bodies is not below the one against conduction in
+/// three dimensions, and small for a slender contact, out of which no heat flows sideways.
+#[test]
+fn columns_state_the_error_of_a_slow_body() {
+    for (axes, peclet) in
+        [([1e-3, 1e-3], 10.0), ([4e-3, 1e-3], 30.0), ([1e-3, 4e-3], 10.0), ([4e-3, 3e-3], 100.0)]
+    {
+        let speed = 2.0 * DIFFUSIVITY * peclet / axes[0];
+        let case = at(speed);
+        let [columns, exact] = ["columns", "moving-source"]
+            .map(|model| solved(model, &case, axes, speed).summary("rail", "max_rise_k").unwrap());
+        let found = columns / exact - 1.0;
+        let left_out = solved("columns", &case, axes, speed).layout.left_out;
+        let [stated] = &left_out[..] else { panic!("{left_out:?}") };
+        println!("{axes:?} Pe {peclet}: {:.4} stated, {found:.4} found", stated.error);
+        assert!(found <= stated.error + 2e-4, "{stated:?} {found}");
+        assert!(stated.error < 0.6 * (axes[0] / axes[1]).powi(2).max(1.0) / peclet);
+    }
+}
+
+/// Rises of a pin and a disc in transient cases of three sizes, with equal shares and with equal
+/// temperatures: the estimate is exact for the pin with equal shares, and within the tenth of moving
+/// bodies otherwise. Equal temperatures everywhere are not equal peaks: a quarter.
+#[test]
+fn the_rises_of_a_pin_and_a_disc_are_those_of_the_models() {
+    for (size, part) in PINS {
+        for (partition, tolerances) in [("equal", [5e-3, 0.12]), ("continuity", [0.25, 0.25])] {
+            let (axes, speed) = ([size; 2], 200.0 * DIFFUSIVITY / size);
+            let time = time_of(size, part);
+            let power = 1e5 * size;
+            let case = pin(speed, partition, time);
+            let said = advised(power, &case, axes);
+            let run = in_time("moving-source", power, &case, axes, speed, time);
+            for (body, tolerance) in ["wheel", "rail"].into_iter().zip(tolerances) {
+                let said = said.known[&format!("temperature.{body}.max_rise_k")];
+                let found = run.summary(body, "max_rise_k").unwrap();
+                println!("{size} {part} {partition} {body}: {said:.2} K said, {found:.2} K found");
+                assert!((said / found - 1.0).abs() < tolerance, "{said} {found}");
+            }
+        }
+    }
+}
+
+/// Advice on a pin and a disc in transient cases of three sizes, against runs: the same sign, and
+/// within a factor of two for the conductance. The white layer forms in the body that is hot, the
+/// pin.
+#[test]
+fn what_effects_change_at_a_pin_is_what_they_say() {
+    for (size, part) in PINS {
+        let (axes, speed) = ([size; 2], 200.0 * DIFFUSIVITY / size);
+        let (time, power) = (time_of(size, part), 1e5 * size);
+        let case = pin(speed, "equal", time);
+        let run = |case: &Value, power: f64| {
+            in_time("moving-source", power, case, axes, speed, time)
+        };
+        let mut with = case.clone();
+        with["effects"]["contact_conductance"] = json!({"conductance": 20.0 / size});
+        let said = advice_on("contact_conductance", &advised(power, &with, axes)).change.unwrap();
+        assert_eq!(said.figure, "temperature.wheel.max_rise_k");
+        let [without, with] =
+            [&case, &with].map(|case| run(case, power).summary("wheel", "max_rise_k").unwrap());
+        let found = with / without - 1.0;
+        println!("{size} {part}: {:.4} said, {found:.4} found", said.relative);
+        let ratio = said.relative / found;
+        assert!((0.5..2.0).contains(&ratio), "{size} {part} {} {found}", said.relative);
+
+        let mut layered = case.clone();
+        layered["effects"]["phase_transformation"] = json!({});
+        for factor in [0.9, 1.1] {
+            let power = power * factor * 707.0 / without;
+            let said = advice_on("phase_transformation", &advised(power, &layered, axes));
+            let layer = run(&layered, power).model.summary()["white_layer"]["wheel"].clone();
+            let depth = layer["depth_m"].as_f64().unwrap();
+            assert_eq!(said.matters(), depth > 0.0, "{size} {part} {factor}: {said:?} {layer}");
+        }
+    }
+}
+
+/// The loss that is assumed for a body without `heat_loss` follows from its size: a disc of 47 mm
+/// keeps the heat that a railway wheel sheds.
+#[test]
+fn a_small_disc_is_not_cooled_as_a_railway_wheel() {
+    let said = |radius: f64| {
+        let mut case = at(1.0);
+        case["bodies"]["wheel"]["radius_x"] = json!(radius);
+        advice_on("bulk_heating", &opinion_at(6.0, &case, [1e-4, 4e-4]))
+    };
+    let [small, large] = [0.0235, 0.46].map(|radius| said(radius).change.unwrap().relative);
+    assert!((small / large / (0.46f64 / 0.0235).powi(2) - 1.0).abs() < 0.1, "{small} {large}");
+    assert!(said(0.0235).why.contains("0.16 W/K"), "{}", said(0.0235).why);
+    assert!(said(0.46).set[0].ends_with("heat_loss=60"), "{:?}", said(0.46).set);
+}

@@ -274,6 +274,7 @@ mod tests {
             role: "right".to_owned(),
             model: "linear".to_owned(),
             mode: Mode::Transient,
+            end: None,
             case: Params::default(),
             histories: None,
             inputs: vec![input],

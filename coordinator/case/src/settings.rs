@@ -217,6 +217,15 @@ impl Timing {
             Self::Transient { .. } => Mode::Transient,
         }
     }
+
+    /// Returns the end of a transient case [s].
+    #[must_use]
+    pub fn end(&self) -> Option<f64> {
+        match self {
+            Self::Steady | Self::Sequence { .. } => None,
+            Self::Transient { end, .. } => Some(*end),
+        }
+    }
 }
 
 /// Settings of the coupling.

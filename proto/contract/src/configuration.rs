@@ -32,6 +32,9 @@ pub struct Configuration {
     pub model: String,
     /// Steady or transient case.
     pub mode: Mode,
+    /// End of a transient case [s]; `None` in a steady case.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
     /// Case values that this participant reads, in SI units, with defaults filled in, nested by
     /// table. `effects` holds one table for each active effect that this participant claims, and no
     /// other.

@@ -85,6 +85,9 @@ def rail_rise(**options: Any) -> cosim.Model:
         inputs={name: key for name, (key, _) in INPUTS.items()},
         outputs=["temperature.rail.max_rise_k"],
         time={"window": "0.3 ms", "end": "3 ms"},
+        # Half of the heat enters the rail, by conduction normal to the surface.
+        effects={"friction_heat": {"partition": "equal"}},
+        thermal={"model": "columns"},
         **options,
     )
 

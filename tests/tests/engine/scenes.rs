@@ -61,20 +61,25 @@ fn gear_flank() {
 }
 
 /// A fixed point heated by q0 = f p0 V/2 since the start: rise 2 q0 √(t/π)/β. Tolerance 0.5 %: the
-/// mean over the element in the middle. Both neglect conduction along the surface; a warning says
-/// that it is large in the pin.
+/// mean over the element in the middle. The model neglects conduction along the surface, and equal
+/// shares neglect that the surfaces touch; warnings say so.
 #[test]
 fn a_body_at_rest_warms_with_the_root_of_time() {
     for (name, body, speed, friction, end) in [
         ("pin-on-disc.toml", "pin", 1.0, 0.5, 400e-6),
         ("locked-wheel.toml", "wheel", 5.0, 0.1, 2e-3),
     ] {
-        let summary = Place::new().summary(&case(name), &sets(&["thermal.model=columns"]));
+        let settings = ["thermal.model=columns", "effects.friction_heat.partition=equal"];
+        let summary = Place::new().summary(&case(name), &sets(&settings));
         let told = |warning: &Value| {
             warning["key"] == "thermal.model" && warning["quantity"] == "relative error"
         };
         let warnings = summary["warnings"].as_array();
         assert_eq!(warnings.is_some_and(|list| list.iter().any(told)), body == "pin", "{name}");
+        let keys: Vec<_> = warnings.unwrap().iter().map(|warning| &warning["key"]).collect();
+        for key in ["effects.friction_heat.partition", "surfaces.relative_difference"] {
+            assert!(keys.iter().any(|known| *known == key), "{name}: {keys:?}");
+        }
         let pressure = summary["contact"]["max_pressure_pa"].as_f64().unwrap();
         let flux = 0.5 * friction * pressure * speed;
         let expected = 2.0 * flux * (end / PI).sqrt() / effusivity();
@@ -87,7 +92,11 @@ fn a_body_at_rest_warms_with_the_root_of_time() {
 /// rejected with the reason.
 #[test]
 fn a_body_at_rest_has_no_steady_state_in_columns() {
-    let mut more = sets(&["time.mode=steady", "thermal.model=columns"]);
+    let mut more = sets(&[
+        "time.mode=steady",
+        "thermal.model=columns",
+        "effects.friction_heat.partition=equal",
+    ]);
     for key in ["time.window", "time.end"] {
         more.extend(["--unset", key]);
     }
@@ -106,7 +115,12 @@ fn a_body_at_rest_has_no_steady_state_in_columns() {
 /// ends of the length, two elements across; 1 % of the depth.
 #[test]
 fn the_white_layer_of_a_locked_wheel() {
-    let summary = Place::new().summary(&case("locked-wheel-white-layer.toml"), &[]);
+    let settings = [
+        "thermal.model=columns",
+        "effects.friction_heat.partition=equal",
+        "friction.coefficient=0.06",
+    ];
+    let summary = Place::new().summary(&case("locked-wheel-white-layer.toml"), &sets(&settings));
     let contact = |name: &str| summary["contact"][name].as_f64().unwrap();
     let (a, b) = (contact("semi_axis_a_m"), contact("semi_axis_b_m"));
     let (needed, time) = (1000.15 - 293.15, 0.02_f64);

@@ -214,10 +214,8 @@ fn a_plan_says_what_models_leave_out() {
         flat(&ended.stdout)
     };
     let columns = plan("columns");
-    for line in ["leaves out: no conduction along the surface, 0.02 %", "at Pe = 13.488, 7.39 %: "]
-    {
-        assert!(columns.contains(line), "`{line}` is missing in:\n{columns}");
-    }
+    let line = "leaves out: no conduction along the surface, at Pe = ";
+    assert_eq!(columns.matches(line).count(), 1, "{columns}");
     let source = plan("moving-source");
     assert!(!source.contains("leaves out"), "{source}");
 }

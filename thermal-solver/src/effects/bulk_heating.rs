@@ -186,8 +186,24 @@ fn of_body(given: &Configuration, scene: &Scene, body: usize) -> Result<PassageH
     }
 }
 
-/// Heat loss of a railway wheel in motion, used if the case has none [W/K].
-const TYPICAL: f64 = 60.0;
+/// Heat transfer coefficient of a rolling body in air [W/(m²·K)]: 60 W/K of a railway wheel.
+const IN_AIR: f64 = 22.5;
+
+/// Radius of a railway wheel, used if the case has none [m].
+const OF_A_WHEEL: f64 = 0.46;
+
+/// Estimates the heat loss of a whole body, if the case has none: that of a sphere of its radius in
+/// air [W/K]. `None` for a body without a radius.
+fn typical(situation: &Situation<'_>, body: usize) -> Option<f64> {
+    let radius = situation.case.maybe_number(&situation.scene.names.key(body, "radius_x"));
+    radius.ok().flatten().filter(|radius| *radius > 0.0).map(of_radius)
+}
+
+/// Heat loss of a sphere in air, to two digits [W/K].
+fn of_radius(radius: f64) -> f64 {
+    let loss = IN_AIR * 4.0 * PI * radius * radius;
+    format!("{loss:.1e}").parse().unwrap_or(loss)
+}
 
 /// Estimates the rise of the whole body and the rise left by earlier passages in the middle of its
 /// track [K]; `None` for a body without their keys.
@@ -219,28 +235,37 @@ fn left(situation: &Situation<'_>, body: usize, passages: i64, interval: f64) ->
 }
 
 /// Estimates how much the effect matters in a scene, for the body whose rise it changes most. If
-/// neither body has a loss or passages, it assumes a typical loss of the upper one.
+/// neither body has a loss or passages, it assumes the loss of a sphere of the body's radius.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
     let scene = situation.scene;
     let over_flash = |body: usize, rise: f64| rise / situation.rises[body].max(f64::MIN_POSITIVE);
-    let known = [UPPER, LOWER]
-        .into_iter()
-        .filter_map(|body| Some((body, remembered(situation, body)?)))
-        .max_by(|(a, own), (b, other)| {
-            over_flash(*a, own.iter().sum()).total_cmp(&over_flash(*b, other.iter().sum()))
-        });
-    let (body, [bulk, residual]) = known.unwrap_or((UPPER, [situation.heat[UPPER] / TYPICAL, 0.0]));
+    let most = |bodies: [Option<[f64; 2]>; 2]| {
+        let known = [UPPER, LOWER].into_iter().zip(bodies);
+        known.filter_map(|(body, rises)| Some((body, rises?))).max_by(
+            |(a, own), (b, other)| {
+                over_flash(*a, own.iter().sum()).total_cmp(&over_flash(*b, other.iter().sum()))
+            },
+        )
+    };
+    let bulk = |body: usize, loss: f64| [situation.heat[body] / loss, 0.0];
+    let known = most([UPPER, LOWER].map(|body| remembered(situation, body)));
+    let losses = [UPPER, LOWER].map(|body| typical(situation, body));
+    let assumed = most([UPPER, LOWER].map(|body| Some(bulk(body, losses[body]?))));
+    let (body, [bulk, residual]) =
+        known.or(assumed).unwrap_or((UPPER, bulk(UPPER, of_radius(OF_A_WHEEL))));
     let heat = 1e-3 * situation.heat[body];
     let name = &scene.names.0[body];
+    let loss = known.is_none().then(|| losses[body].unwrap_or(of_radius(OF_A_WHEEL)));
+    let with = loss.map_or(String::new(), |loss| format!(" with an assumed loss of {loss} W/K"));
     let why = format!(
-        "{heat:.2} kW into {name} raise the whole body by {bulk:.1} K over a long time; earlier passages leave {residual:.1} K"
+        "{heat:.2} kW into {name} raise the whole body by {bulk:.1} K over a long time{with}; earlier passages leave {residual:.1} K"
     );
     let relative = over_flash(body, bulk + residual);
     let advice = Advice::new(NAME, why).number("rise of the whole body over flash", relative);
-    let advice = match known {
-        Some(_) => advice,
-        None => advice.with(format!("{}={TYPICAL}", scene.names.key(body, LOSS))),
+    let advice = match loss {
+        None => advice,
+        Some(loss) => advice.with(format!("{}={loss}", scene.names.key(body, LOSS))),
     };
     situation.moved(advice.with(format!("effects.{NAME}={{}}")), body, relative)
 }

@@ -105,7 +105,7 @@ impl Conductance {
 /// Returns the capabilities required by the values of the keys: gaps, if a gas conducts through
 /// them.
 pub fn needs_of_values(case: &Params) -> Result<Vec<Need>, Refusal> {
-    let gas = Need { key: GAS, capability: Capability::Gaps, instead: "remove the key" };
+    let gas = Need { key: GAS, capability: Capability::Gaps, instead: Some("remove the key") };
     Ok(if case.has(GAS) { vec![gas] } else { Vec::new() })
 }
 

@@ -13,6 +13,7 @@
 //!   498–508, after Blok).
 
 use crate::capability::{Capability, Need};
+use crate::scene::Scene;
 use crate::situation::Situation;
 use crate::{LOWER, UPPER};
 use heat::Material;
@@ -84,11 +85,12 @@ impl Partition {
 /// # Errors
 /// An unknown law.
 pub fn needs_of_values(case: &Params) -> Result<Vec<Need>, Refusal> {
+    let rests = Scene::read(case).is_ok_and(|scene| scene.at_rest.contains(&true));
     Ok(match Partition::read(case)? {
         Partition::Continuity => vec![Need {
             key: PARTITION_KEY,
             capability: Capability::Exchange,
-            instead: "\"effusivity\", which is the same at high speed",
+            instead: (!rests).then_some("\"effusivity\", which is the same at high speed"),
         }],
         Partition::Equal | Partition::Effusivity => Vec::new(),
     })

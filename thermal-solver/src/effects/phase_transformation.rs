@@ -28,7 +28,6 @@
 
 use crate::scene::Scene;
 use crate::situation::Situation;
-use crate::{LOWER, UPPER};
 use proto::advice::Advice;
 use proto::bodies::ABSOLUTE;
 use proto::configuration::{Configuration, Mode, Refusal};
@@ -174,10 +173,8 @@ pub fn read(
 /// Estimates how much the effect matters in a scene.
 #[must_use]
 pub fn advise(situation: &Situation<'_>) -> Advice {
-    // A stationary body stays hot in the contact and is not quenched.
-    let moving = [UPPER, LOWER].into_iter().filter(|body| situation.speeds[*body] > 0.0);
-    let hottest = moving.max_by(|a, b| situation.rises[*a].total_cmp(&situation.rises[*b]));
-    let body = hottest.unwrap_or(LOWER);
+    let body = situation.hotter();
+    let rests = situation.speeds[body] == 0.0;
     let highest = scene_temperature(situation, body);
     let number = |key: &str| situation.case.maybe_number(key).ok().flatten();
     let start = number(START).unwrap_or(EUTECTOID);
@@ -192,12 +189,15 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let needed = if highest >= start { criterion.temperature(rates[0]) } else { start };
     let name = &situation.scene.names.0[body];
     let mut why = format!("{name} reaches {highest:.0} K and transforms at {needed:.0} K");
-    if highest >= needed {
+    if highest >= needed && rests {
+        why += "; it is at rest, so that it is hot up to the end";
+    } else if highest >= needed {
         let critical = criterion.critical_rate;
         why +=
             &format!("; it cools by {:.0e} K/s and quenches from {critical:.0e} K/s on", rates[1]);
     }
-    let forms = highest >= needed && rates[1] >= criterion.critical_rate;
+    // A stationary body is counted as long as it is hot.
+    let forms = highest >= needed && (rests || rates[1] >= criterion.critical_rate);
     Advice::new(NAME, why)
         .number("highest temperature over A_c1", highest / start)
         .number("highest temperature over the transformation temperature", highest / needed)

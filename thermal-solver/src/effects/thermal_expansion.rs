@@ -40,7 +40,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
         let coefficient = materials.get(body).and_then(|material| given(material)).unwrap_or(STEEL);
         2.0 * (1.0 + 0.3) * coefficient * situation.rise_integral(body)
     };
-    let height: f64 = (0..2).filter(|body| situation.speeds[*body] > 0.0).map(raised).sum();
+    let height: f64 = (0..2).map(raised).filter(|height| height.is_finite()).sum();
     let share = height / situation.approach;
     let why = "height by which heat raises the surfaces behind the contact, over the approach; the pressure changes by about a third of this ratio";
     let advice = Advice::new(NAME, why)

@@ -8,6 +8,7 @@ use super::names;
 use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest};
+use crate::UPPER;
 use crate::capability::Capability;
 use heat::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
@@ -83,7 +84,8 @@ struct Scratch {
 /// Model of one-dimensional conduction normal to the surface.
 pub struct Columns {
     frame: Frame,
-    history: History,
+    /// Heat flux of earlier windows into the upper and the lower body.
+    histories: [History; 2],
     team: Team<Scratch>,
     row_sums: Vec<f64>,
     /// Transient weights of each body, for every window.
@@ -112,7 +114,7 @@ impl Conduction for Columns {
         };
         Self {
             frame: frame.clone(),
-            history: History::new(columns, rows, frame.grid.dx(), 0.0),
+            histories: [(); 2].map(|()| History::new(columns, rows, frame.grid.dx(), 0.0)),
             team: Team::new(
                 frame.threads,
                 Scratch { steady: Steady::new(columns), line: vec![0.0; columns] },
@@ -150,35 +152,25 @@ impl Conduction for Columns {
         rub: &InterfaceLoad<'_>,
         rise: &mut [Vec<f64>; 2],
     ) -> Result<SolveStats, StepError> {
-        let flux = rub.flux;
-        let window = self.history.trial_mut();
-        let points = flux.len() as u64;
-        let pieces = window.flux.pieces(flux, ROWS);
-        self.team.sweep(points * RECONSTRUCTION, pieces, |_, piece| {
-            piece.reconstruct();
-            0
-        });
-        window.drive = *drive;
-        window.heat = heat(&window.flux, &mut self.team, &mut self.row_sums);
-        let heat = drive.shares.map(|share| share * window.heat);
-        let heating = self.history.windows(Stage::Trial).all(|window| window.flux.is_heating());
+        let heat = self.take(rub.flux, drive);
+        let heat = drive.shares.map(|share| share * heat);
         let operations = match self.frame.mode {
-            Mode::Steady => self.solve_steady(drive, heating, rise),
-            Mode::Transient => self.solve_transient(drive, heating, rise),
+            Mode::Steady => self.solve_steady(drive, rise),
+            Mode::Transient => self.solve_transient(drive, rise),
         };
         Ok(SolveStats { operations, heat })
     }
 
     fn rise_integral(&mut self, body: usize, integral: &mut [f64]) -> u64 {
-        let Self { frame, history, integrals, .. } = self;
+        let Self { frame, histories, integrals, .. } = self;
         let new = || RiseIntegral::new(&frame.grid, frame.scene.materials[body]);
-        let past = stretches(history, Stage::Trial, body);
-        let past = past.map(|(stretch, window)| (stretch, window.drive.shares[body], &window.flux));
+        let past = stretches(&histories[body], Stage::Trial);
+        let past = past.map(|(stretch, window)| (stretch, window.share, &window.flux));
         integrals[body].get_or_insert_with(new).of(past, integral)
     }
 
     fn accept(&mut self) {
-        self.history.accept();
+        self.histories.iter_mut().for_each(History::accept);
         self.past_key = None;
     }
 
@@ -193,7 +185,7 @@ impl Conduction for Columns {
         let place = (x - grid.x(0)) / grid.dx();
         let element = place.round().clamp(0.0, (grid.ni - 1) as f64);
         let theta = (place - element + 0.5).clamp(0.0, 1.0);
-        let past = self.history.past(Stage::Accepted, body, self.frame.amplitude(body));
+        let past = self.histories[body].past(Stage::Accepted, self.frame.amplitude(body));
         at_point(past, row, element as usize, theta, depth)
     }
 
@@ -202,21 +194,45 @@ impl Conduction for Columns {
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
-        self.history.save(into)
+        self.histories.iter().try_for_each(|history| history.save(into))
     }
 
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        self.history.restore(from)?;
+        History::restore_pair(&mut self.histories, from)?;
         self.past_key = None;
         Ok(())
     }
 }
 
 impl Columns {
+    /// Makes the flux that of the newest window of both bodies. Returns the sum of its element means
+    /// [W/m²].
+    fn take(&mut self, flux: &[f64], drive: &Drive) -> f64 {
+        let [upper, lower] = self.histories.each_mut().map(History::trial_mut);
+        let pieces = upper.flux.pieces(flux, ROWS);
+        self.team.sweep(flux.len() as u64 * RECONSTRUCTION, pieces, |_, piece| {
+            piece.reconstruct();
+            0
+        });
+        lower.flux.copy_from(&upper.flux);
+        let heat = heat(&upper.flux, &mut self.team, &mut self.row_sums);
+        for (body, window) in [upper, lower].into_iter().enumerate() {
+            (window.duration, window.heat) = (drive.duration, heat);
+            (window.speed, window.share) = (drive.speeds[body], drive.shares[body]);
+        }
+        heat
+    }
+
+    /// Returns true if no flux of a body's state cools it.
+    fn is_heating(&self, stage: Stage, body: usize) -> bool {
+        self.histories[body].windows(stage).all(|window| window.flux.is_heating())
+    }
+
     /// Computes the steady rises with one convolution for both bodies: share/(β√π) · √(h/V) times
     /// the convolution for unit speed and length.
-    fn solve_steady(&mut self, drive: &Drive, heating: bool, rise: &mut [Vec<f64>; 2]) -> u64 {
-        let (columns, flux) = (self.frame.grid.ni, &self.history.trial_mut().flux);
+    fn solve_steady(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> u64 {
+        let heating = self.is_heating(Stage::Trial, UPPER);
+        let (columns, flux) = (self.frame.grid.ni, &self.histories[UPPER].trial_mut().flux);
         let factors: [f64; 2] = std::array::from_fn(|body| {
             let passing = self.frame.grid.dx() / drive.speeds[body];
             drive.shares[body] * self.frame.amplitude(body) * passing.sqrt()
@@ -245,7 +261,7 @@ impl Columns {
 
     /// Computes the transient rises: the contribution of earlier windows, cached while only the
     /// flux of the newest window changes, plus that of the newest window.
-    fn solve_transient(&mut self, drive: &Drive, heating: bool, rise: &mut [Vec<f64>; 2]) -> u64 {
+    fn solve_transient(&mut self, drive: &Drive, rise: &mut [Vec<f64>; 2]) -> u64 {
         let key = PastKey { duration: drive.duration, speeds: drive.speeds };
         let mut work = 0;
         if self.past_key != Some(key) {
@@ -256,8 +272,8 @@ impl Columns {
         for (body, rise) in rise.iter_mut().enumerate() {
             rise.copy_from_slice(&self.past[body]);
             let parts = Parts { stencil: &self.stencils[body], which: 0..1 };
-            work += parts.add(&mut self.team, &self.history, columns, rise);
-            if heating {
+            work += parts.add(&mut self.team, &self.histories[body], columns, rise);
+            if self.is_heating(Stage::Trial, body) {
                 remove_negative_rounding(rise);
             }
         }
@@ -268,27 +284,28 @@ impl Columns {
         let columns = self.frame.grid.ni;
         let mut work = 0;
         for (body, rise) in self.past.iter_mut().enumerate() {
-            let past = self.history.past(Stage::Trial, body, self.frame.amplitude(body));
+            let history = &self.histories[body];
+            let past = history.past(Stage::Trial, self.frame.amplitude(body));
             self.stencils[body].build(past.map(|(segment, _)| segment), columns, 0.0);
             rise.fill(0.0);
             // Part 0 belongs to the trial window, which always has a positive duration.
             let parts = Parts { stencil: &self.stencils[body], which: 1..usize::MAX };
-            work += parts.add(&mut self.team, &self.history, columns, rise);
+            work += parts.add(&mut self.team, history, columns, rise);
         }
         work
     }
 
     /// Computes the rises along a row at a depth.
     fn level_at(&mut self, stage: Stage, body: usize, row: usize, depth: f64, rise: &mut [f64]) {
-        let past = self.history.past(stage, body, self.frame.amplitude(body));
+        let past = self.histories[body].past(stage, self.frame.amplitude(body));
         self.level.build(past.map(|(segment, _)| segment), rise.len(), depth);
         rise.fill(0.0);
         for part in self.level.parts() {
-            if let Some(window) = self.history.window(stage, part.segment) {
+            if let Some(window) = self.histories[body].window(stage, part.segment) {
                 accumulate(&part, window.flux.row(row), rise);
             }
         }
-        if self.history.windows(stage).all(|window| window.flux.is_heating()) {
+        if self.is_heating(stage, body) {
             remove_negative_rounding(rise);
         }
     }
@@ -359,6 +376,6 @@ fn cost(frame: &Frame) -> Cost {
     };
     Cost {
         solve_seconds: rows * (per_row + n * SECONDS_PER_POINT),
-        memory_bytes: windows as u64 * Flux::bytes(columns, frame.grid.nj) + 8 * grid_bytes,
+        memory_bytes: 2 * windows as u64 * Flux::bytes(columns, frame.grid.nj) + 8 * grid_bytes,
     }
 }

@@ -9,6 +9,7 @@ use super::previous_passages::Background;
 use super::summary::{self, Peak, Solution};
 use super::transforming::{self, Transforming};
 use super::white_layer::{Cycle, WhiteLayer};
+use crate::effects::friction_heat::Partition;
 use crate::effects::volume_temperature::VOLUMES;
 use heat::window::{Drive, Stage};
 use proto::configuration::Mode;
@@ -20,7 +21,7 @@ use proto::model::{
 use proto::state::{read_bytes, read_numbers, write_numbers};
 use std::io::{self, Read, Write};
 
-const STATE_VERSION: u8 = 1;
+const STATE_VERSION: u8 = 2;
 /// Largest depth searched for transformed steel in a stationary body, in lengths of the grid.
 const DEEPEST: f64 = 2.0;
 /// Share of the peak rise from which on an element counts as hottest.
@@ -47,6 +48,9 @@ pub struct ConductionModel<C> {
     transforming: Option<[Transforming; 2]>,
     /// Duration of the last window [s].
     duration: f64,
+    /// Largest difference of the surface temperatures under friction in the last solve, over the
+    /// largest rise; `None` if heat flows between the surfaces.
+    difference: Option<f64>,
     /// Grids of the bodies' elements whose rises are written out.
     volumes: Vec<Grid>,
 }
@@ -66,6 +70,7 @@ impl<C: Conduction> ConductionModel<C> {
             transforming: (frame.criterion.is_some() && frame.mode == Mode::Transient)
                 .then(|| [Transforming::new(&frame.grid), Transforming::new(&frame.grid)]),
             duration: f64::INFINITY,
+            difference: None,
             trial: [zero.clone(), zero.clone()],
             accepted: [zero.clone(), zero],
             solved: false,
@@ -210,6 +215,23 @@ impl<C: Conduction> ConductionModel<C> {
         }
     }
 
+    /// Returns the largest difference of the surface temperatures where friction heats them, over
+    /// the largest rise. `None` if the model computes the heat that flows between the surfaces.
+    fn difference(&self, flux: &[f64]) -> Option<f64> {
+        if self.frame.conductance.is_some() || self.frame.partition == Partition::Continuity {
+            return None;
+        }
+        let [upper, lower] = self.frame.scene.initial_temperatures;
+        let [of_upper, of_lower] = &self.trial;
+        let (mut apart, mut largest) = (0.0_f64, 0.0_f64);
+        let rises = of_upper.iter().zip(of_lower);
+        for (_, (one, other)) in flux.iter().zip(rises).filter(|(flux, _)| **flux > 0.0) {
+            apart = apart.max((upper - lower + one - other).abs());
+            largest = largest.max(one.abs()).max(other.abs());
+        }
+        (largest > 0.0).then_some(apart / largest)
+    }
+
     /// Refuses rises that are not finite, such as those of speeds whose powers overflow.
     fn refuse_no_numbers(&self, drive: &Drive) -> Result<(), StepError> {
         for (body, rise) in self.trial.iter().enumerate() {
@@ -263,6 +285,7 @@ impl<C: Conduction> Model for ConductionModel<C> {
         if let Some(constriction) = &mut self.constriction {
             operations += constriction.solve(&self.frame, &drive, &rub, &mut self.trial)?;
         }
+        self.difference = self.difference(flux.values);
         self.solved = true;
         for (surface, rise) in SURFACES.iter().zip(&self.trial) {
             if let Some(values) = outputs.get(surface) {
@@ -335,6 +358,9 @@ impl<C: Conduction> Model for ConductionModel<C> {
         {
             summary["exchange"]["heat_w"] = (self.frame.grid.element_area() * sum).into();
         }
+        if let Some(difference) = self.difference {
+            summary["surfaces"]["relative_difference"] = difference.into();
+        }
         if let Some(constriction) = &self.constriction {
             summary["current"] = constriction.figures();
         }
@@ -390,6 +416,7 @@ impl<C: Conduction> Model for ConductionModel<C> {
         self.integrals = integrals;
         self.background = background;
         self.layers = [None, None];
+        self.difference = None;
         self.solved = false;
         Ok(())
     }

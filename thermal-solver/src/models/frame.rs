@@ -22,6 +22,9 @@ pub const CONTACT: &str = "contact";
 /// Names of the grids of the sections, upper and lower.
 pub(super) const SECTION_GRIDS: [&str; 2] = ["upper_section", "lower_section"];
 
+/// Elements along a line that the grid of an elliptic contact has in addition to those within it.
+const BEYOND: usize = 3;
+
 /// Settings of a model that are known before it is built.
 #[derive(Clone, Debug)]
 pub struct Frame {
@@ -33,8 +36,14 @@ pub struct Frame {
     pub conductance: Option<Conductance>,
     /// Mode of the case: steady or transient.
     pub mode: Mode,
+    /// End of a transient case [s].
+    pub end: Option<f64>,
+    /// Slowest surface speeds of the upper and the lower body in the rows of the case [m/s].
+    pub slowest: [f64; 2],
     /// Grid of heat flux and temperatures, along x in i and along y in j.
     pub grid: Structured,
+    /// Grid on which the heat flux arrives.
+    pub arriving: Structured,
     /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
     pub section_y: f64,
     /// Properties of the upper and the lower body, with all effects.
@@ -66,6 +75,17 @@ impl Frame {
     #[must_use]
     pub fn feels_gap(&self) -> bool {
         self.conductance.is_some_and(|law| law.gas.is_some())
+    }
+
+    /// Returns the semi-axes of the contact [m], without the elements that the grid of the heat flux
+    /// has beyond its edges.
+    #[must_use]
+    pub fn semi_axes(&self) -> [f64; 2] {
+        let half = |count: usize, length: f64| {
+            let within = count.saturating_sub(BEYOND);
+            0.5 * length * if within > 0 { within } else { count } as f64
+        };
+        [half(self.arriving.ni, self.arriving.dx()), half(self.arriving.nj, self.arriving.dy())]
     }
 
     /// Returns the row of elements below which the sections lie.

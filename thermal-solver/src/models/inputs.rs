@@ -51,12 +51,12 @@ fn refuse_rest(
         Mode::Steady if !at_rest => {
             "is 0 m/s: one place of it is heated without end, and conduction normal \
                          to the surface then has no steady state; write \
-                         time.mode = \"transient\""
+                         thermal.model = \"moving-source\""
                 .to_owned()
         }
         _ if frame.partition == Partition::Effusivity && !repeats => {
-            "is 0 m/s: the partition by effusivity and speed gives a body at rest no heat; \
-             write effects.friction_heat.partition = \"equal\""
+            "is 0 m/s: the partition by effusivity and speed gives a body at rest no heat; write \
+             effects.friction_heat.partition = \"continuity\" and thermal.model = \"moving-source\""
                 .to_owned()
         }
         _ => return Ok(()),

@@ -147,10 +147,10 @@ impl Body {
         if self.past_of == Some(stretch) {
             return work;
         }
-        self.history.trial_mut().drive =
-            Drive { duration: stretch.to, speeds: [stretch.speed; 2], shares: [1.0; 2] };
+        let window = self.history.trial_mut();
+        (window.duration, window.speed, window.share) = (stretch.to, stretch.speed, 1.0);
         self.past.fill(0.0);
-        for (stretch, window) in stretches(&self.history, Stage::Trial, self.body).skip(1) {
+        for (stretch, window) in stretches(&self.history, Stage::Trial).skip(1) {
             let influence = self.half_space(stretch).influence(&mut self.convolution);
             influence.add(&window.flux, &mut self.convolution, &mut self.fields, &mut self.past);
             work += influence.work() + self.past.len() as u64;
@@ -277,7 +277,7 @@ impl Conduction for MovingSource {
     fn rise_integral(&mut self, body: usize, integral: &mut [f64]) -> u64 {
         let Body { grid, material, history, integral: known, .. } = &mut self.bodies[body];
         let known = known.get_or_insert_with(|| RiseIntegral::new(grid, *material));
-        let past = stretches(history, Stage::Trial, body);
+        let past = stretches(history, Stage::Trial);
         known.of(past.map(|(stretch, window)| (stretch, 1.0, &window.flux)), integral)
     }
 
@@ -419,7 +419,7 @@ impl MovingSource {
                     let contracted = half_space.contract(&window.flux, row);
                     (half_space, contracted)
                 };
-                let windows = stretches(&of.history, stage, body).map(contracted).collect();
+                let windows = stretches(&of.history, stage).map(contracted).collect();
                 other.insert(Row { stage, body, row, windows, place: None })
             }
         };

@@ -7,6 +7,7 @@ use super::elements::WAKE;
 use super::ends::Ends;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
+use crate::capability::Capability;
 use crate::effects::body_properties;
 use crate::effects::bulk_heating;
 use crate::effects::contact_conductance::Conductance;
@@ -15,6 +16,7 @@ use crate::effects::integrated;
 use crate::effects::joule_heat;
 use crate::effects::phase_transformation;
 use crate::effects::volume_temperature::VOLUMES;
+use crate::models;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
@@ -151,6 +153,9 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
         current: joule_heat::read(given, &scene)?,
         ends: Ends::read(&given.case, &scene.names)?,
         mode: given.mode,
+        end: given.end,
+        slowest: [UPPER, LOWER].map(|body| slowest(&scene, body, given)),
+        arriving: *arriving,
         threads: given.threads,
         scene,
         partition,
@@ -164,10 +169,37 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
     Ok(known)
 }
 
-/// Refuses stationary bodies that the model does not support.
+/// Returns the slowest surface speed of a body [m/s]. A steady contact at rest is not among the rows
+/// of models for which it matters.
+fn slowest(scene: &Scene, body: usize, given: &Configuration) -> f64 {
+    let speeds = scene.speeds_in(body, given);
+    let least = |speeds: &mut dyn Iterator<Item = f64>| speeds.fold(f64::INFINITY, f64::min);
+    match given.mode {
+        Mode::Transient => least(&mut speeds.into_iter()),
+        Mode::Steady => least(&mut speeds.into_iter().filter(|speed| *speed > 0.0)),
+    }
+}
+
+/// Refuses stationary bodies that the model or the partition of the heat does not support.
 fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<(), Refusal> {
     if !C::SOLVES_STATIONARY_BODY {
-        refuse_rest(scene, given.mode)?;
+        refuse_rest(given, scene)?;
+    }
+    let first = [UPPER, LOWER].into_iter().find_map(|body| {
+        scene.resting_row(body, given).map(|row| (body, row))
+    });
+    if let Some((body, row)) = first.filter(|_| !C::REPEATS)
+        && Partition::read(&given.case)? == Partition::Effusivity
+    {
+        let name = &scene.names.0[body];
+        return Err(Refusal::new(
+            friction_heat::PARTITION_KEY,
+            format!(
+                "`{name}` is at rest{}: by effusivity and speed it gets no heat",
+                in_row(given, row)
+            ),
+            touching(given),
+        ));
     }
     match integrated::active(given).filter(|_| !C::ENDS) {
         Some(effect) => integrated::refuse_rest(scene, given.mode, effect),
@@ -175,9 +207,46 @@ fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<()
     }
 }
 
+/// Advice for a body at rest: surfaces that touch have the same temperature.
+fn touching(given: &Configuration) -> &'static str {
+    let model = models::find(&given.model);
+    match model.is_ok_and(|model| model.capabilities.contains(&Capability::Exchange)) {
+        true => "write \"continuity\"",
+        false => "write \"continuity\" and [thermal] model = \"moving-source\"",
+    }
+}
+
+/// Names a row of the case's tables, counted from 1, to follow a statement.
+fn in_row(given: &Configuration, row: usize) -> String {
+    match given.histories {
+        Some(_) => format!(" in row {}", row + 1),
+        None => String::new(),
+    }
+}
+
+/// Warns of a heat partition that ignores that a body at rest gets hotter and hotter.
+fn warn_of_rest<C: Conduction>(frame: &Frame, given: &Configuration) -> Option<Refusal> {
+    let rests = [UPPER, LOWER].map(|body| frame.scene.resting_row(body, given));
+    let (body, row) = match rests {
+        [Some(row), None] => (UPPER, row),
+        [None, Some(row)] => (LOWER, row),
+        _ => return None,
+    };
+    let equal = frame.partition == Partition::Equal && frame.conductance.is_none();
+    let [own, other] = [body, UPPER + LOWER - body].map(|body| &frame.scene.names.0[body]);
+    (equal && !C::REPEATS).then(|| {
+        let row = in_row(given, row);
+        let reason = format!(
+            "`{own}` is at rest{row} and gets half of the heat, whatever its temperature: it becomes \
+             hotter than `{other}`, which it touches"
+        );
+        Refusal::new(friction_heat::PARTITION_KEY, reason, touching(given))
+    })
+}
+
 /// Refuses a steady case with a stationary body. With conduction normal to the surface only, a
 /// point that is heated permanently has no steady temperature.
-fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
+fn refuse_rest(given: &Configuration, scene: &Scene) -> Result<(), Refusal> {
     if scene.at_rest == [true; 2] {
         return Err(Refusal::new(
             "motion.speed",
@@ -185,17 +254,17 @@ fn refuse_rest(scene: &Scene, mode: Mode) -> Result<(), Refusal> {
             "write a speed above 0 m/s, or [thermal] model = \"moving-source\"",
         ));
     }
-    let Some(body) = (0..2).find(|body| scene.at_rest[*body] && mode == Mode::Steady) else {
-        return Ok(());
-    };
+    let first = (0..2).find_map(|body| scene.resting_row(body, given).map(|row| (body, row)));
+    let Some((body, row)) = first.filter(|_| given.mode == Mode::Steady) else { return Ok(()) };
     Err(Refusal::new(
         &scene.names.key(body, "surface_speed"),
         format!(
-            "`{}` is at rest: one place of it is heated without end, and conduction normal to the \
+            "`{}` is at rest{}: one place of it is heated without end, and conduction normal to the \
              surface then has no steady state",
-            scene.names.0[body]
+            scene.names.0[body],
+            in_row(given, row)
         ),
-        "write time.mode = \"transient\", or a speed above 0 m/s",
+        "write [thermal] model = \"moving-source\", or a speed above 0 m/s",
     ))
 }
 
@@ -310,6 +379,7 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         left_out: C::left_out(frame).into_iter().collect(),
         ..Layout::default()
     };
+    layout.warnings.extend(warn_of_rest::<C>(frame, given));
     let [upper, lower] = frame.scene.initial_temperatures;
     let flows = frame.conductance.is_some() || frame.partition == Partition::Continuity;
     if upper != lower && !flows {

@@ -85,6 +85,7 @@ pub(crate) fn configuration(
         role: "thermal".to_owned(),
         model: model.to_owned(),
         mode,
+        end: None,
         case: Params(case),
         histories: None,
         inputs,

@@ -36,6 +36,7 @@ impl CreepCurve {
         let configuration = Configuration {
             model: half_space::MODEL.name.to_owned(),
             mode: Mode::Steady,
+            end: None,
             case,
             inputs: Vec::new(),
             outputs: Vec::new(),

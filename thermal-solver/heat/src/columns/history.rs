@@ -1,24 +1,25 @@
-//! The heat flux of earlier windows.
+//! The heat flux of earlier windows into one body.
 //!
-//! The flux of a window is needed until the slower body has carried its material across the whole
-//! grid. Windows can be much shorter than that. To bound memory and work, neighbouring windows of
-//! the past are merged into one window with their mean flux (weighted with the durations), as long
-//! as their total duration does not exceed the smaller of
+//! The flux of a window is needed until the body has carried its material across the whole grid; a
+//! body at rest needs it for ever. Windows can be much shorter than that. To bound memory and work,
+//! neighbouring windows of the past are merged into one window with their mean flux (weighted with
+//! the durations), as long as their total duration does not exceed the smaller of
 //!
-//! - h/V, the time in which the material passes an element, and
+//! - h/V, the time in which the material passes an element, without bound for a body at rest, and
 //! - a quarter of their age, so that the recent past, to which the kernel 1/√τ gives most weight,
 //!   stays resolved.
 //!
 //! For windows of any length, at most two remain for each element of the row, and eight for each
-//! factor of two between the window and h/V. A merged window keeps its heat and the path of the
-//! material exactly, for each body. The newest window is never merged, so that an accepted state
-//! reproduces the solve that led to it. Merging moves heat by less than the merged duration D ≤ h/V
+//! factor of two between the window and h/V, or the time at rest. A merged window keeps its heat
+//! and the path of the material exactly. The newest window is never merged, so that an accepted
+//! state reproduces the solve that led to it. Merging moves heat by less than the merged duration D
 //! in time. For a flux into the body that changes at the rate q̇ the error of the rise stays below
-//! q̇ D^1.5/(24 β√π), of order 1.5 in the element length. A constant flux is not changed.
+//! q̇ D^1.5/(24 β√π). In a moving body, D ≤ h/V, so that the order is 1.5 in the element length. A
+//! constant flux is not changed.
 
 use super::reconstruction::Flux;
 use super::stencil::Segment;
-use crate::window::{Drive, Stage};
+use crate::window::Stage;
 use grids::state::{read_bytes, read_numbers, write_numbers};
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
@@ -28,18 +29,22 @@ const PART_OF_AGE: f64 = 0.25;
 /// Distance in widths √(4κτ) beyond which no heat has spread.
 const SPREAD: f64 = 6.0;
 
-/// A window: mean flux of the interface, and how the bodies share it.
+/// A window: mean flux of the interface, and the share of it that enters the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// Duration, speeds and shares.
-    pub drive: Drive,
+    /// Duration [s]; infinite in steady motion.
+    pub duration: f64,
+    /// Surface speed of the body [m/s].
+    pub speed: f64,
+    /// Share of the flux that enters the body [-].
+    pub share: f64,
     /// Sum of the element means [W/m²].
     pub heat: f64,
     /// The flux.
     pub flux: Flux,
 }
 
-/// Accepted windows, newest first, and the trial window.
+/// Accepted windows of a body, newest first, and the trial window.
 pub struct History {
     columns: usize,
     rows: usize,
@@ -98,19 +103,17 @@ impl History {
         }
     }
 
-    /// Returns the past of a state as a body sees it, newest first; `amplitude` is 1/(β√π) of the
-    /// body.
+    /// Returns the past of a state, newest first; `amplitude` is 1/(β√π) of the body.
     pub fn past(
         &self,
         stage: Stage,
-        body: usize,
         amplitude: f64,
     ) -> impl Iterator<Item = (Segment, &Flux)> + Clone {
         self.windows(stage).map(move |window| {
             let segment = Segment {
-                duration: window.drive.duration,
-                rate: window.drive.speeds[body] / self.element_length,
-                factor: window.drive.shares[body] * amplitude,
+                duration: window.duration,
+                rate: window.speed / self.element_length,
+                factor: window.share * amplitude,
             };
             (segment, &window.flux)
         })
@@ -125,21 +128,19 @@ impl History {
         self.merge();
     }
 
-    /// Drops windows whose material, with the heat spread from it, leaves the grid in both bodies
-    /// by the end of the trial window.
+    /// Drops windows whose material, with the heat spread from it, leaves the grid by the end of
+    /// the trial window.
     fn forget(&mut self) {
         let length = self.columns as f64 * self.element_length;
-        let (mut passed, mut age) = ([0.0; 2], 0.0);
+        let (mut passed, mut age) = (0.0, 0.0);
         let needed = self.windows(Stage::Trial).take_while(|window| {
-            let before = f64::min(passed[0], passed[1]);
+            let before = passed;
             let spread = match self.diffusivity > 0.0 {
                 true => SPREAD * (4.0 * self.diffusivity * age).sqrt(),
                 false => 0.0,
             };
-            for (way, speed) in passed.iter_mut().zip(window.drive.speeds) {
-                *way += speed * window.drive.duration;
-            }
-            age += window.drive.duration;
+            passed += window.speed * window.duration;
+            age += window.duration;
             before < length + spread
         });
         let keep = needed.count() - 1;
@@ -148,13 +149,13 @@ impl History {
 
     /// Merges neighbouring windows that are short for their age.
     fn merge(&mut self) {
-        let Some(mut age) = self.accepted.front().map(|newest| newest.drive.duration) else {
+        let Some(mut age) = self.accepted.front().map(|newest| newest.duration) else {
             return;
         };
         let mut index = 1;
         while index + 1 < self.accepted.len() {
-            let (newer, older) = (&self.accepted[index].drive, &self.accepted[index + 1].drive);
-            let fastest = newer.speeds.iter().chain(&older.speeds).fold(0.0, |a: f64, b| a.max(*b));
+            let (newer, older) = (&self.accepted[index], &self.accepted[index + 1]);
+            let fastest = newer.speed.max(older.speed);
             let longest = f64::min(PART_OF_AGE * age, self.element_length / fastest);
             if newer.duration + older.duration > longest {
                 age += newer.duration;
@@ -173,9 +174,8 @@ impl History {
     /// Writing to `into` fails.
     pub fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         into.write_all(&(self.accepted.len() as u64).to_le_bytes())?;
-        for Window { drive, heat, flux } in &self.accepted {
-            let ([upper, lower], [to_upper, to_lower]) = (drive.speeds, drive.shares);
-            write_numbers(into, &[drive.duration, upper, lower, to_upper, to_lower, *heat])?;
+        for Window { duration, speed, share, heat, flux } in &self.accepted {
+            write_numbers(into, &[*duration, *speed, *share, *heat])?;
             flux.save(into)?;
         }
         Ok(())
@@ -186,48 +186,57 @@ impl History {
     /// # Errors
     /// Reading fails or the data do not fit; the history is then unchanged.
     pub fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        self.accepted = self.read(from)?;
+        Ok(())
+    }
+
+    /// Restores the histories of two bodies, written one after the other.
+    ///
+    /// # Errors
+    /// Reading fails or the data do not fit; both histories are then unchanged.
+    pub fn restore_pair(pair: &mut [Self; 2], from: &mut dyn Read) -> io::Result<()> {
+        let [first, second] = pair;
+        let accepted = [first.read(from)?, second.read(from)?];
+        [first.accepted, second.accepted] = accepted;
+        Ok(())
+    }
+
+    fn read(&self, from: &mut dyn Read) -> io::Result<VecDeque<Window>> {
         let mut accepted = VecDeque::with_capacity(self.accepted.capacity());
         for _ in 0..u64::from_le_bytes(read_bytes(from)?) {
             let mut window = empty_window(self.columns, self.rows);
-            let mut numbers = [0.0; 6];
+            let mut numbers = [0.0; 4];
             read_numbers(from, &mut numbers)?;
-            let [duration, upper, lower, to_upper, to_lower, heat] = numbers;
-            window.drive = Drive { duration, speeds: [upper, lower], shares: [to_upper, to_lower] };
-            window.heat = heat;
+            [window.duration, window.speed, window.share, window.heat] = numbers;
             window.flux.restore(from)?;
             accepted.push_back(window);
         }
-        self.accepted = accepted;
-        Ok(())
+        Ok(accepted)
     }
 }
 
 impl Window {
     /// Replaces this window by the mean of itself and a neighbour.
     fn absorb(&mut self, other: &Self) {
-        let (own, others) = (self.drive.duration, other.drive.duration);
+        let (own, others) = (self.duration, other.duration);
         let mean = |a: f64, b: f64, of_a: f64, of_b: f64| {
             if a == b { a } else { (of_a * a + of_b * b) / (of_a + of_b) }
         };
-        // Shares are weighted with the heat, so that each body keeps its own. If the heats differ
-        // in sign, the weights are the durations instead.
+        // Shares are weighted with the heat, so that the body keeps its own. If the heats differ in
+        // sign, the weights are the durations instead.
         let (own_heat, others_heat) = (own * self.heat, others * other.heat);
         let (of_own, of_others) =
             if own_heat * others_heat > 0.0 { (own_heat, others_heat) } else { (own, others) };
-        for body in 0..2 {
-            let (mine, theirs) = (&mut self.drive, &other.drive);
-            mine.speeds[body] = mean(mine.speeds[body], theirs.speeds[body], own, others);
-            mine.shares[body] = mean(mine.shares[body], theirs.shares[body], of_own, of_others);
-        }
+        self.speed = mean(self.speed, other.speed, own, others);
+        self.share = mean(self.share, other.share, of_own, of_others);
         self.heat = mean(self.heat, other.heat, own, others);
         self.flux.merge(own, &other.flux, others);
-        self.drive.duration = own + others;
+        self.duration = own + others;
     }
 }
 
 fn empty_window(columns: usize, rows: usize) -> Window {
-    let drive = Drive { duration: 0.0, speeds: [0.0; 2], shares: [0.0; 2] };
-    Window { drive, heat: 0.0, flux: Flux::zero(columns, rows) }
+    Window { duration: 0.0, speed: 0.0, share: 0.0, heat: 0.0, flux: Flux::zero(columns, rows) }
 }
 
 #[cfg(test)]
@@ -236,7 +245,7 @@ mod tests {
 
     fn push(history: &mut History, duration: f64, means: &[f64], speed: f64) {
         let window = history.trial_mut();
-        window.drive = Drive { duration, speeds: [speed, 1.1 * speed], shares: [speed / 8.0, 0.5] };
+        (window.duration, window.speed, window.share) = (duration, speed, speed / 8.0);
         window.heat = means.iter().sum();
         window.flux.reconstruct(means);
         history.accept();
@@ -254,7 +263,7 @@ mod tests {
         // Ten factors of two lie between 1e-6 s and h/V.
         assert!(most <= 2 * columns + 200, "{most}");
         assert!(most <= History::expected_windows(columns), "{most}");
-        let covered: f64 = history.windows(Stage::Accepted).map(|w| w.drive.duration).sum();
+        let covered: f64 = history.windows(Stage::Accepted).map(|w| w.duration).sum();
         assert!(covered >= columns as f64 * h / speed && covered < 1.1 * columns as f64 * h);
         assert!(
             history.accepted.len() + history.spare.len() <= most + 1,
@@ -265,28 +274,39 @@ mod tests {
     #[test]
     fn merging_keeps_heat_time_and_way() {
         let mut history = History::new(4, 1, 1.0, 0.0);
-        let (mut heat, mut way, mut time) = ([0.0; 2], [0.0; 2], 0.0);
+        let (mut heat, mut way, mut time) = (0.0, 0.0, 0.0);
         for step in 0..300 {
             let amount = 1.0 + f64::from(step % 5);
             let (duration, speed) = (1e-3, 1.0 + 1e-3 * f64::from(step));
             push(&mut history, duration, &[0.0, amount, 2.0 * amount, 0.0], speed);
             time += duration;
-            for (body, share) in [speed / 8.0, 0.5].into_iter().enumerate() {
-                heat[body] += 3.0 * amount * share * duration;
-                way[body] += speed * [1.0, 1.1][body] * duration;
-            }
+            heat += 3.0 * amount * speed / 8.0 * duration;
+            way += speed * duration;
         }
         assert!(history.accepted.len() < 100, "{}", history.accepted.len());
         let sum = |of: &dyn Fn(&Window) -> f64| -> f64 {
-            history.windows(Stage::Accepted).map(|w| of(w) * w.drive.duration).sum()
+            history.windows(Stage::Accepted).map(|w| of(w) * w.duration).sum()
         };
         // Tolerance: rounding of three hundred terms.
         assert!((sum(&|_| 1.0) / time - 1.0).abs() < 1e-12);
-        for body in 0..2 {
-            assert!((sum(&|w| w.drive.speeds[body]) / way[body] - 1.0).abs() < 1e-12);
-            let body_heat = sum(&|w| w.drive.shares[body] * w.heat);
-            assert!((body_heat / heat[body] - 1.0).abs() < 1e-12);
+        assert!((sum(&|w| w.speed) / way - 1.0).abs() < 1e-12);
+        assert!((sum(&|w| w.share * w.heat) / heat - 1.0).abs() < 1e-12);
+    }
+
+    /// A body at rest needs its whole past, but eight windows for each factor of two in time.
+    #[test]
+    fn a_body_at_rest_keeps_its_heat_in_few_windows() {
+        let mut history = History::new(4, 1, 1e-3, 0.0);
+        let mut most = 0;
+        for _ in 0..100_000 {
+            push(&mut history, 1e-4, &[1.0; 4], 0.0);
+            most = most.max(history.accepted.len());
         }
+        let doublings = 1e5_f64.log2();
+        assert!((most as f64) < 8.0 * doublings, "{most}");
+        let time: f64 = history.windows(Stage::Accepted).map(|w| w.duration).sum();
+        // Tolerance: rounding of 10⁵ terms.
+        assert!((time - 10.0).abs() < 1e-9, "{time}");
     }
 
     #[test]
