@@ -127,7 +127,9 @@ fn slip() -> Vec<FigureSpec> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proto::figure::contact::{CREEPAGE_XI, FRICTION_POWER, SLIP_AREA_RATIO};
+    use proto::figure::contact::{
+        CREEPAGE_XI, FRICTION_POWER, SLIP_AREA_RATIO, SLIP_ZONE_ELEMENTS,
+    };
 
     #[test]
     fn what_is_referred_to_is_described() {
@@ -142,6 +144,7 @@ mod tests {
             CREEPAGE_XI,
             FRICTION_POWER,
             SLIP_AREA_RATIO,
+            SLIP_ZONE_ELEMENTS,
         ] {
             assert!(all.iter().any(|figure| figure.key == key), "{key}");
         }

@@ -2,10 +2,12 @@
 
 use crate::case::scene::Scene;
 use elastic::shakedown;
+use half_space::tangential::ElementState;
 use proto::diagram::{Diagram, Line};
 use proto::figure::FigureSpec;
 use proto::figure::contact::CREEPAGE_XI;
 use proto::grid::Structured;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Largest contact size, relative to the radius, for which a body counts as a half-space.
@@ -13,6 +15,9 @@ const HALF_SPACE: f64 = 0.2;
 /// Number of elements across a patch below which the friction power is off by a tenth
 /// (docs/theory/half-space.md, at a/5).
 const ELEMENTS: f64 = 8.0;
+/// Width of the slip zone in elements below which errors scatter from grid to grid
+/// (docs/theory/half-space.md).
+const SLIPPING: f64 = 6.0;
 
 /// Key of the ratio of tangential to normal force.
 pub(crate) const TRACTION_RATIO: &str = "contact.traction_ratio";
@@ -23,6 +28,7 @@ const SIZE: &str = "size_over_radius";
 const T_GAMMA: &str = "t_gamma_n";
 const WORK: &str = "work_per_metre_n";
 const ACROSS: &str = "elements_across";
+const SLIP_ZONE: &str = "slip_zone_elements";
 
 /// Reference values used by the assessment indicators.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,6 +116,60 @@ pub(crate) fn add_elements(contact: &mut Value, grid: &Structured) {
     }
 }
 
+/// Adds the width of the slip zone, if it is known.
+pub(crate) fn add_slip_zone(contact: &mut Value, zone: &SlipZone) {
+    if let Some(elements) = zone.elements() {
+        contact[SLIP_ZONE] = elements.into();
+    }
+}
+
+/// Width of the slip zone along the rolling direction, in elements.
+///
+/// Every unbroken run of slipping elements in a row has a width and a friction power. The width of
+/// the zone is the mean of these widths, weighted with the powers: runs that dissipate nothing do
+/// not count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SlipZone {
+    /// Friction power of the slipping elements, in an arbitrary unit.
+    power: f64,
+    /// Sum of width times power over all runs.
+    weighted_width: f64,
+    /// True if an element sticks.
+    sticks: bool,
+}
+
+impl SlipZone {
+    /// Measures the slip zone on a grid with `count` elements in each row along x.
+    pub(crate) fn new(count: usize, elements: &[ElementState], power: &[f64]) -> Self {
+        let mut zone = Self::default();
+        zone.add(count, elements, power);
+        zone
+    }
+
+    /// Adds the slip zone of a further patch whose elements have the same area.
+    pub(crate) fn add(&mut self, count: usize, elements: &[ElementState], power: &[f64]) {
+        let slips = |at: &ElementState| *at == ElementState::Slip;
+        self.sticks |= elements.contains(&ElementState::Adhesion);
+        for (row, power) in elements.chunks(count.max(1)).zip(power.chunks(count.max(1))) {
+            let mut first = 0;
+            for run in row.chunk_by(|one, next| slips(one) == slips(next)) {
+                let own = power[first..first + run.len()].iter().sum::<f64>().max(0.0);
+                if slips(&run[0]) {
+                    self.power += own;
+                    self.weighted_width += own * run.len() as f64;
+                }
+                first += run.len();
+            }
+        }
+    }
+
+    /// Width in elements; `None` if nothing slips, or if everything slides and the zone has no
+    /// edge inside the contact.
+    fn elements(&self) -> Option<f64> {
+        (self.sticks && self.power > 0.0).then(|| self.weighted_width / self.power)
+    }
+}
+
 /// Descriptions of the indicators.
 pub(crate) fn figures() -> Vec<FigureSpec> {
     let figure = |name: &str, words| FigureSpec::new(&format!("contact.{name}"), "1", words);
@@ -143,6 +203,15 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         figure(ACROSS, "elements across the narrowest patch").expected_above(
             ELEMENTS,
             "with so few elements the friction power is off by a tenth; raise mech.resolution",
+        ),
+        figure(
+            SLIP_ZONE,
+            "elements across the slip zone along x, mean weighted with the friction power",
+        )
+        .expected_above(
+            SLIPPING,
+            "across so few elements friction power and temperatures scatter from grid to grid; \
+             raise mech.resolution",
         ),
     ]
 }
@@ -224,5 +293,22 @@ mod tests {
         let mut other = json!({"max_pressure_pa": 1e9, "normal_force_n": 0.0});
         soft.add_to(&mut other);
         assert_eq!(other.get(SHAKEDOWN), None);
+    }
+
+    /// Runs of slipping elements count by their friction power. A contact that slides everywhere
+    /// and one that sticks everywhere have no slip zone.
+    #[test]
+    fn the_slip_zone_is_weighted_with_its_power() {
+        use ElementState::{Adhesion as A, Exterior as E, Slip as S};
+        let elements = [E, S, S, A, S, E, S, S, S, A, A, S];
+        let power = [0.0, 1.0, 1.0, 9.0, 2.0, 0.0, 3.0, 3.0, 3.0, 0.0, 0.0, -1.0];
+        let zone = SlipZone::new(6, &elements, &power);
+        // Widths 2, 1 and 3 with powers 2, 2 and 9.
+        assert_eq!(zone.elements(), Some((2.0 * 2.0 + 1.0 * 2.0 + 3.0 * 9.0) / 13.0));
+        assert_eq!(SlipZone::new(2, &[S, S], &[1.0, 1.0]).elements(), None);
+        assert_eq!(SlipZone::new(2, &[A, A], &[0.0, 0.0]).elements(), None);
+        let mut patches = SlipZone::new(2, &[S, A], &[1.0, 0.0]);
+        patches.add(3, &[S, S, S], &[1.0, 1.0, 1.0]);
+        assert_eq!(patches.elements(), Some((1.0 + 3.0 * 3.0) / 4.0));
     }
 }

@@ -1,6 +1,7 @@
 //! Figures of a contact on a curved surface: section `contact` of `summary.json`.
 
 use super::window::Window;
+use crate::figures::indicators::{SlipZone, add_slip_zone};
 use half_space::tangential::ElementState;
 use proto::figure::FigureSpec;
 use proto::grid::Structured;
@@ -40,7 +41,7 @@ pub(super) fn summary(window: &Window, grid: &Structured) -> Value {
     let touches = count(|element| *element != ElementState::Exterior);
     let [xi, eta, phi] = row.prescription.creepage;
     let [_, lateral, normal] = contact.force;
-    json!({
+    let mut summary = json!({
         "contact": {
             "max_pressure_pa": contact.pressure.iter().copied().fold(0.0, f64::max),
             "approach_m": contact.approach,
@@ -59,5 +60,8 @@ pub(super) fn summary(window: &Window, grid: &Structured) -> Value {
             "max_slip_velocity_m_per_s": largest(slip_velocity),
             "max_traction_pa": largest(&contact.state.traction),
         },
-    })
+    });
+    let zone = SlipZone::new(grid.ni, &contact.state.element, power);
+    add_slip_zone(&mut summary["contact"], &zone);
+    summary
 }

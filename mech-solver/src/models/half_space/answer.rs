@@ -3,7 +3,7 @@
 use super::balance::Balance;
 use super::case::Case;
 use super::contact::ContactSolver;
-use crate::figures::indicators::{Indicators, add_elements};
+use crate::figures::indicators::{Indicators, SlipZone, add_elements, add_slip_zone};
 use crate::models::summary::add_patches;
 use crate::terms::Accepted;
 use crate::terms::surface::KeptSurface;
@@ -27,6 +27,7 @@ pub(super) struct ContactFields {
     pub(super) surface_speed: [f64; 2],
     pub(super) creepage: Creepage,
     slip_area_ratio: f64,
+    slip_zone: SlipZone,
     approach: Option<f64>,
     /// Position along x about which the moment does the work of the spin: the distance between the
     /// middle of a step and the point where its rigid slip is taken [m].
@@ -127,6 +128,8 @@ impl ContactFields {
         answer.pivot = passage.middle - passage.ahead;
         let before = before.map(|before| before.concat());
         answer.set(case, state.traction.concat(), state.slip.concat(), before.as_deref());
+        answer.slip_zone =
+            SlipZone::new(case.footprint.grid.ni, &state.element, &answer.friction_power);
         answer.flowed =
             LayerFlow::of(state, &answer.friction_power, case.footprint.grid.element_area());
         answer
@@ -228,6 +231,7 @@ impl ContactFields {
         });
         add_patches(&mut figures, grid, &self.pressure);
         add_elements(&mut figures, grid);
+        add_slip_zone(&mut figures, &self.slip_zone);
         let names = match case.scene.speeds.rolling > 0.0 {
             true => ["creepage_xi", "creepage_eta", "creepage_phi_per_m"],
             false => ["shift_x_m", "shift_y_m", "turn_rad"],

@@ -2,6 +2,7 @@
 
 use super::case::Position;
 use super::wheels::{of_wheel, wheel_figures};
+use crate::figures::indicators::{SlipZone, add_slip_zone};
 use proto::diagram::{Curve, Diagram};
 use proto::figure::{FigureSpec, Style};
 use serde_json::{Value, json};
@@ -132,6 +133,11 @@ pub(super) fn summary(
         let slips = sum(&|patch| patch.slip_area_ratio * patch.area);
         contact["slip_area_ratio"] = (slips / area).into();
     }
+    let mut zone = SlipZone::default();
+    for (Patch { fields, .. }, _) in &patches {
+        zone.add(fields.counts[0], &fields.element, &fields.friction_power);
+    }
+    add_slip_zone(&mut contact, &zone);
     match patches.as_slice() {
         [] => {}
         [one] => {

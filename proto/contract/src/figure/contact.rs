@@ -20,6 +20,8 @@ pub const CREEPAGE_XI: &str = "contact.creepage_xi";
 pub const FRICTION_POWER: &str = "contact.friction_power_w";
 /// Share of the contact that slips [-].
 pub const SLIP_AREA_RATIO: &str = "contact.slip_area_ratio";
+/// Width of the slip zone along x, in elements [-].
+pub const SLIP_ZONE_ELEMENTS: &str = "contact.slip_zone_elements";
 
 /// Key of the largest temperature rise of a body [K], by the name that the case gives it.
 #[must_use]
