@@ -216,7 +216,7 @@ mod tests {
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 while !done.load(Ordering::Relaxed) {
-                    is_running(folder.path());
+                    let _ = is_running(folder.path());
                 }
             });
             let refused = (0..200).filter(|_| take().is_err()).count();
