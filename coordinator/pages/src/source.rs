@@ -212,7 +212,7 @@ impl Columns {
     pub fn parse(text: &str) -> Self {
         let mut lines = text.lines();
         let head = lines.next().unwrap_or_default();
-        let names: Vec<String> = head.split(',').map(str::to_owned).collect();
+        let names = history::names(head);
         let numbers = |line: &str| -> Vec<f64> {
             line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect()
         };

@@ -113,6 +113,7 @@ pub fn run(planned: &Planned, folder: &ResultFolder, options: RunOptions<'_>) ->
         }
         None => plan.warnings.clone(),
     };
+    add(&mut warnings, folder.warning().map_or(&[], std::slice::from_ref));
     let (ended, recorder) = match set_out(planned, folder, from, record) {
         Ok(recorder) => {
             let found = (&mut counts, &mut warnings);

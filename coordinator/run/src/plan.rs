@@ -1,7 +1,9 @@
 //! From a validated case to a plan: the participants that run, those that do not, and the reasons.
 //!
-//! Planning starts nothing of the run and uses no shared memory. The programs that the case names
-//! are only asked to describe themselves and to estimate. A [`Plan`] is all that a
+//! Planning asks the programs that the case names to describe themselves and to estimate. `check`
+//! and `plan` start a short-lived process for each question. Commands that run the case start its
+//! participants first, and ask them ([`crate::crew`]); the run then takes them over, or they end. A
+//! [`Plan`] holds no process and no shared memory, and is all that a
 //! [`crate::session::Session`] receives.
 
 mod contents;

@@ -101,10 +101,31 @@ fn a_row_without_an_answer_ends_the_run_or_is_marked() {
     let summary = place.summary(&case("wheel-rail.toml"), &sets(&skip));
     assert_eq!(summary["coupling"]["rows_without_answer"], 1);
     assert_eq!(summary["coupling"]["windows"], 2);
+    assert_eq!(summary["warnings"][0]["key"], "time.on_failure", "{}", summary["warnings"]);
     let found = rows(&place.out().join("history.csv"), &["window", FORCE]);
     let [first, second, third] = &found[..] else { panic!("{found:?}") };
     assert_eq!([first[0], second[0], third[0]], [0.0, 1.0, 2.0]);
     assert!(first[1] > 0.0 && second[1].is_nan() && third[1] > first[1], "{found:?}");
+}
+
+/// The last row is as plausible as the first one; the middle one slides and glows.
+#[test]
+fn what_is_implausible_in_any_row_is_told() {
+    let data = Data::new("t [s], xi\n0, -0.001\n1, -0.3\n2, -0.001\n");
+    let column = data.column("motion.creepage.xi", "xi");
+    let more = ["mech.model=hertz-carter", "mech.resolution=5", "time.mode=sequence", &column];
+    let place = Place::new();
+    let unset = ["--unset", "motion.traction_coefficient"];
+    let summary = place.summary(&case("wheel-rail.toml"), &[&sets(&more)[..], &unset].concat());
+    let told = |key: &str| {
+        let list = summary["warnings"].as_array().unwrap();
+        let found = list.iter().find(|warning| warning["key"] == key);
+        let found = found.unwrap_or_else(|| panic!("{key}: {list:?}"));
+        assert_eq!(found["quantity"], "value in row 2", "{found}");
+        found["value"].as_f64().unwrap()
+    };
+    assert_eq!(told("contact.creepage_xi"), -0.3);
+    assert!(told("temperature.rail.max_rise_k") > 700.0);
 }
 
 /// The summary of a sequence contains the extremes with their rows, besides the figures of the last

@@ -31,6 +31,7 @@ mod patches;
 mod resume;
 mod scenes;
 mod stopping;
+mod strict;
 mod time;
 mod two_way;
 mod wake;

@@ -122,6 +122,31 @@ fn an_fmu_that_cannot_go_back_is_never_asked_to() {
     other.summary(&case("wheel-rail.toml"), &sets(&set));
     let history = |place: &Place| fs::read_to_string(place.out().join("history.csv")).unwrap();
     assert_eq!(history(&place), history(&other), "states that are kept change nothing");
+    // A row has the values with which its window was solved, not those for the next one.
+    let column = |name: &str| other.table("history.csv").numbers(name);
+    let [live, used] = ["load.normal_force [N]", "contact.normal_force_n"].map(column);
+    assert!(live.len() == 10 && live[0] != live[9], "{live:?}");
+    assert_eq!(live, used);
+}
+
+/// Without `--role` the FMU plays the role of its file's name. `check`, `plan` and `run` say so, in
+/// place of an error about its keys.
+#[test]
+fn an_fmu_of_another_role_is_refused_alike_by_all_commands() {
+    let vehicle = Fmu::make("vehicle", "vehicle", &ON_THE_RAIL, &[]);
+    let mut words = vehicle.words();
+    words.drain(2..4);
+    let command = format!("vehicle.command={words:?}");
+    let set = [&LIVE[..], &[&command, "vehicle.start.speed=20"]].concat();
+    let place = Place::new();
+    for name in ["check", "plan", "run"] {
+        let ended =
+            place.start(&[&[name, &case("wheel-rail.toml")][..], &sets(&set)].concat()).wait();
+        let said = crate::harness::flat(&ended.stderr);
+        assert_eq!(ended.code, Some(2), "{name}: {said}");
+        assert!(said.contains("vehicle.command: its program plays the role `a`"), "{name}: {said}");
+        assert!(!said.contains("unknown key"), "{name}: {said}");
+    }
 }
 
 /// An FMU with steps of constant length rejects windows of different lengths: at `check` if the

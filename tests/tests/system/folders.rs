@@ -1,6 +1,6 @@
 //! Result folders: ownership, replacement of results, and their state when the disk is full.
 
-use crate::harness::{Place, Running, case, programs, wait_until};
+use crate::harness::{Place, Running, case, programs, sets, wait_until};
 use rustix::process::{Resource, Rlimit, Signal, prlimit};
 use serde_json::Value;
 use std::fs;
@@ -201,23 +201,18 @@ fn a_folder_renamed_in_mid_run_keeps_its_results_together() {
     assert_whole(&moved, 95);
 }
 
-/// Limits the size of the files of a coordinator, to simulate a full disk. (The coordinator ignores
-/// the signal; processes started before have no limit.)
+/// Limits the size of the files of a coordinator, to simulate a full disk. Processes started before
+/// have no limit.
 fn limit_files(running: &Running<'_>) {
     let limit = Rlimit { current: Some(64 << 10), maximum: Some(64 << 10) };
     prlimit(Some(running.pid()), Resource::Fsize, limit).unwrap();
 }
 
-/// Starts a run that ignores the signal for a file that has grown too large.
+/// Starts a run whose files may not grow any further. The signal for a file that has grown too large
+/// does not end it.
 fn start_limited<'a>(place: &'a Place, settings: &[&str], log: &str) -> Running<'a> {
-    let plain = place.command(&["run", &case("exchange.toml"), "--out"]);
-    let mut command = std::process::Command::new("bash");
-    command.args(["-c", "trap '' XFSZ; exec \"$@\"", "bash"]).arg(plain.get_program());
-    command.args(plain.get_args()).arg(place.out());
-    command.args(settings.iter().flat_map(|set| ["--set", set]));
-    command.envs(plain.get_envs().filter_map(|(key, value)| Some((key, value?))));
-    command.env("RUST_LOG", log).current_dir(plain.get_current_dir().unwrap());
-    command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+    let mut command = place.command(&["run", &case("exchange.toml"), "--out"]);
+    command.arg(place.out()).args(sets(settings)).env("RUST_LOG", log);
     let running = place.launch(command);
     place.wait_for_log("every participant is ready");
     limit_files(&running);

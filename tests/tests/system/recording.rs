@@ -307,7 +307,8 @@ fn a_killed_and_resumed_run_is_recorded_in_two_files_that_replay() {
     assert_eq!(seen["complete"], false, "{seen:#}");
     assert_identical(&place, &first, "mech", &[]);
     let out = place.out().display().to_string();
-    let ended = place.start(&["run", "--resume", &out, "--record"]).wait();
+    // A recorded run is recorded on, without being asked to.
+    let ended = place.start(&["run", "--resume", &out]).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     let names = std::fs::read_dir(place.out()).unwrap().flatten();
     let second = names

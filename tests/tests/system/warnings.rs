@@ -66,9 +66,27 @@ fn a_hot_answer_is_told() {
         place.start(&[&arguments[..], &sets(settings)].concat()).wait()
     };
     let hot = run("locked-wheel.toml", &["friction.coefficient=0.2"]);
-    assert_eq!(hot.code, Some(2), "{}", hot.stdout);
+    assert_eq!(hot.code, Some(5), "{}", hot.stdout);
+    assert!(hot.stderr.contains("the run has finished, and --strict refuses"), "{}", hot.stderr);
     assert!(hot.stderr.contains("max_rise_k is 12"), "{}", hot.stderr);
     assert_eq!(run("wheel-rail.toml", &[]).code, Some(0));
+}
+
+/// A run that is resumed is judged before it starts, like a new one.
+#[test]
+fn a_resumed_run_is_refused_for_the_warnings_of_its_case() {
+    let place = Place::new();
+    let fault = ["right.fault=not-finite", "right.fault_window=3"];
+    let set = [&["coupling.relative=2", "output.checkpoint_every=1"], &fault[..]].concat();
+    let failed = place.run(&case("exchange.toml"), &sets(&set));
+    assert_eq!(failed.code, Some(1), "{}", failed.stderr);
+    let out = place.out().display().to_string();
+    let strict = place.start(&["run", "--resume", &out, "--strict"]).wait();
+    assert_eq!(strict.code, Some(2), "{}", strict.stderr);
+    assert!(strict.stderr.contains("coupling.relative is 2"), "{}", strict.stderr);
+    let resumed = place.start(&["run", "--resume", &out]).wait();
+    assert_eq!(resumed.code, Some(1), "{}", resumed.stderr);
+    assert!(resumed.stderr.contains("warning: coupling.relative is 2"), "{}", resumed.stderr);
 }
 
 /// A warning appears in every command: `check`, as text and as JSON, `plan`, `run`, the summary,

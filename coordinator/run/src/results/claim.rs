@@ -6,6 +6,7 @@
 
 use super::dir::Dir;
 use crate::error::{RunError, file_failure};
+use crate::warnings::Warning;
 use proto::lock_file::LockFile;
 use rustix::fs::OFlags;
 use std::fs::{self, File, TryLockError};
@@ -47,6 +48,7 @@ pub struct Claim {
     dir: Dir,
     /// Carries the lock.
     _marker: LockFile,
+    warning: Option<Warning>,
 }
 
 /// Content of a folder.
@@ -74,14 +76,14 @@ impl Claim {
                 &format!("holds files but no results of {of}; give a new folder with --out"),
             ));
         }
-        let marker = lock(&dir)?;
+        let (marker, warning) = lock(&dir)?;
         // The check is final only under the lock.
         if content(&dir, of)? == Content::Results && existing == Existing::Refuse {
             let fix = "replace them with --replace, or give another folder with --out";
             return Err(refuse(&dir, &format!("already holds results of {of}; {fix}")));
         }
         mark(&marker, of).map_err(|error| file_failure(&dir.path().join(MARKER), &error))?;
-        Ok(Self { dir, _marker: marker })
+        Ok(Self { dir, _marker: marker, warning })
     }
 
     /// Takes a folder that holds results `of` a run or a study, to continue them.
@@ -90,12 +92,21 @@ impl Claim {
     /// [`RunError::Usage`] if the folder holds no such results, or is used by another process.
     pub fn again(path: &Path, of: &str) -> Result<Self, RunError> {
         match Dir::open(path) {
-            Ok(dir) if is_marked(&dir, of) => Ok(Self { _marker: lock(&dir)?, dir }),
+            Ok(dir) if is_marked(&dir, of) => {
+                let (marker, warning) = lock(&dir)?;
+                Ok(Self { dir, _marker: marker, warning })
+            }
             _ => {
                 let shown = path.display();
                 Err(RunError::Usage(format!("{shown} holds no results of {of}")))
             }
         }
+    }
+
+    /// Warning about a folder that cannot be locked.
+    #[must_use]
+    pub fn warning(&self) -> Option<&Warning> {
+        self.warning.as_ref()
     }
 
     /// The folder.
@@ -167,8 +178,8 @@ fn try_lock(marker: &LockFile) -> Result<(), TryLockError> {
     marker.try_lock()
 }
 
-/// Locks the marker for this process.
-fn lock(dir: &Dir) -> Result<LockFile, RunError> {
+/// Locks the marker for this process. A file system without locks causes a warning.
+fn lock(dir: &Dir) -> Result<(LockFile, Option<Warning>), RunError> {
     let marker = dir.file(MARKER, OFlags::RDWR | OFlags::CREATE | OFlags::APPEND);
     let marker = marker.map_err(|error| file_failure(&dir.path().join(MARKER), &error))?;
     let marker = LockFile::from(marker);
@@ -179,11 +190,14 @@ fn lock(dir: &Dir) -> Result<LockFile, RunError> {
         }
         // Some network file systems have no locks.
         Err(TryLockError::Error(error)) => {
-            tracing::warn!(%error, "the result folder cannot be locked")
+            let reason = format!("the result folder cannot be locked: {error}");
+            let fix = "let no other run write into it, or use a file system with locks";
+            let warning = Warning::remark("results", reason, fix);
+            tracing::warn!("{warning}");
+            Ok((marker, Some(warning)))
         }
-        Ok(()) => {}
+        Ok(()) => Ok((marker, None)),
     }
-    Ok(marker)
 }
 
 #[cfg(test)]
@@ -202,7 +216,7 @@ mod tests {
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 while !done.load(Ordering::Relaxed) {
-                    is_running(folder.path());
+                    let _ = is_running(folder.path());
                 }
             });
             let refused = (0..200).filter(|_| take().is_err()).count();

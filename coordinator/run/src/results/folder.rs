@@ -9,6 +9,7 @@ use super::place::{link_latest, numbered};
 use super::write::{Reserve, fresh, remove, replace};
 use crate::error::{RunError, file_failure};
 use crate::results::summary::Status;
+use crate::warnings::Warning;
 use case::RawCase;
 use rustix::fs::OFlags;
 use std::fs::{self, File};
@@ -105,6 +106,12 @@ impl ResultFolder {
     fn with(claim: Claim, log: File) -> Result<Self, RunError> {
         let reserve = Reserve::keep(claim.dir(), RESERVE, SUMMARY_BYTES)?;
         Ok(Self { claim, log, reserve: Mutex::new(Some(reserve)) })
+    }
+
+    /// Warning about a folder that cannot be locked.
+    #[must_use]
+    pub fn warning(&self) -> Option<&Warning> {
+        self.claim.warning()
     }
 
     /// Returns whether the run in this folder has ended successfully.

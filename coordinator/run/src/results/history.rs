@@ -184,7 +184,7 @@ impl Survey {
         let survey = || -> io::Result<_> {
             let mut lines = lines(path)?;
             let head = match lines.next() {
-                Some(line) => unquoted(&line?),
+                Some(line) => names(&line?),
                 None => Vec::new(),
             };
             let mut filled: Vec<bool> = (0..head.len()).map(|column| column < OWN.len()).collect();
@@ -215,7 +215,7 @@ impl Survey {
             for (row, line) in lines(path)?.enumerate() {
                 let line = line?;
                 let cells = match row {
-                    0 => unquoted(&line).iter().map(|cell| quoted(cell)).collect(),
+                    0 => names(&line).iter().map(|cell| quoted(cell)).collect(),
                     _ => line.split(',').map(str::to_owned).collect::<Vec<_>>(),
                 };
                 let kept = cells.into_iter().zip(&self.filled).filter(|(_, filled)| **filled);
@@ -239,8 +239,9 @@ fn quoted(cell: &str) -> String {
     }
 }
 
-/// Splits a row of cells that may be quoted.
-fn unquoted(line: &str) -> Vec<String> {
+/// Splits a head into the names of its columns, which may be quoted.
+#[must_use]
+pub fn names(line: &str) -> Vec<String> {
     let (mut cells, mut inside) = (vec![String::new()], false);
     let mut letters = line.chars().peekable();
     while let Some(letter) = letters.next() {
@@ -472,6 +473,14 @@ mod tests {
             "3,0.5,1,not-converged,7,4e0,,1e0,,"
         );
         assert_eq!(row(None, "no-answer"), "3,0.5,1,no-answer,7,4e0,,,,");
+    }
+
+    #[test]
+    fn a_name_with_a_comma_keeps_its_column() {
+        let all = ["end_s", "bodies.rail, \"left\".start_rise [K]", "contact.a_m"];
+        let head = all.map(quoted).join(",");
+        assert_eq!(head, "end_s,\"bodies.rail, \"\"left\"\".start_rise [K]\",contact.a_m");
+        assert_eq!(names(&head), all);
     }
 
     /// A complete table has no empty columns, and the extremes name their rows.

@@ -2,7 +2,8 @@
 //!
 //! The kernel does not refuse a segment that does not fit: it kills the process that touches it.
 //! Therefore the need is computed before any segment is created, and again before a grid that grows
-//! needs more.
+//! needs more. What a run has been granted is set aside from the other runs of the process until
+//! the segments exist.
 
 use crate::error::{Failure, RunError};
 use crate::plan::{Plan, geometry_bytes, non_matching, sample_bytes, topic_bytes};
@@ -10,16 +11,52 @@ use contract::configuration::Layout;
 use contract::grid::Grid;
 use coupling::ParticipantIndex;
 use proto::run_dir::free_shared_memory;
+use std::sync::{Mutex, PoisonError};
 
 /// Shared memory of a run besides its fields [byte].
 const OVERHEAD: u64 = 1 << 20;
 
+/// Shared memory granted to the runs of this process that they have not yet written to [byte].
+static GRANTED: Mutex<u64> = Mutex::new(0);
+
+/// Share of a run in the granted memory.
+#[derive(Debug)]
+struct Grant {
+    all: &'static Mutex<u64>,
+    bytes: u64,
+}
+
+impl Grant {
+    /// Grants `needed` bytes from the `free` ones that have not been granted to other runs.
+    ///
+    /// # Errors
+    /// Returns the bytes that are left.
+    fn of(all: &'static Mutex<u64>, needed: u64, free: impl Fn() -> u64) -> Result<Self, u64> {
+        let mut granted = all.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = free().saturating_sub(*granted);
+        if needed > left {
+            return Err(left);
+        }
+        *granted += needed;
+        drop(granted);
+        Ok(Self { all, bytes: needed })
+    }
+}
+
+impl Drop for Grant {
+    fn drop(&mut self) {
+        *self.all.lock().unwrap_or_else(PoisonError::into_inner) -= self.bytes;
+    }
+}
+
 /// Shared memory that a run has taken, and its limit.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct SharedMemory {
     limit: u64,
     /// Shared memory counted so far [byte].
     taken: u64,
+    /// Memory set aside for the run, until its first window is accepted.
+    grant: Option<Grant>,
 }
 
 impl SharedMemory {
@@ -35,8 +72,13 @@ impl SharedMemory {
     ) -> Result<Self, RunError> {
         let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);
         let taken = OVERHEAD + live(plan) + fields(plan, &layout) + geometry(plan, &layout);
-        check(taken, held, limit, "before the fields were created")?;
-        Ok(Self { limit, taken })
+        let grant = grant(taken, held, limit, "before the fields were created")?;
+        Ok(Self { limit, taken, grant: Some(grant) })
+    }
+
+    /// Returns the granted memory: the segments of the run exist, or are counted anew.
+    pub(super) fn settle(&mut self) {
+        self.grant = None;
     }
 
     /// Returns the shared memory counted so far [byte].
@@ -56,7 +98,8 @@ impl SharedMemory {
     ) -> Result<(), RunError> {
         let bytes = |components: &u32| topic_bytes(sample_bytes(points, *components));
         let needed = components.iter().map(bytes).sum::<u64>();
-        check(needed, 0, self.limit.saturating_sub(self.taken), when)?;
+        self.settle();
+        grant(needed, 0, self.limit.saturating_sub(self.taken), when)?;
         self.taken += needed;
         Ok(())
     }
@@ -68,7 +111,7 @@ impl SharedMemory {
 /// The need exceeds the free shared memory.
 pub fn room_for(samples: Vec<u64>, when: &str) -> Result<(), RunError> {
     let topics = samples.into_iter().map(topic_bytes);
-    check(topics.fold(OVERHEAD, u64::saturating_add), 0, u64::MAX, when)
+    grant(topics.fold(OVERHEAD, u64::saturating_add), 0, u64::MAX, when).map(drop)
 }
 
 /// Returns the need of the live values that the coordinator sends [byte].
@@ -96,18 +139,40 @@ fn geometry<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a
     travelling.map(|grid| topic_bytes(geometry_bytes(grid))).sum()
 }
 
-fn check(needed: u64, held: u64, limit: u64, when: &str) -> Result<(), RunError> {
-    let free = free_shared_memory().saturating_add(held).min(limit);
-    if needed <= free {
-        return Ok(());
-    }
+/// Grants memory, of which the run holds `held` bytes already.
+fn grant(needed: u64, held: u64, limit: u64, when: &str) -> Result<Grant, RunError> {
+    let granted = match needed <= limit {
+        true => Grant::of(&GRANTED, needed.saturating_sub(held), free_shared_memory),
+        false => Err(limit.saturating_sub(held)),
+    };
     let mib = |bytes: u64| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
-    Err(RunError::Failed(Failure {
-        who: "shared memory".to_owned(),
-        when: when.to_owned(),
-        what: format!("the fields need {}, but only {} may be used", mib(needed), mib(free)),
-        fix: "enlarge /dev/shm (in a container: --shm-size), raise limits.shared_memory, write \
-              fewer fields (output.fields) or use a coarser resolution"
-            .to_owned(),
-    }))
+    granted.map_err(|left| {
+        let left = left.saturating_add(held);
+        RunError::Failed(Failure {
+            who: "shared memory".to_owned(),
+            when: when.to_owned(),
+            what: format!("the fields need {}, but only {} may be used", mib(needed), mib(left)),
+            fix: "enlarge /dev/shm (in a container: --shm-size), raise limits.shared_memory, write \
+                  fewer fields (output.fields), use a coarser resolution, or run fewer cases at \
+                  the same time"
+                .to_owned(),
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_for_one_run_is_not_granted_twice() {
+        static ALL: Mutex<u64> = Mutex::new(0);
+        let grant = |needed| Grant::of(&ALL, needed, || 100);
+        let first = grant(60).unwrap();
+        assert_eq!(grant(60).unwrap_err(), 40);
+        assert!(grant(40).is_ok());
+        drop(first);
+        assert!(grant(100).is_ok());
+        assert_eq!(*ALL.lock().unwrap(), 0);
+    }
 }

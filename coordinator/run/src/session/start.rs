@@ -85,6 +85,7 @@ impl Session {
         let layouts = session.configure(plan)?;
         session.check_informed(plan, &layouts)?;
         let held = if is_new { 0 } else { held };
+        session.memory.settle();
         session.memory = SharedMemory::check(plan, held, |index| layouts.get(index))?;
         session.peers.phase = Phase::Connecting;
         session.connect(plan, &layouts)?;

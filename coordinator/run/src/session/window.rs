@@ -54,6 +54,7 @@ impl Session {
             self.unanswered = true;
             return Err(error);
         }
+        self.memory.settle();
         if !observing.is_empty() {
             self.fields.keys().try_for_each(|field| self.check_finite(field))?;
         }

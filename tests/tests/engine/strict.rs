@@ -1,0 +1,41 @@
+//! Warnings of the shipped cases, which `run --strict` turns into errors.
+
+use crate::harness::{Place, case, planned, root, sets, solvers};
+use serde_json::Value;
+use std::fs;
+
+/// A shipped case is an example: its plan gives no warning.
+#[test]
+fn the_plan_of_a_shipped_case_has_no_warning() {
+    let entries = fs::read_dir(root().join("cases")).unwrap().flatten();
+    let mut names: Vec<String> =
+        entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.retain(|name| name.ends_with(".toml"));
+    assert!(names.len() > 50, "{names:?}");
+    for name in &names {
+        let planned = planned(&case(name), &[], &solvers());
+        let warnings = planned.unwrap_or_else(|error| panic!("{name}: {error}")).plan.warnings;
+        assert_eq!(warnings, [], "{name}");
+    }
+}
+
+/// A case that prescribes the speed of a surface is meant to slide: its creepage is not judged as
+/// that of a wheel that rolls. The grids are coarse, and say nothing about the creepage.
+fn slides(name: &str, settings: &[&str]) {
+    let place = Place::new();
+    let summary = place.summary(&case(name), &sets(settings));
+    let creepage = summary["contact"]["creepage_xi"].as_f64().unwrap();
+    assert!(creepage.abs() > 0.05, "{name} rolls: {creepage}");
+    let warnings = summary["warnings"].as_array().cloned().unwrap_or_default();
+    let judged = |warning: &&Value| warning["key"] == "contact.creepage_xi";
+    assert_eq!(warnings.iter().find(judged), None, "{name}");
+}
+
+table_of_tests! { slides:
+    a_pin_on_a_disc_slides("pin-on-disc.toml", &["mech.resolution=6", "thermal.model=columns"]);
+    a_locked_wheel_slides("locked-wheel.toml", &["mech.resolution=6", "thermal.model=columns"]);
+    a_locked_wheel_in_a_steady_state_slides("locked-wheel-steady.toml", &["mech.resolution=6"]);
+    flanks_of_gears_slide("gear-flank.toml", &["mech.resolution=6"]);
+    a_spinning_wheel_slides("wheel-spin.toml", &["mech.resolution=6"]);
+    a_brake_block_slides("brake-block.toml", &["time.end=25 ms"]);
+}
