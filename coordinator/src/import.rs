@@ -161,7 +161,13 @@ fn refusals(out: &Path, text: &str) -> Result<Vec<Refusal>, RunError> {
         Ok(()) => Ok(Vec::new()),
         Err(error) if error.is_interrupt() => Err(error),
         Err(RunError::Case(problems)) => Ok(problems.list().iter().map(refusal).collect()),
-        Err(error) => Ok(vec![Refusal { reason: error.to_string(), ..Refusal::default() }]),
+        Err(error) => {
+            let reason = match error {
+                RunError::Failed(failure) => format!("{}: {}", failure.who, failure.what),
+                other => other.to_string(),
+            };
+            Ok(vec![Refusal { reason, ..Refusal::default() }])
+        }
     }
 }
 

@@ -110,7 +110,7 @@ fn distinct<'b>(source: &mut Source<'_>, used: &'b [MeshData], element: &str) ->
         if names.contains(&one.data.as_str()) {
             let reason = format!("`{}` is used on several meshes, and a field has one", one.data);
             let instead = Some("give the data of each mesh a name of their own");
-            source.notes.advise(NoteKind::Missing, one.line, element, reason, instead);
+            source.notes.advise(NoteKind::Todo, one.line, element, reason, instead);
         } else {
             names.push(&one.data);
         }
@@ -126,7 +126,7 @@ fn meshes(source: &mut Source<'_>, participant: &Participant) {
         for one in used.iter().filter(|one| !participant.provides(&one.mesh)) {
             let reason = format!("{} is a mesh of another participant (direct access)", one.mesh);
             let instead = Some("use a mesh of its own, with a mapping");
-            notes.advise(NoteKind::Missing, one.line, element, reason, instead);
+            notes.advise(NoteKind::Todo, one.line, element, reason, instead);
         }
     }
     for received in participant.receives.iter().filter(|received| received.safety_factor != 0.5) {
