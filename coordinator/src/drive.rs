@@ -16,6 +16,7 @@ use run::perform::{self, Driven, Driver, DriverError, RunOptions};
 use run::plan::Planned;
 use run::results::{Existing, ResultFolder};
 use run::scratch::Scratch;
+use serde_json::Value;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -122,6 +123,11 @@ pub(crate) fn planned(of: &CaseArguments) -> Result<Planned, RunError> {
     let mut planned = of.plan()?;
     log_warnings(&planned.plan.warnings);
     planned.plan.windows = open(&planned.case, &planned.plan.windows)?;
+    // The end of the case is not that of the run, which a participant may rely on.
+    for participant in &mut planned.plan.participants {
+        let time = participant.configuration.case.0.get_mut("time").and_then(Value::as_object_mut);
+        time.and_then(|time| time.remove("end"));
+    }
     Ok(planned)
 }
 

@@ -1,12 +1,19 @@
 //! `coordinator import`: writes the case of a preCICE configuration.
+//!
+//! The case is checked before it is written, as by `coordinator check`, with a program in place of
+//! each that is not known yet. Whatever the check refuses is to be done before the first run.
 
+use case::RawCase;
 use clap::Args;
 use console::command::{Command, Context, Group};
+use contract::field::TABLE;
 use contract::input_file;
-use precice_config::{Configuration, Import, ImportOptions, Note, NoteKind, case_of};
+use precice_config::{Configuration, Import, ImportOptions, Note, NoteKind, Refusal, case_of};
 use run::error::{RunError, file_failure, input_failure};
 use run::format::counted;
+use run::plan::plan;
 use run::results::write::replace;
+use run::signals;
 use run::wrap;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -36,13 +43,28 @@ pub(crate) struct ImportCommand {
     replace: bool,
 }
 
+/// Words of a shell, which only passes programs and arguments on.
+const OF_SHELL: [&str; 10] = ["&&", "||", "|", ";", "&", ">", ">>", "<", "2>", "2>&1"];
+/// First words that only a shell knows.
+const BUILT_IN: [&str; 5] = ["cd", "export", "source", ".", "exec"];
+
 /// Parses NAME=COMMAND.
 fn program(option: &str) -> Result<(String, Vec<String>), String> {
     let (name, line) = option
         .split_once('=')
         .ok_or("write the name of a participant, an equals sign and its program")?;
     let words = shlex::split(line).ok_or("a quote is not closed")?;
-    if words.is_empty() { Err("no program".to_owned()) } else { Ok((name.to_owned(), words)) }
+    let first = words.first().ok_or("no program")?;
+    let for_shell = words.iter().find(|word| OF_SHELL.contains(&word.as_str()));
+    let built_in =
+        Some(first).filter(|word| BUILT_IN.contains(&word.as_str()) || word.contains('='));
+    if let Some(word) = for_shell.or(built_in) {
+        return Err(format!(
+            "`{word}` is for a shell, and the program is started without one; write \
+             {name}=sh -c '…', and --directory {name}=DIR for the folder"
+        ));
+    }
+    Ok((name.to_owned(), words))
 }
 
 /// Parses NAME=DIR.
@@ -85,16 +107,67 @@ impl Command for ImportCommand {
         let configuration =
             Configuration::parse(&text).map_err(|error| refused(error.to_string()))?;
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from(default_name(path) + ".toml"));
-        let options = ImportOptions {
+        let mut options = ImportOptions {
             name: name_of(&out),
             path: path.display().to_string(),
             commands: by_name("--command", &self.commands)?,
             directories: by_name("--directory", &self.directories)?,
+            reserved: TABLE.iter().map(|field| field.name.to_owned()).collect(),
+            refusals: Vec::new(),
         };
-        let import =
-            case_of(&configuration, &options).map_err(|error| refused(error.to_string()))?;
+        let import = |options: &ImportOptions| {
+            case_of(&configuration, options).map_err(|error| refused(error.to_string()))
+        };
+        let complete = import(&with_programs(&configuration, &options))?;
+        options.refusals = refusals(&out, &complete.text)?;
+        let import = import(&options)?;
         self.write(&out, &import)?;
-        context.print(&summary(&out, &configuration, &import.notes))
+        context.print(&summary(&out, &configuration, &import.notes))?;
+        match options.refusals.len() {
+            0 => Ok(()),
+            count => Err(RunError::Usage(format!(
+                "{}: the case is written, and `coordinator check` refuses it for {}, which the list \
+                 \"{}\" names",
+                out.display(),
+                counted(count as u64, "reason"),
+                NoteKind::Todo.heading()
+            ))),
+        }
+    }
+}
+
+/// Returns the options with a program for every participant.
+fn with_programs(configuration: &Configuration, options: &ImportOptions) -> ImportOptions {
+    let mut complete = options.clone();
+    for participant in &configuration.participants {
+        let program = || vec!["program".to_owned()];
+        complete.commands.entry(participant.name.clone()).or_insert_with(program);
+    }
+    complete
+}
+
+/// Returns the reasons for which `coordinator check` refuses a case.
+fn refusals(out: &Path, text: &str) -> Result<Vec<Refusal>, RunError> {
+    let _asking = signals::end_at_once();
+    let checked = RawCase::parse(&out.display().to_string(), text)
+        .map_err(RunError::from)
+        .and_then(|raw| plan(raw).map(drop));
+    let refusal = |one: &case::Problem| Refusal {
+        key: one.key.clone(),
+        reason: one.reason.clone(),
+        fix: one.fix.clone(),
+    };
+    match checked {
+        Ok(()) => Ok(Vec::new()),
+        Err(error) if error.is_interrupt() => Err(error),
+        Err(RunError::Case(problems)) => Ok(problems.list().iter().map(refusal).collect()),
+        Err(error) => {
+            let reason = match error {
+                RunError::Failed(failure) => format!("{}: {}", failure.who, failure.what),
+                other => other.to_string(),
+            };
+            Ok(vec![Refusal { reason, ..Refusal::default() }])
+        }
     }
 }
 
@@ -189,16 +262,17 @@ mod tests {
     /// Every key that an import writes is one of a case, with a value in its range.
     #[test]
     fn imported_cases_are_valid() {
-        let inside = "<max-iterations value=\"0\" /><min-iterations value=\"9\" />\
+        let inside = "<max-iterations value=\"9\" /><min-iterations value=\"9\" />\
             <relative-convergence-measure data=\"Way\" mesh=\"M\" limit=\"1e-3\" />\
             <absolute-convergence-measure data=\"Load\" mesh=\"M\" limit=\"1e-300\" />\
             <residual-relative-convergence-measure data=\"Load\" mesh=\"M\" limit=\"1\" />\
             <acceleration:IQN-ILS><data name=\"Way\" mesh=\"M\" /><filter limit=\"0\" />\
-            <initial-relaxation value=\"7\" /><max-used-iterations value=\"0\" />\
+            <initial-relaxation value=\"7\" /><max-used-iterations value=\"5000\" />\
             <preconditioner type=\"residual\" /></acceleration:IQN-ILS>";
         for (kind, method, inside) in [
             ("serial-explicit", "", ""),
             ("serial-explicit", "method=\"first-participant\"", ""),
+            ("serial-implicit", "method=\"first-participant\"", inside),
             ("serial-implicit", "", inside),
             ("parallel-implicit", "", inside),
         ] {
@@ -225,9 +299,17 @@ mod tests {
         let words = |text: &str| program(text).map(|(name, words)| (name, words.join("|")));
         let expected = ("Fluid".to_owned(), "python3|my solver.py|--a=b".to_owned());
         assert_eq!(words("Fluid=python3 'my solver.py' --a=b"), Ok(expected));
-        for wrong in ["Fluid", "Fluid=", "Fluid='open"] {
+        for wrong in [
+            "Fluid",
+            "Fluid=",
+            "Fluid='open",
+            "Fluid=cd fluid && ./run.sh",
+            "Fluid=./run.sh > log",
+            "Fluid=OMP_NUM_THREADS=2 ./fluid",
+        ] {
             assert!(words(wrong).is_err(), "{wrong}");
         }
+        assert!(words("Fluid=sh -c 'cd fluid && ./run.sh'").is_ok());
     }
 
     #[test]

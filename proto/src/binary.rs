@@ -25,6 +25,18 @@ pub fn append(into: &mut Vec<u8>, value: &impl Serialize) -> Result<(), String> 
         .map_err(|error| error.to_string())
 }
 
+/// Returns the words for an error of the decoder, whose own text has the form of its source code.
+fn reason(error: &bincode::error::DecodeError) -> &'static str {
+    use bincode::error::DecodeError;
+    match error {
+        DecodeError::UnexpectedEnd { .. } => "it is truncated",
+        DecodeError::LimitExceeded => "it claims more memory than its length allows",
+        DecodeError::Utf8 { .. } => "a text in it is not UTF-8",
+        DecodeError::UnexpectedVariant { .. } => "it is a message of an unknown kind",
+        _ => "it is malformed",
+    }
+}
+
 /// Reads a value back; all bytes must be used.
 ///
 /// # Errors
@@ -36,7 +48,7 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
         0..=SMALL => decode(bytes, standard().with_limit::<SMALL_CLAIM>()),
         _ => decode(bytes, standard().with_limit::<LONGEST>()),
     };
-    let (value, used) = decoded.map_err(|error| error.to_string())?;
+    let (value, used) = decoded.map_err(|error| reason(&error).to_owned())?;
     match bytes.len() - used {
         0 => Ok(value),
         rest => Err(format!("{rest} bytes follow its end")),

@@ -47,6 +47,11 @@ void fmi2FreeInstance(void *of) {
 
 int fmi2SetupExperiment(void *of, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
     (void)of, (void)has_tolerance, (void)tolerance, (void)start, (void)has_stop, (void)stop;
+#ifdef EXPERIMENT
+    double *values = ((Instance *)of)->values;
+    if (has_tolerance) values[TOLERANCE] = tolerance;
+    if (has_stop) values[STOP] = stop;
+#endif
     return STATUS_OK;
 }
 

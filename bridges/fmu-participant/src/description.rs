@@ -48,6 +48,10 @@ pub struct ModelDescription {
     pub serialises: bool,
     /// True if communication steps may differ in length.
     pub varies_step: bool,
+    /// Time at which the default experiment starts \[s\].
+    pub start_time: f64,
+    /// Relative tolerance of the default experiment.
+    pub tolerance: Option<f64>,
     /// Numeric variables, in the order of the file.
     pub variables: Vec<Variable>,
 }
@@ -86,6 +90,10 @@ impl ModelDescription {
             return Err(format!("has the model identifier {identifier:?}, which is not a C name"));
         }
         let keeps_states = flag(about, keeps);
+        let experiment = |key| -> Option<f64> {
+            let value = child(root, "DefaultExperiment")?.attribute(key)?.trim().parse().ok();
+            value.filter(|value: &f64| value.is_finite())
+        };
         Ok(Self {
             version,
             name: of(root, "modelName").to_owned(),
@@ -97,6 +105,8 @@ impl ModelDescription {
             keeps_states,
             serialises: keeps_states && flag(about, serialises),
             varies_step: flag(about, "canHandleVariableCommunicationStepSize"),
+            start_time: experiment("startTime").unwrap_or(0.0),
+            tolerance: experiment("tolerance").filter(|tolerance| *tolerance > 0.0),
             variables: Reader::new(root, version).variables(root)?,
         })
     }

@@ -27,10 +27,14 @@ pub struct Figures {
 /// Returns the outputs of an FMU that are figures.
 #[must_use]
 pub fn figures(of: &ModelDescription) -> Vec<Figures> {
-    let mut taken = BTreeSet::new();
+    let outputs = || of.variables.iter().filter(|one| one.causality == Causality::Output);
+    // A name that is a word stays the same, also if the word of an earlier variable is equal.
+    let keeps = |one: &Variable| one.size == 1 && one.word() == one.name;
+    let mut taken: BTreeSet<String> =
+        outputs().filter(|one| keeps(one)).map(|one| one.name.clone()).collect();
     let mut left = MOST;
     let mut figures = Vec::new();
-    for variable in of.variables.iter().filter(|one| one.causality == Causality::Output) {
+    for variable in outputs() {
         if variable.size > LARGEST.min(left) {
             continue;
         }
@@ -39,7 +43,10 @@ pub fn figures(of: &ModelDescription) -> Vec<Figures> {
             1 => word.clone(),
             _ => format!("{word}_{}", place + 1),
         };
-        let words = (0..variable.size).map(|place| free(one(place), &mut taken)).collect();
+        let words = match keeps(variable) {
+            true => vec![word],
+            false => (0..variable.size).map(|place| free(one(place), &mut taken)).collect(),
+        };
         left -= variable.size;
         let shown = MOST - left <= SHOWN;
         figures.push(Figures { variable: variable.clone(), words, shown });
@@ -75,7 +82,7 @@ mod tests {
 
     #[test]
     fn every_output_has_a_word_of_its_own() {
-        let outputs: String = ["a.b", "a_b", "der(x)", "y"]
+        let outputs: String = ["a.b", "a_b", "der(x)", "y", "T[1]", "T_1_", "y_2"]
             .iter()
             .enumerate()
             .map(|(n, name)| {
@@ -91,7 +98,8 @@ mod tests {
         );
         let all = figures(&ModelDescription::parse(&text).unwrap());
         let words: Vec<_> = all.iter().flat_map(|one| &one.words).collect();
-        assert_eq!(words, ["a_b", "a_b_2", "der_x_", "y_1", "y_2"]);
+        let expected = ["a_b_2", "a_b", "der_x_", "y_1", "y_2_2", "T_1__2", "T_1_", "y_2"];
+        assert_eq!(words, expected);
         let specs: Vec<_> = all.iter().flat_map(|one| one.specs("vehicle")).collect();
         assert!(specs.iter().all(|spec| spec.check() == Ok(()) && spec.unit == "m"));
         assert_eq!(specs[3].key, "vehicle.y_1");

@@ -7,7 +7,7 @@ use crate::description::ModelDescription;
 use crate::instance::Instance;
 use crate::library::{Component, Loaded};
 use crate::logger::fmu_participant_log;
-use crate::slave::{Fault, Kept, Slave};
+use crate::slave::{Experiment, Fault, Kept, Slave};
 use crate::variable::{Kind, Variable};
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::path::Path;
@@ -187,11 +187,16 @@ impl Slave for Fmi2 {
         Ok(())
     }
 
-    fn start(&mut self) -> Result<(), Fault> {
+    fn start(&mut self, experiment: &Experiment) -> Result<(), Fault> {
         let Self { instance, set_up, enter, exit, .. } = self;
+        let defined = |value: Option<f64>| (c_int::from(value.is_some()), value.unwrap_or(0.0));
+        let ((has_tolerance, tolerance), (has_stop, stop)) =
+            (defined(experiment.tolerance), defined(experiment.stop));
         // SAFETY: the instance lives.
         unsafe {
-            instance.call("fmi2SetupExperiment", |of| set_up(of, 0, 0.0, 0.0, 0, 0.0))?;
+            instance.call("fmi2SetupExperiment", |of| {
+                set_up(of, has_tolerance, tolerance, 0.0, has_stop, stop)
+            })?;
             instance.call("fmi2EnterInitializationMode", |of| enter(of))?;
             instance.call("fmi2ExitInitializationMode", |of| exit(of))?;
         }

@@ -8,7 +8,7 @@ use crate::fmi2::text;
 use crate::instance::Instance;
 use crate::library::{Component, Loaded};
 use crate::logger::log_message;
-use crate::slave::{Fault, Kept, Slave};
+use crate::slave::{Experiment, Fault, Kept, Slave};
 use crate::variable::{Kind, Variable};
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::path::Path;
@@ -249,12 +249,16 @@ impl Slave for Fmi3 {
         by_kind!(variable.kind, self.values, get(of, reference, values))
     }
 
-    fn start(&mut self) -> Result<(), Fault> {
+    fn start(&mut self, experiment: &Experiment) -> Result<(), Fault> {
         let Self { instance, enter, exit, .. } = self;
+        let defined = |value: Option<f64>| (value.is_some(), value.unwrap_or(0.0));
+        let ((has_tolerance, tolerance), (has_stop, stop)) =
+            (defined(experiment.tolerance), defined(experiment.stop));
         // SAFETY: the instance lives.
         unsafe {
-            instance
-                .call("fmi3EnterInitializationMode", |of| enter(of, false, 0.0, 0.0, false, 0.0))?;
+            instance.call("fmi3EnterInitializationMode", |of| {
+                enter(of, has_tolerance, tolerance, 0.0, has_stop, stop)
+            })?;
             instance.call("fmi3ExitInitializationMode", |of| exit(of))?;
         }
         instance.has_started();

@@ -44,11 +44,8 @@ impl Loaded {
         // and this process holds no data of others.
         let library = unsafe { Library::new(&path) };
         let library = library.map_err(|error| {
-            format!(
-                "the library of the FMU cannot be loaded: {error}; if files in {} must not be executed, set \
-                 COSIM_RUNTIME_DIR to a folder where files may be executed",
-                folder.display()
-            )
+            let error = error.to_string();
+            format!("the library of the FMU cannot be loaded: {error}{}", advice(&error, folder))
         })?;
         Ok(Self { library: ManuallyDrop::new(library), path })
     }
@@ -65,6 +62,29 @@ impl Loaded {
         let found: Result<Symbol<'_, F>, _> = unsafe { self.library.get(name.as_bytes()) };
         found.map(|symbol| *symbol).map_err(|_| format!("{} has no {name}", self.path.display()))
     }
+}
+
+/// Returns what to do about an error of the system's loader.
+fn advice(error: &str, folder: &Path) -> String {
+    let says = |words: &[&str]| words.iter().any(|word| error.contains(word));
+    if says(&["failed to map segment", "Operation not permitted", "Permission denied"]) {
+        return format!(
+            "; if files in {} must not be executed, set COSIM_RUNTIME_DIR to a folder where files \
+             may be executed",
+            folder.display()
+        );
+    }
+    if says(&["undefined symbol: Py", "undefined symbol: _Py"]) {
+        return "; it needs the library of Python and does not name it: start the coordinator with \
+                LD_PRELOAD=libpython3.N.so of the Python that the FMU was made with"
+            .to_owned();
+    }
+    if says(&["undefined symbol"]) {
+        return "; it needs a library that it does not name: start the coordinator with that library \
+                in LD_PRELOAD"
+            .to_owned();
+    }
+    String::new()
 }
 
 /// Functions that save and restore states.
@@ -202,5 +222,22 @@ impl States {
         // SAFETY: the instance lives; the length of the list is passed.
         let status = unsafe { read(of, bytes.as_ptr(), bytes.len(), &raw mut state.0) };
         health.check(name, status)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::advice;
+    use std::path::Path;
+
+    #[test]
+    fn advice_fits_the_error() {
+        let folder = Path::new("/dev/shm/x");
+        let python = advice("a.so: undefined symbol: _Py_NoneStruct", folder);
+        assert!(python.contains("LD_PRELOAD=libpython3") && !python.contains("COSIM_RUNTIME_DIR"));
+        assert!(advice("undefined symbol: dgemm_", folder).contains("LD_PRELOAD"));
+        let refused = advice("a.so: failed to map segment from shared object", folder);
+        assert!(refused.contains("/dev/shm/x") && refused.contains("COSIM_RUNTIME_DIR"));
+        assert_eq!(advice("libfoo.so: cannot open shared object file", folder), "");
     }
 }

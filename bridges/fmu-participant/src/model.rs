@@ -9,7 +9,7 @@ use crate::figures::Figures;
 use crate::fmi2::Fmi2;
 use crate::fmi3::Fmi3;
 use crate::placed::{Placed, PlacedGive, PlacedTake};
-use crate::slave::{Fault, Kept, Slave};
+use crate::slave::{Experiment, Fault, Kept, Slave};
 use crate::variable::Variable;
 use crate::wiring::Measure;
 use proto::grid::Grid;
@@ -39,6 +39,8 @@ pub struct Parts<'a> {
     pub starts: &'a [(Variable, Vec<f64>)],
     /// Exchanged fields, with their grids.
     pub placed: Placed,
+    /// End of the run \[s\]; `None` if whoever drives the run chooses it.
+    pub end: Option<f64>,
 }
 
 /// Values read from the FMU after a step.
@@ -78,14 +80,21 @@ impl Running {
     /// # Errors
     /// Fails if the FMU creates no instance, or a function of the FMU returns an error.
     pub fn new(folder: &Path, parts: Parts<'_>) -> Result<Self, String> {
-        let Parts { role, description, figures, starts, placed } = parts;
+        let Parts { role, description, figures, starts, placed, end } = parts;
         let mut slave: Box<dyn Slave> = match description.version {
             Version::Two => Box::new(Fmi2::new(folder, description, role)?),
             Version::Three => Box::new(Fmi3::new(folder, description, role)?),
         };
         let told = |fault: Fault| fault.to_string();
         starts.iter().try_for_each(|(of, values)| slave.set(of, values)).map_err(told)?;
-        slave.start().map_err(told)?;
+        if description.start_time != 0.0 {
+            let start = description.start_time;
+            tracing::warn!(
+                "{role}: the FMU proposes to start at {start} s; its time begins at 0 s"
+            );
+        }
+        let experiment = Experiment { stop: end, tolerance: description.tolerance };
+        slave.start(&experiment).map_err(told)?;
         let mut state = description.keeps_states.then_some(Kept(std::ptr::null_mut()));
         state.iter_mut().try_for_each(|state| slave.keep(state)).map_err(told)?;
         let room = |variables: &[Variable]| vec![0.0; variables.iter().map(|one| one.size).sum()];

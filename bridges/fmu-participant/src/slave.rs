@@ -13,6 +13,15 @@ pub struct Fault(pub String);
 #[derive(Debug, PartialEq, Eq)]
 pub struct Kept(pub *mut c_void);
 
+/// Values for the initialisation, each of which may be unknown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Experiment {
+    /// Time beyond which no step leads \[s\].
+    pub stop: Option<f64>,
+    /// Relative tolerance of the solver in the FMU.
+    pub tolerance: Option<f64>,
+}
+
 /// Operations on an instance, in the order of use.
 pub trait Slave {
     /// Sets the values of a variable, in its own unit.
@@ -31,7 +40,7 @@ pub trait Slave {
     ///
     /// # Errors
     /// Fails if the FMU returns an error.
-    fn start(&mut self) -> Result<(), Fault>;
+    fn start(&mut self, experiment: &Experiment) -> Result<(), Fault>;
 
     /// Takes a step from `start` [s] of length `length` [s].
     ///

@@ -9,13 +9,16 @@ use crate::start;
 use crate::wiring::Wiring;
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Refusal};
-use proto::description::{Description, ModelSpec};
+use proto::description::{Description, KeySpec, ModelSpec};
 use proto::field;
 use proto::model::{Setup, Solver};
 use proto::text::one_line;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+/// Key of the end of the run, which an FMU may need before it starts.
+const END: &str = "time.end";
 /// Name of the only model.
 const MODEL: &str = "co-simulation";
 
@@ -96,6 +99,7 @@ impl Solver for FmuSolver {
     fn description(&self) -> Description {
         let Fmu { role, description, wiring, figures, .. } = &*self.fmu;
         let mut keys = start::keys(role, description);
+        keys.push(KeySpec::quantity(END, "s", "end of a transient case").above(0.0));
         if wiring.has_arrays() {
             keys.extend(placed::keys(role));
         }
@@ -123,6 +127,7 @@ impl Solver for FmuSolver {
         let Fmu { role, description, wiring, .. } = &*self.fmu;
         let starts = start::read(role, description, &configuration.case)?;
         let (placed, layout) = placed::place(role, wiring, configuration)?;
+        let end = configuration.case.get(END).and_then(Value::as_f64);
         let folder = self.folder.as_ref().map(|folder| folder.join(format!("fmu-{role}")));
         let fmu = Rc::clone(&self.fmu);
         Ok(Setup::new(layout, move |_| {
@@ -141,7 +146,7 @@ impl Solver for FmuSolver {
             // The FMU receives the path of its resources, which must exist even if it has none.
             std::fs::create_dir_all(folder.join("resources"))
                 .map_err(|error| failed(format!("{}: {error}", folder.display())))?;
-            let parts = Parts { role, description, figures, starts: &starts, placed };
+            let parts = Parts { role, description, figures, starts: &starts, placed, end };
             Ok(Box::new(Running::new(&folder, parts).map_err(failed)?))
         }))
     }

@@ -8,12 +8,14 @@
 //! P <- integral(friction_power)         its integral over the surface
 //! T <- mean(lower_temperature)          its mean over the surface
 //! Q -> load.normal_force [N]            the SI unit, where the FMU does not define its own
+//! "wheel,left" -> wheel_left            name with commas or arrows, in double quotes
 //! ```
 
 use crate::description::ModelDescription;
 use crate::variable::{Causality, Variable};
 use proto::field::{self, Body, FieldKind, FieldSpec, Mapping};
 use proto::grid::check_dotted;
+use proto::text::{masked, unquoted};
 
 /// Maximum number of wires.
 const MOST: usize = 64;
@@ -134,13 +136,15 @@ struct Parsed {
 impl Parsed {
     fn read(wire: &str) -> Result<Self, String> {
         let form = "is not of the form \"variable -> field\" or \"variable <- field\"";
-        let (gives, (names, target)) = match (wire.split_once("->"), wire.split_once("<-")) {
-            (Some(parts), None) => (true, parts),
-            (None, Some(parts)) => (false, parts),
+        let mask = masked(wire);
+        let (gives, at) = match (mask.find("->"), mask.find("<-")) {
+            (Some(at), None) => (true, at),
+            (None, Some(at)) => (false, at),
             _ => return Err(form.to_owned()),
         };
+        let (names, target) = (&wire[..at], &wire[at + 2..]);
         let names: Vec<String> =
-            listed(names).into_iter().map(|name| name.trim().to_owned()).collect();
+            listed(names).into_iter().map(|name| unquoted(name.trim()).into_owned()).collect();
         if names.iter().any(String::is_empty) {
             return Err(form.to_owned());
         }
@@ -163,19 +167,22 @@ impl Parsed {
     }
 }
 
-/// Splits at commas outside of brackets: `a[1,2], b`.
+/// Splits at commas outside of brackets and quotes: `a[1,2], b`.
 fn listed(names: &str) -> Vec<&str> {
-    let mut depth = 0_usize;
-    names
-        .split(|c| {
-            match c {
-                '[' | '(' => depth += 1,
-                ']' | ')' => depth = depth.saturating_sub(1),
-                _ => {}
+    let (mut depth, mut start, mut parts) = (0_usize, 0, Vec::new());
+    for (at, c) in masked(names).char_indices() {
+        match c {
+            '[' | '(' => depth += 1,
+            ']' | ')' => depth = depth.saturating_sub(1),
+            ',' if depth == 0 => {
+                parts.push(&names[start..at]);
+                start = at + 1;
             }
-            c == ',' && depth == 0
-        })
-        .collect()
+            _ => {}
+        }
+    }
+    parts.push(&names[start..]);
+    parts
 }
 
 fn measured(target: &str) -> (Measure, &str) {
@@ -199,7 +206,8 @@ fn found(name: &str, of: &ModelDescription) -> Result<Variable, String> {
             listed += &format!(", and {more} more");
         }
         format!(
-            "names `{name}`, which is not a variable of the FMU; its inputs and outputs are: {listed}"
+            "names `{name}`, which is not a variable of the FMU; its inputs and outputs are: {listed}; \
+             a name with a comma or an arrow stands in double quotes"
         )
     })?;
     match variable.kind.is_real() {
@@ -292,6 +300,8 @@ mod tests {
             variable("Fx", "input", 3),
             variable("Fy", "input", 4),
             variable("k[1,2]", "input", 5),
+            variable("wheel,left", "output", 6),
+            variable("'x -> y'", "output", 7),
         ]
         .concat();
         let text = format!(
@@ -320,6 +330,11 @@ mod tests {
         let [own, traction] = &takes[..] else { panic!("{takes:?}") };
         assert_eq!((own.variables.len(), own.measure), (2, Measure::Values));
         assert_eq!((traction.spec, traction.measure), (field::TRACTION, Measure::Integral));
+        let quoted = read(&["\"wheel,left\", Q -> forces", "\"'x -> y'\" -> way"]).unwrap();
+        let names = quoted.gives.iter().map(|give| {
+            give.variables.iter().map(|variable| variable.name.as_str()).collect::<Vec<_>>()
+        });
+        assert_eq!(names.collect::<Vec<_>>(), [vec!["wheel,left", "Q"], vec!["'x -> y'"]]);
         let several = read(&["Q, R -> forces [kg m/s2]"]).unwrap();
         assert_eq!(
             (several.gives[0].kind.unit.as_str(), several.gives[0].kind.components),
@@ -332,7 +347,7 @@ mod tests {
         let wrong = |wire: &str| read(&[wire]).unwrap_err();
         assert!(wrong("Q = load").contains("is not of the form"));
         assert!(wrong("Q -> x <- y").contains("is not of the form"));
-        assert!(wrong("P -> load").contains("its inputs and outputs are: Q, R, Fx, Fy, k[1,2]"));
+        assert!(wrong("P -> load").contains("its inputs and outputs are: Q, R, Fx, Fy, k[1,2],"));
         assert!(wrong("i -> load").contains("not real numbers"));
         assert!(wrong("Q <- load").contains("not an input"));
         assert!(wrong("Q -> integral(load)").contains("no integral"));

@@ -83,7 +83,7 @@ fn main() -> ExitCode {
             ExitCode::from(proto::participant::main_from(arguments, &solver))
         }
         Err(error) => {
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            let _ = writeln!(std::io::stderr(), "error: {}", proto::text::visible(&error));
             ExitCode::FAILURE
         }
     }

@@ -3,8 +3,10 @@
  * 0 not at all, 1 with an error, 2 with a fatal error, 3 with an output that is no number, 4 by a crash
  */
 #define TOKEN "{trouble}"
-enum { TIME, Y, HOW, AT, COUNT };
-static const double START[COUNT] = {[AT] = 0.25};
+enum { TIME, Y, HOW, AT, STOP, TOLERANCE, COUNT };
+static const double START[COUNT] = {[AT] = 0.25, [STOP] = -1, [TOLERANCE] = -1};
+/* It returns what it is told of the experiment; -1 is nothing. */
+#define EXPERIMENT
 
 #include "../model.h"
 

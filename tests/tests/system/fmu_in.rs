@@ -218,6 +218,33 @@ fn what_goes_wrong_in_an_fmu_is_named() {
     assert_eq!(troubled(0).code, Some(0));
 }
 
+/// The FMU hears end and tolerance before it starts. A start other than 0 is a warning. Whoever
+/// drives a run chooses its end, so that no stop time is known.
+#[test]
+fn an_fmu_hears_of_its_experiment() {
+    let changes = [r#"startTime="0""#, r#"startTime="5" tolerance="1e-5""#];
+    let fmu = Fmu::make("trouble", "clock", &[], &changes);
+    let place = Place::new();
+    let ended = place.run(&fmu.alone(""), &["--set", "time.end=0.5"]);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = place.read_summary();
+    let told = |name: &str| summary["clock"][name].as_f64();
+    assert_eq!((told("stop"), told("tolerance")), (Some(0.5), Some(1e-5)), "{summary}");
+    let log = fs::read_to_string(place.out().join("log.jsonl")).unwrap();
+    assert!(log.contains("proposes to start at 5 s; its time begins at 0 s"), "{log}");
+
+    let place = Place::new();
+    let input = fmu.folder.path().join("lines");
+    fs::write(&input, "{\"do\":\"step\"}\n{\"do\":\"finish\"}\n").unwrap();
+    let out = place.out().display().to_string();
+    let mut drive = place.command(&["drive", &fmu.alone(""), "--out", &out]);
+    drive.stdin(fs::File::open(&input).unwrap());
+    let ended = place.launch(drive).wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let summary = place.read_summary();
+    assert_eq!(summary["clock"]["stop"], -1.0, "{summary}");
+}
+
 /// NaN gives no figure; in a field it is an error.
 #[test]
 fn an_output_that_is_no_number_is_refused() {

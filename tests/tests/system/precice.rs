@@ -283,6 +283,47 @@ fn an_imported_simulation_runs() {
     }
 }
 
+/// Imports a configuration with a replacement in it; returns the ends of import and check.
+fn imported(from: &str, to: &str) -> (Ended, Ended) {
+    let dummy = root().join("bridges/precice/tests/programs/dummy.xml");
+    let text = fs::read_to_string(dummy).unwrap();
+    assert!(text.contains(from), "{from}");
+    let folder = tempfile::tempdir().unwrap();
+    let [configuration, case] =
+        ["dummy.xml", "dummy.toml"].map(|name| folder.path().join(name).display().to_string());
+    fs::write(&configuration, text.replace(from, to)).unwrap();
+    let place = Place::new();
+    let commands = ["--command=One=./one", "--command=Two=./two"];
+    let words = [&["import", &configuration, "--out", &case][..], &commands].concat();
+    (place.start(&words).wait(), place.start(&["check", &case]).wait())
+}
+
+/// The case of an import passes the check, or import names what it refuses and does not succeed.
+#[test]
+fn import_and_check_agree() {
+    for (from, to) in [
+        ("Scalar-One", "Scalar  One -&gt; &quot;Two&quot;"),
+        ("Scalar-One", "friction_power"),
+        ("Scalar-One", "traction"),
+        ("<time-window-size value=\"1\"", "<time-window-size method=\"first-participant\""),
+    ] {
+        let (import, check) = imported(from, to);
+        assert_eq!(import.code, Some(0), "{to}: {}{}", import.stdout, import.stderr);
+        assert_eq!(check.code, Some(0), "{to}: {}", check.stderr);
+    }
+    let reads = "<read-data name=\"Scalar-Two\" mesh=\"One-Mesh\"";
+    let (import, check) = imported(reads, &reads.replace("One-Mesh", "Two-Mesh"));
+    assert_eq!((import.code, check.code), (Some(2), Some(1)), "{}{}", import.stderr, check.stderr);
+    let listed = crate::harness::flat(&import.stdout);
+    assert!(listed.contains("To do before the first run"), "{listed}");
+    assert!(listed.contains("of another participant (direct access), which is not"), "{listed}");
+    assert!(
+        import.stderr.contains("`coordinator check` refuses it for 1 reason"),
+        "{}",
+        import.stderr
+    );
+}
+
 /// Two grids of different size, whose nodes do not match. Linear interpolation of α y² over
 /// elements of 1/8 errs by α/4/8² = 0.012; conduction smooths it.
 #[test]

@@ -121,6 +121,16 @@ pub struct Restart {
 impl Acceleration {
     const OPTIONS: [&'static str; 3] =
         ["always-build-jacobian", "reduced-time-grid", "on-bound-violation"];
+    /// Elements that an acceleration has once.
+    const SINGLE: [&'static str; 7] = [
+        "relaxation",
+        "initial-relaxation",
+        "max-used-iterations",
+        "time-windows-reused",
+        "filter",
+        "preconditioner",
+        "imvj-restart-mode",
+    ];
 
     /// Reads an acceleration; `None` for a method that is unknown.
     pub(crate) fn read(
@@ -132,6 +142,7 @@ impl Acceleration {
             return Ok(None);
         };
         strangers.attributes(element, &Self::OPTIONS);
+        element.at_most_once(&Self::SINGLE)?;
         let options = Self::OPTIONS
             .iter()
             .filter_map(|name| Some(((*name).to_owned(), element.optional(name)?.to_owned())));
@@ -163,8 +174,8 @@ impl Acceleration {
                 self.relaxation = Some(element.positive()?);
                 self.enforce_initial = element.flag("enforce")?;
             }
-            "max-used-iterations" => self.max_used_iterations = Some(element.count()?),
-            "time-windows-reused" => self.time_windows_reused = Some(element.count()?),
+            "max-used-iterations" => self.max_used_iterations = Some(element.count_from(1)?),
+            "time-windows-reused" => self.time_windows_reused = Some(element.count_from(0)?),
             "data" => {
                 strangers.attributes(element, &["name", "mesh", "scaling"]);
                 self.data.push(AcceleratedData {

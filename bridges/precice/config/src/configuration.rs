@@ -1,7 +1,8 @@
 //! The whole configuration: data, meshes, participants, connections and coupling schemes.
 
+use crate::consistency;
 use crate::element::{Element, Strangers};
-use crate::error::ConfigError;
+use crate::error::{ConfigError, beginning, shown};
 use crate::markup;
 use crate::participant::{Constraint, Direction, Mapping, MappingKind, MeshData, Participant};
 use crate::scheme::CouplingScheme;
@@ -108,15 +109,16 @@ impl Configuration {
             let line = usize::try_from(place.row).unwrap_or(1);
             // The column would be that of the text with its prefixes declared.
             let reason = error.to_string().replace(&format!(" at {place}"), "");
+            let reason = beginning(&reason, 200);
             ConfigError::Xml { line, reason }
         })?;
         let root = Element::root(&document);
         if root.name != "precice-configuration" {
-            let found = crate::error::shortened(root.name);
+            let found = shown(root.name);
             return Err(ConfigError::Root { line: root.line, found });
         }
         let configuration = Self::read(&root)?;
-        configuration.check()?;
+        consistency::check(&configuration)?;
         Ok(configuration)
     }
 
@@ -257,132 +259,6 @@ impl Configuration {
             })
         })
     }
-
-    /// Checks that names are unique, and that every name is defined.
-    fn check(&self) -> Result<(), ConfigError> {
-        unique("data", self.data.iter().map(|data| (&data.name, data.line)))?;
-        unique("mesh", self.meshes.iter().map(|mesh| (&mesh.name, mesh.line)))?;
-        unique("participant", self.participants.iter().map(|one| (&one.name, one.line)))?;
-        for mesh in &self.meshes {
-            mesh.data.iter().try_for_each(|data| self.check_data(data, mesh.line))?;
-        }
-        for participant in &self.participants {
-            self.check_participant(participant)?;
-        }
-        for connection in &self.connections {
-            self.check_name(&connection.acceptor, connection.line)?;
-            self.check_name(&connection.connector, connection.line)?;
-        }
-        for scheme in &self.schemes {
-            self.check_scheme(scheme)?;
-        }
-        Ok(())
-    }
-
-    fn check_participant(&self, participant: &Participant) -> Result<(), ConfigError> {
-        for provided in &participant.provides {
-            self.check_mesh(&provided.mesh, provided.line)?;
-        }
-        for received in &participant.receives {
-            self.check_mesh(&received.mesh, received.line)?;
-            self.check_name(&received.from, received.line)?;
-        }
-        let uses = |mesh: &str, line: usize| match participant.uses(mesh) {
-            true => Ok(()),
-            false => Err(ConfigError::MeshOfParticipant {
-                line,
-                participant: participant.name.clone(),
-                mesh: mesh.to_owned(),
-            }),
-        };
-        for used in participant.reads.iter().chain(&participant.writes) {
-            self.check_carried(used)?;
-            uses(&used.mesh, used.line)?;
-        }
-        for mapping in &participant.mappings {
-            for mesh in [&mapping.from, &mapping.to].into_iter().flatten() {
-                self.check_mesh(mesh, mapping.line)?;
-                uses(mesh, mapping.line)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn check_scheme(&self, scheme: &CouplingScheme) -> Result<(), ConfigError> {
-        for participant in &scheme.participants {
-            self.check_name(participant, scheme.line)?;
-        }
-        for exchange in &scheme.exchanges {
-            self.check_carried(&exchange.carried())?;
-            self.check_name(&exchange.from, exchange.line)?;
-            self.check_name(&exchange.to, exchange.line)?;
-        }
-        for measure in &scheme.measures {
-            self.check_carried(&measure.of)?;
-        }
-        let accelerated = scheme.acceleration.iter().flat_map(|acceleration| &acceleration.data);
-        accelerated.into_iter().try_for_each(|accelerated| self.check_carried(&accelerated.of))
-    }
-
-    /// Checks that a mesh and its data are defined.
-    fn check_carried(&self, used: &MeshData) -> Result<(), ConfigError> {
-        self.check_data(&used.data, used.line)?;
-        self.check_mesh(&used.mesh, used.line)?;
-        let carried = self.mesh(&used.mesh).is_some_and(|mesh| mesh.data.contains(&used.data));
-        if carried {
-            return Ok(());
-        }
-        Err(ConfigError::DataOfMesh {
-            line: used.line,
-            mesh: used.mesh.clone(),
-            data: used.data.clone(),
-        })
-    }
-
-    fn check_data(&self, name: &str, line: usize) -> Result<(), ConfigError> {
-        defined("data", name, line, self.data.iter().map(|data| &data.name))
-    }
-
-    fn check_mesh(&self, name: &str, line: usize) -> Result<(), ConfigError> {
-        defined("mesh", name, line, self.meshes.iter().map(|mesh| &mesh.name))
-    }
-
-    fn check_name(&self, name: &str, line: usize) -> Result<(), ConfigError> {
-        defined("participant", name, line, self.participants.iter().map(|one| &one.name))
-    }
-}
-
-/// Checks that a name is defined.
-fn defined<'a>(
-    what: &'static str,
-    name: &str,
-    line: usize,
-    mut known: impl Iterator<Item = &'a String> + Clone,
-) -> Result<(), ConfigError> {
-    let names = known.clone();
-    if known.any(|known| known == name) {
-        return Ok(());
-    }
-    Err(ConfigError::Undefined {
-        line,
-        what,
-        name: name.to_owned(),
-        known: names.cloned().collect(),
-    })
-}
-
-/// Checks that no name is defined twice.
-fn unique<'a>(
-    what: &'static str,
-    names: impl Iterator<Item = (&'a String, usize)>,
-) -> Result<(), ConfigError> {
-    let mut seen = std::collections::BTreeSet::new();
-    for (name, line) in names {
-        if !seen.insert(name) {
-            return Err(ConfigError::Twice { line, what, name: name.clone() });
-        }
-    }
-    Ok(())
 }
 
 impl Data {

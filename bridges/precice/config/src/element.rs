@@ -1,9 +1,12 @@
 //! Elements of the configuration, with their lines and attributes.
 
-use crate::error::{ConfigError, shortened};
+use crate::error::{ConfigError, is_hidden, shown};
 use crate::words::Words;
 use roxmltree::{Document, Node};
 use std::rc::Rc;
+
+/// Longest name \[byte\].
+const LONGEST_NAME: usize = 255;
 
 /// An element or an attribute that was not understood.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,14 +73,34 @@ impl<'a> Element<'a> {
         self.node.attribute(attribute).map(str::trim)
     }
 
-    /// Returns the value of a required attribute.
+    /// Returns the name in a required attribute.
     pub(crate) fn text(&self, attribute: &'static str) -> Result<String, ConfigError> {
         let value = self.optional(attribute).filter(|value| !value.is_empty());
-        value.map(str::to_owned).ok_or_else(|| ConfigError::Attribute {
-            line: self.line,
-            element: self.name.to_owned(),
-            attribute,
-        })
+        let name = self.required(attribute, value)?;
+        if name.len() > LONGEST_NAME || name.contains(is_hidden) {
+            let expected =
+                format!("a name of at most {LONGEST_NAME} bytes without control characters");
+            return Err(self.refused(attribute, expected));
+        }
+        Ok(name.to_owned())
+    }
+
+    /// Checks that elements of these names occur once at most. A name that ends with a colon stands
+    /// for all elements with this prefix.
+    pub(crate) fn at_most_once(&self, names: &[&str]) -> Result<(), ConfigError> {
+        for name in names {
+            let same = |child: &Self| {
+                child.name == *name || (name.ends_with(':') && child.name.starts_with(name))
+            };
+            if let Some(second) = self.children().filter(same).nth(1) {
+                return Err(ConfigError::Repeated {
+                    line: second.line,
+                    element: shown(self.name),
+                    child: shown(second.name),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Reads an attribute by a function.
@@ -150,35 +173,45 @@ impl<'a> Element<'a> {
         attribute: &'static str,
         value: Option<T>,
     ) -> Result<T, ConfigError> {
-        let missing =
-            ConfigError::Attribute { line: self.line, element: self.name.to_owned(), attribute };
-        value.ok_or(missing)
+        value.ok_or_else(|| ConfigError::Attribute {
+            line: self.line,
+            element: shown(self.name),
+            attribute,
+        })
     }
 
     /// Returns the attribute `value`, a number above zero.
     pub(crate) fn positive(&self) -> Result<Setting<f64>, ConfigError> {
-        let value = self.required("value", self.number("value")?)?;
-        match value > 0.0 {
-            true => Ok(Setting { value, line: self.line }),
-            false => Err(self.refused("value", "a number above 0".to_owned())),
+        let value = self.required("value", self.above_zero("value")?)?;
+        Ok(Setting { value, line: self.line })
+    }
+
+    /// Returns a number above zero.
+    pub(crate) fn above_zero(&self, attribute: &'static str) -> Result<Option<f64>, ConfigError> {
+        match self.number(attribute)? {
+            Some(value) if value <= 0.0 => {
+                Err(self.refused(attribute, "a number above 0".to_owned()))
+            }
+            value => Ok(value),
         }
     }
 
-    /// Returns the attribute `value`, a whole number of at least zero.
-    pub(crate) fn count(&self) -> Result<Setting<u64>, ConfigError> {
+    /// Returns the attribute `value`, a whole number of at least `least`.
+    pub(crate) fn count_from(&self, least: u64) -> Result<Setting<u64>, ConfigError> {
         let value = self.required("value", self.integer("value")?)?;
-        let value = u64::try_from(value)
-            .map_err(|_| self.refused("value", "a whole number from 0".to_owned()))?;
+        let value = u64::try_from(value).ok().filter(|value| *value >= least);
+        let value =
+            value.ok_or_else(|| self.refused("value", format!("a whole number from {least}")))?;
         Ok(Setting { value, line: self.line })
     }
 
     /// Returns the error for the value of an attribute.
-    fn refused(&self, attribute: &'static str, expected: String) -> ConfigError {
+    pub(crate) fn refused(&self, attribute: &'static str, expected: String) -> ConfigError {
         ConfigError::Value {
             line: self.line,
-            element: self.name.to_owned(),
+            element: shown(self.name),
             attribute,
-            value: shortened(self.optional(attribute).unwrap_or_default()),
+            value: shown(self.optional(attribute).unwrap_or_default()),
             expected,
         }
     }

@@ -82,6 +82,32 @@ pub enum ConfigError {
         /// Name of the absent element.
         child: &'static str,
     },
+    /// An element occurs twice where one is allowed.
+    #[error("line {line}: <{element}> has a second <{child}>; remove one of them")]
+    Repeated {
+        /// Line of the second one.
+        line: usize,
+        /// Name of the surrounding element.
+        element: String,
+        /// Name of the repeated element.
+        child: String,
+    },
+    /// An element has too many attributes.
+    #[error("line {line}: an element has more than {most} attributes")]
+    Attributes {
+        /// Line of the element.
+        line: usize,
+        /// Largest number.
+        most: usize,
+    },
+    /// A defined name is used where it does not belong.
+    #[error("line {line}: {reason}")]
+    Misplaced {
+        /// Line of the use.
+        line: usize,
+        /// Reason and fix.
+        reason: String,
+    },
     /// A name is defined twice.
     #[error("line {line}: the {what} \"{name}\" is defined a second time; rename one of them")]
     Twice {
@@ -152,11 +178,26 @@ fn list(names: &[String]) -> String {
     }
 }
 
-/// Returns the start of a text for a message.
-pub(crate) fn shortened(text: &str) -> String {
-    const SHOWN: usize = 60;
-    match text.char_indices().nth(SHOWN) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
+/// Returns the start of a name or a value for a message.
+pub(crate) fn shown(text: &str) -> String {
+    beginning(text, 60)
+}
+
+/// Returns the start of a text of the configuration for a message.
+pub(crate) fn beginning(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => visible(&text[..end]) + "…",
+        None => visible(text),
     }
+}
+
+/// Returns whether a character changes a line of a message, or cannot be seen in it.
+pub(crate) fn is_hidden(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+}
+
+/// Returns a text with a question mark for each hidden character.
+pub(crate) fn visible(text: &str) -> String {
+    text.chars().map(|c| if is_hidden(c) { '?' } else { c }).collect()
 }

@@ -14,9 +14,10 @@ mod tables;
 mod time;
 
 use crate::configuration::Configuration;
-use crate::notes::{Note, NoteKind, visible};
-pub use source::ImportOptions;
+use crate::error::visible;
+use crate::notes::{Note, NoteKind};
 use source::Source;
+pub use source::{ImportOptions, Refusal};
 use tables::{Tables, comment, text};
 use thiserror::Error;
 
@@ -76,6 +77,7 @@ pub fn case_of(
     mapping::write(&mut source, &mut tables);
     output::write(&mut source, &mut tables);
     source.remaining();
+    source.refusals();
     let notes = source.notes.into_list();
     Ok(Import { text: format!("{}{}", heading(options, &notes), tables.finish()), notes })
 }

@@ -34,9 +34,11 @@
 //! | [`import`], [`names`], [`notes`] | the case of a configuration; its names; elements without a counterpart |
 //! | [`error`] | errors, with their lines |
 //! | `markup`, `element`, `words` | XML within limits; elements and their attributes |
+//! | `consistency` | checks of the names: unique, defined and in their place |
 
 pub mod acceleration;
 pub mod configuration;
+mod consistency;
 mod element;
 pub mod error;
 pub mod import;
@@ -49,6 +51,6 @@ mod words;
 
 pub use configuration::Configuration;
 pub use error::ConfigError;
-pub use import::{Import, ImportError, ImportOptions, case_of};
+pub use import::{Import, ImportError, ImportOptions, Refusal, case_of};
 pub use markup::LARGEST;
 pub use notes::{Note, NoteKind};

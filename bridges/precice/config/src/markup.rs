@@ -15,6 +15,8 @@ pub const LARGEST: usize = 1 << 20;
 const DEEPEST: usize = 32;
 /// Largest number of prefixes.
 const MOST_PREFIXES: usize = 64;
+/// Largest number of attributes of an element. The XML parser compares each with all others.
+const MOST_ATTRIBUTES: usize = 64;
 
 /// Start and end marks of text that is not an element.
 const SKIPPED: [(&str, &str); 4] =
@@ -39,6 +41,10 @@ pub(crate) fn declared(text: &str) -> Result<String, ConfigError> {
             continue;
         }
         root.get_or_insert((at, tag));
+        // The first name is that of the element.
+        if names(tag).nth(MOST_ATTRIBUTES + 1).is_some() {
+            return Err(ConfigError::Attributes { line: line(at), most: MOST_ATTRIBUTES });
+        }
         prefixes.extend(prefixes_of(tag));
         if prefixes.len() > MOST_PREFIXES {
             return Err(ConfigError::Prefixes { line: line(at), most: MOST_PREFIXES });

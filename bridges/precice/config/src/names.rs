@@ -12,8 +12,8 @@ const PLACEHOLDER: &str = "PROGRAM-OF-";
 /// Longest name of a role or a field.
 const LONGEST: usize = 31;
 
-/// Sections of a case that are no roles.
-const SECTIONS: [&str; 15] = [
+/// Sections of a case and parts of a summary, which are no roles.
+const TAKEN: [&str; 20] = [
     "case",
     "time",
     "coupling",
@@ -29,14 +29,19 @@ const SECTIONS: [&str; 15] = [
     "track",
     "wheelset",
     "surfaces",
+    "coordinator",
+    "wall",
+    "plan",
+    "start",
+    "finish",
 ];
 
 /// Returns the role of a participant by its name: small letters, digits, `_` and `-`.
 #[must_use]
 pub fn role(name: &str) -> String {
     let role = plain(&name.to_lowercase());
-    let section = SECTIONS.contains(&role.as_str());
-    if section { format!("{role}-participant") } else { role }
+    let taken = TAKEN.contains(&role.as_str());
+    if taken { format!("{role}-participant") } else { role }
 }
 
 /// Returns the field of some data by its name, which stays the same if it is valid.
@@ -45,6 +50,17 @@ pub fn field(data: &str) -> String {
     let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
     let valid = (1..=LONGEST).contains(&data.len()) && data.chars().all(allowed);
     if valid { data.to_owned() } else { plain(data) }
+}
+
+/// Returns the name of data as a wire has it: in double quotes if it holds more than letters,
+/// digits, `_`, `-` and `.`. A double quote in it is written twice.
+#[must_use]
+pub fn quoted(data: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.');
+    match data.chars().all(is_plain) {
+        true => data.to_owned(),
+        false => format!("\"{}\"", data.replace('"', "\"\"")),
+    }
 }
 
 /// Returns the word that stands for the unknown program of a participant.
@@ -106,7 +122,8 @@ pub(crate) struct Names {
 }
 
 impl Names {
-    pub(crate) fn new(configuration: &Configuration) -> Self {
+    /// Names roles and fields. A field that would have one of the reserved names gets another one.
+    pub(crate) fn new(configuration: &Configuration, reserved: &[String]) -> Self {
         let mut roles = BTreeMap::new();
         let mut used = Vec::new();
         for participant in &configuration.participants {
@@ -115,7 +132,7 @@ impl Names {
             roles.insert(participant.name.clone(), role);
         }
         let mut fields = BTreeMap::new();
-        let mut used = Vec::new();
+        let mut used = reserved.to_vec();
         for data in &configuration.data {
             let writers: Vec<&String> = configuration
                 .participants
@@ -125,8 +142,9 @@ impl Names {
                 .collect();
             for writer in &writers {
                 // A field has one producer.
+                let short = field(&data.name);
                 let wanted = match writers.as_slice() {
-                    [_] => field(&data.name),
+                    [_] if !reserved.contains(&short) => short,
                     _ => plain(&format!("{}_{}", roles[*writer], data.name)),
                 };
                 let name = unique(wanted, &used);
@@ -184,6 +202,14 @@ mod tests {
         let used = ["a", "a-2", &"x".repeat(31)].map(str::to_owned);
         assert_eq!(unique("a".to_owned(), &used), "a-3");
         assert_eq!(unique("x".repeat(31), &used), format!("{}-2", "x".repeat(29)));
+    }
+
+    #[test]
+    fn names_with_separators_are_quoted() {
+        assert_eq!(quoted("Heat-Flux.x"), "Heat-Flux.x");
+        assert_eq!(quoted("Wärme"), "Wärme");
+        assert_eq!(quoted("Wall Heat"), "\"Wall Heat\"");
+        assert_eq!(quoted("a\"->b"), "\"a\"\"->b\"");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Notes on elements that a case has no counterpart for, or another one.
 
-use crate::error::shortened;
+use crate::error::{shown, visible};
 use std::fmt;
 
 /// Kind of a note, by its urgency.
@@ -37,9 +37,9 @@ impl NoteKind {
 pub struct Note {
     /// Kind.
     pub kind: NoteKind,
-    /// Lines of the elements, ascending.
+    /// Lines of the elements, ascending; empty for a note on the case itself.
     pub lines: Vec<usize>,
-    /// Name of the element, with the attribute if the note is on one.
+    /// Name of the element, with the attribute if the note is on one; or a key of the case.
     pub element: String,
     /// Reason, in one line.
     pub reason: String,
@@ -51,10 +51,11 @@ impl fmt::Display for Note {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lines: Vec<String> = self.lines.iter().map(usize::to_string).collect();
         match lines.as_slice() {
-            [line] => write!(out, "line {line}")?,
-            lines => write!(out, "lines {}", lines.join(", "))?,
+            [] => {}
+            [line] => write!(out, "line {line}, ")?,
+            lines => write!(out, "lines {}, ", lines.join(", "))?,
         }
-        write!(out, ", {}: {}", self.element, self.reason)?;
+        write!(out, "{}: {}", self.element, self.reason)?;
         self.instead.iter().try_for_each(|instead| write!(out, "; {instead}"))
     }
 }
@@ -84,8 +85,30 @@ impl Notes {
         reason: impl AsRef<str>,
         instead: Option<&str>,
     ) {
-        let element = shortened(&visible(element.as_ref()));
-        let (reason, instead) = (visible(reason.as_ref()), instead.map(visible));
+        self.put(kind, Some(line), element.as_ref(), reason.as_ref(), instead);
+    }
+
+    /// Adds a note on the case itself.
+    pub(crate) fn of_case(
+        &mut self,
+        kind: NoteKind,
+        key: &str,
+        reason: &str,
+        instead: Option<&str>,
+    ) {
+        self.put(kind, None, key, reason, instead);
+    }
+
+    fn put(
+        &mut self,
+        kind: NoteKind,
+        line: Option<usize>,
+        element: &str,
+        reason: &str,
+        instead: Option<&str>,
+    ) {
+        let element = shown(element);
+        let (reason, instead) = (visible(reason), instead.map(visible));
         let same = |note: &&mut Note| {
             note.kind == kind
                 && note.element == element
@@ -94,11 +117,14 @@ impl Notes {
         };
         match self.0.iter_mut().find(same) {
             Some(note) => {
-                note.lines.push(line);
+                note.lines.extend(line);
                 note.lines.sort_unstable();
                 note.lines.dedup();
             }
-            None => self.0.push(Note { kind, lines: vec![line], element, reason, instead }),
+            None => {
+                let lines = line.into_iter().collect();
+                self.0.push(Note { kind, lines, element, reason, instead });
+            }
         }
     }
 
@@ -107,13 +133,4 @@ impl Notes {
         self.0.sort_by_key(|note| (note.kind, note.lines.first().copied()));
         self.0
     }
-}
-
-/// Returns a text without characters that would change a line.
-pub(crate) fn visible(text: &str) -> String {
-    let hidden = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
-    };
-    text.chars().map(|c| if hidden(c) { '?' } else { c }).collect()
 }

@@ -335,6 +335,7 @@ impl Mapping {
             .iter()
             .filter_map(|name| Some(((*name).to_owned(), element.optional(name)?.to_owned())))
             .collect();
+        element.at_most_once(&["basis-function:", "executor:"])?;
         let mut basis = None;
         for child in element.children() {
             match child.split() {
@@ -342,8 +343,8 @@ impl Mapping {
                     strangers.attributes(&child, &["support-radius", "shape-parameter"]);
                     basis = Some(BasisFunction {
                         name: name.to_owned(),
-                        support_radius: child.number("support-radius")?,
-                        shape_parameter: child.number("shape-parameter")?,
+                        support_radius: child.above_zero("support-radius")?,
+                        shape_parameter: child.above_zero("shape-parameter")?,
                         line: child.line,
                     });
                 }

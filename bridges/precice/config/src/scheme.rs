@@ -186,10 +186,24 @@ fn limit(element: &Element<'_>) -> Result<Option<Limit>, ConfigError> {
     }))
 }
 
+words! {
+    /// Choice of the length of the windows.
+    WindowMethod {
+        /// By the configuration.
+        Fixed = "fixed",
+        /// By the first participant of a serial scheme.
+        FirstParticipant = "first-participant",
+    }
+}
+
 impl Window {
-    fn read(element: &Element<'_>) -> Result<Setting<Self>, ConfigError> {
+    fn read(element: &Element<'_>, kind: SchemeKind) -> Result<Setting<Self>, ConfigError> {
         let undefined = element.number("value")?.is_none_or(|value| value == -1.0);
-        let first = element.optional("method") == Some("first-participant");
+        let first = element.choice("method")? == Some(WindowMethod::FirstParticipant);
+        if first && !kind.is_serial() {
+            let expected = "fixed, the only choice of a parallel scheme".to_owned();
+            return Err(element.refused("method", expected));
+        }
         let value = match first || undefined {
             true => Self::FirstParticipant,
             false => Self::Fixed(element.positive()?.value),
@@ -199,6 +213,17 @@ impl Window {
 }
 
 impl CouplingScheme {
+    /// Elements that a scheme has once.
+    const SINGLE: [&'static str; 7] = [
+        "participants",
+        "max-time",
+        "max-time-windows",
+        "time-window-size",
+        "min-iterations",
+        "max-iterations",
+        "acceleration:",
+    ];
+
     /// Reads a scheme; `None` for a kind that is unknown.
     pub(crate) fn read(
         element: &Element<'_>,
@@ -209,6 +234,7 @@ impl CouplingScheme {
             return Ok(None);
         };
         strangers.attributes(element, &[]);
+        element.at_most_once(&Self::SINGLE)?;
         let mut window = None;
         let mut scheme = Self {
             kind,
@@ -227,7 +253,7 @@ impl CouplingScheme {
         for child in element.children() {
             if child.name == "time-window-size" {
                 strangers.attributes(&child, &["value", "method"]);
-                window = Some(Window::read(&child)?);
+                window = Some(Window::read(&child, kind)?);
             } else {
                 scheme.add(&child, strangers)?;
             }
@@ -263,9 +289,9 @@ impl CouplingScheme {
                 self.participants.push(name);
             }
             ("", "max-time") => self.max_time = Some(element.positive()?),
-            ("", "max-time-windows") => self.max_time_windows = Some(element.count()?),
-            ("", "min-iterations") => self.min_iterations = Some(element.count()?),
-            ("", "max-iterations") => self.max_iterations = Some(element.count()?),
+            ("", "max-time-windows") => self.max_time_windows = Some(element.count_from(1)?),
+            ("", "min-iterations") => self.min_iterations = Some(element.count_from(1)?),
+            ("", "max-iterations") => self.max_iterations = Some(element.count_from(1)?),
             ("", "exchange") => self.exchanges.push(Exchange::read(element, strangers)?),
             ("acceleration", _) => {
                 self.acceleration = Acceleration::read(element, strangers)?;

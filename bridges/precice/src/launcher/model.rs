@@ -9,7 +9,7 @@
 use super::coupled::CoupledData;
 use super::placement::Placement;
 use super::program::{Program, ProgramError};
-use super::starter::{Started, Starter, check, sizes};
+use super::starter::{SECOND_PARTICIPANT, Started, Starter, check, sizes};
 use crate::protocol::{Answer, Request, Window};
 use proto::binary;
 use proto::field::{FieldSpec, Mapping};
@@ -133,13 +133,24 @@ impl RunningProgram {
             self.iterations.truncate(1);
             self.iterations.push(window);
         }
-        let (values, steps) = match self.program.receive("in this window")? {
-            Request::Advance { values, steps } => (values, steps),
-            _ => return Err(ProgramError::Order("finalises before the simulation ends")),
-        };
-        check(&self.starter.coupled.written, &self.exchange.sizes, &values)?;
+        let computed = self.computed();
+        let (values, steps) = computed.inspect_err(|error| self.program.refuse(error))?;
         self.trial = values;
         Ok(steps)
+    }
+
+    /// Receives the values at the end of the window, and the number of the program's steps.
+    fn computed(&mut self) -> Result<(Vec<Vec<f64>>, u32), ProgramError> {
+        let wrong = match self.program.receive("in this window")? {
+            Request::Advance { values, steps } => {
+                check(&self.starter.coupled.written, &self.exchange.sizes, &values)?;
+                return Ok((values, steps));
+            }
+            Request::Create { .. } => SECOND_PARTICIPANT,
+            Request::Initialise { .. } => "calls initialize a second time",
+            Request::Finalise | Request::Fail { .. } => "finalises before the simulation ends",
+        };
+        Err(ProgramError::Order(wrong))
     }
 
     fn write(&self, values: &[Vec<f64>], outputs: &mut dyn Outputs) {

@@ -1,11 +1,13 @@
 //! The program of a user as a child process, and the connection to the library inside it.
 
+use super::last_words::LastWords;
 use crate::protocol::{self, Answer, Request, SOCKET};
 use std::ffi::{OsStr, OsString};
+use std::fmt;
 use std::io;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 /// Time between two checks whether the program has connected or ended.
@@ -14,6 +16,10 @@ const PAUSE: Duration = Duration::from_millis(2);
 const GRACE: Duration = Duration::from_secs(2);
 /// Time for the end of a program after the simulation, in which it may write results.
 const FAREWELL: Duration = Duration::from_secs(20);
+/// Time for the end of a program that has been told why it is refused.
+const PARTING: Duration = Duration::from_millis(500);
+/// Longest reason of a program that is passed on [character].
+const LONGEST_REASON: usize = 2000;
 /// File names under which programs look for the library.
 const LIBRARY_NAMES: [&str; 2] = ["libprecice.so", "libprecice.so.3"];
 /// Environment variable with the number of threads of OpenMP and of libraries for linear algebra.
@@ -41,12 +47,14 @@ pub enum ProgramError {
         error: io::Error,
     },
     /// The program has ended.
-    #[error("the program has ended ({status}) {when}")]
+    #[error("the program has ended ({status}) {when}{}", words(.last_words))]
     Ended {
         /// Exit status.
         status: String,
         /// Stage of the simulation.
         when: &'static str,
+        /// Last line that it wrote to its standard error.
+        last_words: Option<String>,
     },
     /// The library refused a call of the program.
     #[error("the program made a call that was refused: {0}")]
@@ -60,6 +68,11 @@ pub enum ProgramError {
     /// The program's data do not fit its interface.
     #[error("{0}")]
     Data(String),
+}
+
+/// Returns the last words of a program as the end of a sentence.
+fn words(last_words: &Option<String>) -> String {
+    last_words.as_ref().map(|words| format!(", saying: {words}")).unwrap_or_default()
 }
 
 /// Command line and folder of a program.
@@ -79,6 +92,9 @@ pub struct Program {
     buffer: Vec<u8>,
     /// True if the program waits for an answer.
     waits: bool,
+    /// Time that the program has to end by itself, once the simulation is over.
+    farewell: Duration,
+    last_words: LastWords,
 }
 
 impl Program {
@@ -115,12 +131,21 @@ impl Program {
         command.directory.iter().for_each(|directory| {
             started.current_dir(directory);
         });
+        started.stderr(Stdio::piped());
         let mut child = started.spawn().map_err(|error| ProgramError::Start {
             program: program.to_string_lossy().into_owned(),
             error,
         })?;
-        match accept(&listener, &mut child) {
-            Ok(stream) => Ok(Self { child, stream, buffer: Vec::new(), waits: false }),
+        let last_words = LastWords::of(child.stderr.take());
+        match accept(&listener, &mut child, &last_words) {
+            Ok(stream) => Ok(Self {
+                child,
+                stream,
+                buffer: Vec::new(),
+                waits: false,
+                farewell: Duration::ZERO,
+                last_words,
+            }),
             Err(error) => {
                 end(&mut child, Duration::ZERO);
                 Err(error)
@@ -134,7 +159,9 @@ impl Program {
     /// Fails if the program has ended or reports a refused call.
     pub fn receive(&mut self, when: &'static str) -> Result<Request, ProgramError> {
         match protocol::receive(&mut self.stream, &mut self.buffer) {
-            Ok(Request::Fail { reason }) => Err(ProgramError::Call(reason)),
+            Ok(Request::Fail { reason }) => {
+                Err(ProgramError::Call(reason.chars().take(LONGEST_REASON).collect()))
+            }
             Ok(request) => {
                 self.waits = !matches!(request, Request::Finalise);
                 Ok(request)
@@ -146,7 +173,7 @@ impl Program {
                     || "it has closed its connection".to_owned(),
                     |status| status.to_string(),
                 );
-                Err(ProgramError::Ended { status, when })
+                Err(ProgramError::Ended { status, when, last_words: self.last_words.take() })
             }
         }
     }
@@ -154,6 +181,14 @@ impl Program {
     /// Ends the program at once.
     pub fn kill(mut self) {
         self.waits = false;
+    }
+
+    /// Tells the program why it is refused, if it waits for an answer, and soon ends it.
+    pub fn refuse(&mut self, reason: &dyn fmt::Display) {
+        if self.waits {
+            self.answer(&Answer::Refused(reason.to_string()));
+            self.farewell = PARTING;
+        }
     }
 
     /// Sends an answer. A program that has ended is noticed by the next [`Program::receive`].
@@ -165,24 +200,23 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        let farewell = match std::mem::take(&mut self.waits) {
-            true => {
-                self.answer(&Answer::Ended);
-                FAREWELL
-            }
-            false => Duration::ZERO,
-        };
-        match end(&mut self.child, farewell) {
-            Some(status) if !status.success() && farewell > Duration::ZERO => {
-                tracing::warn!(%status, "the program failed after the end of the simulation");
-            }
-            _ => {}
+        if !std::mem::take(&mut self.waits) {
+            end(&mut self.child, self.farewell);
+            return;
+        }
+        self.answer(&Answer::Ended);
+        if let Some(status) = end(&mut self.child, FAREWELL).filter(|status| !status.success()) {
+            tracing::warn!(%status, "the program failed after the end of the simulation");
         }
     }
 }
 
 /// Waits for the connection of the program.
-fn accept(listener: &UnixListener, child: &mut Child) -> Result<UnixStream, ProgramError> {
+fn accept(
+    listener: &UnixListener,
+    child: &mut Child,
+    last_words: &LastWords,
+) -> Result<UnixStream, ProgramError> {
     loop {
         match listener.accept() {
             Ok((stream, _)) => {
@@ -193,11 +227,14 @@ fn accept(listener: &UnixListener, child: &mut Child) -> Result<UnixStream, Prog
             Err(error) => return Err(error.into()),
         }
         if let Some(status) = child.try_wait()? {
-            let when = match status.code() {
-                Some(_) => "before it created its participant; is it linked with libprecice?",
-                None => "before it created its participant",
+            let last_words = last_words.take();
+            let when = match (status.code(), &last_words) {
+                (Some(_), None) => {
+                    "before it created its participant; is it linked with libprecice?"
+                }
+                _ => "before it created its participant",
             };
-            return Err(ProgramError::Ended { status: status.to_string(), when });
+            return Err(ProgramError::Ended { status: status.to_string(), when, last_words });
         }
         std::thread::sleep(PAUSE);
     }
@@ -242,4 +279,52 @@ fn offer_library(folder: &Path) -> Result<OsString, ProgramError> {
         path.push(earlier);
     }
     Ok(path)
+}
+
+#[cfg(test)]
+impl Program {
+    /// Returns a program that hangs, and the other end of its connection.
+    pub(super) fn hanging() -> (Self, UnixStream) {
+        let child = Command::new("sleep").arg("600").spawn().unwrap();
+        let (stream, other) = UnixStream::pair().unwrap();
+        let (buffer, last_words) = (Vec::new(), LastWords::of(None));
+        let farewell = Duration::ZERO;
+        (Self { child, stream, buffer, waits: false, farewell, last_words }, other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ended(script: &str) -> String {
+        let words = ["sh", "-c", script].map(OsString::from).into();
+        let command = ProgramCommand { words, directory: None };
+        let folder = tempfile::tempdir().unwrap();
+        Program::start(&command, &folder.path().join("run"), 1).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_program_that_ends_early_is_quoted() {
+        let expected = "the program has ended (exit status: 3) before it created its participant, \
+            saying: ModuleNotFoundError: No module named 'precice'";
+        let script =
+            "echo first >&2; echo \"ModuleNotFoundError: No module named 'precice'\" >&2; exit 3";
+        assert_eq!(ended(script), expected);
+        let silent = ended("exit 0");
+        assert!(silent.ends_with("its participant; is it linked with libprecice?"), "{silent}");
+        let killed = ended("kill -9 $$");
+        assert!(killed.ends_with("before it created its participant"), "{killed}");
+    }
+
+    #[test]
+    fn a_long_reason_of_a_program_is_cut() {
+        let (mut program, mut other) = Program::hanging();
+        let request = Request::Fail { reason: "x".repeat(1 << 20) };
+        let sender =
+            std::thread::spawn(move || protocol::send(&mut other, &request, &mut Vec::new()));
+        let error = program.receive("in a test").unwrap_err().to_string();
+        assert!(error.len() < LONGEST_REASON + 100, "{}", error.len());
+        sender.join().unwrap().unwrap();
+    }
 }

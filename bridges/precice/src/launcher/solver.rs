@@ -87,35 +87,13 @@ impl Solver for ProgramSolver {
             let fix = "correct the program or its command; its output is in log.jsonl";
             Refusal::new(&self.key(), error.to_string(), fix)
         };
-        let coupled = &self.starter.coupled;
         let threads = configuration.threads;
-        let Started { program, mut meshes, first } = self.starter.start(threads).map_err(failed)?;
-        let placement = coupled.placement.clone();
-        for point in meshes.iter_mut().flat_map(|mesh| &mut mesh.points) {
-            *point = placement.place(*point);
-        }
-        let mut exchange = Exchange { sizes: sizes(&meshes), ..Exchange::default() };
-        let mut grids = Grids { meshes, made: Vec::new() };
-        let mut layout = Layout::default();
-        for (data, kind) in coupled.read.iter().zip(inputs) {
-            let grid = grids.of(data, kind.mapping).map_err(|reason| self.refusal(&reason))?;
-            layout.inputs.push(FieldOnGrid { field: kind.name.clone(), grid });
-            exchange.read.push((data.clone(), data.spec(&kind)));
-        }
-        for data in &coupled.written {
-            let kind = data.kind();
-            let asked = configuration.outputs.iter().chain(&configuration.observed);
-            if asked.into_iter().any(|name| *name == kind.name) {
-                let grid = grids.of(data, kind.mapping).map_err(|reason| self.refusal(&reason))?;
-                layout.fields.push(FieldOnGrid { field: kind.name.clone(), grid });
-            }
-            exchange.written.push((data.clone(), data.spec(&kind)));
-        }
-        layout.grids = grids.made;
-        if placement.moves() {
-            layout.moving = layout.grids.iter().map(|grid| grid.name.clone()).collect();
-            exchange.moving = Some((placement, layout.grids.clone()));
-        }
+        let Started { mut program, meshes, first } = self.starter.start(threads).map_err(failed)?;
+        let placed = self.place(configuration, inputs, meshes);
+        let (layout, exchange) = placed.map_err(|reason| {
+            program.refuse(&reason);
+            Refusal::new(&self.key(), reason, "correct the mesh of the program")
+        })?;
         let (starter, repeats) = (self.starter.clone(), self.repeats);
         Ok(Setup::new(layout, move |_| {
             let running = (program, first);
@@ -125,8 +103,41 @@ impl Solver for ProgramSolver {
 }
 
 impl ProgramSolver {
-    fn refusal(&self, reason: &str) -> Refusal {
-        Refusal::new(&self.key(), reason, "correct the mesh of the program")
+    /// Returns the grids of the program in the case, and the data on them.
+    fn place(
+        &self,
+        configuration: &Configuration,
+        inputs: Vec<FieldKind>,
+        mut meshes: Vec<Mesh>,
+    ) -> Result<(Layout, Exchange), String> {
+        let coupled = &self.starter.coupled;
+        let placement = coupled.placement.clone();
+        for point in meshes.iter_mut().flat_map(|mesh| &mut mesh.points) {
+            *point = placement.place(*point);
+        }
+        let mut exchange = Exchange { sizes: sizes(&meshes), ..Exchange::default() };
+        let mut grids = Grids { meshes, made: Vec::new() };
+        let mut layout = Layout::default();
+        for (data, kind) in coupled.read.iter().zip(inputs) {
+            let grid = grids.of(data, kind.mapping)?;
+            layout.inputs.push(FieldOnGrid { field: kind.name.clone(), grid });
+            exchange.read.push((data.clone(), data.spec(&kind)));
+        }
+        for data in &coupled.written {
+            let kind = data.kind();
+            let asked = configuration.outputs.iter().chain(&configuration.observed);
+            if asked.into_iter().any(|name| *name == kind.name) {
+                let grid = grids.of(data, kind.mapping)?;
+                layout.fields.push(FieldOnGrid { field: kind.name.clone(), grid });
+            }
+            exchange.written.push((data.clone(), data.spec(&kind)));
+        }
+        layout.grids = grids.made;
+        if placement.moves() {
+            layout.moving = layout.grids.iter().map(|grid| grid.name.clone()).collect();
+            exchange.moving = Some((placement, layout.grids.clone()));
+        }
+        Ok((layout, exchange))
     }
 
     /// Returns the kinds of the fields that the program reads.

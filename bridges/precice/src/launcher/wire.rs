@@ -6,11 +6,13 @@
 //! Heat-Flux <- 0.5 * friction_power             a part of it
 //! Temperature - 293.15 -> lower_temperature     a rise above 293.15
 //! Force -> wall_force [N]                       unit of a field that no table has
+//! "Wall Heat" -> wall_heat                      name with blanks or arrows, in double quotes
 //! ```
 //!
 //! Data without a wire are fields of the same name, with the unit 1.
 
 use proto::grid::check_name;
+use proto::text::{masked, unquoted};
 
 /// A linear relation: the target is `factor` times the source, plus `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +66,10 @@ pub enum WireError {
     #[error("has no arrow; write \"DATA -> FIELD\" or \"DATA <- FIELD\"")]
     Arrow,
     /// A side of the arrow is malformed.
-    #[error("has `{0}`, which is not of the form [NUMBER *] NAME [+ NUMBER | - NUMBER]")]
+    #[error(
+        "has `{0}`, which is not of the form [NUMBER *] NAME [+ NUMBER | - NUMBER]; a name with \
+         blanks stands in double quotes"
+    )]
     Side(String),
     /// The field's name is malformed.
     #[error("names a field: {0}")]
@@ -80,9 +85,16 @@ impl Wire {
     /// # Errors
     /// Fails if the wire is malformed.
     pub fn parse(wire: &str) -> Result<Self, WireError> {
-        let (direction, (data, field)) = match (wire.split_once("->"), wire.split_once("<-")) {
-            (Some(parts), None) => (Direction::Written, parts),
-            (None, Some(parts)) => (Direction::Read, parts),
+        let mask = masked(wire);
+        let arrows = ["->", "<-"].map(|arrow| mask.find(arrow));
+        let single =
+            |at: usize| match mask[at + 2..].contains("->") || mask[at + 2..].contains("<-") {
+                true => Err(WireError::Arrow),
+                false => Ok((&wire[..at], &wire[at + 2..])),
+            };
+        let (direction, (data, field)) = match arrows {
+            [Some(at), None] => (Direction::Written, single(at)?),
+            [None, Some(at)] => (Direction::Read, single(at)?),
             _ => return Err(WireError::Arrow),
         };
         let (field, unit) =
@@ -106,7 +118,8 @@ impl Wire {
         match (direction, &unit) {
             (Direction::Read, Some(_)) => Err(WireError::Unit),
             _ => {
-                Ok(Self { data: data.to_owned(), direction, field: field.to_owned(), scale, unit })
+                let data = unquoted(data).into_owned();
+                Ok(Self { data, direction, field: field.to_owned(), scale, unit })
             }
         }
     }
@@ -119,7 +132,16 @@ fn linear(text: &str) -> Result<(&str, Linear), WireError> {
     let number = |word: &str| {
         word.parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(malformed)
     };
-    let words: Vec<&str> = text.split_whitespace().collect();
+    let mask = masked(text);
+    let mut rest = 0;
+    let words: Vec<&str> = mask
+        .split_whitespace()
+        .map(|word| {
+            let start = rest + mask[rest..].find(word).unwrap_or_default();
+            rest = start + word.len();
+            &text[start..rest]
+        })
+        .collect();
     let (factor, words) = match words[..] {
         [factor, "*", ref rest @ ..] => (number(factor)?, rest),
         ref words => (1.0, words),
@@ -154,6 +176,14 @@ mod tests {
             expected("T", Direction::Written, "lower_temperature", [1.0, -293.15], None)
         );
         assert_eq!(
+            parsed("2 * \"Wall -> \"\"Heat\"\"\" - 1 -> wall_heat"),
+            expected("Wall -> \"Heat\"", Direction::Written, "wall_heat", [2.0, -1.0], None)
+        );
+        assert_eq!(
+            parsed("\"Wall Heat\" <- 2 * heat"),
+            expected("Wall Heat", Direction::Read, "heat", [2.0, 0.0], None)
+        );
+        assert_eq!(
             parsed("1e3 * Force + 1 -> wall_force [N]"),
             expected("Force", Direction::Written, "wall_force", [1e3, 1.0], Some("N"))
         );
@@ -164,6 +194,8 @@ mod tests {
         let fault = |wire: &str| Wire::parse(wire).unwrap_err();
         assert_eq!(fault("T = t"), WireError::Arrow);
         assert_eq!(fault("T -> t <- u"), WireError::Arrow);
+        assert_eq!(fault("T -> t -> u"), WireError::Arrow);
+        assert_eq!(fault("Wall Heat -> t"), WireError::Side("Wall Heat".to_owned()));
         assert_eq!(fault("T -> 2 * t"), WireError::Side("2 * t".to_owned()));
         assert_eq!(fault("inf * T -> t"), WireError::Side("inf * T".to_owned()));
         assert_eq!(fault("T <- t [K]"), WireError::Unit);

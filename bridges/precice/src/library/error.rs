@@ -83,6 +83,17 @@ pub enum CallError {
         /// Number of vertices.
         count: usize,
     },
+    /// The vertices of a quadrilateral form none that is convex.
+    #[error(
+        "the vertices {}, {}, {}, {} of mesh `{mesh}` form no convex quadrilateral; pass two \
+         triangles", .vertices[0], .vertices[1], .vertices[2], .vertices[3]
+    )]
+    NotConvex {
+        /// Name of the mesh.
+        mesh: String,
+        /// Numbers of the vertices.
+        vertices: [u32; 4],
+    },
     /// The number of values does not match.
     #[error("{found} {what} instead of {expected}")]
     Count {

@@ -60,21 +60,37 @@ impl OwnMesh {
         Ok(())
     }
 
-    /// Adds quadrilaterals, given by four vertices each, as two triangles along the shorter
-    /// diagonal.
+    /// Adds quadrilaterals, given by four vertices each in any order, as two triangles along the
+    /// shorter diagonal.
     pub(super) fn add_quads(&mut self, ids: &[i32]) -> Result<(), CallError> {
-        let points = &self.mesh.points;
-        let distance_2 = |[a, b]: [u32; 2]| {
-            let (a, b) = (points[a as usize], points[b as usize]);
-            (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>()
-        };
-        let halves = |[a, b, c, d]: [u32; 4]| match distance_2([a, c]) <= distance_2([b, d]) {
-            true => [[a, b, c], [a, c, d]],
-            false => [[a, b, d], [b, c, d]],
-        };
-        let triangles: Vec<_> = self.groups(ids)?.into_iter().flat_map(halves).collect();
-        self.mesh.triangles.extend(triangles);
+        let halves = |quad| self.halves(quad);
+        let triangles: Vec<[[u32; 3]; 2]> =
+            self.groups(ids)?.into_iter().map(halves).collect::<Result<_, _>>()?;
+        self.mesh.triangles.extend(triangles.as_flattened());
         Ok(())
+    }
+
+    /// Cuts a quadrilateral along the shorter diagonal. The diagonals of a convex quadrilateral are
+    /// together longer than each pair of opposite sides.
+    fn halves(&self, [a, b, c, d]: [u32; 4]) -> Result<[[u32; 3]; 2], CallError> {
+        let at = |vertex: u32| self.mesh.points[vertex as usize];
+        let edge = |[p, q]: [u32; 2]| difference(at(q), at(p));
+        let length = |pair| dot(edge(pair), edge(pair)).sqrt();
+        let pairs = [[[a, c], [b, d]], [[a, b], [c, d]], [[a, d], [b, c]]];
+        let lengths = pairs.map(|[one, other]| length(one) + length(other));
+        let longest = (1..3).fold(0, |best, k| if lengths[k] > lengths[best] { k } else { best });
+        let [one, other] = pairs[longest];
+        let crosses = |[p, q]: [u32; 2], [r, s]: [u32; 2]| {
+            let sides = [r, s].map(|end| cross(edge([p, q]), edge([p, end])));
+            dot(sides[0], sides[1]) <= 0.0
+        };
+        if !(crosses(one, other) && crosses(other, one)) {
+            let mesh = self.info.name.clone();
+            return Err(CallError::NotConvex { mesh, vertices: [a, b, c, d] });
+        }
+        let [[p, q], [r, s]] =
+            if length(one) <= length(other) { [one, other] } else { [other, one] };
+        Ok([[p, q, r], [p, q, s]])
     }
 
     /// Checks tetrahedra, which no mapping of surfaces uses.
@@ -97,6 +113,18 @@ impl OwnMesh {
             .filter(|&index| index < count)
             .ok_or_else(|| CallError::UnknownVertex { mesh: self.info.name.clone(), id, count })
     }
+}
+
+fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| a[k] * b[k]).sum()
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]
@@ -122,7 +150,40 @@ mod tests {
     fn a_quadrilateral_is_cut_along_its_shorter_diagonal() {
         let mut mesh = square();
         mesh.add_quads(&[0, 1, 2, 3]).unwrap();
-        assert_eq!(mesh.mesh.triangles, [[0, 1, 3], [1, 2, 3]]);
+        assert_eq!(mesh.mesh.triangles, [[1, 3, 0], [1, 3, 2]]);
+    }
+
+    /// Whatever the order of the vertices, the triangles cover the quadrilateral: its area is that
+    /// of its coordinates, 2.5, and both triangles share the shorter diagonal.
+    #[test]
+    fn the_order_of_the_vertices_of_a_quadrilateral_does_not_matter() {
+        let mut orders = Vec::new();
+        for n in 0..256_i32 {
+            let order = [n & 3, (n >> 2) & 3, (n >> 4) & 3, n >> 6];
+            let all = (0..4).all(|vertex| order.contains(&vertex));
+            orders.extend(all.then_some(order));
+        }
+        assert_eq!(orders.len(), 24);
+        for order in orders {
+            let mut mesh = square();
+            mesh.add_quads(&order).unwrap();
+            let Mesh { points, triangles, .. } = &mesh.mesh;
+            let area = |[a, b, c]: &[u32; 3]| {
+                let at = |vertex: &u32| points[*vertex as usize];
+                let normal = cross(difference(at(b), at(a)), difference(at(c), at(a)));
+                dot(normal, normal).sqrt() / 2.0
+            };
+            assert_eq!(triangles.iter().map(area).sum::<f64>(), 2.5, "{order:?}: {triangles:?}");
+            assert!(triangles.iter().all(|one| one.contains(&1) && one.contains(&3)), "{order:?}");
+        }
+    }
+
+    #[test]
+    fn a_quadrilateral_that_is_not_convex_is_refused() {
+        let mut mesh = square();
+        mesh.add_vertices(&[1.0, 0.3]).unwrap();
+        let error = mesh.add_quads(&[0, 1, 3, 4]).unwrap_err().to_string();
+        assert!(error.contains("vertices 0, 1, 3, 4 of mesh `Wall`"), "{error}");
     }
 
     #[test]

@@ -410,7 +410,8 @@ impl Participant {
     }
 
     /// Reads values at vertices at a time after the program's last step [s]. Within the window they
-    /// are linear in time if the coupling interpolates, and constant otherwise.
+    /// are linear in time if the coupling interpolates, and constant otherwise. After the end the
+    /// time can only be 0: the values are those at the end of the last window.
     ///
     /// # Errors
     /// Fails for unknown data or vertices, a time outside of the window, or outside of the
@@ -424,12 +425,7 @@ impl Participant {
         values: &mut [f64],
     ) -> Result<(), CallError> {
         let at = self.find(mesh, data, "read")?;
-        let progress = self.coupling()?;
-        let most = progress.rest();
-        if !(time >= 0.0 && time <= most + ROUNDING * progress.length) {
-            return Err(CallError::Time { time, most });
-        }
-        let share = (progress.done + time) / progress.length;
+        let share = self.share(time)?;
         let Samples { start, end } = &self.read[at];
         let mesh = &self.meshes[self.interface.read[at].mesh];
         let (points, components) = (mesh.size(), self.interface.read[at].components);
@@ -444,6 +440,19 @@ impl Participant {
             }
         }
         Ok(())
+    }
+
+    /// Returns the share of the window that has passed at a time after the last step.
+    fn share(&mut self, time: f64) -> Result<f64, CallError> {
+        if self.stage == Stage::Ended && time == 0.0 {
+            return Ok(1.0);
+        }
+        let progress = self.coupling()?;
+        let most = progress.rest();
+        match time >= 0.0 && time <= most + ROUNDING * progress.length {
+            true => Ok((progress.done + time) / progress.length),
+            false => Err(CallError::Time { time, most }),
+        }
     }
 
     fn mesh(&self, name: &str) -> Result<usize, CallError> {
@@ -607,7 +616,12 @@ mod tests {
 
         assert!(!program.is_coupling_ongoing() && program.is_time_window_complete());
         assert_eq!(program.max_time_step_size(), 0.0);
+        // The values at the end of the last window.
+        assert_eq!(read(&mut program, 0.0), [1.0, 3.0, 2.0, 4.0]);
+        let late = program.read("Wall", "Force", &IDS, 0.1, &mut [0.0; 4]).unwrap_err();
+        assert!(late.to_string().contains("after the coupling has ended"), "{late}");
         program.finalize().unwrap();
+        assert!(program.read("Wall", "Force", &IDS, 0.0, &mut [0.0; 4]).is_err());
         drop(program);
         let requests = launcher.join().unwrap();
         let Request::Initialise { meshes, values } = &requests[1] else { panic!("{requests:?}") };

@@ -45,10 +45,11 @@ pub(super) fn write(source: &mut Source<'_>, tables: &mut Tables) {
     tables.key("acceleration", text(word));
     relaxation(acceleration, &defaults, tables, &mut source.notes);
     if let Some((columns, windows)) = defaults.columns {
-        let most = |value: u64| value.clamp(1, 1000);
-        bounded("max_columns", acceleration.max_used_iterations, columns, most, tables);
-        let most = |value: u64| value.min(1_000_000);
-        bounded("reuse_windows", acceleration.time_windows_reused, windows, most, tables);
+        let (used, reused) = (acceleration.max_used_iterations, acceleration.time_windows_reused);
+        let most = Count { key: "max_columns", element: "max-used-iterations", most: 1000 };
+        most.write(used, columns, tables, &mut source.notes);
+        let most = Count { key: "reuse_windows", element: "time-windows-reused", most: 1_000_000 };
+        most.write(reused, windows, tables, &mut source.notes);
         filter(acceleration, tables, &mut source.notes);
         if let Some(preconditioner) = &acceleration.preconditioner {
             weights(preconditioner, tables, &mut source.notes);
@@ -84,17 +85,33 @@ fn relaxation(
     }
 }
 
-/// Writes a count within the limits of its key.
-fn bounded(
-    key: &str,
-    given: Option<Setting<u64>>,
-    default: u64,
-    limited: impl Fn(u64) -> u64,
-    tables: &mut Tables,
-) {
-    match given {
-        Some(given) => tables.key(key, limited(given.value).to_string()),
-        None => tables.explained(key, default.to_string(), DEFAULT),
+/// A count of the configuration, and the largest value of its key.
+struct Count {
+    key: &'static str,
+    element: &'static str,
+    most: u64,
+}
+
+impl Count {
+    fn write(
+        &self,
+        given: Option<Setting<u64>>,
+        default: u64,
+        tables: &mut Tables,
+        notes: &mut Notes,
+    ) {
+        let Some(given) = given else {
+            return tables.explained(self.key, default.to_string(), DEFAULT);
+        };
+        tables.key(self.key, given.value.min(self.most).to_string());
+        if given.value > self.most {
+            notes.add(
+                NoteKind::Changed,
+                given.line,
+                self.element,
+                format!("at most {}", self.most),
+            );
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::acceleration;
 use super::source::Source;
 use super::tables::{Tables, number, text};
 use crate::notes::NoteKind;
-use crate::scheme::{ConvergenceMeasure, CouplingScheme, Limit, SchemeKind};
+use crate::scheme::{ConvergenceMeasure, CouplingScheme, Exchange, Limit, SchemeKind};
 use std::collections::BTreeMap;
 
 /// Writes the table, and those of single fields.
@@ -34,7 +34,10 @@ fn others(source: &mut Source<'_>) {
     for other in source.configuration.schemes.iter().filter(|other| *other != leading) {
         let element = format!("coupling-scheme:{}", other.kind.word());
         if other.kind != leading.kind {
-            let reason = format!("a case has one scheme, here {}", leading.kind.word());
+            let mut reason = format!("a case has one scheme, here {}", leading.kind.word());
+            if leading.kind.is_implicit() && !other.kind.is_implicit() {
+                reason += ": these participants repeat windows, too, and need checkpoints";
+            }
             source.notes.add(NoteKind::Missing, other.line, &element, reason);
         }
         if other.acceleration != leading.acceleration && other.acceleration.is_some() {
@@ -46,6 +49,13 @@ fn others(source: &mut Source<'_>) {
         let reason = "the coordinator controls the iteration";
         let element = "participant, control";
         source.notes.add(NoteKind::Unneeded, leading.line, element, reason);
+    }
+    let unsent: Vec<&Exchange> =
+        source.exchanges().filter(|exchange| source.field(exchange).is_none()).collect();
+    for exchange in unsent {
+        let Exchange { data, from, line, .. } = exchange;
+        let reason = format!("{from} does not write `{data}`, so that nothing is sent");
+        source.notes.add(NoteKind::Missing, *line, "exchange", reason);
     }
     for exchange in source.exchanges().filter(|exchange| exchange.substeps == Some(true)) {
         let reason = "the values at both ends of a window are exchanged, those within are not";
@@ -85,9 +95,16 @@ fn interpolation(source: &mut Source<'_>, tables: &mut Tables) {
 fn iterations(source: &mut Source<'_>, tables: &mut Tables) {
     const MOST: u64 = 1_000_000;
     let scheme = source.leading;
-    let most = scheme.max_iterations.map(|most| most.value.clamp(1, MOST));
+    let counts =
+        [("min-iterations", scheme.min_iterations), ("max-iterations", scheme.max_iterations)];
+    for (element, count) in counts {
+        if let Some(count) = count.filter(|count| count.value > MOST) {
+            source.notes.add(NoteKind::Changed, count.line, element, format!("at most {MOST}"));
+        }
+    }
+    let most = scheme.max_iterations.map(|most| most.value.min(MOST));
     if let Some(least) = scheme.min_iterations {
-        tables.key("min_iterations", least.value.clamp(1, most.unwrap_or(MOST)).to_string());
+        tables.key("min_iterations", least.value.min(MOST).to_string());
     }
     match most {
         Some(most) => tables.key("max_iterations", most.to_string()),
@@ -137,8 +154,15 @@ impl Tolerances {
         let coupled = coupled(source);
         for scheme in source.configuration.schemes.iter().filter(|one| one.kind.is_implicit()) {
             for measure in &scheme.measures {
-                let Some(field) = measured(source, scheme, measure) else { continue };
-                add(source, measure, fields.entry(field).or_default());
+                match measured(source, scheme, measure) {
+                    Some(field) => add(source, measure, fields.entry(field).or_default()),
+                    None => {
+                        let reason =
+                            format!("nobody writes `{}`; the measure is left out", measure.of.data);
+                        let element = "convergence-measure";
+                        source.notes.add(NoteKind::Missing, measure.of.line, element, reason);
+                    }
+                }
             }
         }
         let limit = |of: &dyn Fn(&String) -> bool| {

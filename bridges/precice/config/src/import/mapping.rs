@@ -37,14 +37,23 @@ impl Method {
 /// Writes the table.
 pub(super) fn write(source: &mut Source<'_>, tables: &mut Tables) {
     let mut choices: Vec<Choice> = Vec::new();
+    let mut used: Vec<&Mapping> = Vec::new();
     for data in &source.configuration.data {
         for mapping in source.configuration.mappings_of(&data.name) {
-            choose(source, &data.name, mapping, &mut choices);
+            if choose(source, &data.name, mapping, &mut choices) {
+                used.push(mapping);
+            }
         }
     }
     let participants = &source.configuration.participants;
     for mapping in participants.iter().flat_map(|participant| &participant.mappings) {
         note(mapping, &mut source.notes);
+        let is_used = used.iter().any(|one| std::ptr::eq(*one, mapping));
+        if !is_used && word(mapping.kind).is_some() {
+            let element = format!("mapping:{}", mapping.kind.word());
+            let reason = "moves no data that are exchanged, and is left out";
+            source.notes.add(NoteKind::Missing, mapping.line, element, reason);
+        }
     }
     let Some(first) = choices.first() else { return };
     if choices.iter().all(|choice| choice.method == first.method) {
@@ -57,15 +66,21 @@ pub(super) fn write(source: &mut Source<'_>, tables: &mut Tables) {
     }
 }
 
-/// Adds the method of a mapping for the fields that it moves.
-fn choose(source: &mut Source<'_>, data: &str, mapping: &Mapping, choices: &mut Vec<Choice>) {
-    let Some(word) = word(mapping.kind) else { return };
+/// Adds the method of a mapping for the fields that it moves; returns whether there are any.
+fn choose(
+    source: &mut Source<'_>,
+    data: &str,
+    mapping: &Mapping,
+    choices: &mut Vec<Choice>,
+) -> bool {
+    let Some(word) = word(mapping.kind) else { return false };
     let method = Method { word, basis: basis(mapping) };
     let exchanged = source.exchanges().filter(|exchange| exchange.data == data);
     let on = |mesh: &str| [&mapping.from, &mapping.to].into_iter().flatten().any(|m| m == mesh);
     let moved = exchanged.filter(|exchange| on(&exchange.mesh));
     let fields: Vec<String> =
         moved.filter_map(|exchange| source.field(exchange).map(str::to_owned)).collect();
+    let moves = !fields.is_empty();
     for field in fields {
         match choices.iter().find(|choice| choice.field == field) {
             None => choices.push(Choice { field, method }),
@@ -82,6 +97,7 @@ fn choose(source: &mut Source<'_>, data: &str, mapping: &Mapping, choices: &mut 
             }
         }
     }
+    moves
 }
 
 /// Returns the radial basis function of a mapping, as a case has it.

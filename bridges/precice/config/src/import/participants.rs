@@ -45,7 +45,10 @@ fn command(source: &mut Source<'_>, participant: &Participant, role: &str) -> Ve
         None => {
             let word = names::placeholder(name);
             let reason = format!("the configuration does not name the program of {name}");
-            let instead = format!("write it in place of \"{word}\" in [{role}]");
+            let instead = format!(
+                "write it in place of \"{word}\" in [{role}], or import with --command; the folder \
+                 in which it runs is an option of precice-participant, --directory"
+            );
             let element = "participant";
             let instead = Some(instead.as_str());
             source.notes.advise(NoteKind::Todo, participant.line, element, reason, instead);
@@ -59,9 +62,17 @@ fn command(source: &mut Source<'_>, participant: &Participant, role: &str) -> Ve
 fn wires(source: &mut Source<'_>, participant: &Participant) -> Vec<String> {
     let mut wires = Vec::new();
     for data in distinct(source, &participant.writes, "write-data") {
-        let field = source.names.field(data, &participant.name);
-        wires
-            .extend(field.filter(|field| *field != data).map(|field| format!("{data} -> {field}")));
+        let Some(field) = source.names.field(data, &participant.name) else { continue };
+        if field != data {
+            wires.push(format!("{} -> {field}", names::quoted(data)));
+        }
+        if source.options.reserved.iter().any(|reserved| *reserved == names::field(data)) {
+            let line = participant.writes.iter().find(|one| one.data == data).map_or(0, |w| w.line);
+            let reason = format!("`{data}` becomes `{field}`: a case has a field of this name");
+            let instead =
+                format!("wire it to {} if it is that field, in its unit", names::field(data));
+            source.notes.advise(NoteKind::Changed, line, "write-data", reason, Some(&instead));
+        }
     }
     for data in distinct(source, &participant.reads, "read-data") {
         let line = participant.reads.iter().find(|read| read.data == data).map_or(0, |r| r.line);
@@ -86,7 +97,7 @@ fn wires(source: &mut Source<'_>, participant: &Participant) -> Vec<String> {
             continue;
         };
         if field != data {
-            wires.push(format!("{data} <- {field}"));
+            wires.push(format!("{} <- {field}", names::quoted(data)));
         }
     }
     wires
@@ -99,7 +110,7 @@ fn distinct<'b>(source: &mut Source<'_>, used: &'b [MeshData], element: &str) ->
         if names.contains(&one.data.as_str()) {
             let reason = format!("`{}` is used on several meshes, and a field has one", one.data);
             let instead = Some("give the data of each mesh a name of their own");
-            source.notes.advise(NoteKind::Missing, one.line, element, reason, instead);
+            source.notes.advise(NoteKind::Todo, one.line, element, reason, instead);
         } else {
             names.push(&one.data);
         }
@@ -115,7 +126,7 @@ fn meshes(source: &mut Source<'_>, participant: &Participant) {
         for one in used.iter().filter(|one| !participant.provides(&one.mesh)) {
             let reason = format!("{} is a mesh of another participant (direct access)", one.mesh);
             let instead = Some("use a mesh of its own, with a mapping");
-            notes.advise(NoteKind::Missing, one.line, element, reason, instead);
+            notes.advise(NoteKind::Todo, one.line, element, reason, instead);
         }
     }
     for received in participant.receives.iter().filter(|received| received.safety_factor != 0.5) {

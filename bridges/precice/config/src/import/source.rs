@@ -17,6 +17,21 @@ pub struct ImportOptions {
     pub commands: BTreeMap<String, Vec<String>>,
     /// Folders in which the programs run, by the names of their participants.
     pub directories: BTreeMap<String, String>,
+    /// Names of fields that have a meaning of their own, which data of the configuration lack.
+    pub reserved: Vec<String>,
+    /// Reasons for which a check refuses the case; they become notes.
+    pub refusals: Vec<Refusal>,
+}
+
+/// Reason for which a check refuses the case.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Refusal {
+    /// Key of the case; empty for the case as a whole.
+    pub key: String,
+    /// Reason.
+    pub reason: String,
+    /// Advice; may be empty.
+    pub fix: String,
 }
 
 /// Everything from which the tables of the case are written.
@@ -42,7 +57,7 @@ impl<'a> Source<'a> {
             configuration,
             leading,
             options,
-            names: Names::new(configuration),
+            names: Names::new(configuration, &options.reserved),
             order: order(configuration, leading),
             notes: Notes::default(),
         })
@@ -61,6 +76,15 @@ impl<'a> Source<'a> {
     /// Returns the place of a participant in the order of the case.
     pub(super) fn place(&self, participant: &str) -> usize {
         self.order.iter().position(|name| *name == participant).unwrap_or(self.order.len())
+    }
+
+    /// Notes the reasons for which a check refuses the case.
+    pub(super) fn refusals(&mut self) {
+        for Refusal { key, reason, fix } in &self.options.refusals {
+            let element = if key.is_empty() { "coordinator check" } else { key };
+            let fix = Some(fix.as_str()).filter(|fix| !fix.is_empty());
+            self.notes.of_case(NoteKind::Todo, element, reason, fix);
+        }
     }
 
     /// Notes elements that no table of the case is concerned with.

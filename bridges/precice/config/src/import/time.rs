@@ -15,7 +15,7 @@ pub(super) fn write(source: &mut Source<'_>, tables: &mut Tables) {
     tables.key("mode", text("transient"));
     match scheme.window.value {
         Window::Fixed(window) => fixed(source, window, tables),
-        Window::FirstParticipant => adaptive(source, tables),
+        Window::FirstParticipant => of_first_participant(source, tables),
     }
     for other in source.configuration.schemes.iter().filter(|other| *other != scheme) {
         if (other.window.value, end(other)) != (scheme.window.value, end(scheme)) {
@@ -44,21 +44,32 @@ fn fixed(source: &mut Source<'_>, window: f64, tables: &mut Tables) {
     }
 }
 
-/// Writes windows whose length the first participant chooses in the configuration.
-fn adaptive(source: &mut Source<'_>, tables: &mut Tables) {
+/// Writes windows whose length the first participant chooses in the configuration. An explicit
+/// scheme cannot repeat a window, so that its windows are fixed.
+fn of_first_participant(source: &mut Source<'_>, tables: &mut Tables) {
     let scheme = source.leading;
     let line = scheme.window.line;
+    let is_adaptive = scheme.kind.is_implicit();
     let end = scheme.max_time.map(|end| end.value);
-    let reason = "the coordinator chooses the windows by the error, not the first participant";
-    let instead = Some("set time.window, time.window_min and time.window_max");
-    source.notes.advise(NoteKind::Changed, line, "time-window-size", reason, instead);
+    let element = "time-window-size";
+    if is_adaptive {
+        let reason = "the coordinator chooses the windows by the error, not the first participant";
+        let instead = Some("set time.window, time.window_min and time.window_max");
+        source.notes.advise(NoteKind::Changed, line, element, reason, instead);
+    } else {
+        let reason = "the windows are fixed, and their length is a guess";
+        let instead = Some("set time.window to the time step of the first participant");
+        source.notes.advise(NoteKind::Todo, line, element, reason, instead);
+    }
     let end = end.unwrap_or_else(|| {
         let reason = "a number of windows of unknown length gives no end";
         let instead = Some("set time.end");
         source.notes.advise(NoteKind::Todo, line, "max-time-windows", reason, instead);
         1.0
     });
-    tables.key("control", text("adaptive"));
+    if is_adaptive {
+        tables.key("control", text("adaptive"));
+    }
     tables.explained("window", number(rounded(end / WINDOWS)), "a guess; see the notes");
     tables.key("end", number(end));
 }

@@ -1,7 +1,9 @@
 //! Cases of configurations: keys, names, and notes on everything else.
 
 use crate::texts::{FULL, SMALL, line, with};
-use precice_config::{Configuration, Import, ImportError, ImportOptions, NoteKind, case_of, names};
+use precice_config::{
+    Configuration, Import, ImportError, ImportOptions, NoteKind, Refusal, case_of, names,
+};
 use std::collections::BTreeMap;
 use toml::{Table, Value};
 
@@ -118,13 +120,23 @@ fn the_earlier_end_holds() {
 
 #[test]
 fn windows_of_the_first_participant_become_adaptive() {
-    let first = with(SMALL, "value=\"0.5\"", "method=\"first-participant\"");
-    check(
-        &first,
-        &[("time.control", some("adaptive")), ("time.window", some(0.02)), ("time.end", some(2))],
-    );
-    let import = import(&first);
-    assert_eq!(import.notes[0].lines, [line(SMALL, "<time-window-size")]);
+    let first = |text: &str| with(text, "value=\"0.5\"", "method=\"first-participant\"");
+    let adaptive = first(&implicit("serial-implicit", MEASURES));
+    let windows = [("time.window", some(0.02)), ("time.end", some(2))];
+    check(&adaptive, &[&windows[..], &[("time.control", some("adaptive"))]].concat());
+    let of_windows = |text: &str| {
+        let mut notes = import(text).notes.into_iter();
+        let note = notes.find(|note| note.element == "time-window-size").unwrap();
+        assert_eq!(note.lines, [line(SMALL, "<time-window-size")]);
+        note
+    };
+    assert_eq!(of_windows(&adaptive).kind, NoteKind::Changed);
+    // An explicit scheme cannot repeat a window, which adaptive windows may need.
+    let fixed = first(SMALL);
+    check(&fixed, &[&windows[..], &[("time.control", None)]].concat());
+    let note = of_windows(&fixed);
+    assert_eq!(note.kind, NoteKind::Todo);
+    assert!(note.to_string().contains("set time.window to the time step of"), "{note}");
 }
 
 #[test]
@@ -321,8 +333,8 @@ fn differences_of_radial_basis_functions_have_notes() {
 fn invalid_names_of_data_are_wired() {
     let named = with(SMALL, "\"Force\"", "\"Normal Force [N]\"");
     let text = import(&named).text;
-    assert!(text.contains("\"--wire\", \"Normal Force [N] -> Normal_Force_N\""), "{text}");
-    assert!(text.contains("\"--wire\", \"Normal Force [N] <- Normal_Force_N\""), "{text}");
+    let wire = |arrow: &str| format!(r#""--wire", "\"Normal Force [N]\" {arrow} Normal_Force_N""#);
+    assert!(text.contains(&wire("->")) && text.contains(&wire("<-")), "{text}");
     assert!(!text.contains("Way"), "{text}");
 }
 
@@ -344,6 +356,81 @@ fn data_of_two_writers_become_two_fields() {
         "\"--wire\", \"Force <- left_Force\",",
     ];
     assert_eq!(wires, expected, "{text}");
+}
+
+/// A field of the table has a unit and a meaning, which data of the same name need not have.
+#[test]
+fn data_do_not_become_fields_of_the_table_by_their_names() {
+    let configuration = Configuration::parse(&with(SMALL, "\"Force\"", "\"traction\"")).unwrap();
+    let mut options = options();
+    options.reserved = vec!["traction".to_owned(), "Way".to_owned(), "left_traction".to_owned()];
+    let import = case_of(&configuration, &options).unwrap();
+    let wires: Vec<&str> =
+        import.text.lines().filter(|line| line.contains("--wire")).map(str::trim).collect();
+    let expected = [
+        "\"--wire\", \"traction -> left_traction-2\",",
+        "\"--wire\", \"Way <- right_Way\",",
+        "\"--wire\", \"Way -> right_Way\",",
+        "\"--wire\", \"traction <- left_traction-2\",",
+    ];
+    assert_eq!(wires, expected, "{}", import.text);
+    let told: Vec<String> = import.notes.iter().map(ToString::to_string).collect();
+    assert!(told[0].contains("`traction` becomes `left_traction-2`"), "{told:?}");
+    assert!(told[1].contains("wire it to Way if it is that field"), "{told:?}");
+}
+
+#[test]
+fn refusals_of_a_check_are_to_do() {
+    let configuration = Configuration::parse(SMALL).unwrap();
+    let mut options = options();
+    options.refusals = vec![
+        Refusal {
+            key: "left.command".to_owned(),
+            reason: "there is no\nprogram".to_owned(),
+            fix: "install it".to_owned(),
+        },
+        Refusal { reason: "it fails".to_owned(), ..Refusal::default() },
+    ];
+    let import = case_of(&configuration, &options).unwrap();
+    let told: Vec<String> = import.notes.iter().map(ToString::to_string).collect();
+    let expected = ["left.command: there is no?program; install it", "coordinator check: it fails"];
+    assert_eq!(told, expected);
+    assert!(import.text.contains("# To do before the first run:\n# - left.command"));
+}
+
+/// Parts that lead to nothing: an exchange of data that its sender does not write, with its
+/// measure, and a mapping that moves nothing.
+#[test]
+fn nothing_is_left_out_without_a_word() {
+    let notes = |text: &str| -> Vec<String> {
+        import(text).notes.iter().map(ToString::to_string).collect()
+    };
+    let unsent = with(
+        &implicit("serial-implicit", MEASURES),
+        "<write-data name=\"Way\" mesh=\"Other\" />",
+        "",
+    );
+    let told = notes(&unsent).join("\n");
+    for part in [
+        "exchange: Right does not write `Way`, so that nothing is sent",
+        "convergence-measure: nobody writes `Way`; the measure is left out",
+        "mapping:nearest-neighbor: moves no data that are exchanged, and is left out",
+        "read-data: no participant sends `Way`",
+    ] {
+        assert!(told.contains(part), "{part} is missing in\n{told}");
+    }
+    let counts = "<min-iterations value=\"2000000\" /><max-iterations value=\"3000000\" />\
+        <acceleration:IQN-ILS><max-used-iterations value=\"2000\" />\
+        <time-windows-reused value=\"2000000\" /></acceleration:IQN-ILS>";
+    let told = notes(&implicit("serial-implicit", &format!("{MEASURES}{counts}"))).join("\n");
+    for part in [
+        "min-iterations: at most 1000000",
+        "max-iterations: at most 1000000",
+        "max-used-iterations: at most 1000",
+        "time-windows-reused: at most 1000000",
+    ] {
+        assert!(told.contains(part), "{part} is missing in\n{told}");
+    }
 }
 
 #[test]
@@ -457,8 +544,8 @@ fn direct_access_and_several_meshes_are_named() {
 
 #[test]
 fn names_cannot_break_the_case() {
-    let hard = with(SMALL, "\"Force\"", "\"a&quot;]&#10;[case]&#10;b\\ &#x202e;\"");
-    let hard = with(&hard, "\"Right\"", "\"R&#10;[x] &quot;\"");
+    let hard = with(SMALL, "\"Force\"", "\"a&quot;] [case] b\\ -> ß\"");
+    let hard = with(&hard, "\"Right\"", "\"R [x] &quot;\"");
     let import = import(&hard);
     let case: Table =
         import.text.parse().unwrap_or_else(|error| panic!("{error}\n{}", import.text));

@@ -109,7 +109,6 @@ fn initial_data_reach_the_mesh_of_the_exchange() {
     // Through the mapping from `Wet` to `Body`.
     assert!(writes(FULL, "Stream"));
     assert!(!writes(FULL, "Plate"));
-    assert!(!writes(&with(FULL, "direction=\"write\"", "direction=\"read\""), "Stream"));
     assert!(!writes(&with(FULL, "initialize=\"on\"", "initialize=\"off\""), "Stream"));
     // On the same mesh.
     let direct = with(FULL, "substeps=\"true\"", "initialize=\"true\"");
@@ -266,6 +265,142 @@ fn errors_name_line_and_reason() {
         "<mesh name=\"Other\" dimensions=\"3\">",
     );
     assert!(matches!(fault(&carried), ConfigError::DataOfMesh { line: 14, .. }));
+}
+
+/// Names and elements that are defined, but stand where preCICE refuses them as well.
+#[test]
+fn what_contradicts_itself_is_refused() {
+    let implicit = SMALL.replace("serial-explicit", "serial-implicit");
+    let inside = |elements: &str| {
+        with(&implicit, "<max-time value=\"2\" />", &format!("<max-time value=\"2\" />{elements}"))
+    };
+    let accelerated = |data: &str| {
+        inside(&format!(
+            "<acceleration:aitken><data name=\"{data}\" mesh=\"Point\" /></acceleration:aitken>"
+        ))
+    };
+    let measured = |mesh: &str| {
+        inside(&format!(
+            "<relative-convergence-measure data=\"Way\" mesh=\"{mesh}\" limit=\"1e-4\" />"
+        ))
+    };
+    assert!(Configuration::parse(&accelerated("Way")).is_ok());
+    assert!(Configuration::parse(&measured("Point")).is_ok());
+    let radial = |function: &str| {
+        with(
+            SMALL,
+            "<mapping:nearest-neighbor direction=\"read\" from=\"Point\" to=\"Other\" constraint=\"consistent\" />",
+            &format!(
+                "<mapping:rbf direction=\"read\" from=\"Point\" to=\"Other\" constraint=\"consistent\">\
+                 {function}</mapping:rbf>"
+            ),
+        )
+    };
+    for (text, line, reason) in [
+        (inside("<max-time value=\"1\" />"), 22, "has a second <max-time>; remove one of them"),
+        (inside("<time-window-size value=\"1\" />"), 22, "a second <time-window-size>"),
+        (
+            inside("<acceleration:IQN-ILS /><acceleration:constant />"),
+            22,
+            "a second <acceleration:constant>",
+        ),
+        (
+            inside(
+                "<acceleration:aitken><initial-relaxation value=\"1\" /><initial-relaxation value=\"2\" /></acceleration:aitken>",
+            ),
+            22,
+            "<acceleration:aitken> has a second <initial-relaxation>",
+        ),
+        (accelerated("Force"), 22, "a serial scheme accelerates the data that return"),
+        (measured("Other"), 22, "\"Way\" on the mesh \"Other\" is not exchanged in this scheme"),
+        (measured("Other"), 22, "it is exchanged on \"Point\""),
+        (
+            inside("<min-iterations value=\"3\" /><max-iterations value=\"2\" />"),
+            22,
+            "min-iterations 3 is above max-iterations 2",
+        ),
+        (inside("<max-iterations value=\"0\" />"), 22, "is not a whole number from 1"),
+        (
+            with(SMALL, "name=\"Point\" from=\"Left\"", "name=\"Point\" from=\"Right\""),
+            12,
+            "\"Right\" receives the mesh \"Point\" from itself; write <provide-mesh",
+        ),
+        (
+            with(
+                SMALL,
+                "<provide-mesh name=\"Point\" />",
+                "<receive-mesh name=\"Point\" from=\"Right\" />",
+            ),
+            7,
+            "from \"Right\", which does not provide it; it is provided by nobody",
+        ),
+        (with(SMALL, "second=\"Right\"", "second=\"Left\""), 19, "\"Left\" is coupled with itself"),
+        (
+            with(SMALL, "from=\"Right\" to=\"Left\"", "from=\"Left\" to=\"Left\""),
+            24,
+            "\"Way\" goes from \"Left\" to itself",
+        ),
+        (
+            with(SMALL, "direction=\"read\" from", "direction=\"write\" from"),
+            16,
+            "a mapping with direction=\"write\"",
+        ),
+        (
+            with(SMALL, "value=\"0.5\"", "value=\"0.5\" method=\"last-participant\""),
+            21,
+            "is not one of fixed, first-participant",
+        ),
+        (
+            with(
+                &SMALL.replace("serial-explicit", "parallel-explicit"),
+                "value=\"0.5\"",
+                "method=\"first-participant\"",
+            ),
+            21,
+            "the only choice of a parallel scheme",
+        ),
+        (
+            radial("<basis-function:compact-polynomial-c2 support-radius=\"0\" />"),
+            16,
+            "\"0\" is not a number above 0",
+        ),
+        (
+            radial("<basis-function:volume-splines /><basis-function:thin-plate-splines />"),
+            16,
+            "<mapping:rbf> has a second <basis-function:thin-plate-splines>",
+        ),
+    ] {
+        let message = fault(&text).to_string();
+        assert!(message.starts_with(&format!("line {line}: ")), "{message}");
+        assert!(message.contains(reason), "{message}");
+    }
+}
+
+/// Names are shown in messages and become names of fields; they fit a line, and are seen.
+#[test]
+fn names_are_short_and_visible() {
+    for hard in ["Wall&#10;Heat", "&#x9b;2J", "&#x202e;Force", &"x".repeat(300)] {
+        let message = fault(&with(SMALL, "\"Force\"", &format!("\"{hard}\""))).to_string();
+        assert!(message.starts_with("line 2: <data:scalar>: name="), "{message}");
+        assert!(message.contains("is not a name of at most 255 bytes"), "{message}");
+        assert!(message.len() < 300 && message.chars().all(|c| !c.is_control()), "{message}");
+    }
+    let value = fault(&with(SMALL, "\"0.5\"", "\"&#x9b;[2J\"")).to_string();
+    assert!(value.contains("value=\"?[2J\" is not a finite number"), "{value}");
+    let tag = "y".repeat(900_000);
+    let message = fault(&format!("<precice-configuration><{tag}></precice-configuration>"));
+    assert!(message.to_string().len() < 300);
+}
+
+/// The XML parser compares each attribute with all others of its element.
+#[test]
+fn attributes_of_an_element_are_limited() {
+    let many: String = (0..40_000).map(|n| format!(" a{n}=\"1\"")).collect();
+    let text =
+        with(SMALL, "<data:scalar name=\"Way\"", &format!("<data:scalar name=\"Way\"{many}"));
+    let begun = std::time::Instant::now();
+    assert_eq!(fault(&text), ConfigError::Attributes { line: 3, most: 64 });
+    assert!(begun.elapsed().as_secs() < 5);
 }
 
 #[test]
