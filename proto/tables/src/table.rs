@@ -2,9 +2,10 @@
 //! here.
 //!
 //! **Format.** A line is a row; empty lines and text after `#` are ignored. Cells are separated by
-//! commas, semicolons, tabs or blanks, as detected in the first line. Except with commas as
-//! separators, a number may have a decimal comma. A cell in double quotes may contain anything
-//! except a line break.
+//! commas, semicolons, tabs or blanks, as detected in the first line, or as a line `sep=;` above it
+//! says. Except with commas as separators, a table may have decimal commas instead of points, in
+//! all of its numbers: beside a decimal comma, a point may separate thousands. A cell in double
+//! quotes may contain anything except a line break.
 //!
 //! The first line may name the columns, with units in brackets: `v [km/h]` or `v (km/h)`. A line of
 //! units may follow. Columns are then found by name, in any order, and other columns are not
@@ -28,6 +29,8 @@ use std::path::Path;
 const QUOTED: usize = 20;
 /// Maximum length of a column name listed in a message [characters].
 const LONGEST_NAME: usize = 40;
+/// Maximum number of column names listed in a message.
+const LISTED: usize = 20;
 
 /// A column that a reader expects.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -110,8 +113,23 @@ pub enum TableError {
     #[error(transparent)]
     File(#[from] InputFileError),
     /// The table has no rows.
-    #[error("has no rows")]
-    Empty,
+    #[error("has no rows{}", above_only(*.above))]
+    Empty {
+        /// Lines read as names and as units of the columns, from 1.
+        above: [Option<usize>; 2],
+    },
+    /// Some numbers have a decimal comma, others a decimal point.
+    #[error(
+        "has a decimal comma in column {} of line {} and a point in column {} of line {}; write all numbers with \
+         the same decimal sign, and without separators of thousands",
+        .comma[1], .comma[0], .point[1], .point[0]
+    )]
+    DecimalSigns {
+        /// Line and column of the first number with a comma, both from 1.
+        comma: [usize; 2],
+        /// Line and column of the first number with a point, both from 1.
+        point: [usize; 2],
+    },
     /// The number of cells differs from that of the first line.
     #[error("has {found} cells in line {line}, where the first line has {expected}")]
     Cells {
@@ -222,8 +240,26 @@ fn near_hint(near: Option<&str>) -> String {
 }
 
 fn listed(known: &[String]) -> String {
-    let known: Vec<String> = known.iter().map(|name| format!("`{name}`")).collect();
-    if known.is_empty() { String::new() } else { format!("; its columns are {}", all_of(&known)) }
+    let mut shown: Vec<String> =
+        known.iter().take(LISTED).map(|name| format!("`{name}`")).collect();
+    match known.len().saturating_sub(LISTED) {
+        0 if known.is_empty() => return String::new(),
+        0 => {}
+        more => shown.push(format!("{more} more")),
+    }
+    format!("; its columns are {}", all_of(&shown))
+}
+
+fn above_only([names, units]: [Option<usize>; 2]) -> String {
+    match (names, units) {
+        (Some(names), Some(units)) => format!(
+            ": line {names} is read as the names of its columns, and line {units}, without a number, as their units"
+        ),
+        (Some(names), None) => {
+            format!(": line {names}, without a number, is read as the names of its columns")
+        }
+        _ => String::new(),
+    }
 }
 
 fn quoted_content(content: Option<&str>) -> String {
@@ -306,6 +342,15 @@ enum Separator {
 }
 
 impl Separator {
+    /// Reads a line `sep=;`, as spreadsheets write it above a table.
+    fn stated(line: &str) -> Option<Self> {
+        let mut rest = line.trim_start().strip_prefix("sep=")?.trim_end_matches(' ').chars();
+        match (rest.next(), rest.next()) {
+            (Some(character @ (';' | ',' | '\t')), None) => Some(Self::Character(character)),
+            _ => None,
+        }
+    }
+
     /// Detects the separator from the first line.
     fn of(line: &str, reading: Reading) -> Self {
         let has = |character: char| cells(line, Self::Character(character)).nth(1).is_some();
@@ -426,6 +471,13 @@ fn is_number(cell: &str, comma: bool) -> bool {
     parses(cell) || respelt(cell, comma).is_some_and(|text| parses(&text))
 }
 
+/// Returns the decimal comma or point of a number, which a unit may follow; `None` for a word, and
+/// for a number without a decimal sign.
+fn decimal_sign(cell: &str) -> Option<char> {
+    let number = cell.split_whitespace().next().filter(|number| is_number(number, true))?;
+    number.chars().find(|c| matches!(c, ',' | '.'))
+}
+
 /// A row of a table: its range in the text, and its line number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Row {
@@ -478,9 +530,15 @@ impl Table {
             }
             offset += line.len() + 1;
         }
+        let stated = rows.first().and_then(|row| Separator::stated(&text[row.start..row.end]));
+        if stated.is_some() {
+            rows.remove(0);
+        }
         let mut lines = rows.iter().map(|row| (row, &text[row.start..row.end]));
-        let Some((first, content)) = lines.next() else { return Err(TableError::Empty) };
-        let separator = Separator::of(content, reading);
+        let Some((first, content)) = lines.next() else {
+            return Err(TableError::Empty { above: [None; 2] });
+        };
+        let separator = stated.unwrap_or_else(|| Separator::of(content, reading));
         let comma = separator.allows_decimal_comma();
         let number = |cell: &str| is_number(&unquoted(cell), comma);
         let (mut header, mut columns) = (None, cells(content, separator).count());
@@ -508,10 +566,38 @@ impl Table {
         rows.drain(..above);
         let table = Self { text, separator, header, rows, columns };
         if table.rows.is_empty() {
-            return Err(TableError::Empty);
+            let header = table.header.as_ref();
+            let names = header.map(|header| header.line);
+            return Err(TableError::Empty {
+                above: [names, header.and_then(|header| header.line_of_units)],
+            });
         }
         table.check_cells()?;
+        table.check_decimal_signs()?;
         Ok(table)
+    }
+
+    /// Checks that all numbers have the same decimal sign.
+    fn check_decimal_signs(&self) -> Result<(), TableError> {
+        let has = |sign: char| (0..self.rows()).any(|row| self.content(row).contains(sign));
+        if !self.separator.allows_decimal_comma() || !has(',') || !has('.') {
+            return Ok(());
+        }
+        let (mut comma, mut point) = (None, None);
+        for row in 0..self.rows() {
+            for (column, cell) in cells(self.content(row), self.separator).enumerate() {
+                let first = match decimal_sign(&unquoted(cell)) {
+                    Some(',') => &mut comma,
+                    Some(_) => &mut point,
+                    None => continue,
+                };
+                first.get_or_insert([self.line(row), column + 1]);
+                if let (Some(comma), Some(point)) = (comma, point) {
+                    return Err(TableError::DecimalSigns { comma, point });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Checks that every row has as many cells as the first line, apart from an empty last cell.
@@ -937,7 +1023,11 @@ mod tests {
             "only what is named"
         );
         assert!(fault("a,b\n1,2\n1\n", "a", "1").contains("1 cells in line 3"));
-        assert!(fault("a,b\n", "a", "1").contains("has no rows"));
+        assert!(fault("a,b\n", "a", "1").contains("has no rows: line 1, without a number"));
+        assert!(fault("a,b\n0x10,1_0\n", "a", "1").contains("line 2, without a number, as their"));
+        let wide: Vec<String> = (0..3000).map(|k| format!("c{k}")).collect();
+        let wide = format!("{}\n{}\n", wide.join(","), vec!["1"; 3000].join(","));
+        assert!(fault(&wide, "x", "1").ends_with("`c19` and 2980 more"));
         assert!(fault("a\nNaN\n", "a", "1").contains("line 2"));
         assert!(fault("1,2\n", "a", "1").contains("numbers in line 1"));
         assert!(fault("a,b,a\n1,2,3\n", "a", "1").contains("two columns `a` in line 1"));
@@ -964,6 +1054,30 @@ mod tests {
         let of = |text: &str| table(text).unwrap().columns(&bare);
         assert_eq!(of("20\n").unwrap(), [vec![0.02]]);
         assert!(matches!(of("y\n20\n"), Err(TableError::NoUnit { .. })));
+    }
+
+    /// A number with a point beside one with a comma could have a separator of thousands: 134.000 is
+    /// 134 or 134 000. Words and quoted lists are no numbers.
+    #[test]
+    fn all_numbers_of_a_table_have_the_same_decimal_sign() {
+        let fault = |text: &str| table(text).unwrap_err().to_string();
+        let mixed = fault("t;Q;xi\n0;134.000;-0,001\n");
+        assert!(mixed.contains("comma in column 3 of line 2 and a point in column 2"), "{mixed}");
+        assert!(fault("t\tQ\n0\t56,060\n1\t56.060\n").contains("column 2 of line 3"));
+        assert!(fault("0,5 1.5\n").contains("decimal comma"));
+        let words = |text: &str| Table::parse(text.to_owned(), Reading::WORDS);
+        assert!(words("load;set\n60,5 kN;\"[1.5, 2]\"\n").is_ok());
+        assert!(words("load;mu\n134.000 N;0,3\n").is_err());
+        let german = "t;Q;state\n0,5;134;v1.2\n1,5;134000;run, fast.\n";
+        assert_eq!(column(german, "t", None, "s"), Ok(vec![0.5, 1.5]));
+        assert_eq!(column("t,Q\n0.5,2\n", "t", None, "s"), Ok(vec![0.5]));
+    }
+
+    #[test]
+    fn a_line_of_a_spreadsheet_names_the_separator() {
+        assert_eq!(column("sep=;\nt;Q\n0,5;2\n", "t", None, "s"), Ok(vec![0.5]));
+        assert_eq!(column("sep=,\r\nt,Q\r\n0.5,2\r\n", "Q", None, "s"), Ok(vec![2.0]));
+        assert_eq!(column("sep=\tm\n1\t2\n", "m", None, "1"), Ok(vec![2.0]));
     }
 
     #[test]
