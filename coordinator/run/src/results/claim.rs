@@ -11,12 +11,18 @@ use rustix::fs::OFlags;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::Path;
+use std::time::Duration;
 
 /// File that marks a result folder.
 pub const MARKER: &str = ".cosim-results";
 
 /// Kind of results in the marker of a run.
 pub const A_RUN: &str = "a run";
+
+/// Longest time for which a page that looks whether a run goes on holds the lock, and number of
+/// attempts to take the lock after it.
+const LOOK: Duration = Duration::from_millis(5);
+const LOOKS: u32 = 10;
 
 /// Treatment of existing results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,7 +160,15 @@ fn lock(dir: &Dir) -> Result<LockFile, RunError> {
     let marker = dir.file(MARKER, OFlags::RDWR | OFlags::CREATE | OFlags::APPEND);
     let marker = marker.map_err(|error| file_failure(&dir.path().join(MARKER), &error))?;
     let marker = LockFile::from(marker);
-    match marker.try_lock() {
+    let mut locked = marker.try_lock();
+    for _ in 0..LOOKS {
+        if !matches!(locked, Err(TryLockError::WouldBlock)) {
+            break;
+        }
+        std::thread::sleep(LOOK);
+        locked = marker.try_lock();
+    }
+    match locked {
         Err(TryLockError::WouldBlock) => {
             let fix = "wait for its end, or give another folder with --out";
             return Err(refuse(dir, &format!("is used by another run; {fix}")));
@@ -166,4 +180,24 @@ fn lock(dir: &Dir) -> Result<LockFile, RunError> {
         Ok(()) => {}
     }
     Ok(marker)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A page that looks at the folder takes the lock for a moment only: it keeps no run out.
+    #[test]
+    fn a_look_does_not_keep_a_run_out() {
+        let place = tempfile::tempdir().unwrap();
+        drop(Claim::take(place.path(), A_RUN, Existing::Refuse).unwrap());
+        let watching = LockFile::from(File::open(place.path().join(MARKER)).unwrap());
+        watching.try_lock_shared().unwrap();
+        let look = std::thread::spawn(move || {
+            std::thread::sleep(2 * LOOK);
+            drop(watching);
+        });
+        assert!(Claim::take(place.path(), A_RUN, Existing::Refuse).is_ok());
+        look.join().unwrap();
+    }
 }
