@@ -1,8 +1,12 @@
 //! `coordinator export`: writes the fields of a recording for other tools.
 //!
 //! Fields are written as VTK series, as a run writes them, or as CSV: one file for each topic and
-//! instant, with a row for each point. By default there is one instant for each window, the
-//! accepted one. With every iteration, instants are numbered in the order of the recording.
+//! instant, with a row for each point. By default there is one instant for each accepted window;
+//! windows that were passed over, or in which the run failed, are left out. With every iteration,
+//! instants are numbered in the order of the recording.
+//!
+//! Fields without a consumer are sent only when a window is accepted. Therefore an accepted window
+//! is written when the next one begins.
 
 use crate::recording_file::{self, failed};
 use clap::Args;
@@ -12,7 +16,7 @@ use contract::bodies::Bodies;
 use contract::configuration::Configuration;
 use contract::field::{FieldKind, GEOMETRY};
 use contract::grid::Grid;
-use contract::message::{Command, CommandKind, FieldHeader};
+use contract::message::{Command, CommandKind, FieldHeader, Status};
 use contract::step::Step;
 use proto::recording::{End, Event, Head, Item, Recording, RecordingError};
 use run::error::{RunError, file_failure};
@@ -28,9 +32,9 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("form").required(true).multiple(true).args(["vtk", "csv"]))]
 pub struct ExportCommand {
-    /// Recording to export.
+    /// Recording to export, or a result directory with one.
     recording: PathBuf,
-    /// Folder for VTK series (`.vti`, `.vtu`, `.pvd`).
+    /// Folder for VTK series (`.pvd`, with a file for each instant).
     #[arg(long, value_name = "DIR")]
     vtk: Option<PathBuf>,
     /// Folder for CSV, one file for each topic and instant.
@@ -51,11 +55,16 @@ impl command::Command for ExportCommand {
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let ExportCommand { recording: path, vtk, csv, iterations } = self;
         let reading = signals::end_at_once();
+        let path = &recording_file::find(path)?;
         let mut recording = recording_file::open(path)?;
         drop(reading);
         let target = Target { vtk: vtk.clone(), csv: csv.clone(), every_iteration: *iterations };
-        let instants = export(path, &mut recording, &target)?;
+        let Exported { instants, rejected } = export(path, &mut recording, &target)?;
         let mut text = counted(instants, "instant");
+        if rejected > 0 && !iterations {
+            let windows = counted(rejected, "window");
+            text += &format!(", without {windows} that the run did not accept");
+        }
         for folder in [vtk, csv].into_iter().flatten() {
             text += &format!(" -> {}", folder.display());
         }
@@ -77,6 +86,16 @@ pub(crate) struct Target {
     pub every_iteration: bool,
 }
 
+/// Current grid of a topic.
+struct TopicGrid {
+    grid: Grid,
+    /// Service of the geometry, if the grid moves.
+    geometry: Option<String>,
+    /// Number of topics before this one. A participant has its topics in the order of the arrays in
+    /// the files of a run.
+    position: usize,
+}
+
 /// Newest sample of a topic.
 struct NewestSample {
     kind: FieldKind,
@@ -87,7 +106,16 @@ struct NewestSample {
     fresh: bool,
 }
 
-/// Writes the requested files, and returns the number of instants.
+/// Extent of an export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Exported {
+    /// Number of instants written.
+    pub(crate) instants: u64,
+    /// Number of windows that were begun and not accepted.
+    pub(crate) rejected: u64,
+}
+
+/// Writes the requested files.
 ///
 /// # Errors
 /// The recording is damaged, or a file cannot be written.
@@ -95,7 +123,7 @@ pub(crate) fn export<R: Read>(
     path: &Path,
     recording: &mut Recording<R>,
     target: &Target,
-) -> Result<u64, RunError> {
+) -> Result<Exported, RunError> {
     let damaged = |what: String| failed(path, &RecordingError::Content(what));
     let mut export = Export {
         target,
@@ -104,8 +132,9 @@ pub(crate) fn export<R: Read>(
         grids: BTreeMap::new(),
         newest: BTreeMap::new(),
         bodies: None,
-        step: None,
-        instants: 0,
+        solving: None,
+        accepted: None,
+        exported: Exported { instants: 0, rejected: 0 },
     };
     loop {
         // An interrupt may end the program between two files, but not within one.
@@ -124,8 +153,8 @@ pub(crate) fn export<R: Read>(
             Item::State { .. } => {}
         }
     }
-    export.write_window()?;
-    Ok(export.instants)
+    export.end_window()?;
+    Ok(export.exported)
 }
 
 struct Export<'a> {
@@ -133,22 +162,27 @@ struct Export<'a> {
     vtk: Option<FieldWriter>,
     /// Head of the recording, which describes the fields.
     head: Head,
-    /// Current grid of each topic, and the service of its geometry if the grid moves.
-    grids: BTreeMap<String, (Grid, Option<String>)>,
+    grids: BTreeMap<String, TopicGrid>,
     newest: BTreeMap<String, NewestSample>,
     /// Bodies in the first configuration.
     bodies: Option<Bodies>,
-    /// Step of the last Solve.
-    step: Option<Step>,
-    instants: u64,
+    /// Window of the last Solve.
+    solving: Option<u64>,
+    /// Step of the window that was accepted last, until it is written.
+    accepted: Option<Step>,
+    exported: Exported,
 }
 
 impl Export<'_> {
     fn event(&mut self, event: &Event) -> Result<(), RunError> {
         match event {
             Event::Command { command, body, .. } => self.command(command, body),
+            Event::Reply { reply, .. } if reply.status != Status::Done as u32 => {
+                self.accepted = None;
+                Ok(())
+            }
             Event::Iteration(iteration) if self.target.every_iteration => {
-                self.write(self.instants, iteration.end)
+                self.write(self.exported.instants, iteration.end)
             }
             _ => Ok(()),
         }
@@ -157,8 +191,10 @@ impl Export<'_> {
     /// Notes the grids of the topics in a Connect.
     fn topics(&mut self, event: &Event) -> Result<(), RecordingError> {
         let Some((_, topics)) = event.topics()? else { return Ok(()) };
-        for topic in topics.inputs.into_iter().chain(topics.outputs) {
-            self.grids.insert(topic.service, (topic.grid, topic.geometry));
+        for topic in topics.outputs.into_iter().chain(topics.inputs) {
+            let (grid, geometry, next) = (topic.grid, topic.geometry, self.grids.len());
+            let position = self.grids.get(&topic.service).map_or(next, |known| known.position);
+            self.grids.insert(topic.service, TopicGrid { grid, geometry, position });
         }
         Ok(())
     }
@@ -170,23 +206,39 @@ impl Export<'_> {
                 self.bodies = given.and_then(|given| Bodies::read(&given.case).ok());
             }
             Some(CommandKind::Solve) => {
-                if self.step.is_some_and(|step| step.window != command.window) {
-                    self.write_window()?;
+                if self.accepted.is_some() || self.solving.is_some_and(|now| now != command.window)
+                {
+                    self.end_window()?;
                 }
-                self.step = Some(command.step());
+                self.solving = Some(command.window);
             }
+            Some(CommandKind::Accept) => self.accepted = Some(command.step()),
             _ => {}
         }
         Ok(())
     }
 
-    /// Writes the window that has ended.
-    fn write_window(&mut self) -> Result<(), RunError> {
-        match self.step {
-            Some(step) if !self.target.every_iteration => self.write(step.window, step.end),
-            Some(step) => self.write(self.instants, step.end),
-            None => Ok(()),
+    /// Writes the window if it was accepted. Otherwise its samples are no results.
+    fn end_window(&mut self) -> Result<(), RunError> {
+        let begun = self.solving.take().is_some();
+        match self.accepted.take() {
+            Some(step) if self.target.every_iteration => {
+                self.write(self.exported.instants, step.end)
+            }
+            Some(step) => self.write(step.window, step.end),
+            None => {
+                self.exported.rejected += u64::from(begun);
+                if begun {
+                    self.forget();
+                }
+                Ok(())
+            }
         }
+    }
+
+    /// Marks all samples as written.
+    fn forget(&mut self) {
+        self.newest.values_mut().for_each(|newest| newest.fresh = false);
     }
 
     /// Takes the newest sample of a topic, or the geometry of a grid.
@@ -199,7 +251,7 @@ impl Export<'_> {
         if header.name.as_str() == GEOMETRY.name {
             return self.geometry(service, header, values);
         }
-        let grid = self.grids.get(service).map(|(grid, _)| grid);
+        let grid = self.grids.get(service).map(|topic| &topic.grid);
         let newest = self.newest.entry(service.to_owned()).or_insert_with(|| NewestSample {
             kind: self.head.field_kind(header),
             producer: header.producer.as_str().to_owned(),
@@ -224,8 +276,8 @@ impl Export<'_> {
         header: &FieldHeader,
         values: &[f64],
     ) -> Result<(), String> {
-        for (grid, moves) in self.grids.values_mut() {
-            if moves.as_deref() == Some(service) && grid.revision < header.grid_revision {
+        for TopicGrid { grid, geometry, .. } in self.grids.values_mut() {
+            if geometry.as_deref() == Some(service) && grid.revision < header.grid_revision {
                 *grid = grid.with_geometry(values, header.grid_revision)?;
             }
         }
@@ -243,8 +295,10 @@ impl Export<'_> {
     }
 
     fn write(&mut self, number: u64, time: f64) -> Result<(), RunError> {
-        let fresh = self.newest.iter().filter(|(_, newest)| newest.fresh);
+        let mut fresh: Vec<_> = self.newest.iter().filter(|(_, newest)| newest.fresh).collect();
+        fresh.sort_by_key(|(service, _)| self.grids.get(*service).map(|topic| topic.position));
         let shown: Vec<(&str, FieldOutput)> = fresh
+            .into_iter()
             .filter_map(|(service, newest)| {
                 let NewestSample { kind, producer, values, grid, .. } = newest;
                 let grid = grid.as_ref()?;
@@ -264,8 +318,8 @@ impl Export<'_> {
                 write_csv(folder, &self.file_name(service), shown, number)?;
             }
         }
-        self.newest.values_mut().for_each(|newest| newest.fresh = false);
-        self.instants += 1;
+        self.forget();
+        self.exported.instants += 1;
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ mod survey;
 
 pub use survey::{Details, FieldSurvey, ListFilter, Range, RecordingSummary, survey};
 
-use crate::recording_file::{open, unreadable};
+use crate::recording_file::{find, open, unreadable};
 use crate::replay::difference;
 use clap::Args;
 use console::command::{Command, Context, Group};
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Options of `coordinator inspect`.
 #[derive(Debug, Args)]
 pub struct InspectCommand {
-    /// Recording to inspect.
+    /// Recording to inspect, or a result directory with one.
     recording: PathBuf,
     /// List the samples of this field (or topic) one by one.
     #[arg(long, value_name = "NAME")]
@@ -52,9 +52,9 @@ impl Command for InspectCommand {
 
     fn run(&self, _: &Context<'_>) -> Result<(), RunError> {
         let _reading = signals::end_at_once();
-        let path = &self.recording;
+        let path = &find(&self.recording)?;
         if let Some(reference) = &self.against {
-            return self.compare(reference);
+            return self.compare(path, reference);
         }
         let wanted = ListFilter {
             field: self.field.clone(),
@@ -78,8 +78,8 @@ impl Command for InspectCommand {
 
 impl InspectCommand {
     /// Compares the recording with a reference.
-    fn compare(&self, reference: &Path) -> Result<(), RunError> {
-        let paths = [self.recording.as_path(), reference];
+    fn compare(&self, path: &Path, reference: &Path) -> Result<(), RunError> {
+        let paths = [path, &find(reference)?];
         let [mut now, mut then] = [open(paths[0])?, open(paths[1])?];
         let found = against::compare((&mut now, paths[0]), (&mut then, paths[1]))?;
         print(&if self.json { json(&found) } else { against::text(&found, paths) })?;
@@ -221,6 +221,11 @@ fn fields(out: &mut String, survey: &RecordingSummary) {
 #[must_use]
 pub fn details_text(survey: &RecordingSummary, details: &Details, wanted: &ListFilter) -> String {
     let mut out = String::new();
+    if details.cut {
+        let listed = details.iterations.len() + details.samples.len();
+        let _ =
+            writeln!(out, "\n  only the first {listed} entries are listed; give --window NUMBER");
+    }
     let with_iterations = wanted.iterations || wanted.window.is_some();
     if with_iterations && !details.iterations.is_empty() {
         let _ = writeln!(

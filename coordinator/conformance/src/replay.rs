@@ -37,7 +37,7 @@ use std::time::{Duration, Instant};
 /// Options of `coordinator replay`.
 #[derive(Debug, Args)]
 pub struct ReplayCommand {
-    /// Recording to replay.
+    /// Recording to replay, or a result directory with one.
     recording: PathBuf,
     /// Role of the participant to drive.
     #[arg(long, value_name = "ROLE")]
@@ -92,7 +92,7 @@ impl Command for ReplayCommand {
         let words = words(&self.command)?;
         let program = (!words.is_empty()).then(|| Program::of_role(&self.only, Some(&words)));
         let request = Request {
-            recording: self.recording.clone(),
+            recording: recording_file::find(&self.recording)?,
             only: self.only.clone(),
             program,
             serve: self.serve,
@@ -115,7 +115,7 @@ impl Command for ReplayCommand {
                 let what = format!("the replay differs from the recording: {difference}");
                 Err(RunError::Differs(what))
             }
-            (None, Some(damage)) => Err(unreadable(&self.recording, damage)),
+            (None, Some(damage)) => Err(unreadable(&request.recording, damage)),
             (None, None) if compared.samples == 0 => {
                 Err(RunError::Usage("there was nothing to compare in these windows".to_owned()))
             }
@@ -177,6 +177,10 @@ pub(crate) fn replay(request: &Request) -> Result<Replay, RunError> {
     driver.attach_files(&recording)?;
     let mut damage = None;
     loop {
+        // Entries of the other participants are passed without a wait that would notice a signal.
+        if let Some(signal) = signals::received() {
+            return Err(RunError::Interrupted { signal, when: driver.position() });
+        }
         match recording.read() {
             Ok(Some(entry)) => {
                 if !driver.entry(entry.item)? {

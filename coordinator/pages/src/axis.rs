@@ -137,6 +137,12 @@ pub fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     values.filter(|value| value.is_finite()).fold(None, wider)
 }
 
+/// Returns whether the finite values differ by more than solver rounding.
+#[must_use]
+pub fn is_varying(values: impl Iterator<Item = f64>) -> bool {
+    extent(values).is_some_and(|[from, to]| to - from > 1e-6 * from.abs().max(to.abs()))
+}
+
 /// The frame of a plot: two axes with their labels, shared by all kinds of plot.
 #[derive(Clone, Debug)]
 pub struct Frame<'a> {
@@ -156,6 +162,43 @@ pub struct Frame<'a> {
 const DIGIT: f64 = 7.5;
 const BEYOND: f64 = 12.0;
 
+/// Mean width of a letter of a label, in drawing units, and that of a label in two rows.
+const LETTER: [f64; 2] = [7.6, 6.4];
+const STYLES: [&str; 2] = ["class=\"label mid\"", "class=\"label mid\" style=\"font-size:12px\""];
+/// Places of a single row of a label, and of two rows: below the horizontal axis, and from the left
+/// border of the drawing.
+const BELOW: [f64; 3] = [40.0, 33.0, 45.0];
+const BESIDE: [f64; 3] = [12.0, 10.0, 23.0];
+
+/// A row of the label of an axis.
+struct Row {
+    /// Text, escaped.
+    text: String,
+    /// Approximate half of its width.
+    half: f64,
+    /// Place across the row.
+    place: f64,
+    /// Attributes of its class and its size.
+    style: &'static str,
+}
+
+/// Returns the rows of a label: one or, if the room is too narrow for it, two in smaller letters.
+fn rows(label: &str, room: f64, [single, first, second]: [f64; 3]) -> Vec<Row> {
+    let row = |text: &str, small: usize, place: f64| {
+        let style = STYLES[small];
+        let half = 0.5 * LETTER[small] * text.chars().count() as f64;
+        Row { text: escape(text), half: half.min(0.5 * room), place, style }
+    };
+    let count = label.chars().count();
+    // The rows are as equal as the words allow.
+    let middle = |at: &usize| (2 * label[..*at].chars().count()).abs_diff(count);
+    let space = label.match_indices(' ').map(|(at, _)| at).min_by_key(middle);
+    match space.filter(|_| LETTER[0] * count as f64 > room) {
+        None => vec![row(label, 0, single)],
+        Some(at) => vec![row(&label[..at], 1, first), row(&label[at + 1..], 1, second)],
+    }
+}
+
 impl Frame<'_> {
     /// Renders the axes as SVG.
     #[must_use]
@@ -168,17 +211,19 @@ impl Frame<'_> {
             "<path class=\"frame\" d=\"M{left:.2} {top:.2}V{bottom:.2}H{right:.2}\"/>"
         );
         let (middle, centre) = (0.5 * (left + right), 0.5 * (bottom + top));
-        let [x_label, y_label] = [self.x_label, self.y_label].map(escape);
-        let _ = writeln!(
-            out,
-            "<text class=\"label mid\" x=\"{middle:.2}\" y=\"{:.2}\">{x_label}</text>",
-            bottom + 40.0
-        );
-        let _ = writeln!(
-            out,
-            "<text class=\"label mid\" transform=\"translate(12 {centre:.2}) rotate(-90)\">\
-             {y_label}</text>"
-        );
+        // A label that is wider than its axis moves towards the axis's start.
+        for Row { text, half, place, style } in rows(self.x_label, right + BEYOND, BELOW) {
+            let (x, y) = (middle.min(right + BEYOND - half).max(half), bottom + place);
+            let _ = writeln!(out, "<text {style} x=\"{x:.2}\" y=\"{y:.2}\">{text}</text>");
+        }
+        for Row { text, half, place: x, style } in rows(self.y_label, bottom + top, BESIDE) {
+            let y = centre.max(half);
+            let _ = writeln!(
+                out,
+                "<text {style} transform=\"translate({x:.2} {y:.2}) rotate(-90)\">\
+                 {text}</text>"
+            );
+        }
         out
     }
 
@@ -276,6 +321,24 @@ mod tests {
         // One decade of twelve.
         assert!((axis.place(1.0).unwrap() - 10.0 / 12.0).abs() < 1e-12);
         assert!(texts(&axis).contains(&"10⁻⁶".to_owned()), "{:?}", texts(&axis));
+    }
+
+    /// A long label takes two rows, and none of them leaves the drawing.
+    #[test]
+    fn a_long_label_is_not_cut() {
+        let [x, y] = [[86.0, 426.0], [234.0, 12.0]]
+            .map(|paper| Axis::linear([0.0, 1.0].into_iter(), false, paper));
+        let long = "Longitudinal force on the upper body over normal force [kN/kN]";
+        let svg = |x_label, y_label| Frame { x: &x, y: &y, x_label, y_label, grid: true }.svg();
+        let whole = svg(long, long);
+        for part in [">Longitudinal force on the upper<", ">body over normal force [kN/kN]<"] {
+            assert_eq!(whole.matches(part).count(), 2, "{whole}");
+        }
+        assert!(
+            svg("x [mm]", "MPa").contains("class=\"label mid\" x=\"256.00\" y=\"274.00\">x [mm]<")
+        );
+        assert!(rows(long, 438.0, BELOW).iter().all(|row| 2.0 * row.half < 438.0));
+        assert_eq!(rows("Temperature rise [K]", 438.0, BELOW).len(), 1);
     }
 
     #[test]

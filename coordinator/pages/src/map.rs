@@ -8,7 +8,7 @@ pub use overlay::{Arrows, Edge};
 
 use super::axis::{Axis, Frame, extent};
 use super::canvas::{Drawing, Key, LEFT};
-use super::image::{COLOURS, address, entry};
+use super::image::{COLOURS, Palette, address, entry};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use run::format::number;
@@ -16,10 +16,13 @@ use std::fmt::Write as _;
 
 /// Width of the view box, larger than in other plots because a map shows more detail.
 const WIDTH: f64 = 680.0;
-/// Right limit of a map in the drawing, and position of its colour bar.
+/// Right limit of a map in the drawing.
 const RIGHT: f64 = 540.0;
 const TOP: f64 = 14.0;
-const BAR: [f64; 2] = [556.0, 572.0];
+/// Space between a map and its colour bar, and width of the bar.
+const BAR: [f64; 2] = [16.0, 16.0];
+/// Minimum width of a map with its legend, so that labels fit below it.
+const NARROWEST: f64 = 340.0;
 /// Maximum height of a map.
 const HEIGHT: f64 = 420.0;
 /// Height of a map whose axes have different scales.
@@ -57,6 +60,8 @@ pub struct Heatmap {
     pub values: Vec<f64>,
     /// Whether the colour range includes zero.
     pub from_zero: bool,
+    /// Colours. The range of a difference is symmetric, so that its zero is neutral.
+    pub palette: Palette,
     /// Whether both axes have the same scale.
     pub true_shape: bool,
     /// Vectors drawn over the colours.
@@ -97,11 +102,16 @@ impl Heatmap {
             title: &self.title,
             description: self.describe(),
             keys: self.keys(),
-            size: [WIDTH, TOP + height.max(BAR_HEIGHT) + 48.0],
+            size: [Self::total(width), TOP + height.max(BAR_HEIGHT) + 48.0],
             content: self.content(&drawn, &x, &y),
-            data: self.data(&drawn, &x, &y),
+            data: self.data(&drawn, &x, &y) + &natural(Self::total(width)),
             note: &self.note,
         }
+    }
+
+    /// Width of the drawing of a map of this width: the colour bar stands beside the map.
+    fn total(width: f64) -> f64 {
+        (WIDTH - (RIGHT - LEFT - width)).max(NARROWEST)
     }
 
     fn keys(&self) -> Vec<Key<'_>> {
@@ -112,7 +122,11 @@ impl Heatmap {
     /// Values at the ends of the colour range.
     fn range(&self) -> [f64; 2] {
         let values = self.values.iter().copied().chain(self.from_zero.then_some(0.0));
-        let range = extent(values).unwrap_or([0.0, 1.0]);
+        let mut range = extent(values).unwrap_or([0.0, 1.0]);
+        if self.palette == Palette::Diverging {
+            let most = range[0].abs().max(range[1].abs());
+            range = [-most, most];
+        }
         if range[0] < range[1] { range } else { [range[0] - 1.0, range[1] + 1.0] }
     }
 
@@ -126,7 +140,7 @@ impl Heatmap {
              height=\"{:.2}\" preserveAspectRatio=\"none\" href=\"{}\"/>",
             right - left,
             bottom - top,
-            address(drawn.columns, &drawn.pixels(range))
+            address(self.palette, drawn.columns, &drawn.pixels(range))
         );
         svg += &self.lines(drawn, x, y);
         if let Some(arrows) = &self.arrows {
@@ -138,7 +152,7 @@ impl Heatmap {
         }
         let (x_label, y_label) = (self.x_label.as_str(), self.y_label.as_str());
         svg += &Frame { x, y, x_label, y_label, grid: false }.svg();
-        svg + &self.bar(range, bottom.max(TOP + BAR_HEIGHT))
+        svg + &self.bar(range, right + BAR[0], bottom.max(TOP + BAR_HEIGHT))
     }
 
     /// Draws contour lines at the numbers beside the colour bar.
@@ -173,7 +187,13 @@ impl Heatmap {
     /// Position of the largest value in the drawing; `None` without a value, or if all values are
     /// equal.
     fn peak(&self, x: &Axis, y: &Axis) -> Option<[f64; 2]> {
-        let [low, high] = extent(self.values.iter().copied()).filter(|[low, high]| low < high)?;
+        extent(self.values.iter().copied()).filter(|[low, high]| low < high)?;
+        // A difference is marked where its magnitude is largest.
+        let size = |value: f64| match self.palette {
+            Palette::Sequential => value,
+            Palette::Diverging => value.abs(),
+        };
+        let [low, high] = extent(self.values.iter().map(|value| size(*value)))?;
         let rows = self.values.len() / self.columns;
         let middle = |n: usize, count: usize, [from, to]: [f64; 2]| {
             from + (n as f64 + 0.5) / count as f64 * (to - from)
@@ -183,7 +203,7 @@ impl Heatmap {
             let x = middle(at % self.columns, self.columns, self.x);
             x.hypot(middle(at / self.columns, rows, self.y))
         };
-        let as_large = |at: &usize| self.values[*at] >= high - 1e-9 * (high - low);
+        let as_large = |at: &usize| size(self.values[*at]) >= high - 1e-9 * (high - low);
         let at =
             (0..self.values.len()).filter(as_large).min_by(|a, b| off(a).total_cmp(&off(b)))?;
         let part = |n: usize, count: usize, [from, to]: [f64; 2]| {
@@ -266,8 +286,8 @@ impl Heatmap {
     }
 
     /// Draws the colour bar with its numbers.
-    fn bar(&self, range: [f64; 2], bottom: f64) -> String {
-        let [left, right] = BAR;
+    fn bar(&self, range: [f64; 2], left: f64, bottom: f64) -> String {
+        let right = left + BAR[1];
         let mut svg = String::new();
         let colours: Vec<u8> = (1..=COLOURS).rev().collect();
         let _ = writeln!(
@@ -276,7 +296,7 @@ impl Heatmap {
              preserveAspectRatio=\"none\" href=\"{}\"/>",
             right - left,
             bottom - TOP,
-            address(1, &colours)
+            address(self.palette, 1, &colours)
         );
         let axis = colour_axis(range, [bottom, TOP]);
         let ends = [(range[1], number(range[1], DIGITS)), (range[0], number(range[0], DIGITS))];
@@ -311,6 +331,14 @@ impl FieldDrawing {
     }
 }
 
+/// Attribute that keeps a narrow drawing at the scale of the others.
+fn natural(width: f64) -> String {
+    match width < WIDTH {
+        true => format!(" style=\"max-width:{:.1}%\"", 100.0 * width / WIDTH),
+        false => String::new(),
+    }
+}
+
 /// Axis of the colour bar.
 fn colour_axis(range: [f64; 2], paper: [f64; 2]) -> Axis {
     Axis { range, decades: false, whole: false, paper }
@@ -331,6 +359,7 @@ mod tests {
             columns,
             values,
             from_zero: false,
+            palette: Palette::Sequential,
             true_shape: true,
             arrows: None,
             edges: Vec::new(),
@@ -370,6 +399,28 @@ mod tests {
         let at = |values: Vec<f64>| map(2, values).peak(&axes[0], &axes[1]);
         assert_eq!(at(vec![0.0, 1.0, f64::NAN, 0.5]), Some([15.0, 7.5]));
         assert_eq!(at(vec![1.0; 4]), None);
+    }
+
+    /// A difference has zero in the middle of its colours, and its mark where it is largest.
+    #[test]
+    fn a_difference_is_symmetric() {
+        let axes = [[0.0, 20.0], [10.0, 0.0]].map(|paper| colour_axis([0.0, 1.0], paper));
+        let map = Heatmap { palette: Palette::Diverging, ..map(2, vec![0.0, -3.0, 0.0, 1.0]) };
+        assert_eq!(map.range(), [-3.0, 3.0]);
+        assert_eq!(map.peak(&axes[0], &axes[1]), Some([15.0, 7.5]));
+    }
+
+    /// The colour bar of a slender contact stands beside the map, and the drawing ends there.
+    #[test]
+    fn a_slender_map_has_its_colours_beside_it() {
+        let whole = map(2, vec![1.0; 2]);
+        let wide = whole.drawing();
+        let map = Heatmap { x: [0.0, 0.25], ..map(1, vec![1.0, 2.0]) };
+        let slender = map.drawing();
+        assert!(slender.size[0] < 0.55 * wide.size[0], "{:?}", slender.size);
+        let [width, _] = map.size();
+        assert!(slender.content.contains(&format!("class=\"bar\" x=\"{}\"", LEFT + width + 16.0)));
+        assert!(slender.data.contains("max-width:") && !wide.data.contains("max-width:"));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use super::axis::extent;
 use super::axis::{AXES, label, largest_magnitude};
 use super::canvas::Drawing;
+use super::image::Palette;
 use super::map::{Arrows, Edge, Heatmap, Polyline, contours, contours_at};
 use super::page::Block;
 use super::plot::Figure;
@@ -78,7 +79,17 @@ pub fn named(results: &Results) -> Vec<(String, FieldDrawing)> {
 /// Draws a field with the edges of the contact; `None` if all values are zero.
 #[must_use]
 pub fn draw(image: &Image, field: &Field, edges: &[Edge]) -> Option<FieldDrawing> {
-    let drawn = map(image, field, edges).map(FieldDrawing::Map);
+    let drawn = map(image, field, edges, Palette::Sequential).map(FieldDrawing::Map);
+    drawn.or_else(|| row(image, field).map(FieldDrawing::Line))
+}
+
+/// Draws the difference of a field from another state; `None` if it is zero everywhere. Zero has a
+/// neutral colour, and the length of a difference of vectors that of a value.
+#[must_use]
+pub fn draw_difference(image: &Image, field: &Field) -> Option<FieldDrawing> {
+    let palette = if field.components > 1 { Palette::Sequential } else { Palette::Diverging };
+    let everywhere = Field { in_contact: false, ..field.clone() };
+    let drawn = map(image, &everywhere, &[], palette).map(FieldDrawing::Map);
     drawn.or_else(|| row(image, field).map(FieldDrawing::Line))
 }
 
@@ -250,7 +261,7 @@ fn smoothed(mut line: Polyline) -> Polyline {
 }
 
 /// Draws a field as a map; `None` if the cells do not form a plane, or all values are zero.
-fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
+fn map(image: &Image, field: &Field, edges: &[Edge], palette: Palette) -> Option<Heatmap> {
     let [horizontal, upright] = image.plane()?;
     let mut values = field.magnitudes();
     let [least, most] = extent(values.iter().copied()).unwrap_or_default();
@@ -260,10 +271,10 @@ fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
     }
     let scale = Scale::of(&field.unit, largest);
     // Negative values within rounding do not count.
-    let is_positive = -least <= NOTHING * most;
+    let is_positive = palette == Palette::Sequential && -least <= NOTHING * most;
     let is_zero = |value: &f64| value.abs() <= ROUNDING * largest;
     let from_zero = values.iter().any(is_zero) || is_positive && least < 0.0;
-    let most = largest_at(image, field, &values, &scale);
+    let most = largest_at(image, field, &values, &scale, palette);
     for value in &mut values {
         let shown = if is_positive { value.max(0.0) } else { *value };
         // Outside the contact there is no value of its fields; a body has a temperature everywhere.
@@ -294,6 +305,7 @@ fn map(image: &Image, field: &Field, edges: &[Edge]) -> Option<Heatmap> {
         columns: image.cells[horizontal],
         values,
         from_zero,
+        palette,
         true_shape: upright == 1,
         arrows: arrows(field).filter(|_| upright == 1),
         edges: edges.iter().map(scaled).collect(),
@@ -329,7 +341,7 @@ fn row(image: &Image, field: &Field) -> Option<Figure> {
     let scale = Scale::of(&field.unit, largest);
     let borders = image.borders(along);
     let length = Scale::of("m", borders[0].abs().max(borders[1].abs()));
-    let most = largest_at(image, field, &magnitudes, &scale);
+    let most = largest_at(image, field, &magnitudes, &scale, Palette::Sequential);
     let mut figure =
         Figure::new(words(&field.name), label(AXES[along], &length.unit), label("", &scale.unit));
     figure.note = format!("{}. {most}", sentence(&field.meaning));
@@ -353,16 +365,25 @@ fn row(image: &Image, field: &Field) -> Option<Figure> {
 }
 
 /// Describes the largest value and its position in a sentence.
-fn largest_at(image: &Image, field: &Field, values: &[f64], scale: &Scale) -> String {
-    let (Some([_, most]), Some(plane)) = (extent(values.iter().copied()), image.plane()) else {
-        return String::new();
+fn largest_at(
+    image: &Image,
+    field: &Field,
+    values: &[f64],
+    scale: &Scale,
+    palette: Palette,
+) -> String {
+    let size = |value: f64| match palette {
+        Palette::Sequential => value,
+        Palette::Diverging => value.abs(),
     };
+    let sizes = extent(values.iter().map(|value| size(*value)));
+    let (Some([_, most]), Some(plane)) = (sizes, image.plane()) else { return String::new() };
     let columns = image.cells[plane[0]];
     // Among values that are equal within rounding, take the one nearest to the origin.
     let off = |at: &usize| {
         image.middle(plane[0], at % columns).hypot(image.middle(plane[1], at / columns))
     };
-    let as_large = (0..values.len()).filter(|&at| values[at] >= most - 1e-9 * most.abs());
+    let as_large = (0..values.len()).filter(|&at| size(values[at]) >= most - 1e-9 * most.abs());
     let Some(at) = as_large.min_by(|a, b| off(a).total_cmp(&off(b))) else { return String::new() };
     let place = [0, 1].map(|n| {
         let middle = image.middle(plane[n], [at % columns, at / columns][n]);
@@ -374,7 +395,7 @@ fn largest_at(image: &Image, field: &Field, values: &[f64], scale: &Scale) -> St
     });
     let what = if field.components > 1 { "Longest" } else { "Largest" };
     let unit = if scale.unit.is_empty() { "" } else { "\u{a0}" };
-    let most = number(most / scale.factor, 4);
+    let most = number(values[at] / scale.factor, 4);
     format!("{what} {most}{unit}{} at {}.", scale.unit, place.join(", "))
 }
 
@@ -407,7 +428,7 @@ mod tests {
     fn a_single_row_is_drawn_as_lines() {
         let (mut image, pressure) = image(vec![0.0, 5e6, 1e6]);
         image.cells = [3, 1, 0];
-        assert!(map(&image, &pressure, &[]).is_none());
+        assert!(map(&image, &pressure, &[], Palette::Sequential).is_none());
         let figure = row(&image, &pressure).unwrap();
         assert_eq!(figure.lines.len(), 1);
         let values: Vec<f64> = figure.lines[0].points.iter().map(|point| point[1]).collect();
@@ -433,11 +454,11 @@ mod tests {
             values: vec![-9.7e-5, 72.0, 1.0, 2.0, 3.0, 4.0],
             ..field
         };
-        let drawn = map(&image, &field, &[]).unwrap();
+        let drawn = map(&image, &field, &[], Palette::Sequential).unwrap();
         assert!(drawn.from_zero);
         assert_eq!(drawn.values[..3], [0.0, 72.0, 1.0]);
         let field = Field { values: vec![-1.0, 72.0, 1.0, 2.0, 3.0, 4.0], ..field };
-        let drawn = map(&image, &field, &[]).unwrap();
+        let drawn = map(&image, &field, &[], Palette::Sequential).unwrap();
         assert!(!drawn.from_zero && drawn.values[0] == -1.0);
     }
 
@@ -515,10 +536,21 @@ mod tests {
         assert_eq!(made.values, [0.0, 1.0, 0.0, 0.0, 0.2, 0.0]);
     }
 
+    /// A difference keeps its sign, however small one side is, and is not blank where it is zero.
+    #[test]
+    fn a_difference_is_told_by_its_magnitude() {
+        let (image, field) = image(vec![0.0, -5e6, 0.0, 0.0, 1.0, 2e6]);
+        let Some(FieldDrawing::Map(map)) = draw_difference(&image, &field) else { panic!() };
+        assert_eq!(map.values, [0.0, -5.0, 0.0, 0.0, 1e-6, 2.0]);
+        assert!(map.note.contains("Largest −5.000\u{a0}MPa at x 0.500\u{a0}mm"), "{}", map.note);
+        let same = Field { values: vec![0.0; 6], ..field };
+        assert!(draw_difference(&image, &same).is_none());
+    }
+
     #[test]
     fn the_largest_value_is_told_with_its_place() {
         let (image, field) = image(vec![0.0, 5e6, 0.0, 0.0, 1e3, 2e6]);
-        let map = map(&image, &field, &[]).unwrap();
+        let map = map(&image, &field, &[], Palette::Sequential).unwrap();
         assert!(
             map.note.ends_with("Largest 5.000\u{a0}MPa at x 0.500\u{a0}mm, y −500\u{a0}µm."),
             "{}",

@@ -207,7 +207,7 @@ impl Page {
     #[must_use]
     pub fn with(&self, addition: &Addition<'_>) -> String {
         let policy = POLICY.to_owned() + if addition.requests { REQUESTS } else { "" };
-        let [name, status] = [&self.name, &self.status].map(|text| escape(text));
+        let window_title = escape(&self.window_title());
         let (Addition { body, style, script, .. }, head) = (addition, self.head());
         let sections: String = self.sections.iter().map(Section::html).collect();
         // The policy blocks all other requests, whatever the contents of the page. An embedded icon
@@ -219,10 +219,16 @@ impl Page {
              <meta name=\"color-scheme\" content=\"light dark\"/>\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\"/>\n\
              <link rel=\"icon\" href=\"data:,\"/>\n\
-             <title>{name} · {status}</title>\n<style>\n{PLOT_STYLE}{STYLE}{style}</style>\n\
+             <title>{window_title}</title>\n<style>\n{PLOT_STYLE}{STYLE}{style}</style>\n\
              </head>\n<body>\n<main>\n{head}{body}{sections}</main>\n\
              <script>//<![CDATA[\n{SCRIPT}{script}//]]></script>\n</body>\n</html>\n"
         )
+    }
+
+    /// Returns the title of the browser window: name and status.
+    #[must_use]
+    pub fn window_title(&self) -> String {
+        format!("{} · {}", self.name, self.status)
     }
 
     /// Renders name, title and status of the run.

@@ -6,13 +6,14 @@
 mod image;
 
 use contract::figure::FigureSpec;
+use contract::input_file::InputFileError;
 pub use image::{Field, Image};
-use run::error::{RunError, file_failure};
+use run::error::{RunError, file_failure, input_failure};
 use run::plan_file::{self, PlanFile};
 use run::results::history;
 use run::results::last::{self, LastFields};
+use run::results::read_file;
 use run::results::summary::Status;
-use run::results::vtk::FileSeries;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::fs;
@@ -65,7 +66,8 @@ impl GridSeries {
     #[must_use]
     pub fn line_at(&self, instant: usize) -> Option<Columns> {
         let (_, path) = self.instants.get(instant)?;
-        fs::read_to_string(path.with_extension("csv")).ok().map(|text| Columns::parse(&text))
+        let table = read_file(&path.with_extension("csv")).ok()?;
+        Some(Columns::parse(&String::from_utf8_lossy(&table)))
     }
 }
 
@@ -118,10 +120,12 @@ impl Results {
 
     /// Reads a text file; empty if missing.
     fn text(&mut self, path: &Path) -> Result<String, RunError> {
-        match fs::read(path) {
+        match read_file(path) {
             Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(String::new()),
-            Err(error) => Err(file_failure(path, &error)),
+            Err(InputFileError::System(error)) if error.kind() == ErrorKind::NotFound => {
+                Ok(String::new())
+            }
+            Err(error) => Err(input_failure(path, &error)),
         }
     }
 
@@ -146,9 +150,13 @@ impl Results {
             Ok(None) => return self.troubles.extend(unkept(folder)),
             Err(why) => return self.troubles.push(why),
         };
-        let mut all = last.series.into_owned();
-        all.sort_by(|a, b| a.name.cmp(&b.name));
-        for FileSeries { name, files } in all {
+        let mut all = last.series;
+        all.sort();
+        for name in all {
+            let files = last::files_of(folder, &name).unwrap_or_else(|why| {
+                self.troubles.push(why);
+                Vec::new()
+            });
             let path = |(time, file): (f64, String)| (time, folder.join(file));
             let instants: Vec<_> = files.into_iter().map(path).collect();
             let image = Image::of(last.fields.iter().filter(|field| field.series == name));
@@ -253,6 +261,29 @@ impl Columns {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A folder from elsewhere may hold a device or a pipe in the place of any file.
+    #[test]
+    fn only_regular_files_are_read() {
+        let names = [
+            "summary.json",
+            "iterations.csv",
+            "history.csv",
+            "case.toml",
+            "plan.json",
+            "log.jsonl",
+        ];
+        for name in names {
+            let folder = tempfile::tempdir().unwrap();
+            for other in ["summary.json", "log.jsonl"] {
+                fs::write(folder.path().join(other), "").unwrap();
+            }
+            let _ = fs::remove_file(folder.path().join(name));
+            std::os::unix::fs::symlink("/dev/zero", folder.path().join(name)).unwrap();
+            let refused = Results::read(folder.path()).unwrap_err().to_string();
+            assert!(refused.contains(name) && refused.contains("is a device"), "{refused}");
+        }
+    }
 
     #[test]
     fn a_cut_line_is_left_out_and_an_empty_cell_is_no_number() {

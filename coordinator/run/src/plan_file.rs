@@ -2,7 +2,7 @@
 
 use crate::error::RunError;
 use crate::plan::{Effect, Field, Participant, Plan};
-use crate::results::ResultFolder;
+use crate::results::{ResultFolder, read_file};
 use crate::warnings::Warning;
 use contract::configuration::Layout;
 use contract::diagram::Diagram;
@@ -143,7 +143,7 @@ pub fn write(plan: &Plan, folder: &ResultFolder) -> Result<(), RunError> {
 /// case already contains the values of the options, so a new plan would no longer warn about
 /// replaced keys.
 pub(crate) fn first_warnings(folder: &ResultFolder) -> Vec<Warning> {
-    let text = std::fs::read(folder.file(FILE)).unwrap_or_default();
+    let text = read_file(&folder.file(FILE)).unwrap_or_default();
     serde_json::from_slice(&text).map_or_else(|_| Vec::new(), |plan: PlanFile| plan.warnings)
 }
 

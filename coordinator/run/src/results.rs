@@ -13,6 +13,7 @@ pub mod iterations;
 pub mod last;
 mod line;
 pub mod place;
+mod read;
 mod rows;
 pub mod show;
 pub mod summary;
@@ -21,3 +22,4 @@ pub mod write;
 
 pub use claim::Existing;
 pub use folder::ResultFolder;
+pub use read::read_file;

@@ -5,7 +5,10 @@
 
 use crate::error::RunError;
 use crate::results::claim::MARKER;
+use crate::results::dir::Dir;
+use contract::input_file;
 use proto::lock_file::LockFile;
+use rustix::fs::OFlags;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -18,17 +21,26 @@ const PAUSE: Duration = Duration::from_millis(700);
 /// Age of the file from which nobody watches any more.
 const OLD: Duration = Duration::from_secs(3);
 
-/// Notes that somebody watches the run of a result folder. Failure has no consequence but older
-/// fields on the page.
+/// Notes that somebody watches the run of a result folder. A link, a pipe or a device in the place
+/// of the file is left alone. Failure has no consequence but older fields on the page.
 pub fn look(folder: &Path) {
-    let file = File::options().create(true).append(true).open(folder.join(LOOK));
-    let _ = file.and_then(|file| file.set_modified(SystemTime::now()));
+    // Without waiting: opening a pipe for writing waits for its reader.
+    let flags = OFlags::WRONLY | OFlags::CREATE | OFlags::NONBLOCK;
+    let file = Dir::open(folder).and_then(|dir| dir.file(LOOK, flags));
+    let is_regular = |file: &File| file.metadata().is_ok_and(|found| found.is_file());
+    if let Ok(file) = file.as_ref().map_err(drop)
+        && is_regular(file)
+    {
+        let _ = file.set_modified(SystemTime::now());
+    }
 }
 
 /// Returns whether a run writes into a result folder: it holds the lock of the marker.
 #[must_use]
 pub fn is_running(folder: &Path) -> bool {
-    let Ok(marker) = File::open(folder.join(MARKER)).map(LockFile::from) else { return false };
+    let Ok(marker) = input_file::open(&folder.join(MARKER)).map(LockFile::from) else {
+        return false;
+    };
     matches!(marker.try_lock_shared(), Err(TryLockError::WouldBlock))
 }
 
@@ -66,6 +78,8 @@ impl Watcher {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rustix::fs::{CWD, FileType, Mode, mknodat};
+    use std::os::unix::fs::symlink;
 
     #[test]
     fn fields_are_due_while_somebody_looks() {
@@ -82,6 +96,19 @@ mod tests {
         let long_ago = SystemTime::now() - 2 * OLD;
         File::open(folder.path().join(LOOK)).unwrap().set_modified(long_ago).unwrap();
         assert!(!due(&mut watcher), "the last look is long ago");
+    }
+
+    /// The file is neither made nor touched through a link, and a pipe is not waited for.
+    #[test]
+    fn only_a_regular_file_is_touched() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        symlink(at("target"), at(LOOK)).unwrap();
+        look(folder.path());
+        assert!(!at("target").exists());
+        fs::remove_file(at(LOOK)).unwrap();
+        mknodat(CWD, at(LOOK), FileType::Fifo, Mode::from_raw_mode(0o600), 0).unwrap();
+        look(folder.path());
     }
 
     #[test]

@@ -9,16 +9,20 @@ use contract::bodies::Bodies;
 use contract::configuration::Configuration;
 use contract::field::{FieldKind, GEOMETRY};
 use contract::grid::Grid;
+use contract::input_file;
 use contract::message::{CommandKind, FieldHeader};
 use proto::recording::{Chunk, Chunks, Event, Head, Item, Iteration, Participant, RecordingError};
-use run::error::{RunError, file_failure};
-use std::fs::{self, File};
+use run::error::{RunError, file_failure, input_failure};
+use std::collections::HashMap;
+use std::fs::{self, File, Metadata};
 use std::ops::Range;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
-/// Maximum number of samples in the index: about 200 MB.
-const MOST_SAMPLES: usize = 4_000_000;
+/// Approximate limit of the memory of an index \[byte\]. A compressed recording of less than a
+/// megabyte can hold any number of samples and steps.
+const MOST_BYTES: usize = 256 << 20;
 
 /// A completed iteration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +70,11 @@ pub(crate) struct Series {
     geometry: Option<String>,
     /// Places, in order of time.
     pub(crate) places: Vec<Place>,
+    /// Number of samples of the newest window so far, by iteration.
+    attempts: HashMap<u32, u32>,
+    /// Positions in `places` by window, iteration and attempt, for as many as were looked up.
+    positions: HashMap<(u64, u32, u32), usize>,
+    looked_up: usize,
 }
 
 /// A sample with its grid.
@@ -79,8 +88,7 @@ pub(crate) struct Sample {
 /// Index of a recording.
 pub(crate) struct Index {
     path: PathBuf,
-    /// Device and number of the file.
-    file: [u64; 2],
+    file: FileIdentity,
     recording: FileRecording,
     finder: Chunks<File>,
     chunks: Vec<Chunk>,
@@ -88,12 +96,30 @@ pub(crate) struct Index {
     /// Grids of the services, from the first connection, with the service of their geometry.
     topics: Vec<(String, Grid, Option<String>)>,
     series: Vec<Series>,
+    /// Number of the series of each service.
+    numbers: HashMap<String, usize>,
     steps: Vec<Step>,
-    samples: usize,
+    /// Memory of samples and steps \[byte\].
+    held: usize,
+    most: usize,
     /// The iterations as rows of a table, as a run writes them, after its head.
     rows: Vec<String>,
     error: Option<String>,
     ended: bool,
+}
+
+/// Identity of a file, by which another one in its place is recognised.
+#[derive(Clone, Copy, Debug)]
+struct FileIdentity {
+    device: u64,
+    number: u64,
+    changed: Option<SystemTime>,
+}
+
+impl FileIdentity {
+    fn of(found: &Metadata) -> Self {
+        Self { device: found.dev(), number: found.ino(), changed: found.modified().ok() }
+    }
 }
 
 impl Index {
@@ -102,29 +128,41 @@ impl Index {
     /// # Errors
     /// The file does not exist, or is not a recording.
     pub(crate) fn open(path: &Path) -> Result<Self, RunError> {
+        Self::open_within(path, MOST_BYTES)
+    }
+
+    /// Opens a recording like [`Index::open`], with another limit of memory \[byte\].
+    pub(crate) fn open_within(path: &Path, most: usize) -> Result<Self, RunError> {
         let recording = recording_file::open(path)?;
-        let file = File::open(path).map_err(|error| file_failure(path, &error))?;
+        let file = input_file::open(path).map_err(|error| input_failure(path, &error))?;
         let found = file.metadata().map_err(|error| file_failure(path, &error))?;
         Ok(Self {
             path: path.to_owned(),
-            file: [found.dev(), found.ino()],
+            file: FileIdentity::of(&found),
             recording,
             finder: Chunks::new(file),
             chunks: Vec::new(),
             bodies: None,
             topics: Vec::new(),
             series: Vec::new(),
+            numbers: HashMap::new(),
             steps: Vec::new(),
-            samples: 0,
+            held: 0,
+            most,
             rows: Vec::new(),
             error: None,
             ended: false,
         })
     }
 
-    /// Returns whether the file at this path is the one that is read.
+    /// Returns whether the file at this path is the one that is read: neither another file, nor one
+    /// that was written again in place. The open file keeps its number from being used again.
     pub(crate) fn is_of(&self, path: &Path) -> bool {
-        fs::metadata(path).is_ok_and(|found| [found.dev(), found.ino()] == self.file)
+        let Ok(found) = fs::metadata(path) else { return false };
+        let now = FileIdentity::of(&found);
+        let same = [now.device, now.number] == [self.file.device, self.file.number];
+        let grown_only = found.len() >= self.bytes();
+        same && grown_only && (!self.is_complete() || now.changed == self.file.changed)
     }
 
     /// Reads the next chunk; returns false if no further chunk is complete.
@@ -132,11 +170,15 @@ impl Index {
     /// # Errors
     /// The recording is damaged.
     pub(crate) fn advance(&mut self) -> Result<bool, RunError> {
-        if self.samples >= MOST_SAMPLES {
+        if self.is_full() {
             return Ok(false);
         }
         let path = self.path.clone();
+        let grew = !self.is_complete();
         let found = self.finder.find_next().map_err(|error| file_failure(&path, &error))?;
+        if grew && self.is_complete() {
+            self.file.changed = fs::metadata(&path).and_then(|found| found.modified()).ok();
+        }
         let Some(chunk) = found else { return Ok(false) };
         self.chunks.push(chunk);
         let outcome = self.read_chunk(chunk);
@@ -144,7 +186,7 @@ impl Index {
     }
 
     fn read_chunk(&mut self, chunk: Chunk) -> Result<(), RecordingError> {
-        let Self { recording, bodies, topics, series, steps, .. } = self;
+        let Self { recording, bodies, topics, series, numbers, steps, .. } = self;
         let number = self.chunks.len() as u32 - 1;
         let head = recording.head().clone();
         recording.seek(chunk)?;
@@ -152,15 +194,18 @@ impl Index {
             let nanoseconds = entry.nanoseconds;
             match entry.item {
                 Item::Sample { service, header, values } => {
-                    let at = position(series, service, &header, &head, topics);
+                    let at = numbers.get(service).copied().unwrap_or_else(|| {
+                        series.push(Series::new(service, &header, &head, topics));
+                        numbers.insert(service.to_owned(), series.len() - 1);
+                        series.len() - 1
+                    });
                     let FieldHeader { window, iteration, .. } = header;
-                    let places = &mut series[at].places;
-                    let attempt = attempts(places, window, iteration);
+                    let attempt = series[at].attempt(window, iteration);
                     let (range, hash, chunk) = (range(values), hash(values), number);
                     let place =
                         Place { nanoseconds, chunk, window, iteration, attempt, range, hash };
-                    places.push(place);
-                    self.samples += 1;
+                    series[at].places.push(place);
+                    self.held += size_of::<Place>();
                 }
                 Item::Event(Event::Command { command, body, .. }) => {
                     match CommandKind::from_number(command.kind) {
@@ -180,7 +225,9 @@ impl Index {
                     if steps.is_empty() {
                         self.rows.push(table_head(&iteration, &head.participants));
                     }
-                    self.rows.push(table_row(&iteration));
+                    let row = table_row(&iteration);
+                    self.held += size_of::<Step>() + size_of::<String>() + row.len();
+                    self.rows.push(row);
                     steps.push(Step {
                         window: iteration.window,
                         iteration: iteration.iteration,
@@ -195,7 +242,7 @@ impl Index {
                 }
                 Item::Event(Event::Reply { .. } | Event::Repeated { .. }) | Item::State { .. } => {}
             }
-            if nanoseconds >= chunk.last {
+            if nanoseconds >= chunk.last || self.held >= self.most {
                 break;
             }
         }
@@ -260,7 +307,7 @@ impl Index {
 
     /// Returns the number of the series of a service.
     pub(crate) fn find(&self, service: &str) -> Option<usize> {
-        self.series.iter().position(|one| one.service == service)
+        self.numbers.get(service).copied()
     }
 
     /// Returns all series, geometries included.
@@ -310,9 +357,9 @@ impl Index {
         self.finder.is_finished()
     }
 
-    /// Returns whether the recording has more samples than the index.
+    /// Returns whether the index holds as much as it may; the rest of the recording is not read.
     pub(crate) fn is_full(&self) -> bool {
-        self.samples >= MOST_SAMPLES
+        self.held >= self.most
     }
 
     /// Returns the length of the part that was read \[byte\].
@@ -322,6 +369,26 @@ impl Index {
 }
 
 impl Series {
+    /// Returns a series without samples; the header is that of its first sample.
+    fn new(
+        service: &str,
+        header: &FieldHeader,
+        head: &Head,
+        topics: &[(String, Grid, Option<String>)],
+    ) -> Self {
+        let topic = topics.iter().find(|(name, ..)| name == service);
+        Self {
+            service: service.to_owned(),
+            kind: head.field_kind(header),
+            grid: topic.map(|(_, grid, _)| grid.clone()),
+            geometry: topic.and_then(|(.., geometry)| geometry.clone()),
+            places: Vec::new(),
+            attempts: HashMap::new(),
+            positions: HashMap::new(),
+            looked_up: 0,
+        }
+    }
+
     /// Returns the newest sample at a time \[ns\].
     pub(crate) fn at(&self, nanoseconds: u64) -> Option<Place> {
         let after = self.places.partition_point(|place| place.nanoseconds <= nanoseconds);
@@ -329,12 +396,24 @@ impl Series {
     }
 
     /// Returns the sample of the same window, iteration and attempt as one of another recording.
-    pub(crate) fn like(&self, other: &Place) -> Option<Place> {
-        let first = self.places.partition_point(|place| place.window < other.window);
-        let window = self.places[first..].iter().take_while(|place| place.window == other.window);
-        let same =
-            |place: &&Place| (place.iteration, place.attempt) == (other.iteration, other.attempt);
-        window.into_iter().find(same).copied()
+    pub(crate) fn like(&mut self, other: &Place) -> Option<Place> {
+        let key = |place: &Place| (place.window, place.iteration, place.attempt);
+        for (at, place) in self.places.iter().enumerate().skip(self.looked_up) {
+            self.positions.entry(key(place)).or_insert(at);
+        }
+        self.looked_up = self.places.len();
+        self.positions.get(&key(other)).map(|at| self.places[*at])
+    }
+
+    /// Returns the number of samples so far with this window and iteration, and counts another one.
+    /// The windows of a run never go back.
+    fn attempt(&mut self, window: u64, iteration: u32) -> u32 {
+        if self.places.last().is_none_or(|last| last.window != window) {
+            self.attempts.clear();
+        }
+        let count = self.attempts.entry(iteration).or_default();
+        *count += 1;
+        *count - 1
     }
 
     /// Returns whether the samples are geometries.
@@ -362,34 +441,6 @@ fn read_at(
     Err(RecordingError::Content("a sample has gone since it was first read".to_owned()))
 }
 
-/// Returns the number of the series of a service, which is new if necessary.
-fn position(
-    series: &mut Vec<Series>,
-    service: &str,
-    header: &FieldHeader,
-    head: &Head,
-    topics: &[(String, Grid, Option<String>)],
-) -> usize {
-    if let Some(at) = series.iter().position(|one| one.service == service) {
-        return at;
-    }
-    let topic = topics.iter().find(|(name, ..)| name == service);
-    series.push(Series {
-        service: service.to_owned(),
-        kind: head.field_kind(header),
-        grid: topic.map(|(_, grid, _)| grid.clone()),
-        geometry: topic.and_then(|(.., geometry)| geometry.clone()),
-        places: Vec::new(),
-    });
-    series.len() - 1
-}
-
-/// Returns the number of samples so far with this window and iteration.
-fn attempts(places: &[Place], window: u64, iteration: u32) -> u32 {
-    let of_window = places.iter().rev().take_while(|place| place.window == window);
-    of_window.filter(|place| place.iteration == iteration).count() as u32
-}
-
 /// Returns a number for all bits of the values.
 fn hash(values: &[f64]) -> u64 {
     // Multiplication by an odd number and rotation keep every bit of the last state.
@@ -399,18 +450,34 @@ fn hash(values: &[f64]) -> u64 {
     values.iter().fold(values.len() as u64, mix)
 }
 
-/// Returns the first sample that another recording does not have, or has with other values: its
-/// series and its time \[ns\].
-pub(crate) fn first_difference(now: &Index, then: &Index) -> Option<(usize, u64)> {
-    let first = |(number, series): (usize, &Series)| {
-        let other = then.find(&series.service).map(|at| &then.series[at]);
-        let differs = |place: &&Place| {
-            let same = other.and_then(|other| other.like(place));
-            same.is_none_or(|same| same.hash != place.hash)
-        };
-        series.places.iter().find(differs).map(|place| (number, place.nanoseconds))
-    };
-    now.series.iter().enumerate().filter_map(first).min_by_key(|(_, nanoseconds)| *nanoseconds)
+/// Search for the first difference of a recording from another one. Both may still grow.
+#[derive(Debug, Default)]
+pub(crate) struct DifferenceSearch {
+    /// Number of leading samples of each series that are equal.
+    equal: Vec<usize>,
+}
+
+impl DifferenceSearch {
+    /// Returns the first sample that the other recording does not have, or has with other values:
+    /// its series and its time \[ns\]. Samples that were found equal are not compared again.
+    pub(crate) fn first(&mut self, now: &Index, then: &mut Index) -> Option<(usize, u64)> {
+        self.equal.resize(now.series.len(), 0);
+        let mut first: Option<(usize, u64)> = None;
+        for (number, (series, equal)) in now.series.iter().zip(&mut self.equal).enumerate() {
+            let other = then.find(&series.service);
+            let mut is_same = |place: &Place| {
+                let same = other.and_then(|at| then.series[at].like(place));
+                same.is_some_and(|same| same.hash == place.hash)
+            };
+            *equal += series.places[*equal..].iter().take_while(|place| is_same(place)).count();
+            if let Some(place) = series.places.get(*equal)
+                && first.is_none_or(|(_, earliest)| place.nanoseconds < earliest)
+            {
+                first = Some((number, place.nanoseconds));
+            }
+        }
+        first
+    }
 }
 
 /// Returns the smallest and largest finite value; not a number if there is none.

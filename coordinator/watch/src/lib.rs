@@ -10,6 +10,7 @@
 
 mod index;
 mod offline;
+mod recording;
 mod server;
 mod steps;
 #[cfg(test)]

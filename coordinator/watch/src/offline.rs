@@ -41,7 +41,7 @@ pub(crate) fn write(mut watched: Watched, file: &Path, replaces: bool) -> Result
         let shown = file.display();
         return Err(RunError::Usage(format!("{shown} exists; replace it with --replace")));
     }
-    while watched.advance()? {}
+    watched.read_all();
     let state = watched.state();
     let fields: Vec<usize> = state.fields.iter().map(|(number, _)| *number).collect();
     let all = watched.steps().to_vec();

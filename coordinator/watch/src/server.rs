@@ -3,13 +3,17 @@
 //! It listens on 127.0.0.1 and answers only requests whose path begins with a random token, and
 //! whose header `Host` names this address. Other pages in the same browser can therefore neither
 //! guess an address nor reach the server under a name of their own. It reads nothing from a request
-//! but its path and query, and changes nothing.
+//! but its path and query. It changes nothing but the time of the file by which a run knows that
+//! somebody looks.
+//!
+//! If there are too many connections, the one is dropped that has shown the token least recently,
+//! or never. Silent connections of other programs can therefore keep no reader out.
 
 use crate::steps::Move;
 use crate::view::{Against, Request as ViewRequest};
 use crate::watched::Watched;
 use http_body_util::Full;
-use hyper::body::{Bytes, Incoming};
+use hyper::body::{Body as _, Bytes, Incoming};
 use hyper::header::{self, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
@@ -25,6 +29,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 use tokio::net::TcpListener;
+use tokio::task::AbortHandle;
 
 /// Longest wait for the header of a request.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -54,8 +59,50 @@ struct Shared {
     watched: RefCell<Watched>,
     host: String,
     token: String,
-    connections: RefCell<usize>,
+    connections: RefCell<Connections>,
     looked: RefCell<Instant>,
+}
+
+/// Open connections, oldest first.
+#[derive(Default)]
+struct Connections {
+    open: Vec<Connection>,
+    count: u64,
+}
+
+struct Connection {
+    number: u64,
+    /// Time of the last request with the token.
+    admitted: Option<Instant>,
+    task: AbortHandle,
+}
+
+impl Connections {
+    fn next_number(&mut self) -> u64 {
+        self.count += 1;
+        self.count
+    }
+
+    /// Adds a connection; if there are too many, another one is dropped.
+    fn add(&mut self, number: u64, task: AbortHandle) {
+        if self.open.len() >= CONNECTIONS
+            && let Some(least) = self.open.iter().min_by_key(|one| (one.admitted, one.number))
+        {
+            least.task.abort();
+            let least = least.number;
+            self.remove(least);
+        }
+        self.open.push(Connection { number, admitted: None, task });
+    }
+
+    fn admit(&mut self, number: u64) {
+        let known = self.open.iter_mut().find(|one| one.number == number);
+        known.into_iter().for_each(|one| one.admitted = Some(Instant::now()));
+    }
+
+    fn remove(&mut self, number: u64) {
+        self.open.retain(|one| one.number != number);
+    }
 }
 
 type Answer = Response<Full<Bytes>>;
@@ -93,7 +140,7 @@ impl Server {
             watched: RefCell::new(watched),
             host: self.address.to_string(),
             token: self.token,
-            connections: RefCell::new(0),
+            connections: RefCell::default(),
             looked: RefCell::new(Instant::now()),
         });
         let reading = read_on(&shared);
@@ -105,14 +152,11 @@ impl Server {
                     tokio::time::sleep(PAUSE).await;
                     continue;
                 };
-                if *shared.connections.borrow() >= CONNECTIONS {
-                    continue;
-                }
-                *shared.connections.borrow_mut() += 1;
+                let number = shared.connections.borrow_mut().next_number();
                 let of_connection = Rc::clone(&shared);
-                tokio::task::spawn_local(async move {
+                let task = tokio::task::spawn_local(async move {
                     let answer = service_fn(|request| {
-                        let answer = of_connection.answer(&request);
+                        let answer = of_connection.answer(number, &request);
                         std::future::ready(Ok::<_, Infallible>(answer))
                     });
                     let connection = http1::Builder::new()
@@ -121,8 +165,9 @@ impl Server {
                         .serve_connection(TokioIo::new(stream), answer);
                     // Nobody is left to hear of an error of the connection.
                     let _ = connection.await;
-                    *of_connection.connections.borrow_mut() -= 1;
+                    of_connection.connections.borrow_mut().remove(number);
                 });
+                shared.connections.borrow_mut().add(number, task.abort_handle());
             }
         };
         tokio::join!(reading, accepting);
@@ -135,8 +180,7 @@ async fn read_on(shared: &Shared) {
     loop {
         let looks = shared.looked.borrow().elapsed() < AWAY;
         let more = match first || looks {
-            // Errors stand on the page.
-            true => shared.watched.borrow_mut().advance().unwrap_or(false),
+            true => shared.watched.borrow_mut().advance(),
             false => false,
         };
         first &= more;
@@ -151,17 +195,20 @@ async fn read_on(shared: &Shared) {
 }
 
 impl Shared {
-    fn answer(&self, request: &Request<Incoming>) -> Answer {
-        let host = request.headers().get(header::HOST).and_then(|host| host.to_str().ok());
-        let local = host.is_some_and(|host| {
+    fn answer(&self, connection: u64, request: &Request<Incoming>) -> Answer {
+        let mut hosts = request.headers().get_all(header::HOST).iter();
+        let host = hosts.next().filter(|_| hosts.next().is_none());
+        let local = host.and_then(|host| host.to_str().ok()).is_some_and(|host| {
             host == self.host || Some(host) == self.host.replace("127.0.0.1", "localhost").get(..)
         });
+        let plain_get = request.method() == Method::GET && request.body().is_end_stream();
         let path = request.uri().path().strip_prefix('/').unwrap_or_default();
         let (token, path) = path.split_once('/').unwrap_or_default();
-        if !local || token != self.token || request.method() != Method::GET {
+        if !local || !plain_get || !is_equal(token, &self.token) {
             return plain(StatusCode::NOT_FOUND, "text/plain", "not found\n".to_owned());
         }
         *self.looked.borrow_mut() = Instant::now();
+        self.connections.borrow_mut().admit(connection);
         match path {
             "" => html(self.page()),
             "state" => json(&self.watched.borrow().state()),
@@ -185,6 +232,12 @@ impl Shared {
         page.sections.clear();
         page.with(&addition)
     }
+}
+
+/// Compares two texts in a time that does not tell how many of their first letters agree.
+fn is_equal(given: &str, token: &str) -> bool {
+    let differ = given.bytes().zip(token.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
+    given.len() == token.len() && differ == 0
 }
 
 fn sections(watched: &Watched) -> String {
@@ -243,6 +296,54 @@ fn plain(status: StatusCode, kind: &'static str, text: String) -> Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::{Read, Write};
+    use std::net::TcpStream;
+    use std::sync::mpsc;
+
+    /// Serves a folder without a recording on a thread of its own, for the life of the process.
+    fn served() -> (SocketAddr, String) {
+        let (sender, receiver) = mpsc::channel();
+        std::thread::spawn(move || {
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::write(folder.path().join("log.jsonl"), "").unwrap();
+            let watched = Watched::open(folder.path(), None).unwrap();
+            let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+            tokio::task::LocalSet::new().block_on(&runtime.unwrap(), async {
+                let server = Server::listen(0).await.unwrap();
+                sender.send((server.address, server.token.clone())).unwrap();
+                server.serve(watched).await;
+            });
+        });
+        receiver.recv().unwrap()
+    }
+
+    /// Sends a request, and returns the status of the answer.
+    fn asked(address: SocketAddr, request: &str) -> String {
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.write_all(request.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer.split(' ').nth(1).unwrap_or_default().to_owned()
+    }
+
+    #[test]
+    fn silent_connections_keep_nobody_out() {
+        let (address, token) = served();
+        let _silent: Vec<TcpStream> =
+            (0..2 * CONNECTIONS).map(|_| TcpStream::connect(address).unwrap()).collect();
+        let close = "connection: close\r\n\r\n";
+        let state = format!("GET /{token}/state HTTP/1.1\r\nhost: {address}\r\n");
+        assert_eq!(asked(address, &format!("{state}{close}")), "200");
+        let refused = [
+            format!("{state}host: {address}\r\n{close}"),
+            format!("{state}content-length: 1\r\n{close}x"),
+            format!("GET /{token}x/state HTTP/1.1\r\nhost: {address}\r\n{close}"),
+            format!("GET /{token}/state HTTP/1.1\r\nhost: example.org\r\n{close}"),
+        ];
+        for request in refused {
+            assert_eq!(asked(address, &request), "404", "{request}");
+        }
+    }
 
     #[test]
     fn a_query_is_read_and_nonsense_is_the_default() {

@@ -1,6 +1,6 @@
 //! A small recording: followed while it grows, compared, drawn, and damaged.
 
-use crate::index::{Index, first_difference};
+use crate::index::{DifferenceSearch, Index};
 use crate::steps::Move;
 use crate::view::{Against, Request, view};
 use crate::watched::Watched;
@@ -8,9 +8,10 @@ use contract::grid::{Grid, Structured};
 use contract::message::{Command, CommandKind, FieldHeader, Label, Topic, Topics};
 use proptest::prelude::*;
 use proto::recording::{Compression, Event, FORMAT, Head, Iteration, RecordingWriter};
-use std::fs;
+use std::fs::{self, File};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 use tempfile::TempDir;
 
 const SERVICE: &str = "field/mech/friction_power";
@@ -143,9 +144,11 @@ fn the_first_difference_is_found() {
     let folder = tempfile::tempdir().unwrap();
     let [one, other] = [1.0, 1.0 + f64::EPSILON]
         .map(|last| indexed(&stored(&folder, &format!("{last:e}.mcap"), &recorded(last))));
-    let again = indexed(&stored(&folder, "again.mcap", &recorded(1.0)));
-    assert_eq!(first_difference(&one, &again), None);
-    let (series, time) = first_difference(&other, &one).unwrap();
+    let mut one = one;
+    let mut again = indexed(&stored(&folder, "again.mcap", &recorded(1.0)));
+    let first = |now: &Index, then: &mut Index| DifferenceSearch::default().first(now, then);
+    assert_eq!(first(&one, &mut again), None);
+    let (series, time) = first(&other, &mut one).unwrap();
     assert_eq!(other.series()[series].service, SERVICE);
     let steps = other.steps();
     assert!(steps[4].nanoseconds < time && time < steps[5].nanoseconds);
@@ -174,6 +177,101 @@ fn every_comparison_is_drawn() {
     change(Against::Other, "friction power minus that of the other recording");
 }
 
+/// A folder as a run leaves it, with the recording.
+fn results(folder: &TempDir, recording: &[u8]) -> PathBuf {
+    let results = folder.path().join("results");
+    fs::create_dir(&results).unwrap();
+    fs::write(results.join("log.jsonl"), "").unwrap();
+    fs::write(results.join("recording.mcap"), recording).unwrap();
+    results
+}
+
+fn shown(watched: &mut Watched) -> String {
+    watched.read_all();
+    let last = Request { series: 0, step: 0, go: Move::Last, against: Against::Nothing };
+    watched.view(last).unwrap().html
+}
+
+/// Another run with as many steps is another run, whether its recording is a new file or is written
+/// into the old one.
+#[test]
+fn another_run_in_the_folder_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = results(&folder, &recorded(1.0));
+    let recording = path.join("recording.mcap");
+    let mut watched = Watched::open(&path, None).unwrap();
+    assert!(shown(&mut watched).contains("data-range=\"5 10\""));
+    let first = watched.state();
+    fs::remove_file(&recording).unwrap();
+    fs::write(&recording, recorded(2.0)).unwrap();
+    assert!(shown(&mut watched).contains("data-range=\"10 20\""));
+    let second = watched.state();
+    assert!(second.run != first.run && second.fields == first.fields);
+    fs::write(&recording, recorded(3.0)).unwrap();
+    // The clock of a file system may be coarse.
+    let later = SystemTime::now() + Duration::from_secs(5);
+    File::options().append(true).open(&recording).unwrap().set_modified(later).unwrap();
+    assert!(shown(&mut watched).contains("data-range=\"15 30\""));
+    assert_ne!(watched.state().run, second.run);
+}
+
+/// A run without a recording has no steps, and a folder that is gone is told.
+#[test]
+fn a_recording_or_a_folder_that_is_removed_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = results(&folder, &recorded(1.0));
+    let mut watched = Watched::open(&path, None).unwrap();
+    watched.read_all();
+    assert_eq!((watched.steps().len(), watched.state().remark), (6, None));
+    fs::rename(&path, folder.path().join("elsewhere")).unwrap();
+    watched.read_all();
+    let remark = watched.state().remark.unwrap();
+    assert!(remark.ends_with("results has been removed; the page shows what was read before"));
+    assert_eq!(watched.steps().len(), 6);
+    fs::rename(folder.path().join("elsewhere"), &path).unwrap();
+    fs::remove_file(path.join("recording.mcap")).unwrap();
+    watched.read_all();
+    assert_eq!((watched.steps().len(), watched.state().remark), (0, None));
+}
+
+/// A full disk may cut a recording before its head; the report of the run is there nevertheless.
+#[test]
+fn a_recording_without_a_head_is_a_remark() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = results(&folder, &recorded(1.0)[..60]);
+    let mut watched = Watched::open(&path, None).unwrap();
+    watched.read_all();
+    let remark = watched.state().remark.unwrap();
+    assert!(remark.contains("truncated before its header is complete"), "{remark}");
+    let alone = Watched::open(&path.join("recording.mcap"), None).err().unwrap().to_string();
+    assert!(alone.contains("truncated before its header"), "{alone}");
+    let compared = Watched::open(&path, Some(&path)).err().unwrap().to_string();
+    assert!(compared.contains("holds no recording to compare"), "{compared}");
+}
+
+/// The page of a recording that has just been completed does not call its run running.
+#[test]
+fn a_finished_run_is_not_running() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = stored(&folder, "recording.mcap", &recorded(1.0));
+    let mut watched = Watched::open(&path, Some(&path)).unwrap();
+    watched.read_all();
+    assert_eq!(watched.page().status, "recorded");
+    let state = watched.state();
+    assert!(!state.live && state.difference.is_none());
+}
+
+/// A recording with any number of steps takes a limited part of the memory.
+#[test]
+fn a_full_index_reads_no_further() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = stored(&folder, "recording.mcap", &recorded(1.0));
+    let mut index = Index::open_within(&path, 1000).unwrap();
+    while index.advance().unwrap() {}
+    assert!(index.is_full());
+    assert!((1..6).contains(&index.steps().len()), "{}", index.steps().len());
+}
+
 /// No text of a recording becomes markup, on the page and in the file.
 #[test]
 fn hostile_names_are_text() {
@@ -199,7 +297,7 @@ proptest! {
         bytes.truncate((cut * bytes.len() as f64) as usize);
         let path = stored(&folder, "recording.mcap", &bytes);
         let Ok(mut watched) = Watched::open(&path, Some(&path)) else { return Ok(()) };
-        while watched.advance().unwrap() {}
+        while watched.advance() {}
         let _ = watched.state();
         for against in Against::ALL {
             let _ = watched.view(Request { series: 0, step: 3, go: Move::Next, against });

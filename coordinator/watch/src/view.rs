@@ -53,7 +53,7 @@ pub(crate) struct Request {
 }
 
 /// A view, as the script of the page receives it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct View {
     /// Number of the shown step.
     pub(crate) step: usize,
@@ -61,6 +61,8 @@ pub(crate) struct View {
     pub(crate) caption: String,
     /// HTML of the drawings.
     pub(crate) html: String,
+    /// Number of the recording that is drawn, as in the state.
+    pub(crate) run: u64,
 }
 
 /// Returns the name of a series for the page.
@@ -87,11 +89,11 @@ pub(crate) fn view(
 ) -> Result<View, RunError> {
     let Some(step) = arrive(now.steps(), request.step, request.go) else {
         let caption = "no iteration is complete yet".to_owned();
-        return Ok(View { step: 0, caption, html: String::new() });
+        return Ok(View { caption, ..View::default() });
     };
     let caption = caption(now.steps(), step);
     let blocks = blocks(now, other, Request { step, ..request })?;
-    Ok(View { step, caption, html: page::html(&blocks) })
+    Ok(View { step, caption, html: page::html(&blocks), run: 0 })
 }
 
 fn caption(steps: &[Step], at: usize) -> String {
@@ -194,13 +196,12 @@ fn drawings(kind: &FieldLabel, sample: &Sample, before: Option<(&str, &Sample)>)
         return vec![Block::Text("The grid of this field is not in the recording.".to_owned())];
     };
     let name = words(&kind.name);
-    let mut blocks = vec![drawn(kind, grid, &sample.values, name.clone(), None)];
+    let mut blocks = vec![drawn(kind, grid, &sample.values, name.clone(), Drawn::Field)];
     if let Some((of, before)) = before {
         match difference(sample, before) {
             Some(values) => {
                 let title = format!("{name} minus that of {of}");
-                let note = "Positive where the shown values are larger.".to_owned();
-                blocks.push(drawn(kind, grid, &values, title, Some(note)));
+                blocks.push(drawn(kind, grid, &values, title, Drawn::Difference));
             }
             None => blocks.push(Block::Text(format!("The grid differs from that of {of}."))),
         }
@@ -211,27 +212,32 @@ fn drawings(kind: &FieldLabel, sample: &Sample, before: Option<(&str, &Sample)>)
     blocks
 }
 
-/// Draws values as a map or as lines or, on a grid without rows, as scattered points. A note
-/// replaces that about the field.
-fn drawn(
-    kind: &FieldLabel,
-    grid: &Grid,
-    values: &[f64],
-    title: String,
-    note: Option<String>,
-) -> Block {
-    let Some(image) = image(kind, grid, values) else {
+/// Kind of drawn values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Drawn {
+    Field,
+    Difference,
+}
+
+/// Draws values as a map or as lines or, on a grid without rows, as scattered points.
+fn drawn(kind: &FieldLabel, grid: &Grid, values: &[f64], title: String, drawn: Drawn) -> Block {
+    let Some(mut image) = image(kind, grid, values) else {
         return Block::Figure(scattered(kind, grid, values, title));
     };
-    match maps::draw(&image, &image.fields[0], &[]) {
-        Some(FieldDrawing::Map(map)) => {
-            let note = note.unwrap_or_else(|| map.note.clone());
-            Block::Heatmap(Heatmap { title, note, ..map })
+    let drawing = match drawn {
+        Drawn::Field => maps::draw(&image, &image.fields[0], &[]),
+        Drawn::Difference => {
+            let field = &mut image.fields[0];
+            field.meaning = match field.components {
+                1 => "positive where the shown values are larger".to_owned(),
+                _ => "difference of the vectors".to_owned(),
+            };
+            maps::draw_difference(&image, &image.fields[0])
         }
-        Some(FieldDrawing::Line(line)) => {
-            let note = note.unwrap_or_else(|| line.note.clone());
-            Block::Figure(Figure { title, note, ..line })
-        }
+    };
+    match drawing {
+        Some(FieldDrawing::Map(map)) => Block::Heatmap(Heatmap { title, ..map }),
+        Some(FieldDrawing::Line(line)) => Block::Figure(Figure { title, ..line }),
         None => Block::Text(format!("The {title} is zero everywhere.")),
     }
 }

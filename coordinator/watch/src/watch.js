@@ -7,7 +7,7 @@
   const stored = by("stored");
   const file = stored && JSON.parse(stored.textContent);
   let [shown, report, timer, playing, pending] = [-1, 0, 0, 0, null];
-  let known = null;
+  let [known, touched] = [null, false];
 
   const ask = async path => {
     const answer = await fetch(path);
@@ -54,6 +54,8 @@
     pending = {};
     try {
       const view = await (file ? fromFile : fromServer)({ step, go });
+      // Another recording has taken the place of the one that the page knows.
+      if (!file && known && view.run !== known.run) soon();
       shown = view.step;
       slider.value = shown;
       by("caption").textContent = view.caption;
@@ -87,42 +89,58 @@
     const [field, step] = known.difference;
     series.value = field;
     against.value = "other";
-    show(step);
+    return show(step);
+  };
+
+  // Lists the fields, and keeps the chosen one by its name: another recording has other numbers.
+  const list = fields => {
+    const chosen = series.selectedOptions[0]?.textContent;
+    series.replaceChildren(...fields.map(([number, name]) => new Option(name, number)));
+    const same = [...series.options].find(option => option.textContent === chosen);
+    if (same) same.selected = true;
   };
 
   // Takes over the state of the run: fields, number of steps, news, and a report that has changed.
   const take = async state => {
     const first = !known;
     const newest = shown >= Number(slider.max);
-    const names = JSON.stringify(state.fields);
-    if (!known || names !== JSON.stringify(known.fields)) {
-      const chosen = series.value;
-      series.replaceChildren(...state.fields.map(([number, name]) => new Option(name, number)));
-      if (chosen) series.value = chosen;
-    }
+    const other = known && state.run !== known.run;
     const more = !known || state.steps !== known.steps;
+    const found = state.difference && !(known && known.difference);
+    if (first || other || JSON.stringify(state.fields) !== JSON.stringify(known.fields)) list(state.fields);
     known = state;
+    document.title = state.title;
     by("stepper").hidden = !state.steps || !state.fields.length;
     slider.max = Math.max(state.steps - 1, 0);
     against.querySelector("[value=other]").hidden = !state.other;
     by("difference").hidden = !state.difference;
     const news = [];
-    if (state.live) news.push("The run goes on; this page follows.");
+    if (state.live) {
+      news.push(file ? "The run was going on when this page was written." : "The run goes on; this page follows.");
+    }
     if (state.read < 1) news.push("Reading the recording: " + Math.round(100 * state.read) + " %.");
     if (state.other && !state.difference && state.read >= 1 && !state.live) {
       news.push("Both recordings have the same values.");
     }
-    if (state.remark) news.push(state.remark);
+    if (state.remark) news.push(state.remark + ".");
     by("news").textContent = news.join(" ");
-    if (first && state.steps) {
-      const place = location.hash.slice(1).split(",");
-      if (place.length === 3) {
-        series.value = place[0];
-        against.value = place[2];
-      }
-      if (series.selectedIndex < 0) series.selectedIndex = 0;
-      await (place.length === 3 ? show(Number(place[1])) : show(0, "last"));
-    } else if (more && newest && !playing) {
+    const place = location.hash.slice(1).split(",");
+    const returns = first && place.length === 3;
+    if (returns) {
+      [touched, series.value, against.value] = [true, place[0], place[2]];
+    } else if (first && state.other) {
+      against.value = "other";
+    }
+    if (series.selectedIndex < 0) series.selectedIndex = 0;
+    if (!state.steps) {
+      shown = -1;
+      by("caption").textContent = "";
+      put(by("view"), "");
+    } else if (returns) {
+      await show(Number(place[1]));
+    } else if (found && !touched) {
+      await difference();
+    } else if (first || other || (more && newest && !playing)) {
       await show(0, "last");
     }
     if (state.report !== report && report) await renew();
@@ -137,6 +155,7 @@
     by("report").querySelectorAll("details").forEach((node, n) => { node.open = Boolean(open[n]); });
   };
   const look = async () => {
+    clearTimeout(timer);
     let pause = 500;
     try {
       const state = await (await ask("state")).json();
@@ -149,6 +168,9 @@
     timer = setTimeout(look, pause);
   };
 
+  const soon = () => { clearTimeout(timer); timer = setTimeout(look, 0); };
+
+  ["pointerdown", "keydown"].forEach(kind => document.addEventListener(kind, () => { touched = true; }));
   document.querySelector(".controls").addEventListener("submit", event => event.preventDefault());
   document.querySelectorAll("[data-go]").forEach(button =>
     button.addEventListener("click", () => show(shown, button.dataset.go)));

@@ -1,6 +1,7 @@
 //! The subject of a page: a result folder, its recording, or a recording alone.
 
-use crate::index::{Index, Step, first_difference};
+use crate::index::{DifferenceSearch, Index, Step};
+use crate::recording::WatchedRecording;
 use crate::view::{self, Request, View, name};
 use pages::page::{Page, RunStatus};
 use pages::source::{Columns, Results};
@@ -19,38 +20,49 @@ const REREAD: Duration = Duration::from_millis(400);
 /// State of the run or recording, as the script of the page receives it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct State {
+    /// Title of the page.
+    title: String,
     /// Number of completed steps in the recording.
     steps: usize,
     /// Names of the fields in the recording, each with the number of its series.
     pub(crate) fields: Vec<(usize, String)>,
     /// Whether the run goes on.
-    live: bool,
+    pub(crate) live: bool,
     /// Part of the recording that was read \[-\].
     read: f64,
     /// Whether there is another recording to compare with.
     pub(crate) other: bool,
     /// Series and step of the first difference to the other recording, once it is known.
-    difference: Option<(usize, usize)>,
+    pub(crate) difference: Option<(usize, usize)>,
+    /// Number that changes when another recording is read: everything drawn before is outdated.
+    pub(crate) run: u64,
     /// Number that changes when the report does.
     report: u64,
     /// Remark about the recording.
-    remark: Option<String>,
+    pub(crate) remark: Option<String>,
 }
+
+/// Everything by which a change of the tables is noticed: the newest change of a file or, without a
+/// result folder, the length that was read; whether the run goes on; the recording that is read.
+type Version = (Option<SystemTime>, u64, bool, u64);
 
 /// A run or a recording.
 pub(crate) struct Watched {
     /// Result folder.
     folder: Option<PathBuf>,
-    index: Option<Index>,
-    path: Option<PathBuf>,
-    other: Option<Index>,
-    /// Whether both indices are complete for now.
+    recording: WatchedRecording,
+    other: Option<WatchedRecording>,
+    search: DifferenceSearch,
+    /// Series and time \[ns\] of the first difference.
+    difference: Option<(usize, u64)>,
+    /// Whether both recordings are read as far as they are written.
     idle: bool,
     page: Page,
     report: u64,
-    /// When the tables were read, the newest change they had then, and whether the run went on.
-    read: Option<(Instant, (Option<SystemTime>, bool))>,
-    remark: Option<String>,
+    /// When the tables were looked at, and their version then.
+    read: Option<(Instant, Version)>,
+    /// Reason why the tables cannot be read.
+    trouble: Option<String>,
 }
 
 impl Watched {
@@ -66,22 +78,19 @@ impl Watched {
                 path.display()
             )));
         }
-        let (folder, recording) = match path.is_dir() {
-            true => (Some(path.to_owned()), newest_recording(path)),
-            false => (None, Some(path.to_owned())),
-        };
-        let other = against.map(|other| match other.is_dir() {
-            true => newest_recording(other).unwrap_or_else(|| other.join("recording.mcap")),
-            false => other.to_owned(),
-        });
-        if let (None, Some(_)) = (&recording, &other) {
-            return Err(RunError::Usage(format!(
-                "{} holds no recording to compare; `coordinator run CASE --record` writes one",
-                path.display()
-            )));
+        let recording = WatchedRecording::open(path)?;
+        let other = against.map(WatchedRecording::open).transpose()?;
+        let compared = [Some((path, &recording)), against.zip(other.as_ref())];
+        for (path, recording) in compared.into_iter().flatten().filter(|_| other.is_some()) {
+            if recording.index().is_none() {
+                let why = recording.remark().map_or_else(String::new, |why| format!(": {why}"));
+                return Err(RunError::Usage(format!(
+                    "{} holds no recording to compare{why}; `coordinator run CASE --record` \
+                     writes one",
+                    path.display()
+                )));
+            }
         }
-        let index = recording.as_deref().map(Index::open).transpose()?;
-        let other = other.as_deref().map(Index::open).transpose()?;
         let page = Page {
             name: String::new(),
             title: String::new(),
@@ -90,34 +99,48 @@ impl Watched {
             reason: String::new(),
             sections: Vec::new(),
         };
-        let (path, idle, report, read, remark) = (recording, false, 0, None, None);
-        let mut watched = Self { folder, index, path, other, idle, page, report, read, remark };
+        let mut watched = Self {
+            folder: path.is_dir().then(|| path.to_owned()),
+            recording,
+            other,
+            search: DifferenceSearch::default(),
+            difference: None,
+            idle: false,
+            page,
+            report: 0,
+            read: None,
+            trouble: None,
+        };
         watched.reread()?;
         Ok(watched)
     }
 
     /// Reads further, for a short time. Returns whether there is more to read now.
-    ///
-    /// # Errors
-    /// A file cannot be read.
-    pub(crate) fn advance(&mut self) -> Result<bool, RunError> {
+    pub(crate) fn advance(&mut self) -> bool {
         let until = Instant::now() + SLICE;
         let mut more = true;
         while more && Instant::now() < until {
             more = false;
-            for index in self.index.iter_mut().chain(&mut self.other) {
-                more |= match index.advance() {
-                    Ok(more) => more,
-                    Err(error) => {
-                        self.remark.get_or_insert(error.to_string());
-                        false
-                    }
-                };
+            for recording in std::iter::once(&mut self.recording).chain(&mut self.other) {
+                more |= recording.advance();
             }
         }
         self.idle = !more;
-        self.reread()?;
-        Ok(more)
+        if self.idle {
+            self.search();
+        }
+        if self.read.as_ref().is_none_or(|(when, _)| when.elapsed() >= REREAD) {
+            self.refresh();
+        }
+        more
+    }
+
+    /// Reads everything that is written by now, tables included.
+    pub(crate) fn read_all(&mut self) {
+        while !self.idle || self.advance() {
+            while self.advance() {}
+            self.refresh();
+        }
     }
 
     /// Tells the run that somebody looks, so that it writes its newest fields.
@@ -129,41 +152,38 @@ impl Watched {
 
     /// Returns whether the run goes on.
     fn is_live(&self) -> bool {
-        match (&self.folder, &self.index) {
-            (Some(folder), _) => {
-                !folder.join("summary.json").is_file() && watching::is_running(folder)
-            }
-            (None, Some(index)) => !index.is_complete() && self.is_growing(),
-            (None, None) => false,
+        match &self.folder {
+            Some(folder) => !folder.join("summary.json").is_file() && watching::is_running(folder),
+            None => self.recording.is_growing(),
         }
     }
 
-    /// Returns whether the recording was written to in the last seconds.
-    fn is_growing(&self) -> bool {
-        let changed =
-            self.path.as_deref().and_then(|path| fs::metadata(path).ok()?.modified().ok());
-        let age = changed.and_then(|changed| changed.elapsed().ok());
-        age.is_some_and(|age| age < Duration::from_secs(10))
+    /// Notices another recording and changed tables. A failure is a remark on the page.
+    fn refresh(&mut self) {
+        let before = self.run();
+        self.recording.follow();
+        if let Some(other) = &mut self.other {
+            other.follow();
+        }
+        if self.run() != before {
+            (self.search, self.difference, self.idle) = (DifferenceSearch::default(), None, false);
+        }
+        self.trouble = self.reread().err().map(|error| error.to_string());
     }
 
     /// Reads the tables of the folder again if they have changed, or makes them from the recording.
     fn reread(&mut self) -> Result<(), RunError> {
-        let last = self.read.as_ref();
-        if last.is_some_and(|(when, _)| when.elapsed() < REREAD) {
-            return Ok(());
-        }
-        let changed = match &self.folder {
-            Some(folder) => newest_change(folder),
-            None => self.index.as_ref().map(|index| {
-                SystemTime::UNIX_EPOCH + Duration::from_nanos(index.steps().len() as u64)
-            }),
-        };
         let live = self.is_live();
-        if last.is_some_and(|(_, before)| *before == (changed, live)) {
+        let (changed, bytes) = match &self.folder {
+            Some(folder) => (newest_change(folder), 0),
+            None => (None, self.recording.index().map_or(0, Index::bytes)),
+        };
+        let version = (changed, bytes, live, self.run());
+        let last = self.read.replace((Instant::now(), version));
+        if last.is_some_and(|(_, before)| before == version) && self.trouble.is_none() {
             return Ok(());
         }
-        self.reopen();
-        self.page = match (&self.folder, &self.index) {
+        self.page = match (&self.folder, self.recording.index()) {
             (Some(folder), _) => pages::page(&Results::read(folder)?),
             (None, Some(index)) => of_recording(index),
             (None, None) => return Ok(()),
@@ -173,50 +193,50 @@ impl Watched {
             self.page.reason = "the page shows what has been written so far".to_owned();
         }
         self.report += 1;
-        self.read = Some((Instant::now(), (changed, live)));
         Ok(())
     }
 
-    /// Opens the recording of the folder if a later run has written one.
-    fn reopen(&mut self) {
-        let Some(newest) = self.folder.as_deref().and_then(newest_recording) else { return };
-        if self.index.as_ref().is_none_or(|index| !index.is_of(&newest)) {
-            // A recording that has just begun has no head yet, and is opened at the next look.
-            self.index = Index::open(&newest).ok();
-            self.path = Some(newest);
-        }
+    /// Returns a number that changes when another recording is read.
+    fn run(&self) -> u64 {
+        let all = std::iter::once(&self.recording).chain(&self.other);
+        all.map(WatchedRecording::changes).sum()
     }
 
     /// Returns the state.
     pub(crate) fn state(&self) -> State {
-        let of = |index: &Index| -> Vec<(usize, String)> {
+        let fields = |index: &Index| -> Vec<(usize, String)> {
             let series = index.series().iter().enumerate().filter(|(_, one)| !one.is_geometry());
             series.map(|(number, one)| (number, name(one, index.bodies()))).collect()
         };
-        let length = self.path.as_deref().and_then(|path| fs::metadata(path).ok());
-        let length = length.map_or(0, |file| file.len()).max(1);
-        let full = self.index.as_ref().is_some_and(Index::is_full);
-        let full = full.then(|| "the recording has more samples than are shown".to_owned());
+        let (index, live) = (self.recording.index(), self.is_live());
+        // The head of a recording that has just begun is not written yet.
+        let own = self.recording.remark().filter(|_| index.is_some() || !live);
+        let other = self.other.as_ref().and_then(WatchedRecording::remark);
         State {
-            steps: self.index.as_ref().map_or(0, |index| index.steps().len()),
-            fields: self.index.as_ref().map(of).unwrap_or_default(),
-            live: self.is_live(),
-            read: match (&self.index, self.idle) {
-                (Some(index), false) => index.bytes() as f64 / length as f64,
-                _ => 1.0,
-            },
+            title: self.page.window_title(),
+            steps: index.map_or(0, |index| index.steps().len()),
+            fields: index.map(fields).unwrap_or_default(),
+            live,
+            read: if self.idle { 1.0 } else { self.recording.part_read() },
             other: self.other.is_some(),
-            difference: self.difference(),
+            difference: self.difference_at(),
+            run: self.run(),
             report: self.report,
-            remark: self.remark.clone().or(full),
+            remark: own.or_else(|| self.trouble.clone()).or(other),
         }
     }
 
+    /// Searches the first difference to the other recording.
+    fn search(&mut self) {
+        let then = self.other.as_mut().and_then(WatchedRecording::index_mut);
+        let (Some(now), Some(then)) = (self.recording.index(), then) else { return };
+        self.difference = self.search.first(now, then);
+    }
+
     /// Returns series and step of the first difference to the other recording.
-    fn difference(&self) -> Option<(usize, usize)> {
-        let (now, then) = (self.index.as_ref()?, self.other.as_ref()?);
-        let (series, nanoseconds) = first_difference(now, then).filter(|_| self.idle)?;
-        let step = now.steps().partition_point(|step| step.nanoseconds < nanoseconds);
+    fn difference_at(&self) -> Option<(usize, usize)> {
+        let (series, nanoseconds) = self.difference.filter(|_| self.idle)?;
+        let step = self.steps().partition_point(|step| step.nanoseconds < nanoseconds);
         Some((series, step))
     }
 
@@ -225,15 +245,17 @@ impl Watched {
     /// # Errors
     /// The recording is damaged.
     pub(crate) fn view(&mut self, request: Request) -> Result<View, RunError> {
-        match &mut self.index {
-            Some(index) => view::view(index, self.other.as_mut(), request),
-            None => Ok(View { step: 0, caption: String::new(), html: String::new() }),
+        let run = self.run();
+        let other = self.other.as_mut().and_then(WatchedRecording::index_mut);
+        match self.recording.index_mut() {
+            Some(index) => Ok(View { run, ..view::view(index, other, request)? }),
+            None => Ok(View { run, ..View::default() }),
         }
     }
 
     /// Returns the completed steps.
     pub(crate) fn steps(&self) -> &[Step] {
-        self.index.as_ref().map_or(&[], Index::steps)
+        self.recording.index().map_or(&[], Index::steps)
     }
 
     /// Returns the page with the report.
@@ -263,18 +285,6 @@ fn of_recording(index: &Index) -> Page {
         }
     };
     page
-}
-
-/// Returns the recording of a folder that was written last.
-fn newest_recording(folder: &Path) -> Option<PathBuf> {
-    let entries = fs::read_dir(folder).ok()?.flatten();
-    let recordings = entries.filter(|entry| {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        name.starts_with("recording") && name.ends_with(".mcap")
-    });
-    let dated = recordings
-        .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())));
-    dated.max().map(|(_, path)| path)
 }
 
 /// Returns when a file was last changed that the report shows.

@@ -22,6 +22,10 @@ const SLIPPING: f64 = 6.0;
 /// Key of the ratio of tangential to normal force.
 pub(crate) const TRACTION_RATIO: &str = "contact.traction_ratio";
 
+/// Keys of the creepages that are the same along a creep curve.
+const CREEPAGE_ETA: &str = "contact.creepage_eta";
+const SPIN: &str = "contact.creepage_phi_per_m";
+
 const SHEAR_RATIO: &str = "pressure_over_shear_strength";
 const SHAKEDOWN: &str = "shakedown_ratio";
 const SIZE: &str = "size_over_radius";
@@ -219,12 +223,13 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
 /// Diagram of the traction coefficient over the longitudinal creepage, the creep curve of a sweep
 /// or a sequence.
 pub(crate) fn creep_curve() -> Diagram {
-    Diagram::new(
+    let curve = Diagram::new(
         "Creep curve",
         [CREEPAGE_XI, TRACTION_RATIO],
-        "Negative creepage drives: the wheel's surface is faster than the rail's. The curve ends at the friction \
-         coefficient.",
-    )
+        "Negative creepage drives: the surface of the upper body is faster than that of the lower one. The curve \
+         ends at the friction coefficient.",
+    );
+    Diagram { constant: [CREEPAGE_ETA, SPIN].map(str::to_owned).to_vec(), ..curve }
 }
 
 /// Diagram of p₀/k over the traction coefficient, with the limits of a line contact.

@@ -22,6 +22,10 @@ pub struct Diagram {
     /// not drawn.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<Curve>,
+    /// Keys of figures that are the same in all points of a curve. Points that differ in one of them
+    /// form no curve.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constant: Vec<String>,
     /// Both axes have the same scale.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub true_shape: bool,
@@ -52,7 +56,8 @@ impl Diagram {
     #[must_use]
     pub fn new(title: &str, [x, y]: [&str; 2], note: &str) -> Self {
         let [title, x, y, note] = [title, x, y, note].map(str::to_owned);
-        Self { title, x, y, lines: Vec::new(), curves: Vec::new(), true_shape: false, note }
+        let (lines, curves, constant, true_shape) = Default::default();
+        Self { title, x, y, lines, curves, constant, true_shape, note }
     }
 
     /// Checks a diagram received from a participant that describes these figures.
@@ -62,9 +67,9 @@ impl Diagram {
     /// fewer than 2 or too many points or a value that is not finite.
     pub fn check<'a>(&self, figures: impl Iterator<Item = &'a str> + Clone) -> Result<(), String> {
         let title = &self.title;
-        for axis in [&self.x, &self.y] {
+        for axis in [&self.x, &self.y].into_iter().chain(&self.constant) {
             if !figures.clone().any(|key| key == axis) {
-                return Err(format!("diagram `{title}` is over `{axis}`, which is no figure"));
+                return Err(format!("diagram `{title}` names `{axis}`, which is no figure"));
             }
         }
         let [lines, points] = MOST;
@@ -97,6 +102,7 @@ mod tests {
         let of = |points| Diagram { lines: vec![Line { points, ..line.clone() }], ..good.clone() };
         let wrong = [
             Diagram { x: "contact.power_w".to_owned(), ..good.clone() },
+            Diagram { constant: vec!["contact.power_w".to_owned()], ..good.clone() },
             Diagram { lines: vec![line.clone(); MOST[0] + 1], ..good.clone() },
             of(vec![[0.0, 1.0]]),
             of(vec![[0.0, 1.0], [f64::NAN, 1.0]]),

@@ -45,6 +45,15 @@ pub struct FieldKind {
     pub meaning: String,
 }
 
+impl FieldKind {
+    /// Returns whether the field is a power, whose sum over the surface is balanced: conservative,
+    /// and no vector such as a force.
+    #[must_use]
+    pub fn is_power(&self) -> bool {
+        self.mapping == Mapping::Conservative && self.components == 1
+    }
+}
+
 /// A row of the table. Rust code names a field by one of the constants below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldSpec {

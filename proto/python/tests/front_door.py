@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 import cosim
+from cosim import pictures
 from cosim.command import toml
-from cosim.series import Fault, read
+from cosim.series import Fault, Field, read
 
 matplotlib.use("Agg")
 
@@ -115,6 +116,15 @@ def test_pictures_have_axes_and_units(results):
     assert depth.yaxis_inverted() and depth.get_xlabel() == "rail section temperature [K]"
     with pytest.raises(ValueError, match="not a section"):
         results.plot_depth("pressure")
+
+
+def test_a_slender_picture_stands_in_the_middle_of_its_figure():
+    x, y = np.linspace(-1e-3, 1e-3, 5), np.linspace(-8e-3, 8e-3, 9)
+    values = np.outer(y, x)
+    figure = pictures.field(Field("pressure", "Pa", 0.0, values, x, y, np.zeros(1))).figure
+    figure.canvas.draw()
+    box, width = figure.get_tightbbox(), figure.get_figwidth()
+    assert abs(box.x0 - (width - box.x1)) < 0.05 * width
 
 
 def test_a_recording_is_replayed_to_the_bit(results):

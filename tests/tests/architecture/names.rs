@@ -12,18 +12,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use tests::harness::root;
 use thermal_solver::ThermalSolver;
 
-const FOLDERS: [&str; 9] = [
-    "coordinator/coupling/src",
-    "coordinator/case/src",
-    "coordinator/surrogate/src",
-    "coordinator/run/src",
-    "coordinator/console/src",
-    "coordinator/pages/src",
-    "coordinator/conformance/src",
-    "coordinator/studies/src",
-    "coordinator/src",
-];
-
 /// Names with a second meaning in the coordinator: columns of tables and secant columns, geometry
 /// of grids, patches of a surface.
 const COMMON: [&str; 3] = ["columns", "geometry", "patches"];
@@ -61,7 +49,7 @@ fn has(text: &str, name: &str) -> bool {
 }
 
 /// Names in the string literals and identifiers of each file in some folders.
-fn named(folders: &[&str], names: &BTreeSet<String>) -> Named {
+fn named(folders: &[String], names: &BTreeSet<String>) -> Named {
     let (root, mut all) = (root(), Named::new());
     for file in folders.iter().flat_map(|folder| code::files(&root.join(folder))) {
         let refers = code::references(&code::read(&file));
@@ -82,13 +70,17 @@ fn the_coordinator_names_no_physics() {
         ((*file).to_owned(), names.iter().map(|name| (*name).to_owned()).collect())
     };
     let expected: Named = EXCEPTIONS.iter().map(listed).collect();
-    assert_eq!(named(&FOLDERS, &names()), expected, "files and names, as found and as listed");
+    let members = super::manifests::members().into_iter();
+    let own = members.filter(|member| member.split('/').next() == Some("coordinator"));
+    let folders: Vec<String> = own.map(|member| format!("{member}/src")).collect();
+    assert!(folders.contains(&"coordinator/watch/src".to_owned()), "{folders:?}");
+    assert_eq!(named(&folders, &names()), expected, "files and names, as found and as listed");
 }
 
 #[test]
 fn models_of_the_mechanics_name_no_effect() {
     let effects = MechSolver.description().effects.into_iter().map(|effect| effect.name);
-    let mut found = named(&["mech-solver/src"], &effects.collect());
+    let mut found = named(&["mech-solver/src".to_owned()], &effects.collect());
     assert!(!found.is_empty(), "the effects name themselves");
     found.retain(|file, _| !file.starts_with("mech-solver/src/effects"));
     assert_eq!(found, Named::new());

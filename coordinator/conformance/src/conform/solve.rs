@@ -5,7 +5,8 @@ use super::bench::TestBench;
 use super::check::Check;
 use super::fault::{CheckFailure, Finding, broken};
 use super::life::{TestProcess, Values, difference};
-use contract::field::Mapping;
+use contract::field::FieldKind;
+use contract::grid::Grid;
 use contract::message::Status;
 use contract::step::Step;
 
@@ -27,7 +28,8 @@ pub(super) const SOLVE: Check = Check {
 
 pub(super) const HEAT: Check = Check {
     name: "heat-received",
-    demand: "heat_received is the surface integral of the conservative inputs, to 1e-10",
+    demand: "heat_received is the surface integral of the conservative inputs of one component (powers, \
+             not forces), to 1e-10 of the integral of their magnitudes",
     fix: "sum of value times element area, over all elements of the grid it arrives on",
     run: heat,
 };
@@ -57,7 +59,7 @@ pub(super) const NO_DURATION: Check = Check {
 };
 
 /// Largest difference between the heat received and the integral, relative to the integral of the
-/// magnitude. Covers rounding of two sums of up to a million terms, in any order.
+/// magnitudes. Covers rounding of two sums of up to a million terms, in any order.
 const HEAT_TOLERANCE: f64 = 1e-10;
 
 fn initialise(bench: &TestBench) -> Result<Finding, CheckFailure> {
@@ -101,27 +103,33 @@ fn solve(bench: &TestBench) -> Result<Finding, CheckFailure> {
 
 fn heat(bench: &TestBench) -> Result<Finding, CheckFailure> {
     bench.each_between(|setting, life| {
-        let conservative = |life: &TestProcess| {
-            let fields =
-                life.ports.inputs.iter().filter(|f| f.source.kind.mapping == Mapping::Conservative);
-            fields.map(|f| (f.grid.integrate(&f.values), f.values.clone())).collect::<Vec<_>>()
-        };
         let step = life.next(setting);
         life.feed(&step, 0)?;
-        if conservative(life).is_empty() {
-            return Finding::inapplicable("it has no conservative input");
+        if !life.ports.inputs.iter().any(|input| input.source.kind.is_power()) {
+            return Finding::inapplicable("it has no conservative input of one component");
         }
         let solved = life.solve(&step)?;
         let received = solved.reply.heat_received;
         if received.is_nan() {
             return Finding::inapplicable("it reports no heat_received");
         }
-        let sent: f64 = conservative(life).iter().map(|(heat, _)| heat).sum();
+        let inputs = &life.ports.inputs;
+        let [sent, magnitude] =
+            power(inputs.iter().map(|input| (&input.source.kind, &input.grid, &*input.values)));
         let off = (received - sent).abs();
-        if off > HEAT_TOLERANCE * sent.abs() {
+        if off > HEAT_TOLERANCE * magnitude {
             return broken(format!("heat_received is {received:e} W, the integral {sent:e} W"));
         }
-        Finding::kept(format!("{sent:.4e} W, to {:.0e}", off / sent.abs()))
+        let relative = if off == 0.0 { 0.0 } else { off / magnitude };
+        Finding::kept(format!("{sent:.4e} W, to {relative:.0e}"))
+    })
+}
+
+/// Returns the surface integral of all powers, and that of their magnitudes [W].
+fn power<'a>(inputs: impl Iterator<Item = (&'a FieldKind, &'a Grid, &'a [f64])>) -> [f64; 2] {
+    inputs.filter(|(kind, ..)| kind.is_power()).fold([0.0; 2], |[sum, sizes], (_, grid, values)| {
+        let magnitudes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+        [sum + grid.integrate(values), sizes + grid.integrate(&magnitudes)]
     })
 }
 
@@ -360,6 +368,8 @@ fn volumes(bench: &TestBench) -> Result<Finding, CheckFailure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use contract::field::Mapping;
+    use contract::grid::Structured;
 
     /// A comparison of no values must not pass as "the same bits".
     #[test]
@@ -373,5 +383,25 @@ mod tests {
         let one = vec![("temperature".to_owned(), vec![1.0, 2.0])];
         let kept = Finding::Kept("the same bits (2 values)".to_owned());
         assert_eq!(compared(&one, "the same bits").unwrap(), kept);
+    }
+
+    /// A force is no power, and powers of both signs are compared with their magnitudes: the sum
+    /// may be zero.
+    #[test]
+    fn only_powers_are_heat() {
+        let grid = Grid::structured("g", Structured::contact_plane(0.0, 0.0, 0.5, 1.0, 2, 1));
+        let kind = |components, mapping| FieldKind {
+            components,
+            mapping,
+            ..contract::field::TABLE[0].kind()
+        };
+        let power_kind = kind(1, Mapping::Conservative);
+        let [force, temperature] = [kind(2, Mapping::Conservative), kind(1, Mapping::Consistent)];
+        let inputs: [(&FieldKind, &Grid, &[f64]); 3] = [
+            (&power_kind, &grid, &[3.0, -3.0]),
+            (&force, &grid, &[1e6, 1e6, 0.0, 0.0]),
+            (&temperature, &grid, &[300.0, 300.0]),
+        ];
+        assert_eq!(power(inputs.into_iter()), [0.0, 3.0]);
     }
 }

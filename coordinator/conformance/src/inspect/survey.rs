@@ -144,6 +144,25 @@ pub struct Details {
     pub iterations: Vec<IterationSurvey>,
     /// Requested samples.
     pub samples: Vec<SampleSurvey>,
+    /// Whether the lists end before the recording does.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub cut: bool,
+    /// Number of listed values.
+    #[serde(skip)]
+    listed: usize,
+}
+
+/// Maximum number of listed values. A compressed recording of less than a megabyte can hold any
+/// number of iterations.
+const MOST_LISTED: usize = 1_000_000;
+
+impl Details {
+    /// Counts an entry of so many values. Returns whether there is room for it.
+    fn takes(&mut self, values: usize) -> bool {
+        self.listed += values;
+        self.cut |= self.listed > MOST_LISTED;
+        !self.cut
+    }
 }
 
 /// An iteration.
@@ -283,6 +302,7 @@ impl<'a> SurveyBuilder<'a> {
         }
         if let Some(details) = &mut survey.details
             && self.wanted.has_window(iteration.window)
+            && details.takes(1 + iteration.residuals.len() + iteration.model_seconds.len())
         {
             details.iterations.push(iteration);
         }
@@ -320,6 +340,7 @@ impl<'a> SurveyBuilder<'a> {
             && self.wanted.has_window(header.window)
             && self.wanted.has_field(service, header, self.survey.bodies.as_ref())
             && self.wanted.samples()
+            && details.takes(1)
         {
             details.samples.push(SampleSurvey {
                 topic: service.to_owned(),
@@ -436,6 +457,14 @@ mod tests {
         let broken = Range::of(&[1.0, f64::NAN, -3.0]);
         assert_eq!((broken.min, broken.max, broken.mean), (Some(-3.0), Some(1.0), Some(-1.0)));
         assert_eq!(broken.first_non_finite, Some(1));
+    }
+
+    #[test]
+    fn a_list_of_any_number_of_iterations_is_cut() {
+        let mut details = Details::default();
+        let listed = (0..2 * MOST_LISTED).filter(|_| details.takes(1)).count();
+        assert!(details.cut && listed == MOST_LISTED);
+        assert!(!Details::default().cut);
     }
 
     #[test]

@@ -123,6 +123,11 @@ impl<'a> Driver<'a> {
         Ok(())
     }
 
+    /// Returns the place of the replay in the recording, for a message.
+    pub(super) fn position(&self) -> String {
+        format!("in the replay, after window {}", self.step.window)
+    }
+
     /// Handles a recorded entry. Returns false at the end of the requested windows.
     pub(super) fn entry(&mut self, item: Item<'_>) -> Result<bool, RunError> {
         match item {

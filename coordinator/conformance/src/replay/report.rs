@@ -62,7 +62,7 @@ pub(crate) struct Comparison {
     pub growth: Growth,
 }
 
-/// First value that differs.
+/// First sample that differs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Difference {
     /// Number of the window.
@@ -73,6 +73,16 @@ pub(crate) struct Difference {
     pub field: String,
     /// SI unit.
     pub unit: String,
+    /// First value that differs.
+    #[serde(flatten)]
+    pub value: ValueDifference,
+    /// Value of the same sample that differs most.
+    pub largest: ValueDifference,
+}
+
+/// A value that differs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct ValueDifference {
     /// Index of the value, component-major.
     pub index: usize,
     /// Component of the value.
@@ -147,24 +157,32 @@ impl Comparison {
             _ => f64::INFINITY,
         };
         let pairs = || then.iter().zip(now);
-        let worst = pairs().map(|(a, b)| relative(*a, *b)).fold(0.0, f64::max);
+        let value = |index: usize| ValueDifference {
+            index,
+            component: index / (then.len() / header.components.max(1) as usize).max(1),
+            recorded: then[index],
+            now: now[index],
+            relative: relative(then[index], now[index]),
+        };
+        let larger = |a: ValueDifference, b: ValueDifference| {
+            if b.relative > a.relative { b } else { a }
+        };
+        let most = (0..then.len()).map(value).reduce(larger);
+        let worst = most.map_or(0.0, |most| most.relative);
         self.largest = self.largest.max(worst);
         let passes = |a: f64, b: f64| match tolerance {
             None => a.to_bits() == b.to_bits(),
             Some(tolerance) => relative(a, b) <= tolerance,
         };
-        if let Some(index) = pairs().position(|(a, b)| !passes(*a, *b)) {
+        if let Some(first) = pairs().position(|(a, b)| !passes(*a, *b)) {
             self.different_samples += 1;
             self.first.get_or_insert_with(|| Difference {
                 window: header.window,
                 iteration: header.iteration,
                 field: header.name.as_str().to_owned(),
                 unit: header.unit.as_str().to_owned(),
-                index,
-                component: index / (then.len() / header.components.max(1) as usize).max(1),
-                recorded: then[index],
-                now: now[index],
-                relative: relative(then[index], now[index]),
+                value: value(first),
+                largest: most.unwrap_or_else(|| value(first)),
             });
         }
         self.step(header, worst);
@@ -324,20 +342,22 @@ pub(super) fn text(replay: &Replay, request: &Request) -> String {
     out
 }
 
-/// Describes the first difference in one line.
+/// Describes the first difference in one line: the first value that differs, and the one of the
+/// sample that differs most. The first value may differ by rounding only.
 pub(crate) fn difference(first: &Difference) -> String {
-    format!(
-        "window {}, iteration {}: {}[{}] is {:e} {unit}, recorded {:e} {unit} (off by \
-         {:.3e} of the largest)",
-        first.window,
-        first.iteration,
-        first.field,
-        first.index,
-        first.now,
-        first.recorded,
-        first.relative,
-        unit = first.unit
-    )
+    let Difference { window, iteration, field, unit, value, largest } = first;
+    let told = |of: &ValueDifference| {
+        let ValueDifference { index, now, recorded, relative, .. } = of;
+        format!(
+            "{field}[{index}] is {now:e} {unit}, recorded {recorded:e} {unit} (off by \
+             {relative:.3e} of the largest value)"
+        )
+    };
+    let most = match value.index == largest.index {
+        true => String::new(),
+        false => format!("; largest difference of the sample: {}", told(largest)),
+    };
+    format!("window {window}, iteration {iteration}: {}{most}", told(value))
 }
 
 /// Returns at most nine steps of the growth, including the last.
@@ -369,12 +389,26 @@ mod tests {
         let mut strict = Comparison::default();
         strict.sample((&header(3, 2), &then), &now, None);
         let first = strict.first.clone().unwrap();
-        assert_eq!((first.window, first.index, first.component), (3, 2, 1));
-        assert!((first.relative - 1e-12).abs() < 1e-15 && strict.differs());
+        assert_eq!((first.window, first.value.index, first.value.component), (3, 2, 1));
+        assert!((first.value.relative - 1e-12).abs() < 1e-15 && strict.differs());
+        assert_eq!(first.largest, first.value);
         let mut loose = Comparison::default();
         loose.sample((&header(3, 2), &then), &now, Some(1e-11));
         assert!(!loose.differs());
         assert_eq!((loose.unequal_samples, loose.different_samples, loose.values), (1, 0, 4));
+    }
+
+    /// The first value that differs may do so by rounding only, beside one that is wrong.
+    #[test]
+    fn the_largest_difference_of_the_sample_is_told() {
+        let mut comparison = Comparison::default();
+        let then = [1.0, 2.0, 4.0];
+        comparison.sample((&header(3, 1), &then), &[1.0 + f64::EPSILON, 2.5, 4.0], None);
+        let told = difference(&comparison.first.unwrap());
+        assert!(told.contains("lower_temperature[0] is") && told.contains("e-17 of the"), "{told}");
+        let most = "; largest difference of the sample: lower_temperature[1] is 2.5e0 K, recorded \
+                    2e0 K (off by 1.250e-1 of the largest value)";
+        assert!(told.ends_with(most), "{told}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use super::configuration::Reconfiguration;
 use super::*;
-use crate::export::{Target, export};
+use crate::export::{Exported, Target, export};
 use crate::inspect::against::{compare, text as text_of_difference};
 use crate::inspect::{ListFilter, survey, text as text_of};
 use contract::configuration::{Configuration, Mode};
@@ -58,6 +58,8 @@ struct Content {
     counts: [u64; 2],
     label: (u32, u64),
     edits: Vec<(f64, usize, Vec<u8>)>,
+    /// Windows that are not accepted.
+    rejected: Vec<u64>,
 }
 
 impl Content {
@@ -66,8 +68,20 @@ impl Content {
         let [field, grid] = ["lower_temperature", "contact"].map(str::to_owned);
         let service = format!("field/{role}/{field}");
         let (producer, unit, case) = (role.clone(), "K".to_owned(), "small".to_owned());
-        let (counts, label, edits) = ([3, 2], (1, 6), Vec::new());
-        Self { role, program, service, field, producer, unit, grid, case, counts, label, edits }
+        Self {
+            role,
+            program,
+            service,
+            field,
+            producer,
+            unit,
+            grid,
+            case,
+            counts: [3, 2],
+            label: (1, 6),
+            edits: Vec::new(),
+            rejected: Vec::new(),
+        }
     }
 
     fn head(&self) -> Head {
@@ -139,6 +153,10 @@ impl Content {
             to.event(&Event::Reply { participant: 0, reply: Reply::default(), body: Vec::new() })?;
             to.state("thermal", &[7; 5])?;
             to.event(&Event::Iteration(Iteration { window, ..Iteration::default() }))?;
+            let accept = Command { window, iteration: 1, ..Command::new(CommandKind::Accept) };
+            if !self.rejected.contains(&window) {
+                to.event(&Event::Command { participant: 0, command: accept, body: Vec::new() })?;
+            }
         }
         Ok(to.finish()?.into_inner())
     }
@@ -299,6 +317,25 @@ proptest! {
     }
 }
 
+/// A window that was passed over, or in which the run failed, has no results.
+#[test]
+fn only_accepted_windows_are_exported() {
+    for (rejected, instants) in [(vec![], 2), (vec![1], 1), (vec![0], 1), (vec![0, 1], 0)] {
+        let place = tempfile::tempdir().unwrap();
+        let content = Content { rejected: rejected.clone(), ..Content::good() };
+        let bytes = content.bytes();
+        let mut recording = Recording::open(bytes.as_slice()).unwrap();
+        let target = Target { csv: Some(place.path().to_owned()), ..Target::default() };
+        let exported = export(place.path(), &mut recording, &target).unwrap();
+        let expected = Exported { instants, rejected: rejected.len() as u64 };
+        assert_eq!(exported, expected);
+        for window in 0..2 {
+            let file = place.path().join(format!("thermal_lower_temperature_{window:06}.csv"));
+            assert_eq!(file.is_file(), !rejected.contains(&window), "{rejected:?}");
+        }
+    }
+}
+
 #[test]
 fn a_good_recording_is_exported_whole() {
     let mut written = survive(&Content::good().bytes()).unwrap();
@@ -325,7 +362,7 @@ fn a_grid_that_does_not_fit_is_an_error_that_names_it() {
         let exported = export(Path::new("r.mcap"), &mut recording, &target);
         exported.map_err(|error| error.to_string())
     };
-    assert_eq!(given([3, 2], (1, 6)), Ok(2));
+    assert_eq!(given([3, 2], (1, 6)), Ok(Exported { instants: 2, rejected: 0 }));
     for (counts, label, words) in [
         ([0, 2], (1, 6), "grid `contact` has 0 x 2 points"),
         ([7_071_068, 7_071_068], (1, 6), "grid `contact` has 7071068 x 7071068 points"),

@@ -74,21 +74,26 @@ pub(super) fn edges(all: &[Edge], x: &Axis, y: &Axis) -> String {
 }
 
 /// Draws one arrow for each block of cells, centred on the block. The longest arrow is as long as
-/// the distance between blocks.
+/// the distance between blocks, and no arrow leaves the map.
 pub(super) fn arrows(of: &Arrows, columns: usize, x: &Axis, y: &Axis) -> String {
     let rows = of.x.len() / columns;
     let every = columns.max(rows).div_ceil(ARROWS);
     let cell =
         [(x.paper[1] - x.paper[0]) / columns as f64, (y.paper[1] - y.paper[0]) / rows as f64];
+    // Whole blocks, with the rest of the cells on both sides.
     let middles = |count: usize| {
-        let first = (count - 1) % every / 2;
-        (first..count).step_by(every)
+        let blocks = (count / every).max(1);
+        let first = (count.saturating_sub(blocks * every) + every.min(count) - 1) / 2;
+        (0..blocks).map(move |block| first + block * every)
     };
     let places = || middles(rows).flat_map(|j| middles(columns).map(move |i| (i, j)));
     let vector = |(i, j): (usize, usize)| [of.x[j * columns + i], of.y[j * columns + i]];
     let length = |[u, v]: [f64; 2]| u.hypot(v);
     let longest = places().map(vector).map(length).filter(|l| l.is_finite()).fold(0.0, f64::max);
-    let scale = every as f64 * cell[0].abs().min(cell[1].abs()) / longest;
+    // The middle of an even number of cells is half a cell off.
+    let room = |cells: usize, size: f64| (cells - (1 - cells % 2)) as f64 * size.abs();
+    let room = room(every.min(columns), cell[0]).min(room(every.min(rows), cell[1]));
+    let scale = room / longest;
     let mut path = String::new();
     for place in places() {
         let [u, v] = vector(place).map(|value| value * scale);
@@ -148,6 +153,23 @@ mod tests {
         assert!(svg.contains("d=\"M20.0 40.0L20.0 0.0"), "upward: {svg}");
         let still = Arrows { x: vec![0.0], y: vec![0.0] };
         assert_eq!(arrows(&still, 1, &axis([0.0, 40.0]), &axis([40.0, 0.0])), "");
+    }
+
+    #[test]
+    fn no_arrow_leaves_the_map() {
+        for [columns, rows] in [[10, 40], [2, 60], [1, 3], [40, 40], [60, 7]] {
+            let one = Arrows { x: vec![3.0; columns * rows], y: vec![1.0; columns * rows] };
+            let (wide, high) = (5.0 * columns as f64, 5.0 * rows as f64);
+            let svg = arrows(&one, columns, &axis([0.0, wide]), &axis([high, 0.0]));
+            let numbers = svg.split(|c: char| !c.is_ascii_digit() && !".-".contains(c));
+            let places: Vec<f64> = numbers.filter_map(|text| text.parse().ok()).collect();
+            assert!(!places.is_empty() || columns * rows < 4, "{svg}");
+            for place in places.chunks_exact(2) {
+                let inside = (-0.1..=wide + 0.1).contains(&place[0])
+                    && (-0.1..=high + 0.1).contains(&place[1]);
+                assert!(inside, "{columns} x {rows}: {place:?}");
+            }
+        }
     }
 
     #[test]

@@ -6,7 +6,9 @@ use crate::maps::{self, FieldDrawing};
 use crate::page::{Block, Section};
 use crate::plot::{Figure, Line};
 use crate::source::{Columns, Field, GridSeries, Image, Results};
+use contract::figure::Style;
 use run::format::{Scale, words};
+use run::results::figures::{Entry, Group, groups};
 
 /// Components below this share of the largest are residuals of an iteration and not drawn.
 const NOTHING: f64 = 1e-5;
@@ -25,6 +27,7 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
             }
             None => "",
         };
+        let named = named(results);
         let zero = match maps::zero(results).as_slice() {
             [] => String::new(),
             names => {
@@ -35,7 +38,7 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
         blocks.insert(
             0,
             Block::Text(format!(
-                "{when}{axes} Blank elements are outside the contact. A cross marks the element \
+                "{when}{axes}{named} Blank elements are outside the contact. A cross marks the element \
                  with the largest value, and thin lines are contours. A map shows means or point \
                  values of elements. The results at the top of the page interpolate between \
                  elements and are the values to quote.{zero}"
@@ -43,6 +46,30 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
         );
     }
     Section::of("Fields", blocks)
+}
+
+/// Tells which of several named patches lies where across the maps.
+fn named(results: &Results) -> String {
+    let groups = groups(&results.summary, results.figures());
+    let patches = groups.iter().filter_map(|group| match group {
+        Group::List(list) if list.rows.len() > 1 => Some(list),
+        _ => None,
+    });
+    let told = patches.filter_map(|list| {
+        let place = |row: &Vec<Entry>| {
+            let across = |entry: &&Entry| {
+                entry.figure.style == Style::Place && entry.figure.short == AXES[1]
+            };
+            row.iter().find(across).map(|entry| Scale::of("m", entry.value).show(entry.value, 3))
+        };
+        let one = |(name, row): (&String, &Vec<Entry>)| {
+            let place = place(row).filter(|_| !name.is_empty())?;
+            Some(format!("{name} at {} {place}", AXES[1]))
+        };
+        let all: Option<Vec<String>> = list.names.iter().zip(&list.rows).map(one).collect();
+        all.map(|all| format!(" Each {} on the maps: {}.", list.name, all.join(", ")))
+    });
+    told.collect()
 }
 
 fn when(results: &Results) -> String {

@@ -1,7 +1,7 @@
 //! Figures of the summary: headline figures, plots over time, the diagrams that participants
 //! describe, and a table of all figures.
 
-use crate::axis::{extent, label};
+use crate::axis::{extent, is_varying, label};
 use crate::page::{Block, Headline, Section};
 use crate::plot::Figure;
 use crate::source::Results;
@@ -212,8 +212,7 @@ fn entries(summary: &Value, diagram: &Diagram) -> Option<Vec<[f64; 2]>> {
 
 /// Returns whether the points differ in x beyond solver rounding; otherwise they form no curve.
 fn varies(points: &[[f64; 2]]) -> bool {
-    let apart = |[from, to]: [f64; 2]| to - from > 1e-6 * from.abs().max(to.abs());
-    extent(points.iter().map(|point| point[0])).is_some_and(apart)
+    is_varying(points.iter().map(|point| point[0]))
 }
 
 fn diagram(results: &Results, diagram: &Diagram) -> Option<Figure> {
@@ -227,6 +226,9 @@ fn diagram(results: &Results, diagram: &Diagram) -> Option<Figure> {
     let column = |key: &str| results.history.column(key).unwrap_or_default();
     let windows = column(&diagram.x).into_iter().zip(column(&diagram.y));
     let mut points: Vec<[f64; 2]> = windows.map(|(x, y)| [x, y]).collect();
+    if diagram.constant.iter().any(|key| is_varying(column(key).into_iter())) {
+        points.clear();
+    }
     let at_end = [&diagram.x, &diagram.y].map(|key| figure::value(&results.summary, key));
     if let [Some(x), Some(y)] = at_end {
         points.push([x, y]);

@@ -6,8 +6,9 @@ use super::clear::{FILES, LOG, REFINED, RESERVE, SUMMARY};
 use super::clear::{clear, refuse_links, remove_refined, take_over_refined};
 use super::dir::Dir;
 use super::place::{link_latest, numbered};
+use super::read::read_file;
 use super::write::{Reserve, fresh, remove, replace};
-use crate::error::{RunError, file_failure};
+use crate::error::{RunError, file_failure, input_failure};
 use crate::results::summary::Status;
 use crate::warnings::Warning;
 use case::RawCase;
@@ -117,7 +118,7 @@ impl ResultFolder {
     /// Returns whether the run in this folder has ended successfully.
     #[must_use]
     pub fn has_ended(&self) -> bool {
-        let text = fs::read(self.file(SUMMARY)).ok();
+        let text = read_file(&self.file(SUMMARY)).ok();
         let summary: Option<serde_json::Value> =
             text.and_then(|text| serde_json::from_slice(&text).ok());
         let status = summary.as_ref().and_then(|summary| summary["status"].as_str());
@@ -138,7 +139,7 @@ impl ResultFolder {
     /// The file cannot be read, or is not a valid case.
     pub fn read_case(&self) -> Result<RawCase, RunError> {
         let path = self.file("case.toml");
-        let text = fs::read(&path).map_err(|error| file_failure(&path, &error))?;
+        let text = read_file(&path).map_err(|error| input_failure(&path, &error))?;
         let name = self.shown().join("case.toml").display().to_string();
         Ok(RawCase::parse_bytes(&name, &text)?)
     }

@@ -1,11 +1,13 @@
-//! `fields/last.bin`: the last written fields on structured grids, and the files of all instants.
-//! Programs of this project read this file; the VTK files are written only for ParaView.
+//! `fields/last.bin`: the last written fields on structured grids, and the names of all series. The
+//! report draws these fields; the VTK files are written for ParaView.
 
-use super::vtk::{FieldLabel, FieldOutput, FileSeries};
+use super::read::read_file;
+use super::vtk::{FieldLabel, FieldOutput, read_collection};
 use super::write::replace;
 use crate::error::{RunError, file_failure};
 use crate::sealed::{self, Magic};
 use contract::grid::Structured;
+use contract::input_file::InputFileError;
 use proto::binary;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -16,7 +18,7 @@ use std::path::Path;
 /// Name of the file.
 pub const FILE: &str = "last.bin";
 
-const MAGIC: &Magic = b"COSIMLF2";
+const MAGIC: &Magic = b"COSIMLF3";
 
 /// Content of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,8 +27,8 @@ pub struct LastFields<'a> {
     pub window: u64,
     /// End of that window [s].
     pub time: f64,
-    /// Files of every grid.
-    pub series: Cow<'a, [FileSeries]>,
+    /// Names of the series of all grids.
+    pub series: Vec<String>,
     /// Fields. Those of one grid have the order of its VTK files.
     pub fields: Vec<LastField<'a>>,
 }
@@ -47,19 +49,14 @@ pub struct LastField<'a> {
 impl<'a> LastFields<'a> {
     /// Returns the content of the file for these fields.
     #[must_use]
-    pub fn of(
-        shown: &'a [FieldOutput<'a>],
-        series: &'a [FileSeries],
-        window: u64,
-        time: f64,
-    ) -> Self {
+    pub fn of(shown: &'a [FieldOutput<'a>], series: Vec<String>, window: u64, time: f64) -> Self {
         let field = |one: &'a FieldOutput<'a>| {
             let grid = *one.grid.as_structured().filter(|grid| grid.points() > 1)?;
             let (kind, values) = (Cow::Borrowed(&one.kind), Cow::Borrowed(one.values));
             Some(LastField { series: one.series.clone(), grid, kind, values })
         };
         let fields = shown.iter().filter_map(field).collect();
-        Self { window, time, series: Cow::Borrowed(series), fields }
+        Self { window, time, series, fields }
     }
 
     /// Writes the file into the folder of the fields.
@@ -93,15 +90,30 @@ impl LastFields<'static> {
 
     fn parse(bytes: &[u8]) -> Result<Self, String> {
         let read: Self = sealed::open(MAGIC, bytes).map_err(|broken| broken.to_string())?;
-        let files = read.series.iter().flat_map(|series| &series.files);
-        if let Some((_, name)) = files.clone().find(|(_, name)| name.contains('/')) {
-            return Err(format!("it names {name:?}, which is not a file of the folder"));
+        if let Some(name) = read.series.iter().find(|name| name.contains('/')) {
+            return Err(format!("it names {name:?}, which is not a series of the folder"));
         }
         match read.fields.iter().find(|field| !field.fits()) {
             Some(field) => Err(format!("`{}` does not fit its grid", field.kind.name)),
             None => Ok(read),
         }
     }
+}
+
+/// Reads the time [s] and the name of every file of a series; none if the series has no file yet.
+///
+/// # Errors
+/// The list of the files cannot be read; the message names the reason.
+pub fn files_of(folder: &Path, series: &str) -> Result<Vec<(f64, String)>, String> {
+    let name = format!("{series}.pvd");
+    match read_file(&folder.join(&name)) {
+        Ok(text) => read_collection(&String::from_utf8_lossy(&text)),
+        Err(InputFileError::System(error)) if error.kind() == io::ErrorKind::NotFound => {
+            Ok(Vec::new())
+        }
+        Err(error) => Err(error.to_string()),
+    }
+    .map_err(|why| format!("{name}: {why}"))
 }
 
 impl LastField<'_> {
@@ -128,8 +140,7 @@ mod tests {
         let kinds = [one.kind(), two.kind()];
         let shown = |kind, values| FieldOutput::new("p", &grid, kind, values, None);
         let fields = [shown(&kinds[0], &values[..6]), shown(&kinds[1], &values[..])];
-        let series = [FileSeries { name: "p_g".into(), files: vec![(0.5, "p_g_7.vti".into())] }];
-        let last = LastFields::of(&fields, &series, 7, 0.5);
+        let last = LastFields::of(&fields, vec!["p_g".to_owned()], 7, 0.5);
         let mut bytes = sealed::seal(MAGIC, &last).unwrap();
         assert_eq!(LastFields::parse(&bytes).unwrap(), last, "read back bit-identically");
         change(&mut bytes);
@@ -144,13 +155,11 @@ mod tests {
         let grid = Structured::contact_plane(0.0, 0.0, 1.0, 1.0, usize::MAX, 2);
         let kind = Cow::Owned(FieldLabel::of(&TABLE[0].kind(), None));
         let field = LastField { series: String::new(), grid, kind, values: Cow::Owned(vec![0.0]) };
-        let series = [FileSeries { name: "a".into(), files: vec![(0.0, "../b".into())] }];
-        let whole =
-            LastFields { window: 0, time: 0.0, series: Cow::Owned(vec![]), fields: vec![field] };
+        let whole = LastFields { window: 0, time: 0.0, series: vec![], fields: vec![field] };
         let read = |last: &LastFields| LastFields::parse(&sealed::seal(MAGIC, last).unwrap());
         assert_eq!(read(&whole).unwrap_err(), "`geometry` does not fit its grid");
-        let outside = LastFields { series: Cow::Borrowed(&series), fields: vec![], ..whole };
-        assert!(read(&outside).unwrap_err().contains("not a file of the folder"));
+        let outside = LastFields { series: vec!["../b".to_owned()], fields: vec![], ..whole };
+        assert!(read(&outside).unwrap_err().contains("not a series of the folder"));
     }
 
     proptest! {

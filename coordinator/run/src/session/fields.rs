@@ -11,7 +11,7 @@
 use crate::peers::COORDINATOR;
 use crate::plan::Plan;
 use crate::record::{Recorder, TopicNumber};
-use contract::field::{FieldKind, Mapping};
+use contract::field::FieldKind;
 use contract::grid::Grid;
 use contract::message::FieldHeader;
 use contract::step::Step;
@@ -148,10 +148,9 @@ impl FieldSubscription {
         &self.readers
     }
 
-    /// Returns whether the field is a power, which the audit follows: conservative, and no vector
-    /// such as a force.
+    /// Returns whether the field is a power, which the audit follows.
     pub(super) fn is_power(&self) -> bool {
-        self.kind.mapping == Mapping::Conservative && self.kind.components == 1
+        self.kind.is_power()
     }
 
     /// Returns whether the case wants the field written.

@@ -6,6 +6,7 @@ use crate::sweep::Study;
 use contract::input_file;
 use run::error::{RunError, file_failure, input_failure};
 use run::identity::Identity;
+use run::results::read_file;
 use serde::Deserialize;
 use std::io::Read as _;
 use std::path::Path;
@@ -55,7 +56,7 @@ fn is_of_another_sweep(document: &Document, folder: &Path) -> bool {
     struct Head {
         identity: Identity,
     }
-    let text = std::fs::read(folder.join(Study::FILE)).ok();
+    let text = read_file(&folder.join(Study::FILE)).ok();
     let head = text.and_then(|text| serde_json::from_slice::<Head>(&text).ok());
     head.is_some_and(|head| head.identity.digest() != document.origin.identity)
 }

@@ -2,6 +2,7 @@
 
 use super::study::{Divisor, FigureSpec, LineSpec, MapSpec, Member, PlotSpec, Study};
 use super::values::Values;
+use pages::image::Palette;
 use pages::map::Heatmap;
 use pages::page::Block;
 use pages::plot::Figure;
@@ -201,6 +202,7 @@ impl Sources<'_> {
             columns: image.cells[plane[0]],
             values,
             from_zero: true,
+            palette: Palette::Sequential,
             true_shape: true,
             arrows: None,
             edges: Vec::new(),

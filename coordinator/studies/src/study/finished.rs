@@ -9,11 +9,12 @@ use super::spent::RunCost;
 use run::error::{RunError, file_failure};
 use run::identity::Identity;
 use run::plan::Planned;
+use run::results::read_file;
 use run::sealed::sum;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -87,7 +88,7 @@ impl FinishedRuns {
     }
 
     fn read(&self, folder: &Path) -> Option<Self> {
-        let text = fs::read(folder.join(FILE)).ok()?;
+        let text = read_file(&folder.join(FILE)).ok()?;
         let mut lines = text.split_inclusive(|byte| *byte == b'\n');
         let head = lines.next()?;
         let request: Request = serde_json::from_slice(head).ok()?;
@@ -171,6 +172,7 @@ fn write_line(lines: &mut Vec<u8>, line: &impl Serialize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn none() -> FinishedRuns {
         let request = Request { request: 7, identity: Identity::default() };

@@ -5,6 +5,7 @@ use run::error::{RunError, file_failure};
 use run::results::Existing;
 use run::results::claim::{Claim, holds_results};
 use run::results::place::{RESULTS, link_latest, numbered};
+use run::results::read_file;
 use run::results::write::{create, fresh, remove, replace};
 use rustix::fs::OFlags;
 use serde_json::Value;
@@ -162,7 +163,7 @@ fn refuse_file(path: &Path) -> Result<(), RunError> {
 /// Returns whether the record of a study states that the study is incomplete.
 #[must_use]
 pub fn says_incomplete(record: &Path) -> bool {
-    let record = fs::read(record).ok().and_then(|text| serde_json::from_slice(&text).ok());
+    let record = read_file(record).ok().and_then(|text| serde_json::from_slice(&text).ok());
     record.is_some_and(|record: Value| record["complete"] == false)
 }
 

@@ -7,6 +7,8 @@ use crate::study::output::StudyPage;
 use crate::study::quantity::Quantity;
 use crate::study::table::{Cell, Column, Table};
 use contract::diagram::Diagram;
+use pages::axis::{extent, is_varying};
+use pages::image::Palette;
 use pages::map::Heatmap;
 use pages::page::{Block, Page, RunStatus, Section};
 use pages::plot::Figure;
@@ -231,6 +233,7 @@ fn map(
         columns: x.len(),
         values: all,
         from_zero: false,
+        palette: Palette::Sequential,
         true_shape: false,
         arrows: None,
         edges: Vec::new(),
@@ -238,17 +241,28 @@ fn map(
     })
 }
 
-/// Plots the points of a sweep in a diagram of its quantities, joined by a line if a single key
-/// varies. `None` if the sweep lacks these quantities, or they do not change.
+/// Plots the points of a sweep in a diagram of its quantities. Points over a single key, or over one
+/// of two keys at each value of the other, are joined by a line. `None` if the sweep lacks these
+/// quantities, they do not change, or the points of a line differ in more than they may.
 fn diagram(study: &Study, of: &Diagram) -> Option<Figure> {
     let column = |key: &str| study.changing().find(|(_, one)| one.key == key);
     let (x, y) = (column(&of.x)?, column(&of.y)?);
     let [x_scale, y_scale] = [x, y].map(|one| scale(study, one));
-    let point = |row: &Row| {
+    let point = |row: &&Row| {
         let value = |column: usize, scale: &Scale| Some(row.value(column)? / scale.factor);
         Some([value(x.0, &x_scale)?, value(y.0, &y_scale)?])
     };
-    let points = thinned(study.rows.iter().filter_map(point).collect());
+    let groups = groups(study, x.0);
+    let mixed = |key: &String| {
+        let other = study.changing().find(|(_, one)| one.key == *key);
+        let varies = |rows: &Vec<&Row>, column: usize| {
+            is_varying(rows.iter().filter_map(|row| row.value(column)))
+        };
+        other.is_some_and(|(column, _)| groups.iter().any(|(_, rows)| varies(rows, column)))
+    };
+    if of.constant.iter().any(mixed) {
+        return None;
+    }
     let [x_label, y_label] =
         [(x.1, &x_scale), (y.1, &y_scale)].map(|(one, scale)| named(&one.name, &scale.unit));
     let mut figure = Figure::new(of.title.as_str(), x_label, y_label);
@@ -260,9 +274,39 @@ fn diagram(study: &Study, of: &Diagram) -> Option<Figure> {
         }
     }
     figure.note.clone_from(&of.note);
-    let name = "this sweep";
-    let curve = study.vary.len() == 1 && of.lines.is_empty();
-    Some(if curve { figure.with(name, points) } else { figure.with_marks(name, points) })
+    let curves = of.lines.is_empty() && groups.len() <= LINES && !study.paired;
+    if !curves || study.vary.len() > 2 {
+        let points = thinned(study.rows.iter().filter_map(|row| point(&row)).collect());
+        return Some(figure.with_marks("this sweep", points));
+    }
+    for (name, rows) in groups {
+        let mut points: Vec<[f64; 2]> = rows.iter().filter_map(point).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        figure = figure.with(name, thinned(points));
+    }
+    Some(figure)
+}
+
+/// Groups the points so that each group is a curve over the quantity of this column, with a name.
+/// Of two keys, the groups have a value each of the one that changes the quantity less.
+fn groups(study: &Study, column: usize) -> Vec<(String, Vec<&Row>)> {
+    let all = || ("this sweep".to_owned(), study.rows.iter().collect());
+    let ([_, _], false) = (study.vary.as_slice(), study.paired) else { return vec![all()] };
+    let by = |n: usize| -> Vec<(String, Vec<&Row>)> {
+        let vary = &study.vary[n];
+        let group = |(at, value): (usize, &String)| {
+            let rows = study.rows.iter().filter(|row| row.at[n] == at).collect();
+            (format!("{} = {value}", vary.key), rows)
+        };
+        vary.values.iter().enumerate().map(group).collect()
+    };
+    let reach = |groups: &[(String, Vec<&Row>)]| -> f64 {
+        let of = |rows: &Vec<&Row>| extent(rows.iter().filter_map(|row| row.value(column)));
+        let ranges = groups.iter().filter_map(|(_, rows)| of(rows));
+        ranges.map(|[low, high]| high - low).fold(0.0, f64::max)
+    };
+    let [first, second] = [by(0), by(1)];
+    if reach(&second) >= reach(&first) { second } else { first }
 }
 
 /// Label of the axis of a varied key: its name and the unit of its values.

@@ -32,7 +32,8 @@ def new_axes(axes: Axes | None) -> Axes:
     with needs("plots"):
         from matplotlib import pyplot  # noqa: PLC0415
 
-    return pyplot.subplots(constrained_layout=True)[1]
+    # Axes of equal scales are narrower than their figure; this layout keeps them in its middle.
+    return pyplot.subplots(layout="compressed")[1]
 
 
 def words(name: str) -> str:
@@ -86,7 +87,10 @@ def stick_and_slip(results: Results, axes: Axes | None = None) -> Axes:
         1e3 * pressure.x, 1e3 * pressure.y, state, cmap=ListedColormap(colours), vmin=1.0, vmax=2.0
     )
     axes.legend(
-        handles=[Patch(color=c, label=label) for c, label in zip(colours, ("stick", "slip"))]
+        handles=[Patch(color=c, label=label) for c, label in zip(colours, ("stick", "slip"))],
+        loc="upper left",
+        bbox_to_anchor=(1.02, 1.0),  # beside the contact, not over it
+        borderaxespad=0.0,
     )
     axes.set_aspect("equal")
     axes.set(xlabel="x [mm]", ylabel="y [mm]")

@@ -3,8 +3,8 @@
 use super::shown::{Fields, array_name};
 use crate::error::{RunError, file_failure};
 use crate::results::write::replace;
+use contract::input_file;
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -61,7 +61,7 @@ impl Scene {
 /// Returns whether the coordinator has written this file.
 pub(in crate::results) fn is_scene(path: &Path) -> bool {
     let mut head = [0; HEAD.len()];
-    File::open(path).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == HEAD
+    input_file::open(path).is_ok_and(|mut file| file.read_exact(&mut head).is_ok()) && head == HEAD
 }
 
 #[cfg(test)]

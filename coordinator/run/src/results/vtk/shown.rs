@@ -142,15 +142,41 @@ pub struct FileSeries {
     pub files: Vec<(f64, String)>,
 }
 
+/// First lines of a collection.
+const COLLECTION: &str = "<?xml version=\"1.0\"?>\n\
+                          <VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n";
+/// Last lines of a collection.
+pub(super) const COLLECTION_END: &str = "  </Collection>\n</VTKFile>\n";
+/// Parts of an entry before its time, before its file and at its end.
+const ENTRY: [&str; 3] = ["    <DataSet timestep=\"", "\" file=\"", "\"/>\n"];
+
 /// Returns a collection of files, each with its time [s].
 pub(super) fn collection(files: &[(f64, String)]) -> String {
-    let mut text = "<?xml version=\"1.0\"?>\n\
-                    <VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n"
-        .to_owned();
-    for (time, file) in files {
-        let _ = writeln!(text, "    <DataSet timestep=\"{time:e}\" file=\"{file}\"/>");
+    let entries: String = files.iter().map(|(time, file)| entry(*time, file)).collect();
+    format!("{COLLECTION}{entries}{COLLECTION_END}")
+}
+
+/// Returns the entry of a file in a collection.
+pub(super) fn entry(time: f64, file: &str) -> String {
+    let [before, between, after] = ENTRY;
+    format!("{before}{time:e}{between}{file}{after}")
+}
+
+/// Reads the files of a collection that the coordinator has written. A cut entry is left out.
+///
+/// # Errors
+/// It names a file outside of its folder.
+pub fn read_collection(text: &str) -> Result<Vec<(f64, String)>, String> {
+    let [before, between, after] = ENTRY;
+    let parts = |line: &str| {
+        let (time, file) = line.strip_prefix(before)?.strip_suffix(after)?.split_once(between)?;
+        Some((time.parse().ok()?, file.to_owned()))
+    };
+    let files: Vec<(f64, String)> = text.split_inclusive('\n').filter_map(parts).collect();
+    match files.iter().find(|(_, file)| file.contains('/')) {
+        Some((_, file)) => Err(format!("it names {file:?}, which is not a file of the folder")),
+        None => Ok(files),
     }
-    text + "  </Collection>\n</VTKFile>\n"
 }
 
 #[cfg(test)]
@@ -167,6 +193,17 @@ mod tests {
         assert_eq!(rows.count(), 4, "{text}");
         // "Pa" and "K".
         assert!(text.contains("Name=\"unit\" NumberOfTuples=\"2\" format=\"ascii\">80 97 0 75 0<"));
+    }
+
+    #[test]
+    fn a_collection_is_read_as_far_as_it_is_whole() {
+        let files = [(0.5, "a_000000.vti".to_owned()), (1e-7, "a_000001.vti".to_owned())];
+        let text = collection(&files);
+        assert_eq!(read_collection(&text).unwrap(), files);
+        let cut = text.find("a_000001").unwrap();
+        assert_eq!(read_collection(&text[..cut]).unwrap(), files[..1]);
+        let outside = collection(&[(0.0, "../b".to_owned())]);
+        assert!(read_collection(&outside).unwrap_err().contains("not a file of the folder"));
     }
 
     #[test]

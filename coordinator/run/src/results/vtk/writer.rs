@@ -5,7 +5,9 @@ use super::data_sets::{
     write_vertices, write_volume,
 };
 use super::scene::Scene;
-use super::shown::{FieldLabel, FieldOutput, Fields, FileSeries, collection};
+use super::shown::{
+    COLLECTION_END, FieldLabel, FieldOutput, Fields, FileSeries, collection, entry,
+};
 use crate::error::{RunError, file_failure};
 use crate::results::cells::Cells;
 use crate::results::dir::Dir;
@@ -13,7 +15,11 @@ use crate::results::last::LastFields;
 use crate::results::line;
 use crate::results::write::{create, replace};
 use contract::grid::{Block, Grid, Points, Quadrilaterals, Shape};
-use std::fs;
+use rustix::fs::OFlags;
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io;
+use std::os::unix::fs::{FileExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 /// Writer of fields, with one file for each grid and instant.
@@ -21,6 +27,8 @@ use std::path::{Path, PathBuf};
 pub struct FieldWriter {
     home: Home,
     series: Vec<FileSeries>,
+    /// Number of files that each series lists on the disk.
+    listed: HashMap<String, usize>,
     scene: Scene,
     /// Whether the newest fields are stored for the report.
     keeps_last: bool,
@@ -70,7 +78,8 @@ impl FieldWriter {
     }
 
     fn at(home: Home, keeps_last: bool) -> Self {
-        Self { home, series: Vec::new(), scene: Scene::default(), keeps_last }
+        let (series, listed, scene) = (Vec::new(), HashMap::new(), Scene::default());
+        Self { home, series, listed, scene, keeps_last }
     }
 
     /// Returns the series written so far.
@@ -79,9 +88,10 @@ impl FieldWriter {
         &self.series
     }
 
-    /// Continues the series of an earlier process.
+    /// Continues the series of an earlier process, or of an earlier state.
     pub fn resume(&mut self, series: Vec<FileSeries>) {
         self.series = series;
+        self.listed.clear();
     }
 
     /// Writes the values of these fields at `time` [s].
@@ -115,9 +125,14 @@ impl FieldWriter {
         let folder = self.home.path()?;
         self.scene.write(&folder)?;
         match self.keeps_last {
-            true => LastFields::of(shown, &self.series, window, time).write(&folder),
+            true => LastFields::of(shown, self.names(), window, time).write(&folder),
             false => Ok(()),
         }
+    }
+
+    /// Returns the names of the series.
+    fn names(&self) -> Vec<String> {
+        self.series.iter().map(|series| series.name.clone()).collect()
     }
 
     /// Stores these fields for somebody who watches the run, without a file of their own.
@@ -125,13 +140,13 @@ impl FieldWriter {
         if shown.is_empty() {
             return Ok(());
         }
-        let mut series = self.series.clone();
+        let mut names = self.names();
         for one in shown {
-            if series.iter().all(|known| known.name != one.series) {
-                series.push(FileSeries { name: one.series.clone(), files: Vec::new() });
+            if !names.contains(&one.series) {
+                names.push(one.series.clone());
             }
         }
-        LastFields::of(shown, &series, window, time).write(&self.home.path()?)
+        LastFields::of(shown, names, window, time).write(&self.home.path()?)
     }
 
     fn write_grid(
@@ -201,7 +216,8 @@ impl FieldWriter {
         Ok(())
     }
 
-    /// Adds a file to its series.
+    /// Adds a file to its series. Rewriting the series at every output would cost the square of the
+    /// number of outputs.
     fn list(&mut self, folder: &Path, name: &str, time: f64, file: String) -> Result<(), RunError> {
         let index = self.series.iter().position(|series| series.name == name);
         let index = index.unwrap_or_else(|| {
@@ -209,7 +225,71 @@ impl FieldWriter {
             self.series.len() - 1
         });
         let files = &mut self.series[index].files;
+        let path = folder.join(format!("{name}.pvd"));
+        let listed = self.listed.insert(name.to_owned(), files.len() + 1);
+        let added = listed == Some(files.len()) && add(&path, &entry(time, &file)).is_ok();
         files.push((time, file));
-        replace(&folder.join(format!("{name}.pvd")), collection(files).as_bytes())
+        match added {
+            true => Ok(()),
+            false => replace(&path, collection(files).as_bytes()),
+        }
+    }
+}
+
+/// Adds an entry to the collection of this path, by one write over its end.
+///
+/// # Errors
+/// The file cannot be written, or does not end like a collection.
+fn add(path: &Path, entry: &str) -> io::Result<()> {
+    let no_link = OFlags::NOFOLLOW.bits() as i32;
+    let file = File::options().read(true).write(true).custom_flags(no_link).open(path)?;
+    let mut end = [0; COLLECTION_END.len()];
+    let at = file.metadata()?.len().saturating_sub(COLLECTION_END.len() as u64);
+    file.read_exact_at(&mut end, at)?;
+    if end != COLLECTION_END.as_bytes() {
+        return Err(io::Error::other("another end than that of a collection"));
+    }
+    file.write_all_at(format!("{entry}{COLLECTION_END}").as_bytes(), at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use contract::field::PRESSURE;
+    use contract::grid::Structured;
+    use std::os::unix::fs::MetadataExt;
+
+    fn written(writer: &mut FieldWriter, windows: std::ops::Range<u64>) {
+        let grid = Grid::structured("g", Structured::contact_plane(0.0, 0.0, 1.0, 1.0, 2, 2));
+        let shown = [FieldOutput::new("p", &grid, &PRESSURE.kind(), &[1.0; 4], None)];
+        for window in windows {
+            writer.write(&shown, window, window as f64).unwrap();
+        }
+    }
+
+    /// A series is written as a whole once, and then only added to: the work is proportional to
+    /// the number of outputs.
+    #[test]
+    fn a_series_is_added_to() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("p_g.pvd");
+        let mut writer = FieldWriter::new(place.path().to_owned());
+        written(&mut writer, 0..1);
+        let number = |path: &Path| fs::metadata(path).unwrap().ino();
+        let first = number(&path);
+        written(&mut writer, 1..20);
+        let text = |writer: &FieldWriter| collection(&writer.series()[0].files);
+        assert_eq!((number(&path), fs::read_to_string(&path).unwrap()), (first, text(&writer)));
+        // Back to an earlier state: the later files are listed no more.
+        let earlier =
+            FileSeries { files: writer.series[0].files[..3].to_vec(), ..writer.series[0].clone() };
+        writer.resume(vec![earlier]);
+        written(&mut writer, 30..32);
+        assert_eq!(writer.series()[0].files.len(), 5);
+        assert_eq!(fs::read_to_string(&path).unwrap(), text(&writer));
+        // A file that somebody else has cut is written again.
+        fs::write(&path, "cut").unwrap();
+        written(&mut writer, 32..33);
+        assert_eq!(fs::read_to_string(&path).unwrap(), text(&writer));
     }
 }

@@ -13,6 +13,7 @@ use console::output::print;
 use console::steps::Steps;
 use run::error::{Failure, RunError, file_failure};
 use run::format::counted;
+use run::results::read_file;
 use run::signals;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -103,7 +104,7 @@ pub(in super::super) fn parts_under_way(folder: &StudyFolder) -> Option<usize> {
 }
 
 fn under_way(folder: &StudyFolder) -> Option<Array> {
-    let text = fs::read(folder.path().join(ARRAY)).ok()?;
+    let text = read_file(&folder.path().join(ARRAY)).ok()?;
     serde_json::from_slice(&text).ok()
 }
 
