@@ -1,7 +1,7 @@
 //! Reads the file of a surrogate.
 
 use crate::fit::FILE;
-use crate::study::output::StudyFile as _;
+use crate::study::output::{MOST_BYTES, StudyFile as _};
 use crate::sweep::Study;
 use contract::input_file;
 use run::error::{RunError, file_failure, input_failure};
@@ -55,7 +55,7 @@ fn is_of_another_sweep(document: &Document, folder: &Path) -> bool {
     struct Head {
         identity: Identity,
     }
-    let text = std::fs::read(folder.join(Study::FILE)).ok();
+    let text = input_file::read(&folder.join(Study::FILE), MOST_BYTES).ok();
     let head = text.and_then(|text| serde_json::from_slice::<Head>(&text).ok());
     head.is_some_and(|head| head.identity.digest() != document.origin.identity)
 }

@@ -1,6 +1,8 @@
 //! The folder of a study. A study replaces only an earlier study of the same kind, and resumes an
 //! interrupted one.
 
+use super::output::MOST_BYTES;
+use contract::input_file;
 use run::error::{RunError, file_failure};
 use run::results::Existing;
 use run::results::claim::{Claim, holds_results};
@@ -162,7 +164,8 @@ fn refuse_file(path: &Path) -> Result<(), RunError> {
 /// Returns whether the record of a study states that the study is incomplete.
 #[must_use]
 pub fn says_incomplete(record: &Path) -> bool {
-    let record = fs::read(record).ok().and_then(|text| serde_json::from_slice(&text).ok());
+    let text = input_file::read(record, MOST_BYTES).ok();
+    let record = text.and_then(|text| serde_json::from_slice(&text).ok());
     record.is_some_and(|record: Value| record["complete"] == false)
 }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Size above which a file is refused [byte].
-const MOST_BYTES: u64 = 1 << 30;
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// Plain data that a study keeps in its folder. The key `schema` holds the version of the layout;
 /// `complete = false` marks an unfinished study.

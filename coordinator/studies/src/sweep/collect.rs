@@ -4,14 +4,11 @@ use super::design::Part;
 use super::rows::{FILE, SweepInProgress};
 use super::study::{Row, Study};
 use crate::study::folder::{FolderRequest, StudyFolder};
-use crate::study::output::StudyFile;
+use crate::study::output::{MOST_BYTES, StudyFile};
 use contract::input_file;
 use run::error::{RunError, input_failure};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Size above which the file of a sweep is refused [byte].
-const MOST_BYTES: u64 = 1 << 30;
 
 /// Adds the points of a sweep in another folder, finished or not.
 ///
