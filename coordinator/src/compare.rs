@@ -1,4 +1,5 @@
-//! `coordinator compare A B`: differences of two results in case, figures, fields and time.
+//! `coordinator compare A B`: differences of two results in case, figures, fields and time, or of
+//! two sweeps point by point.
 
 mod difference;
 mod fields;
@@ -18,14 +19,15 @@ use run::{signals, wrap};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use studies::study::quantity::show_change;
+use studies::sweep::compare;
 
 /// Options of `coordinator compare`.
 #[derive(Debug, Args)]
 pub(crate) struct CompareCommand {
-    /// First result directory.
+    /// First result directory, of a run or of a sweep.
     #[arg(value_name = "A")]
     a: PathBuf,
-    /// Second result directory.
+    /// Second result directory, of the same kind.
     #[arg(value_name = "B")]
     b: PathBuf,
     /// Print JSON.
@@ -41,6 +43,14 @@ impl Command for CompareCommand {
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
         let _reading = signals::end_at_once();
+        if compare::is_sweep(&self.a) && compare::is_sweep(&self.b) {
+            let found = compare::compare(&self.a, &self.b)?;
+            if self.json {
+                return print(&json(&found));
+            }
+            let head = format!("A {}\nB {}\n", self.a.display(), self.b.display());
+            return context.print(&(head + &found.text()));
+        }
         let [a, b] = [Results::read(&self.a)?, Results::read(&self.b)?];
         let comparison = Comparison::of(&a, &b);
         if self.json {

@@ -53,6 +53,7 @@ impl Solver for MechSolver {
             estimates: true,
             advises: true,
             reusable: true,
+            build: None,
             models: models::MODELS.iter().map(|model| (model.spec)()).collect(),
             effects: EFFECTS.iter().map(|effect| effect.spec(support::models_of(effect))).collect(),
             keys: case::scene::body_keys(),

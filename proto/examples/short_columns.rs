@@ -49,6 +49,7 @@ impl Solver for ShortColumns {
             estimates: true,
             advises: false,
             reusable: true,
+            build: None,
             models: vec![ModelSpec {
                 name: "short".to_owned(),
                 summary: "Abel's integral".to_owned(),

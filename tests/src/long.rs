@@ -59,6 +59,7 @@ impl Solver for Long {
             estimates: true,
             advises: false,
             reusable: true,
+            build: None,
             models: vec![
                 model("patient", "sends what it received plus one, after a while"),
                 model(ONCE, "sends what it received plus the number of solves"),

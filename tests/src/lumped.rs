@@ -219,6 +219,7 @@ impl Solver for Lumped {
             estimates: true,
             advises: false,
             reusable: true,
+            build: None,
             models: vec![
                 self.model("lumped", "one heat capacity and what heats it"),
                 self.model("split", "the same, with the flux in two fields"),

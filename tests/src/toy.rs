@@ -120,6 +120,7 @@ impl Solver for Toy {
             estimates: true,
             advises: false,
             reusable: true,
+            build: None,
             models: vec![ModelSpec {
                 name: "increment".to_owned(),
                 summary: "sends what it received plus one".to_owned(),

@@ -46,6 +46,7 @@ impl Solver for ThermalSolver {
             estimates: true,
             advises: true,
             reusable: true,
+            build: None,
             models: models::REGISTRY.iter().map(|model| (model.spec)()).collect(),
             effects: effects::REGISTRY.iter().map(support::description).collect(),
             keys: scene::keys(),

@@ -113,6 +113,7 @@ impl Solver for FmuSolver {
             estimates: true,
             advises: false,
             reusable: false,
+            build: None,
             models: vec![self.fmu.model()],
             effects: Vec::new(),
             keys,

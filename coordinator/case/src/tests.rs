@@ -84,6 +84,7 @@ fn description(role: &str, standalone: bool) -> Description {
         estimates: false,
         advises: false,
         reusable: true,
+        build: None,
         models: Vec::new(),
         effects: Vec::new(),
         keys: Vec::new(),

@@ -114,8 +114,8 @@ pub fn percent(ratio: f64) -> f64 {
     format!("{:.12e}", 100.0 * ratio).parse().unwrap_or(f64::NAN)
 }
 
-/// Formats a number to `digits` significant digits with a true minus sign. Very large and very
-/// small numbers get a power of ten.
+/// Formats a number to `digits` significant digits with a true minus sign; a whole number keeps all
+/// its digits. Very large and very small numbers get a power of ten.
 #[must_use]
 pub fn number(value: f64, digits: usize) -> String {
     if value == 0.0 {
@@ -124,8 +124,12 @@ pub fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
     }
-    // Rounding comes first: 999.96 is 1000 to four digits.
-    let rounded: f64 = format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value);
+    // Whole numbers, which may be counts, keep all their digits. Otherwise rounding comes first:
+    // 999.96 is 1000 to four digits.
+    let rounded = match value.fract() == 0.0 && value.abs() < 1e6 {
+        true => value,
+        false => format!("{value:.*e}", digits.max(1) - 1).parse().unwrap_or(value),
+    };
     let magnitude = rounded.abs().log10().floor() as i32;
     let text = if (-4..6).contains(&magnitude) {
         let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
@@ -279,6 +283,10 @@ mod tests {
     #[test]
     fn numbers_keep_their_digits() {
         assert_eq!(number(999.96, 4), "1000");
+        assert_eq!(
+            [120_005.0, 12_345.0, 12_345.6].map(|value| number(value, 4)),
+            ["120005", "12345", "12350"]
+        );
         assert_eq!(number(-0.0123456, 3), "−0.0123");
         assert_eq!(number(2.24e-16, 2), "2.2 × 10⁻¹⁶");
         assert_eq!(number(f64::NAN, 2), "not finite");

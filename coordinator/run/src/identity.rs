@@ -4,15 +4,15 @@
 //! never stand in one table.
 
 use crate::error::{RunError, file_failure};
-use crate::plan::{Participant, Planned};
-use crate::program::our_folder;
+use crate::plan::{Participant, Plan, Planned};
 use crate::record::named_files;
 use crate::sealed::{sum, sum_of_file};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
+use std::env;
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Sections of a case that do not influence the figures of a summary.
 const WITHOUT_INFLUENCE: [&str; 3] = ["case", "limits", "output"];
@@ -35,7 +35,8 @@ pub struct Identity {
 pub struct Program {
     /// Name and version.
     pub version: String,
-    /// CRC-64 of the description.
+    /// CRC-64 of the description, which includes the build that the program states; for the
+    /// coordinator, CRC-64 of its executable.
     pub description: String,
 }
 
@@ -47,7 +48,7 @@ impl Identity {
     pub fn of(planned: &Planned) -> Result<Self, RunError> {
         let Planned { case, plan } = planned;
         let own = format!("{}, protocol {}", env!("CARGO_PKG_VERSION"), contract::PROTOCOL_VERSION);
-        let own = Program { version: format!("coordinator {own}"), description: String::new() };
+        let own = Program { version: format!("coordinator {own}"), description: own_sum() };
         let mut identity = Self::default();
         identity.programs.insert("coordinator".to_owned(), own);
         flatten(&case.values.0, &mut Vec::new(), &mut |key, value| {
@@ -57,15 +58,8 @@ impl Identity {
         });
         for participant in &plan.participants {
             identity.programs.insert(participant.role.clone(), program(participant));
-            for (key, path) in named_files(&participant.description, &case.values.0) {
-                identity.add_file(&key, &path)?;
-            }
-            identity.add_command(participant)?;
         }
-        if let Some(histories) = &case.histories {
-            let content = json!(histories).to_string();
-            identity.files.insert("time.history".to_owned(), hexadecimal(sum(content.as_bytes())));
-        }
+        identity.add_files(planned)?;
         Ok(identity)
     }
 
@@ -81,18 +75,29 @@ impl Identity {
         Ok(())
     }
 
-    /// Adds the files among the words of a command, such as the script of an interpreter: a script
-    /// may be edited under the same version. Executables of this project are identified by their
-    /// version.
-    fn add_command(&mut self, participant: &Participant) -> Result<(), RunError> {
-        let program = &participant.program;
-        let own = our_folder().is_some_and(|folder| program.path.starts_with(folder));
-        let arguments = program.arguments.iter().map(Path::new);
-        for (number, word) in std::iter::once(&*program.path).chain(arguments).enumerate() {
-            let counts = number > 0 || !own;
-            if counts && fs::metadata(word).is_ok_and(|found| found.is_file()) {
-                self.add_file(&format!("{}.command[{number}]", participant.role), word)?;
+    /// Returns the files of a planned run alone: what the case, its histories and its commands
+    /// name.
+    ///
+    /// # Errors
+    /// A file that the case names cannot be read.
+    pub fn files(planned: &Planned) -> Result<BTreeMap<String, String>, RunError> {
+        let mut identity = Self::default();
+        identity.add_files(planned)?;
+        Ok(identity.files)
+    }
+
+    fn add_files(&mut self, Planned { case, plan }: &Planned) -> Result<(), RunError> {
+        for participant in &plan.participants {
+            for (key, path) in named_files(&participant.description, &case.values.0) {
+                self.add_file(&key, &path)?;
             }
+            for (number, path) in participant.program.files() {
+                self.add_file(&format!("{}.command[{number}]", participant.role), &path)?;
+            }
+        }
+        if let Some(histories) = &case.histories {
+            let content = json!(histories).to_string();
+            self.files.insert("time.history".to_owned(), hexadecimal(sum(content.as_bytes())));
         }
         Ok(())
     }
@@ -165,12 +170,43 @@ impl Identity {
     }
 }
 
+/// Says which programs may change without a difference of their identities: programs that state no
+/// build, of which only the files of the command are compared. Empty if there are none.
+#[must_use]
+pub fn unseen(plan: &Plan) -> String {
+    let silent = |one: &&Participant| {
+        one.description.build.is_none() && one.program.linked.is_none() && !one.program.is_ours()
+    };
+    let all: Vec<&str> =
+        plan.participants.iter().filter(silent).map(|one| one.role.as_str()).collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(
+            "; {} states no build (docs/write-a-solver.md): a change of a file that its command \
+             does not name is not seen",
+            all.join(", ")
+        ),
+    }
+}
+
 fn program(participant: &Participant) -> Program {
     let description = &participant.description;
     Program {
         version: format!("{} {}", description.name, description.version),
-        description: hexadecimal(sum(json!(description).to_string().as_bytes())),
+        description: checksum(participant),
     }
+}
+
+/// Returns the CRC-64 of a participant's description, as a word.
+pub(crate) fn checksum(participant: &Participant) -> String {
+    hexadecimal(sum(json!(participant.description).to_string().as_bytes()))
+}
+
+/// Returns the CRC-64 of this executable; empty if it cannot be read.
+fn own_sum() -> String {
+    static SUM: OnceLock<String> = OnceLock::new();
+    let found = || env::current_exe().and_then(|path| sum_of_file(&path)).map(hexadecimal);
+    SUM.get_or_init(|| found().unwrap_or_default()).clone()
 }
 
 fn hexadecimal(sum: u64) -> String {
@@ -207,6 +243,7 @@ fn flatten<'a>(tree: &'a Value, key: &mut Vec<&'a str>, seen: &mut impl FnMut(&[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn identity() -> Identity {
         let program = Program { version: "mech-solver 1".into(), description: "a".into() };

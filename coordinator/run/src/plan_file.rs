@@ -1,6 +1,7 @@
 //! Plan in a result directory: `plan.txt` for readers, `plan.json` for programs.
 
 use crate::error::RunError;
+use crate::identity::checksum;
 use crate::plan::{Effect, Field, Participant, Plan};
 use crate::results::{ResultFolder, read_file};
 use crate::warnings::Warning;
@@ -70,6 +71,9 @@ pub struct ParticipantPlan {
     pub program: String,
     /// Version of the program.
     pub version: String,
+    /// CRC-64 of the description, which changes with the build that the program states.
+    #[serde(default)]
+    pub checksum: String,
     /// Model of the program.
     pub model: String,
     /// Number of threads for computing; 0 in a plan of an earlier version.
@@ -191,6 +195,7 @@ impl ParticipantPlan {
             role: of.role.clone(),
             program: of.description.name.clone(),
             version: of.description.version.clone(),
+            checksum: checksum(of),
             model: of.configuration.model.clone(),
             threads: of.configuration.threads,
             estimate: of.estimate.as_ref().map(Estimate::of),

@@ -1,6 +1,9 @@
 //! Program of a participant, and the place where it is found.
 
 use crate::linked::{LinkedSolver, LinkedSolvers};
+use rustix::fs::{Access, access};
+use std::env;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// An executable with its fixed arguments.
@@ -43,6 +46,30 @@ impl Program {
         Self { linked, ..program }
     }
 
+    /// Returns the files that the command names, by the number of their word: the executable, and
+    /// arguments such as the script of an interpreter. Names are looked up on the search path, as
+    /// the start of the program does. A linked solver has none.
+    #[must_use]
+    pub fn files(&self) -> Vec<(usize, PathBuf)> {
+        if self.linked.is_some() {
+            return Vec::new();
+        }
+        let search = env::var_os("PATH").unwrap_or_default();
+        let program = located(&self.path, &search);
+        let argument = |word: &String| {
+            let as_it_stands = Some(PathBuf::from(word)).filter(|path| path.is_file());
+            as_it_stands.or_else(|| located(Path::new(word), &search))
+        };
+        let all = std::iter::once(program).chain(self.arguments.iter().map(argument));
+        all.enumerate().filter_map(|(number, path)| Some((number, path?))).collect()
+    }
+
+    /// Returns whether the program lies beside the coordinator, as those of this project do.
+    #[must_use]
+    pub(crate) fn is_ours(&self) -> bool {
+        our_folder().is_some_and(|folder| self.path.parent() == Some(&*folder))
+    }
+
     /// Returns the command line as typed in a shell.
     #[must_use]
     pub fn command_line(&self) -> String {
@@ -66,7 +93,54 @@ fn beside_us(name: &str) -> PathBuf {
     }
 }
 
+/// Returns the file that is started for a path or a name on the search path, if there is one.
+fn located(word: &Path, search: &OsStr) -> Option<PathBuf> {
+    let is_file = |path: &PathBuf| path.is_file();
+    match word.components().count() {
+        1 if !word.is_absolute() => env::split_paths(search)
+            .map(|folder| folder.join(word))
+            .find(|path| is_file(path) && access(path, Access::EXEC_OK).is_ok()),
+        _ => Some(word.to_owned()).filter(is_file),
+    }
+}
+
 /// Returns the folder of this executable.
 pub(crate) fn our_folder() -> Option<PathBuf> {
     Some(std::env::current_exe().ok()?.parent()?.to_path_buf())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::os::unix::fs::PermissionsExt;
+
+    /// The first executable of a name on the search path is the one that starts. A file that
+    /// cannot be executed, and one in the working folder, do not count.
+    #[test]
+    fn a_name_is_the_first_executable_on_the_search_path() {
+        let place = tempfile::tempdir().unwrap();
+        let folders = ["a", "b", "c"].map(|name| place.path().join(name));
+        for (folder, mode) in folders.iter().zip([0o644, 0o755, 0o755]) {
+            fs::create_dir(folder).unwrap();
+            let path = folder.join("my-thermal");
+            fs::write(&path, "").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+        }
+        let search = env::join_paths(&folders).unwrap();
+        let found = located(Path::new("my-thermal"), &search);
+        assert_eq!(found, Some(folders[1].join("my-thermal")));
+        assert_eq!(located(Path::new("Cargo.toml"), &search), None);
+        let named = folders[0].join("my-thermal");
+        assert_eq!(located(&named, &search), Some(named));
+    }
+
+    /// Bare arguments may name programs as well, as behind `mpirun`.
+    #[test]
+    fn arguments_may_be_files_and_programs() {
+        let words = ["-n", "2", "Cargo.toml", "sh", "no-such-file"].map(str::to_owned);
+        let program = Program::new("env".into(), words.to_vec());
+        let numbers: Vec<usize> = program.files().into_iter().map(|(number, _)| number).collect();
+        assert_eq!(numbers, [0, 3, 4]);
+    }
 }

@@ -31,14 +31,17 @@ pub use target::Target;
 
 use crate::study::levels::{Level, standing};
 use crate::study::quantity::{Quantities, Quantity};
-use crate::study::richardson::{Estimate, Limit, Sample};
+use crate::study::richardson::{Estimate, Limit, Sample, is_narrow, narrowest};
 use crate::study::{planned, run};
 use choice::Choice;
 use console::case_arguments::Changes;
 use contract::figure::Measure;
+use contract::figure::contact::SLIP_ZONE_ELEMENTS;
 use run::error::RunError;
 use run::scratch::Scratch;
+use run::warnings::Warning;
 use section::{ResultSource, Stated, StatedFigure, StatedRun};
+use serde::Deserialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -59,6 +62,8 @@ pub struct GridRun {
     pub step: usize,
     /// Values of all compared quantities.
     values: Vec<Option<f64>>,
+    /// Width of the slip zone \[element\]; `None` without an edge inside the contact.
+    slip_zone: Option<f64>,
     /// Time of the run \[s\].
     pub wall_s: f64,
 }
@@ -186,7 +191,8 @@ impl Search {
         }
         let values = self.quantities.iter().map(|one| one.value(summary)).collect();
         self.runs.retain(|run| run.step != step);
-        self.runs.push(GridRun { step, values, wall_s });
+        let slip_zone = slip_zone(summary);
+        self.runs.push(GridRun { step, values, slip_zone, wall_s });
         self.runs.sort_by_key(|run| run.step);
         Ok(())
     }
@@ -234,7 +240,8 @@ impl Search {
 
     fn samples(&self, index: usize) -> Vec<Sample> {
         let sample = |run: &GridRun| {
-            Some(Sample { level: self.fineness(run.step), value: run.values[index]? })
+            let (level, slip_zone) = (self.fineness(run.step), run.slip_zone);
+            Some(Sample { level, value: run.values[index]?, slip_zone })
         };
         self.runs.iter().filter_map(sample).collect()
     }
@@ -289,6 +296,8 @@ impl Search {
             ResultSource::Run => Vec::new(),
         };
         let estimated_error = grid_error + model_error;
+        let samples = self.samples(0);
+        let narrow = is_narrow(&samples);
         let run = |run: &GridRun| StatedRun {
             settings: self.level.keys_at(run.step).map(|(r, n)| (r.key.clone(), n)).collect(),
             value: run.values[0],
@@ -305,7 +314,8 @@ impl Search {
             value,
             extrapolated: limit
                 .map(|(_, limit)| limit.value)
-                .or(self.estimate(0).map(|of| of.limit)),
+                .or(self.estimate(0).filter(|_| !narrow).map(|of| of.limit)),
+            narrow_slip_zone: narrow.then(|| narrowest(&samples)),
             figures,
             models: self.level.name(),
             runs: self.runs.iter().map(run).collect(),
@@ -324,6 +334,17 @@ impl Search {
                 .to_owned(),
         }
     }
+}
+
+/// Width of the slip zone \[element\]: of the last row or window, or of the narrowest one that gave
+/// a warning.
+fn slip_zone(summary: &Value) -> Option<f64> {
+    let warnings = Vec::<Warning>::deserialize(&summary["warnings"]).unwrap_or_default();
+    let warned = warnings.iter().filter_map(|warning| match warning {
+        Warning::Value(one) if one.key == SLIP_ZONE_ELEMENTS => Some(one.value),
+        _ => None,
+    });
+    contract::figure::value(summary, SLIP_ZONE_ELEMENTS).into_iter().chain(warned).reduce(f64::min)
 }
 
 /// Relative error; zero if the error is zero, also for a value of zero.
@@ -366,7 +387,7 @@ mod tests {
             level,
             window: None,
             step: 1,
-            runs: vec![GridRun { step: 0, values, wall_s: 0.1 }],
+            runs: vec![GridRun { step: 0, values, slip_zone: None, wall_s: 0.1 }],
         }
     }
 
@@ -441,6 +462,28 @@ mod tests {
             (&said["figures"][1]["key"], &said["figures"][1]["value"]),
             (&json!(POWER), &json!(200.0))
         );
+    }
+
+    /// The same grids with a slip zone of a few elements: agreement of limits is chance. The error
+    /// covers the difference of neighbouring grids.
+    #[test]
+    fn a_narrow_slip_zone_is_not_extrapolated() {
+        let narrow = |mut summary: Value, width: f64| {
+            summary["contact"]["slip_zone_elements"] = json!(width);
+            summary
+        };
+        let mut search = search(0.02, 1.0, 120.0, 240.0);
+        search.runs[0].slip_zone = Some(2.0);
+        let mut second = narrow(summary(110.0, 220.0), 4.0);
+        assert_eq!(search.judge(&mut second, 0.2).unwrap(), Decision::Refine);
+        search.refine();
+        let mut last = narrow(summary(105.0, 210.0), 8.0);
+        assert_eq!(search.judge(&mut last, 0.4).unwrap(), Decision::Missed);
+        let stated = &last["accuracy"];
+        assert_eq!((&stated["taken"], &stated["value"]), (&json!("run"), &json!(105.0)));
+        assert_eq!(stated["narrow_slip_zone"], json!(2.0));
+        assert!(stated.get("extrapolated").is_none(), "{stated}");
+        assert!(stated["grid_error"].as_f64().unwrap() >= 10.0 / 105.0, "{stated}");
     }
 
     #[test]

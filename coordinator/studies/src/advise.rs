@@ -63,13 +63,14 @@ impl Advised {
     }
 }
 
-/// Collects the advice on all effects, most influential first.
+/// Collects the advice on all effects, most influential first. Effects on which no program advises
+/// are listed as not estimated, so that silence is not taken for advice.
 ///
 /// # Errors
 /// A program fails.
 pub fn advise(case: &Path, base: &Changes, standing: &Planned) -> Result<Vec<Advised>, RunError> {
     let mut all = Vec::new();
-    for advice in ask(standing)? {
+    for advice in complete(ask(standing)?, standing.plan.effects.iter().map(|one| &*one.name)) {
         let active = standing.case.effects.contains(&advice.effect);
         let mut one = Advised { advice, active, other: Other::Open };
         if active || !one.advice.set.is_empty() {
@@ -81,6 +82,16 @@ pub fn advise(case: &Path, base: &Changes, standing: &Planned) -> Result<Vec<Adv
         |one: &Advised| one.advice.change.as_ref().map_or(-1.0, |change| change.relative.abs());
     all.sort_by(|a, b| size(b).total_cmp(&size(a)));
     Ok(all)
+}
+
+/// Adds an entry without an estimate for every effect that lacks advice.
+fn complete<'a>(mut advice: Vec<Advice>, effects: impl Iterator<Item = &'a str>) -> Vec<Advice> {
+    for effect in effects {
+        if advice.iter().all(|known| known.effect != effect) {
+            advice.push(Advice::new(effect, "no program estimates it in this case"));
+        }
+    }
+    advice
 }
 
 fn other(case: &Path, changes: &Changes, standing: &Planned) -> Result<Other, RunError> {
@@ -187,4 +198,18 @@ fn cost(one: &Advised) -> Option<String> {
 fn quoted(option: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "._=-+/".contains(c);
     if option.chars().all(plain) { option.to_owned() } else { format!("'{option}'") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_effect_without_advice_is_not_left_out() {
+        let given = vec![Advice::new("wear", "a law").moves("contact.area_m2", 0.1)];
+        let all = complete(given.clone(), ["friction_heat", "wear"].into_iter());
+        assert_eq!((all.len(), &all[0]), (2, &given[0]));
+        let verdict = verdict(&all[1], &|key: &str| key.to_owned());
+        assert_eq!((&*all[1].effect, &*verdict), ("friction_heat", "not estimated"));
+    }
 }

@@ -22,6 +22,7 @@ use pages::page::{Block, Page, RunStatus, Section};
 use run::error::RunError;
 use run::format::{counted, number, of_key};
 use run::plan::Planned;
+use run::results::figures::is_rounding;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -119,7 +120,12 @@ impl StatesCommand {
             };
             let all = quantities.all(&summary);
             let all = all.iter().filter(|one| !one.key.starts_with("coupling."));
-            let value = |one: &Quantity| Some((one.key.clone(), one.value(&summary)?));
+            let value = |one: &Quantity| {
+                let value = one.value(&summary)?;
+                let figure = plan.figures.iter().find(|figure| figure.key == one.key);
+                let nothing = figure.is_some_and(|it| is_rounding(it, value, &summary));
+                Some((one.key.clone(), if nothing { 0.0 } else { value }))
+            };
             let values: BTreeMap<String, f64> = all.clone().filter_map(value).collect();
             for one in all.filter(|one| values.contains_key(&one.key)) {
                 if known.iter().all(|other| other.key != one.key) {

@@ -6,6 +6,7 @@
 //! ([`page`]).
 
 mod collect;
+pub mod compare;
 mod design;
 mod engine;
 mod page;
@@ -14,6 +15,8 @@ mod study;
 mod table;
 
 pub(crate) use study::Study;
+#[cfg(test)]
+pub(crate) use table::tests;
 
 use crate::fit;
 use crate::study::arguments::StudyArguments;
@@ -35,7 +38,8 @@ use engine::{Name, Tasks};
 use rows::SweepInProgress;
 use run::error::{Failure, RunError};
 use run::format::counted;
-use run::plan::Planned;
+use run::identity::unseen;
+use run::plan::{Plan, Planned};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -90,6 +94,7 @@ impl Command for SweepCommand {
         study.part = self.part;
         let folder = folder(self, &study)?;
         let mut sweep = begin(self, study, &folder)?;
+        tell_reused(&sweep.study, &standing.plan);
         let printing = Printing { json: self.json, quiet: context.quiet };
         if !self.collect.is_empty() && !printing.is_silent() {
             tell_missing(&sweep.study);
@@ -232,6 +237,15 @@ fn here(
         let row = sweep.study.row(&missing[n], attempt, quantities);
         sweep.add(row)
     })
+}
+
+/// Reports that earlier points stay in the table, and which changes since would not be seen.
+fn tell_reused(study: &Study, plan: &Plan) {
+    let unseen = unseen(plan);
+    if !study.rows.is_empty() && !(study.missing().is_empty() && unseen.is_empty()) {
+        let count = counted(study.rows.len() as u64, "point");
+        tracing::warn!("{count} of earlier runs stay; --replace repeats all{unseen}");
+    }
 }
 
 /// Divides the points into tasks for a scheduler: as many parts as are already submitted, as

@@ -40,6 +40,11 @@ pub struct Description {
     /// leaves nothing behind for the next.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub reusable: bool,
+    /// Build of the program: a digest of the files that it consists of, or a build id. Results of
+    /// two builds never stand in one table. Without it, only the files that the command names are
+    /// compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub build: Option<String>,
     /// Models, cheapest first.
     pub models: Vec<ModelSpec>,
     /// Effects that the participant supports.
@@ -588,6 +593,7 @@ mod tests {
             estimates: true,
             advises: false,
             reusable: true,
+            build: None,
             models: vec![model("coarse", false), model("fine", true)],
             effects: vec![effect],
             keys: Vec::new(),

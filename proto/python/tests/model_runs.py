@@ -17,6 +17,7 @@ from scipy.optimize import minimize
 from scipy.stats import chi2, lognorm, norm
 
 import cosim
+from cosim.command import executable
 
 # Deprecation warnings of other packages do not fail the tests.
 pytestmark = [
@@ -88,7 +89,7 @@ def test_mistakes_are_errors_at_construction(tmp_path):
         with pytest.raises(ValueError, match=words):
             rolling(tmp_path, inputs=inputs, outputs=outputs, **more)
 
-    refused(r"`friction\.coeficient`.*mean `friction\.coefficient`", ["friction.coeficient"])
+    refused(r"`friction\.coeficient`.*mean `friction\.coefficient`\?", ["friction.coeficient"])
     refused(r"`bodies\.rial\.radius_y`.*`bodies\.rail\.radius_y`", ["bodies.rial.radius_y"])
     refused("no number of this case", ["thermal.model"])
     refused("is no key; write", ["motion speed"])
@@ -220,16 +221,73 @@ def test_derivatives_are_those_of_the_closed_form(tmp_path):
     assert np.array_equal(model.gradient(point), slopes[0])
     both = model.jacobian([point, 1.01 * point])
     assert both.shape == (2, 1, 3) and np.array_equal(both[0], slopes)
-    # A longer step has the remainder of second order.
+    # A longer step has the remainder of fourth order.
     errors = [
         abs(model.jacobian(point, step=part * point)[0, 1] / expected[1] - 1.0)
-        for part in (0.04, 0.02)
+        for part in (0.4, 0.2)
     ]
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.02)
+    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.1)
     with pytest.raises(ValueError, match="step of `friction` is not positive"):
         model.jacobian([0.0, 40.0, 50.0])
     with pytest.raises(ValueError, match="several has a jacobian"):
         rolling(tmp_path).gradient([0.6, 134.0])
+
+
+def test_the_errors_of_derivatives_cover_a_finer_grid(tmp_path):
+    """Creepage and rise at a/20 jump with the edges of elements, so that steps are long."""
+    inputs = {"friction": "friction.coefficient", "traction": "motion.traction_coefficient"}
+    point = np.array([0.6, 0.4])
+
+    def found(resolution):
+        model = rolling(
+            tmp_path, ["contact.creepage_xi", RAIL], inputs, mech={"resolution": resolution}
+        )
+        return model.derivatives(point) + (model(point),)
+
+    coarse, errors, values = found(20)
+    fine, fine_errors, _ = found(60)
+    off = np.abs(coarse - fine)
+    assert np.all(off <= errors + fine_errors), (off, errors, fine_errors)
+    # The stated errors are of the size of the true ones: a tenth of the output or less.
+    assert np.all(errors * point < 0.1 * np.abs(values)[:, None]), errors
+
+
+def test_a_changed_program_is_noticed(tmp_path, monkeypatch):
+    """A program found on the search path, and one whose new build only its description tells."""
+    solver = executable().with_name("thermal-solver")
+    script = tmp_path / "bin" / "my-thermal"
+    script.parent.mkdir()
+
+    def wrap(remark):
+        script.write_text(f'#!/bin/sh\n# {remark}\nexec {solver} "$@"\n')
+        script.chmod(0o755)
+
+    monkeypatch.setenv("PATH", f"{script.parent}:/usr/bin:/bin")
+    wrap("one")
+    command = {"thermal": {"command": ["my-thermal"]}}
+    first = rolling(tmp_path, **command)
+    value = first([0.6, 134.0]).tolist()
+    assert first.runs == 1
+    again = rolling(tmp_path, **command)
+    assert again([0.6, 134.0]).tolist() == value and again.runs == 0
+    wrap("another")
+    assert again([0.6, 134.0]).tolist() == value and again.runs == 1
+    changed = rolling(tmp_path, **command)
+    assert changed([0.6, 134.0]).tolist() == value and changed.runs == 0
+    # Another build is noticed after the run, whose values are not kept under the old one.
+    changed._builds["thermal"] = "of another build"
+    with pytest.raises(cosim.CosimError, match="changed during the evaluation"):
+        changed([0.61, 134.0])
+    assert np.isfinite(changed([0.61, 134.0])).all()
+
+
+def test_a_cache_that_cannot_be_written_loses_no_value(tmp_path):
+    (tmp_path / "cache").write_text("a file in the place of the folder")
+    model = rolling(tmp_path)
+    with pytest.warns(RuntimeWarning, match="kept in memory only"):
+        found = model([0.6, 134.0])
+    assert np.isfinite(found).all() and model([0.6, 134.0]).tolist() == found.tolist()
+    assert model.runs == 1
 
 
 def test_a_neighbour_without_a_value_leaves_a_one_sided_difference(tmp_path):

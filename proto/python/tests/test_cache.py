@@ -1,6 +1,8 @@
 """Values on disk: read to the bit, and never wrong after damage or by several writers."""
 
 import multiprocessing
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,3 +83,18 @@ def test_several_processes_write_whole_lines(tmp_path):
 def test_lines_without_a_check_sum_are_ignored(tmp_path, text):
     (tmp_path / "content.jsonl").write_text(f"0123456789abcdef {text}\n", "utf-8")
     assert Cache(tmp_path, "content").news(SIZES) == []
+
+
+@pytest.mark.parametrize("text", ["1.0", "[1.0, 2.0]", "[[[1.0], [2.0]], [3.0]]", "[" * 100_000])
+def test_forged_lines_of_another_form_are_ignored(tmp_path, text):
+    cache = Cache(tmp_path, "content")
+    (tmp_path / "content.jsonl").write_text(f"{cache._check(text)} {text}\n", "utf-8")
+    assert cache.news(SIZES) == []
+
+
+@pytest.mark.parametrize("make", [Path.mkdir, os.mkfifo, lambda path: path.symlink_to("/dev/zero")])
+def test_what_is_no_file_is_refused_at_once(tmp_path, make):
+    make(tmp_path / "content.jsonl")
+    for use in (lambda cache: cache.news(SIZES), lambda cache: cache.add(ROWS)):
+        with pytest.raises(OSError, match=r"content\.jsonl"):
+            use(Cache(tmp_path, "content"))

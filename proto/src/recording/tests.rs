@@ -15,6 +15,7 @@ fn head() -> Head {
         estimates: false,
         advises: false,
         reusable: true,
+        build: None,
         models: Vec::new(),
         effects: Vec::new(),
         keys: Vec::new(),

@@ -130,6 +130,7 @@ impl Solver for Linear {
             estimates: true,
             advises: false,
             reusable: true,
+            build: None,
             models: vec![self.model()],
             effects: Vec::new(),
             keys: vec![

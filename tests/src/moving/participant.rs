@@ -124,6 +124,7 @@ impl Solver for Moving {
             estimates: true,
             advises: false,
             reusable: true,
+            build: None,
             models: vec![self.model()],
             effects: Vec::new(),
             keys: keys.chain(self.own_keys()).collect(),

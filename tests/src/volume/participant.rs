@@ -53,6 +53,7 @@ impl Solver for Block {
             estimates: true,
             advises: false,
             reusable: true,
+            build: None,
             models: vec![ModelSpec {
                 name: "law".to_owned(),
                 summary: "a temperature given as a function of place and time".to_owned(),

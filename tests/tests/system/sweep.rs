@@ -2,7 +2,8 @@
 //! continued.
 
 use crate::harness::Table;
-use crate::harness::{Ended, Place, case, sets, wait_until};
+use crate::harness::python::interpreter;
+use crate::harness::{Ended, Place, case, programs, root, sets, wait_until};
 use crate::sweeps::points;
 use serde_json::Value;
 use std::path::Path;
@@ -166,6 +167,88 @@ fn points_of_a_case_that_has_changed_are_refused() {
     let ended = edited.sweep(&out, &[]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert_eq!(table(&out).texts("temperature.rail.max_rise_k").join(" "), whole);
+    place.assert_nothing_left();
+}
+
+/// Points of two programs never stand in one table: neither of another file of the same name on the
+/// search path, nor of a script whose imported module was edited. A program that states no build is
+/// told when its points stay.
+#[test]
+fn points_of_a_program_that_has_changed_are_refused() {
+    let place = Place::new();
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let solver = programs().join("thermal-solver").display().to_string();
+    let wrapped = |remark: &str| {
+        std::fs::write(at("my-thermal"), format!("#!/bin/sh\n# {remark}\nexec {solver} \"$@\"\n"))
+            .unwrap();
+        let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+        std::fs::set_permissions(at("my-thermal"), mode).unwrap();
+    };
+    let example = root().join("proto/python/examples/short_columns.py");
+    let script = std::fs::read_to_string(example).unwrap();
+    std::fs::write(
+        at("columns.py"),
+        format!("{script}\n").replacen("import", "import inner\nimport", 1),
+    )
+    .unwrap();
+    let module = |text: &str| std::fs::write(at("inner.py"), text).unwrap();
+    let python = format!(
+        "{:?}",
+        [interpreter().display().to_string(), at("columns.py").display().to_string()]
+    );
+    let sweep = |out: &Path, program: &str, more: &[&str]| {
+        let (file, out) = (case("wheel-rail.toml"), out.display().to_string());
+        let command = format!("thermal.command={program}");
+        let vary =
+            ["--vary", "load.normal_force=1e5,1.1e5,1.2e5", "--set", "mech.model=hertz-carter"];
+        let arguments =
+            [&["sweep", &file, "--out", &out, "--set", &command], &vary[..], more].concat();
+        let mut command = place.command(&arguments);
+        command.env(
+            "PATH",
+            std::env::join_paths([folder.path(), Path::new("/usr/bin"), Path::new("/bin")])
+                .unwrap(),
+        );
+        place.launch(command).wait()
+    };
+    type Edit<'a> = &'a dyn Fn(&str);
+    let rows: [(&str, &[&str], Edit<'_>, &str); 2] = [
+        ("[\"my-thermal\"]", &[], &wrapped, "thermal.command[0]: the content of the file changed"),
+        (
+            &python,
+            &["--set", "thermal.model=short"],
+            &|text| module(&format!("# {text}\n")),
+            "thermal: another build of",
+        ),
+    ];
+    for (program, more, edit, words) in rows {
+        let out = place.out().with_file_name(words.len().to_string());
+        edit("one");
+        let ended = sweep(&out, program, more);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        stop(&out);
+        edit("another");
+        let from = out.display().to_string();
+        let collected = out.with_extension("collected");
+        for refused in [
+            sweep(&out, program, more),
+            sweep(&collected, program, &[more, &["--collect", &from]].concat()),
+        ] {
+            assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+            assert!(refused.stderr.contains(words), "{words}: {}", refused.stderr);
+        }
+        edit("one");
+        let ended = sweep(&out, program, more);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        assert!(ended.stderr.contains("2 points of earlier runs stay"), "{}", ended.stderr);
+        assert_eq!(
+            ended.stderr.contains("thermal states no build"),
+            more.is_empty(),
+            "{}",
+            ended.stderr
+        );
+    }
     place.assert_nothing_left();
 }
 

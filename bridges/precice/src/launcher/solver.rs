@@ -59,6 +59,7 @@ impl Solver for ProgramSolver {
             estimates: false,
             advises: false,
             reusable: false,
+            build: None,
             models: vec![ModelSpec {
                 name: MODEL.to_owned(),
                 summary: format!("program with a preCICE adapter, participant {participant}"),

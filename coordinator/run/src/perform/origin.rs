@@ -45,7 +45,7 @@ pub fn origin(planned: &Planned) -> Result<Origin, RunError> {
         case: case.text(),
         folder: absolute(folder).unwrap_or_else(|_| folder.to_owned()),
         plan: participants.chain([routes]).collect(),
-        files: Identity::of(planned)?.files,
+        files: Identity::files(planned)?,
     })
 }
 

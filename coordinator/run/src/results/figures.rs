@@ -110,6 +110,14 @@ fn list<'a>(
     Some(List { name, figures, rows, names, count })
 }
 
+/// Returns whether a value is a rounding error of the figures that bound it, and stands for 0.
+#[must_use]
+pub fn is_rounding(figure: &FigureSpec, number: f64, summary: &Value) -> bool {
+    let Hidden::Below(keys) = &figure.hidden else { return false };
+    let bound: f64 = keys.iter().map(|key| value(summary, key).unwrap_or(0.0)).product();
+    number.abs() <= NOTHING * bound.abs()
+}
+
 impl<'a> Entry<'a> {
     /// Returns a figure with its value, unless it is hidden.
     fn of(figure: &'a FigureSpec, number: f64, summary: &Value) -> Option<Self> {
@@ -117,10 +125,7 @@ impl<'a> Entry<'a> {
         let hidden = match &figure.hidden {
             Hidden::Never => figure.style == Style::Count && number <= 1.0,
             Hidden::Zero => number == 0.0,
-            Hidden::Below(keys) => {
-                let bound: f64 = keys.iter().map(|key| other(key).unwrap_or(0.0)).product();
-                number.abs() <= NOTHING * bound.abs()
-            }
+            Hidden::Below(_) => is_rounding(figure, number, summary),
             Hidden::Several(key) => other(key).is_some_and(|count| count > 1.0),
         };
         (!hidden).then_some(Self { figure, value: number })

@@ -130,6 +130,10 @@ fn accuracy(summary: &Value, figures: &[FigureSpec]) -> Vec<Option<String>> {
         percent("grid_error").map(|error| format!("grid {error}")),
         percent("model_error").map(|error| format!("models {error}")),
         limit.map(|value| format!("extrapolated {}", number(value, 5))),
+        of("narrow_slip_zone").map(|width| {
+            let width = number(width, 2);
+            format!("not extrapolated: slip zone {width} elements wide on the coarsest grid")
+        }),
         taken.then(|| "extrapolated from three grids: quote this".to_owned()),
         taken.then(|| "the lines above describe the finest grid".to_owned()),
         word("models"),

@@ -4,9 +4,10 @@ use super::Target;
 use crate::study::levels::{Level, all, reason};
 use crate::study::{ends_study, expected_seconds, planned};
 use console::case_arguments::Changes;
+use contract::accuracy::Simplification;
 use coupling::windows::Windows;
 use run::error::RunError;
-use run::format::percent;
+use run::format::{number, percent};
 use run::plan::{Plan, Planned};
 use std::path::Path;
 
@@ -24,32 +25,23 @@ pub(super) fn choose(
     target: &Target,
 ) -> Result<Choice, RunError> {
     let mut best: Option<(f64, Choice)> = None;
-    let mut refused = Vec::new();
-    for level in chosen(standing, base) {
-        if !level.silent.is_empty() {
-            let silent = level.silent.join(", ");
-            refused.push(format!("{}: {silent} does not state its accuracy", level.name()));
-            continue;
-        }
+    for level in chosen(standing, base).into_iter().filter(|level| level.silent.is_empty()) {
         let Some(step) = coarsest(&level, target) else { continue };
         match planned(case, &level.at(step)) {
             Ok(planned) => {
                 let level = level.in_case(&planned);
                 // The simplifications of the models may be too large in this particular case.
-                let Some(step) = coarsest(&level, target) else {
-                    refused.push(format!("{}: {}", level.name(), most_left_out(&level)));
-                    continue;
-                };
+                let Some(step) = coarsest(&level, target) else { continue };
                 let seconds = expected_seconds(&planned.plan);
                 if best.as_ref().is_none_or(|(least, _)| seconds < *least) {
                     best = Some((seconds, Choice { level, step }));
                 }
             }
             Err(error) if ends_study(&error) => return Err(error),
-            Err(error) => refused.push(format!("{}: {}", level.name(), reason(&error))),
+            Err(_) => {}
         }
     }
-    best.map(|(_, choice)| choice).ok_or_else(|| none(standing, base, target, &refused))
+    best.map(|(_, choice)| choice).ok_or_else(|| none(case, standing, base, target))
 }
 
 /// Lists all levels, restricted to models that the user has set.
@@ -88,7 +80,8 @@ pub(super) fn refuse_resolution(level: &Level, base: &Changes) -> Result<(), Run
 
 fn most_left_out(level: &Level) -> String {
     let most = level.left_out.iter().max_by(|a, b| a.error.total_cmp(&b.error));
-    most.map(|one| format!("{} ({:.2} %)", one.what, 100.0 * one.error)).unwrap_or_default()
+    let told = |one: &Simplification| format!(" ({}, {:.2} %)", one.what, 100.0 * one.error);
+    most.map(told).unwrap_or_default()
 }
 
 /// Coarsest resolution at which a level is expected to meet the target. The very first resolution
@@ -103,18 +96,39 @@ fn coarsest(level: &Level, target: &Target) -> Option<usize> {
     (first..level.steps()).find(meets)
 }
 
-fn none(standing: &Planned, base: &Changes, target: &Target, refused: &[String]) -> RunError {
-    let expected =
-        |level: &Level| level.model_error() + level.grid_error(level.steps().saturating_sub(1));
-    let levels = chosen(standing, base);
-    let best = levels.iter().map(|level| (expected(level), level.name()));
-    let best = best.min_by(|a, b| a.0.total_cmp(&b.0));
-    let (error, name) = best.unwrap_or((f64::NAN, "no model".to_owned()));
-    let mut text = format!(
-        "no models are expected to reach an error of {} %; the best, {name}, reach {:.2} %",
-        percent(target.most()),
-        100.0 * error
-    );
+/// Error for a target that no models meet. Names the models that can run the case and come closest.
+fn none(case: &Path, standing: &Planned, base: &Changes, target: &Target) -> RunError {
+    let mut best: Option<(f64, Level)> = None;
+    let mut refused = Vec::new();
+    for level in chosen(standing, base) {
+        let name = level.name();
+        match planned(case, &level.variant) {
+            Ok(_) if !level.silent.is_empty() => {
+                let silent = level.silent.join(", ");
+                refused.push(format!("{name}: {silent} does not state its accuracy"));
+            }
+            Ok(planned) => {
+                let level = level.in_case(&planned);
+                let finest = level.grid_error(level.steps().saturating_sub(1));
+                let error = level.model_error() + finest;
+                if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                    best = Some((error, level));
+                }
+            }
+            Err(error) => refused.push(format!("{name}: {}", reason(&error))),
+        }
+    }
+    let mut text = match best {
+        Some((error, level)) => format!(
+            "no models are expected to reach an error of {} %; the best that can run this case, \
+             {}, reach {} %{}",
+            percent(target.most()),
+            level.name(),
+            number(100.0 * error, 2),
+            most_left_out(&level)
+        ),
+        None => "no models that state their accuracy can run this case".to_owned(),
+    };
     for one in refused {
         text += &format!("; {one}");
     }

@@ -25,6 +25,9 @@ pub(crate) struct Stated {
     /// Extrapolated value on an infinitely fine grid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extrapolated: Option<f64>,
+    /// Width of the slip zone on the coarsest grid \[element\], if it is too narrow to extrapolate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub narrow_slip_zone: Option<f64>,
     /// Extrapolated figures, if the limit is the result.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<StatedFigure>,

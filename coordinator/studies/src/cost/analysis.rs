@@ -11,11 +11,14 @@ use crate::study::output::StudyFile;
 use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
 use contract::figure::Measure;
+use contract::figure::contact::SLIP_ZONE_ELEMENTS;
 use run::error::RunError;
 use std::collections::BTreeMap;
 
 /// Targets for which a study recommends a run.
 const TARGETS: [f64; 3] = [0.1, 0.01, 0.001];
+/// Error of models, above which they are no reference if more faithful ones were skipped.
+const FAITHFUL: f64 = 0.01;
 /// Order of convergence with the window length, for constant power density within a window.
 const WINDOW_ORDER: f64 = 1.0;
 
@@ -34,6 +37,10 @@ pub(super) fn study(request: &Request, sweep: Sweep) -> Result<Study, RunError> 
         levels: Vec::new(),
         refused: sweep.refused.clone(),
         left_out: sweep.left_out.clone(),
+        more_faithful: quantities
+            .first()
+            .and_then(|one| sweep.more_faithful(&one.key))
+            .map(Level::name),
         runs: sweep.runs.clone(),
         picks: Vec::new(),
         quantities: compared,
@@ -125,12 +132,16 @@ fn compared(quantity: &Quantity, request: &Request, sweep: &Sweep) -> Compared {
 }
 
 /// Extrapolates the finest runs of the most faithful models along every axis with a known order.
-/// Among equally faithful models, the one with the smallest uncertainty is taken.
+/// Among equally faithful models, the one with the smallest uncertainty is taken. Models with an
+/// error of their own are no reference if more faithful ones were skipped.
 fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
     let error = |level: usize| sweep.levels[level].model_error();
     let ran =
         || (0..sweep.levels.len()).filter(|level| sweep.finest(*level, &quantity.key).is_some());
     let least = ran().map(error).min_by(f64::total_cmp)?;
+    if least > FAITHFUL && sweep.more_faithful(&quantity.key).is_some() {
+        return None;
+    }
     let limits = ran().filter(|level| error(*level) <= least);
     let limits = limits.filter_map(|level| sweep.limit(level, quantity));
     // A single grid gives no error estimate.
@@ -139,6 +150,17 @@ fn extrapolated(quantity: &Quantity, sweep: &Sweep) -> Option<Reference> {
 }
 
 impl Sweep {
+    /// The most faithful models, if none of their runs has a quantity and less faithful ones do.
+    fn more_faithful(&self, key: &str) -> Option<&Level> {
+        let ran = |level: usize| self.finest(level, key).is_some();
+        let error = |level: &usize| self.levels[*level].model_error();
+        let all = || 0..self.levels.len();
+        let least = all().filter(|level| ran(*level)).map(|level| error(&level));
+        let least = least.min_by(f64::total_cmp)?;
+        let best = all().min_by(|a, b| error(a).total_cmp(&error(b)))?;
+        (error(&best) < least).then(|| &self.levels[best])
+    }
+
     /// Returns whether a run differs from another only by a finer resolution.
     fn is_finer(&self, run: &Run, other: &Run) -> bool {
         let others = self.levels.get(run.level).map_or(0, |level| level.refinements.len());
@@ -188,7 +210,8 @@ impl Sweep {
         };
         let sample = |run: &Run| {
             let (_, level) = level.keys_at(run.step).next()?;
-            Some(Sample { level: f64::from(level), value: *run.values.get(key)? })
+            let slip_zone = run.values.get(SLIP_ZONE_ELEMENTS).copied();
+            Some(Sample { level: f64::from(level), value: *run.values.get(key)?, slip_zone })
         };
         self.runs.iter().filter(alike).filter_map(sample).collect()
     }
@@ -202,7 +225,7 @@ impl Sweep {
         let sample = |run: &Run| {
             let (_, window) = run.settings.iter().find(|(key, _)| *key == axis.key)?;
             let window: f64 = window.parse().ok()?;
-            Some(Sample { level: 1.0 / window, value: *run.values.get(key)? })
+            Some(Sample { level: 1.0 / window, value: *run.values.get(key)?, slip_zone: None })
         };
         let mut samples: Vec<Sample> = self.runs.iter().filter(alike).filter_map(sample).collect();
         samples.sort_by(|a, b| a.level.total_cmp(&b.level));

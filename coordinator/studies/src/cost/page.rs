@@ -164,5 +164,7 @@ fn notes(study: &Study) -> Option<Section> {
         }
     }
     let there = !table.rows.is_empty();
-    Section::of("Not run", there.then_some(Block::Table(table)).into_iter().collect())
+    let remark = study.missing_models().map(Block::Text);
+    let blocks = remark.into_iter().chain(there.then_some(Block::Table(table)));
+    Section::of("Not run", blocks.collect())
 }

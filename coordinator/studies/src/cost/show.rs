@@ -2,8 +2,11 @@
 
 use super::runs::{COLUMNS, of_level, table};
 use super::study::{Compared, Study};
-use run::format::{of_key, seconds};
+use run::format::{counted, of_key, seconds};
 use std::fmt::Write as _;
+
+/// Largest number of skipped runs on the terminal.
+const SKIPPED: usize = 6;
 
 /// Renders the complete study.
 pub(super) fn text(study: &Study) -> String {
@@ -14,6 +17,9 @@ pub(super) fn text(study: &Study) -> String {
     out += "\n";
     for one in study.quantities.iter().take(COLUMNS) {
         out += &reference(one);
+    }
+    if let Some(text) = study.missing_models() {
+        let _ = writeln!(out, "  {text}");
     }
     for (number, level) in study.levels.iter().enumerate() {
         let _ = writeln!(out, "\n{}", level.name);
@@ -31,8 +37,12 @@ pub(super) fn text(study: &Study) -> String {
     for (name, why) in &study.refused {
         let _ = writeln!(out, "\n{name}\n  cannot run this case: {why}");
     }
-    for (what, why) in &study.left_out {
+    for (what, why) in study.left_out.iter().take(SKIPPED) {
         let _ = writeln!(out, "  skipped: {what}: {why}");
+    }
+    let more = study.left_out.len().saturating_sub(SKIPPED) as u64;
+    if more > 0 {
+        let _ = writeln!(out, "  and {} more skipped, see cost.json", counted(more, "run"));
     }
     out += "\n";
     out + &picks(study)

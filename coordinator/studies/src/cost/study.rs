@@ -63,6 +63,9 @@ pub(crate) struct Study {
     pub refused: Vec<(String, String)>,
     /// Skipped runs, with the reason.
     pub left_out: Vec<(String, String)>,
+    /// Most faithful models, if all of their runs were skipped or failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub more_faithful: Option<String>,
     /// Runs, level by level, coarsest first.
     pub runs: Vec<Run>,
     /// Recommended run for each target.
@@ -73,6 +76,20 @@ impl StudyFile for Study {
     const COMMAND: &'static str = "cost";
     const FILE: &'static str = "cost.json";
     const SCHEMA: u32 = 1;
+}
+
+impl Study {
+    /// States that the most faithful models have no run, and what follows.
+    #[must_use]
+    pub(crate) fn missing_models(&self) -> Option<String> {
+        let name = self.more_faithful.as_ref()?;
+        let without = self.quantities.first().is_some_and(|one| one.reference.is_none());
+        let what = if without { ", so that there is no reference" } else { "" };
+        Some(format!(
+            "{name}, the most faithful models, have no run{what}; raise --longest-run, or name the \
+             value with --reference"
+        ))
+    }
 }
 
 /// A compared quantity.

@@ -8,7 +8,7 @@ use crate::sweep::Study;
 use run::error::RunError;
 use run::format::{counted, number, of_key};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use surrogate::{Document, FittedFigure, Key, Measure, Origin, SCHEMA, Scale};
+use surrogate::{Document, FittedFigure, Key, Measure, Origin, SCHEMA, Scale, Surrogate};
 
 /// A fitted surrogate and the data for its report.
 pub(super) struct Made {
@@ -46,6 +46,11 @@ impl Made {
         };
         let (keys, coordinates) = (samples.keys.clone(), samples.coordinates.clone());
         let document = Document { schema: SCHEMA, origin, keys, coordinates, figures };
+        // What is written can be read.
+        Surrogate::new(&document).map_err(|fault| {
+            let fix = "vary fewer keys";
+            RunError::Usage(format!("the surrogate could not be used: {fault}; {fix}"))
+        })?;
         Ok(Self { document, samples, left_out })
     }
 

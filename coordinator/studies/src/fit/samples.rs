@@ -70,6 +70,13 @@ impl Samples {
     pub(super) fn of(study: &Study, quotients: &[Quotient]) -> Result<Self, RunError> {
         let (one_value, varied): (Vec<_>, Vec<_>) =
             study.vary.iter().enumerate().partition(|(_, axis)| has_one_value(axis));
+        if varied.is_empty() {
+            return Err(RunError::Usage(
+                "no key of the sweep has two values, so there is nothing to fit; vary a key over a \
+                 range"
+                    .to_owned(),
+            ));
+        }
         let mut key_values = Vec::new();
         for (n, axis) in &varied {
             let values = numbers(axis, study.units.get(*n).map_or("", String::as_str))?;

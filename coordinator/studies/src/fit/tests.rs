@@ -191,3 +191,13 @@ fn held_out_errors_are_those_of_a_fit_without_the_points() {
         assert!((error - expected).abs() < 1e-13, "{n}: {error} {expected}");
     }
 }
+
+/// A sweep of equal values has nothing to fit; a file without keys could not be read again.
+#[test]
+fn a_sweep_of_one_value_is_refused() {
+    let mut study = crate::sweep::tests::study();
+    study.vary[0].values = vec!["10".to_owned(); 2];
+    let refused = Samples::of(&study, &[]).unwrap_err();
+    assert!(refused.to_string().contains("no key of the sweep has two values"), "{refused}");
+    assert_eq!(refused.exit_code(), 2);
+}

@@ -85,7 +85,7 @@ impl Values {
         let sample = |family: &String| {
             let run = value.map_or_else(|| family.clone(), |value| format!("{family}/{value}"));
             let level = *self.fineness.get(family)?;
-            Some(Sample { level, value: self.find(&run, key)? })
+            Some(Sample { level, value: self.find(&run, key)?, slip_zone: None })
         };
         let samples: Vec<Sample> = limit.of.iter().filter_map(sample).collect();
         let finest = samples.last_chunk::<2>()?;

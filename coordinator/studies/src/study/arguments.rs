@@ -20,7 +20,7 @@ pub struct RepeatArguments {
 pub struct StudyArguments {
     /// Folder of the study [default: results/NAME, or NAME-2 and so on].
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
     /// Replace an earlier study of its kind in that folder.
     #[arg(long)]
     pub replace: bool,

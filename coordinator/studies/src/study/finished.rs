@@ -7,7 +7,7 @@
 use super::folder::StudyFolder;
 use super::spent::RunCost;
 use run::error::{RunError, file_failure};
-use run::identity::Identity;
+use run::identity::{Identity, unseen};
 use run::plan::Planned;
 use run::results::read_file;
 use run::sealed::sum;
@@ -27,6 +27,9 @@ struct Request {
     request: u64,
     /// Programs, values and files of the case.
     identity: Identity,
+    /// What the identity does not see, as the end of a sentence.
+    #[serde(skip)]
+    unseen: String,
 }
 
 /// A finished run.
@@ -77,8 +80,8 @@ impl FinishedRuns {
     /// Returns an empty list of finished runs for a study of a case. `asked` holds everything
     /// besides the case that determines the list of runs.
     pub(crate) fn none(asked: &Value, standing: &Planned) -> Result<Self, RunError> {
-        let identity = Identity::of(standing)?;
-        let request = Request { request: sum(asked.to_string().as_bytes()), identity };
+        let (identity, unseen) = (Identity::of(standing)?, unseen(&standing.plan));
+        let request = Request { request: sum(asked.to_string().as_bytes()), identity, unseen };
         Ok(Self { request, runs: BTreeMap::new(), bytes: 0, file: None })
     }
 
@@ -116,7 +119,12 @@ impl FinishedRuns {
             ("--replace starts again, --out DIR leaves that study untouched", folder.display());
         let (known, new) = (&found.request.identity, &self.request.identity);
         known.require_same(new, &place.to_string(), fix)?;
-        Ok(found)
+        Ok(Self { request: self.request, ..found })
+    }
+
+    /// What a comparison of identities does not see, as the end of a sentence; empty if nothing.
+    pub(super) fn unseen(&self) -> &str {
+        &self.request.unseen
     }
 
     /// Number of finished runs.
@@ -175,7 +183,7 @@ mod tests {
     use std::fs;
 
     fn none() -> FinishedRuns {
-        let request = Request { request: 7, identity: Identity::default() };
+        let request = Request { request: 7, identity: Identity::default(), unseen: String::new() };
         FinishedRuns { request, runs: BTreeMap::new(), bytes: 0, file: None }
     }
 
@@ -203,7 +211,7 @@ mod tests {
         }
         let found = none().read(place.path()).unwrap();
         assert_eq!(found.run(&[]).unwrap().spent, run(2.0).spent);
-        let other = Request { request: 8, identity: Identity::default() };
+        let other = Request { request: 8, ..none().request };
         assert!(FinishedRuns { request: other, ..none() }.read(place.path()).is_none());
     }
 

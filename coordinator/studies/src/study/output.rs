@@ -3,16 +3,12 @@
 
 use super::folder::{StudyFolder, says_incomplete};
 use console::output::print;
-use contract::input_file;
 use contract::text::json;
 use pages::page::Page;
 use run::error::{RunError, input_failure};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-
-/// Size above which a file is refused [byte].
-const MOST_BYTES: u64 = 1 << 30;
 
 /// Plain data that a study keeps in its folder. The key `schema` holds the version of the layout;
 /// `complete = false` marks an unfinished study.
@@ -54,7 +50,7 @@ pub trait StudyFile: Serialize + DeserializeOwned {
 /// Same as [`StudyFile::read`].
 pub fn read_file<S: StudyFile>(folder: &Path) -> Result<S, RunError> {
     let path = folder.join(S::FILE);
-    let text = input_file::read(&path, MOST_BYTES).map_err(|error| input_failure(&path, &error))?;
+    let text = run::results::read_file(&path).map_err(|error| input_failure(&path, &error))?;
     let refuse = |why: &dyn std::fmt::Display| {
         let fix = format!("run `coordinator {}` again", S::COMMAND);
         RunError::Usage(format!("{} contains no readable study: {why}; {fix}", path.display()))

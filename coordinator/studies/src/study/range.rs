@@ -6,6 +6,9 @@
 /// Largest number of values.
 const MOST: u32 = 100_000;
 
+/// Units whose zero is not nothing.
+const OWN_ZERO: [&str; 2] = ["°C", "degC"];
+
 /// Values of a range in TOML syntax; `None` if the text is not a range.
 ///
 /// # Errors
@@ -28,9 +31,16 @@ fn values(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     let (Some((from, unit)), Some((to, other))) = (quantity(from), quantity(to)) else {
         return Err("has an end that is not a number".to_owned());
     };
-    if unit != other {
-        return Err("has ends with different units".to_owned());
-    }
+    // Nothing of a unit is 0 without it, except on a scale with its own zero.
+    let is_nothing = |value: f64, own: &str, other: &str| {
+        value == 0.0 && own.is_empty() && !OWN_ZERO.iter().any(|name| other.contains(name))
+    };
+    let unit = match unit == other {
+        true => unit,
+        false if is_nothing(from, unit, other) => other,
+        false if is_nothing(to, other, unit) => unit,
+        false => return Err("has ends with different units".to_owned()),
+    };
     let spacings = [("log", Spacing::Log), ("cheb", Spacing::Chebyshev)];
     let spaced = spacings.iter().find_map(|(word, one)| Some((count.strip_suffix(word)?, *one)));
     let (count, spacing) = spaced.unwrap_or((count, Spacing::Even));
@@ -90,6 +100,8 @@ mod tests {
         );
         assert_eq!(of("-1..-4/3log"), some(&["-1.0", "-2.0", "-4.0"]));
         assert_eq!(of("40kN..90kN/3"), some(&["40.0 kN", "65.0 kN", "90.0 kN"]));
+        assert_eq!(of("0..-5%/3"), some(&["0.0 %", "-2.5 %", "-5.0 %"]));
+        assert_eq!(of("2 kN..0/2"), some(&["2.0 kN", "0.0 kN"]));
         assert_eq!(of("36 km/h..72 km/h/2"), some(&["36.0 km/h", "72.0 km/h"]));
         assert_eq!(of("1e3N..4e3 N/3log"), some(&["1000.0 N", "2000.0 N", "4000.0 N"]));
         assert_eq!(of("up/down,left"), None);
@@ -97,6 +109,7 @@ mod tests {
             ("1..x/3", "not a number"),
             ("1..inf/3", "not a number"),
             ("1 kN..2e3/3", "different units"),
+            ("0..20 °C/3", "different units"),
             ("1 kN..2000 N/3", "different units"),
             ("1..2/1", "has 1 values"),
             ("1..2/2.5", "not a whole number"),

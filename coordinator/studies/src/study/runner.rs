@@ -5,7 +5,7 @@ use super::arguments::StudyArguments;
 use super::finished::{FinishedRuns, Run};
 use super::folder::StudyFolder;
 use super::spent::{RunCost, Stopwatch};
-use super::{expected_run_seconds, expected_seconds, perform, planned};
+use super::{ends_study, expected_run_seconds, expected_seconds, perform, planned};
 use console::case_arguments::Changes;
 use console::steps::Steps;
 use run::error::RunError;
@@ -17,6 +17,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Sender};
 use std::thread;
 use std::time::Instant;
+
+/// Largest number of points that are planned before the first run, for the progress display.
+const MOST_PLANNED: usize = 64;
 
 /// A run to perform.
 #[derive(Clone, Debug)]
@@ -109,7 +112,8 @@ impl<'a> Runner<'a> {
         let count = finished.count();
         if count > 0 {
             tracing::warn!(
-                "{count} runs of the interrupted study are reused; --replace repeats all"
+                "{count} runs of the interrupted study are reused; --replace repeats all{}",
+                finished.unseen()
             );
         }
         self.finished = Some((finished, folder));
@@ -153,7 +157,7 @@ impl<'a> Runner<'a> {
         mut take: impl FnMut(usize, Attempt) -> Result<(), RunError>,
     ) -> Result<(), RunError> {
         let _participants = self.arguments.keep();
-        let mut steps = Steps::of_work(self.quiet, self.work(points));
+        let mut steps = Steps::of_work(self.quiet, self.work(points)?);
         for (n, point) in points.iter().enumerate() {
             steps.step(&point.name);
             let attempt = match self.finished(point) {
@@ -220,18 +224,27 @@ impl<'a> Runner<'a> {
     }
 
     /// Expected work of the points \[s\], used for the progress display only. Points that are
-    /// finished, skipped or cannot be planned count as zero.
-    fn work(&self, points: &[Point]) -> Vec<f64> {
+    /// finished, skipped or cannot be planned count as zero. Many points count as equal, because
+    /// each would have to be planned before the first one runs.
+    ///
+    /// # Errors
+    /// The user interrupted the study.
+    fn work(&self, points: &[Point]) -> Result<Vec<f64>, RunError> {
+        if self.quiet || points.len() > MOST_PLANNED {
+            return Ok(vec![1.0; points.len()]);
+        }
         let expected = |point: &Point| {
-            if self.quiet {
-                return 1.0;
-            }
             if self.finished(point).is_some() {
-                return 0.0;
+                return Ok(0.0);
             }
-            let planned = planned(self.case, &point.changes).ok();
-            let made = planned.filter(|one| expected_seconds(&one.plan) <= self.longest_run);
-            expected_run_seconds(made.as_ref())
+            match planned(self.case, &point.changes) {
+                Err(error) if ends_study(&error) => Err(error),
+                planned => {
+                    let made = planned.ok();
+                    let made = made.filter(|one| expected_seconds(&one.plan) <= self.longest_run);
+                    Ok(expected_run_seconds(made.as_ref()))
+                }
+            }
         };
         points.iter().map(expected).collect()
     }
@@ -331,4 +344,22 @@ fn closed_forms(planned: &Planned) -> BTreeMap<String, f64> {
         found.entry(key.clone()).or_insert(*value);
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Only few points are planned for the progress display; each plan of a long table would delay
+    /// the first run, and an interruption.
+    #[test]
+    fn a_long_table_is_not_planned_before_its_first_run() {
+        let arguments = StudyArguments { out: None, replace: false, fresh: true };
+        let runner = Runner::new(Path::new("absent.toml"), &arguments, false).unwrap();
+        let point = Point { name: String::new(), changes: Changes::default() };
+        // Points that cannot be planned have no work.
+        assert_eq!(runner.work(&vec![point.clone(); 2]).unwrap(), [0.0; 2]);
+        let many = MOST_PLANNED + 1;
+        assert_eq!(runner.work(&vec![point; many]).unwrap(), vec![1.0; many]);
+    }
 }

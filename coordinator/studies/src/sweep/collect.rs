@@ -5,13 +5,9 @@ use super::rows::{FILE, SweepInProgress};
 use super::study::{Row, Study};
 use crate::study::folder::{FolderRequest, StudyFolder};
 use crate::study::output::StudyFile;
-use contract::input_file;
 use run::error::{RunError, input_failure};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Size above which the file of a sweep is refused [byte].
-const MOST_BYTES: u64 = 1 << 30;
 
 /// Adds the points of a sweep in another folder, finished or not.
 ///
@@ -19,7 +15,7 @@ const MOST_BYTES: u64 = 1 << 30;
 /// The folder cannot be read, or its sweep has other points or another case.
 pub(super) fn folder(sweep: &mut SweepInProgress, other: &Path) -> Result<(), RunError> {
     let path = other.join(Study::FILE);
-    let text = input_file::read(&path, MOST_BYTES).map_err(|error| input_failure(&path, &error))?;
+    let text = run::results::read_file(&path).map_err(|error| input_failure(&path, &error))?;
     let wrong = |why: String| RunError::Usage(format!("--collect {}: {why}", other.display()));
     let found: Study = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
     if !sweep.study.is_of_the_same_points(&found) {
@@ -73,6 +69,6 @@ pub(super) fn hand_out(
 /// Reads the description of an interrupted sweep in a folder, without its points; with `complete`,
 /// also of a finished one.
 pub(super) fn earlier(folder: &Path, complete: bool) -> Option<Study> {
-    let text = input_file::read(&folder.join(Study::FILE), MOST_BYTES).ok()?;
+    let text = run::results::read_file(&folder.join(Study::FILE)).ok()?;
     serde_json::from_slice(&text).ok().filter(|study: &Study| complete || !study.complete)
 }

@@ -187,6 +187,14 @@ fn read(file: &Path) -> Result<Vec<Axis>, RunError> {
                 place + 1
             )));
         }
+        // A table of numbers from elsewhere must not start programs.
+        if heading.name.ends_with(".command") {
+            let key = &heading.name;
+            return Err(wrong(format!(
+                "column `{key}` names programs to start; write it into the case, or set it with \
+                 --set {key}=…"
+            )));
+        }
         if vary.iter().any(|one| one.key == heading.name) {
             return Err(wrong(format!("it has two columns `{}`", heading.name)));
         }
@@ -195,6 +203,10 @@ fn read(file: &Path) -> Result<Vec<Axis>, RunError> {
             let at = |what: String| wrong(format!("line {} {what}", table.line(row)));
             match &heading.unit {
                 _ if word.is_empty() => Err(at(format!("has no value for `{}`", heading.name))),
+                _ if word.trim_start().starts_with('{') => Err(at(format!(
+                    "has several keys for `{}`; give each its own column",
+                    heading.name
+                ))),
                 Some(unit) if word.parse::<f64>().is_ok() => Ok(format!("{word} {unit}")),
                 Some(unit) => {
                     let name = &heading.name;
@@ -311,5 +323,21 @@ mod tests {
         }
         let secret = read("root:*:20228:0\ndaemon:*:20228:0\n").unwrap_err();
         assert!(!secret.contains("20228") && !secret.contains("root"), "{secret}");
+    }
+
+    /// A table from elsewhere holds values, and starts no programs.
+    #[test]
+    fn a_table_names_no_programs() {
+        let place = tempfile::tempdir().unwrap();
+        let file = place.path().join("points.csv");
+        for (text, why) in [
+            ("thermal.command\n\"[\"\"touch\"\", \"\"x\"\"]\"\n", "names programs to start"),
+            ("thermal\n{ command = 'x' }\n", "line 2 has several keys for `thermal`"),
+        ] {
+            std::fs::write(&file, text).unwrap();
+            let error = read(&file).unwrap_err();
+            assert!(error.to_string().contains(why), "{error}");
+            assert_eq!(error.exit_code(), 2);
+        }
     }
 }

@@ -14,6 +14,7 @@ use pages::page::{Block, Page, RunStatus, Section};
 use pages::plot::Figure;
 use run::error::RunError;
 use run::format::{Scale, counted, sentence};
+use run::warnings::Warning;
 use std::path::Path;
 
 /// Number of quantities on the terminal; the files contain all.
@@ -43,7 +44,7 @@ impl StudyPage for Study {
         let drawings = drawn.flat_map(|one| drawings(self, one));
         let diagrams = self.diagrams.iter().filter_map(|one| diagram(self, one));
         let drawings = diagrams.map(Block::Figure).chain(drawings).collect();
-        let remarks = failures(self).take(PAGE_ROWS).map(Block::Text);
+        let remarks = failures(self).take(PAGE_ROWS).chain(warnings(self)).map(Block::Text);
         let listed = Block::Table(table(self, usize::MAX).page(&rows));
         let blocks =
             remarks.chain([listed]).chain(more(self, PAGE_ROWS).map(Block::Text)).collect();
@@ -71,7 +72,8 @@ impl StudyPage for Study {
 pub(super) fn text(study: &Study) -> String {
     let rows: Vec<&Row> = study.rows.iter().take(ROWS).collect();
     let more = more(study, ROWS).map_or_else(String::new, |line| format!("  {line}\n"));
-    let failed: String = failures(study).take(ROWS).map(|line| format!("  {line}\n")).collect();
+    let remarks = failures(study).take(ROWS).chain(warnings(study));
+    let failed: String = remarks.map(|line| format!("  {line}\n")).collect();
     format!("sweep of {}\n{}{more}{failed}", study.case, table(study, COLUMNS).terminal(&rows))
 }
 
@@ -92,6 +94,22 @@ fn failures(study: &Study) -> impl Iterator<Item = String> {
         let at: Vec<&str> = study.varied(row).collect();
         row.failed.as_ref().map(|why| format!("{}: {why}", at.join(", ")))
     })
+}
+
+/// One line for each figure of which points warn, with the first of them.
+fn warnings(study: &Study) -> Vec<String> {
+    let mut found: Vec<(&Warning, &Row, u64)> = Vec::new();
+    for (row, one) in study.rows.iter().flat_map(|row| row.warnings.iter().map(move |w| (row, w))) {
+        match found.iter_mut().find(|(known, ..)| known.key() == one.key()) {
+            Some((.., count)) => *count += 1,
+            None => found.push((one, row, 1)),
+        }
+    }
+    let line = |(one, row, count): (&Warning, &Row, u64)| {
+        let at = study.varied(row).collect::<Vec<_>>().join(", ");
+        format!("warning at {}, first at {at}: {one}", counted(count, "point"))
+    };
+    found.into_iter().map(line).collect()
 }
 
 fn table(study: &Study, columns: usize) -> Table<'_, Row> {

@@ -195,7 +195,8 @@ mod tests {
 
     fn row(at: [usize; 2], values: &[f64]) -> Row {
         let failed = values.is_empty().then(|| "no \"answer\"\nhere".to_owned());
-        Row { at: at.to_vec(), values: values.to_vec(), failed, wall_s: 0.1 + 0.2 }
+        let warnings = Vec::new();
+        Row { at: at.to_vec(), values: values.to_vec(), failed, warnings, wall_s: 0.1 + 0.2 }
     }
 
     /// A file with two quantities; only the last of the three points has the second one.

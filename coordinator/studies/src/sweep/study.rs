@@ -10,10 +10,13 @@ use crate::study::runner::{Attempt, Outcome};
 use console::case_arguments::Changes;
 use console::keys;
 use contract::diagram::Diagram;
+use contract::figure::value;
 use run::error::RunError;
 use run::identity::Identity;
 use run::plan::Planned;
+use run::warnings::Warning;
 use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -85,6 +88,9 @@ pub(crate) struct Row {
     /// Reason for a missing result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
+    /// Warnings about the results.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<Warning>,
     /// Time of the run \[s\].
     pub wall_s: f64,
 }
@@ -104,6 +110,12 @@ fn identity(standing: &Planned, vary: &[Axis]) -> Result<Identity, RunError> {
         }
     }
     Ok(identity)
+}
+
+/// Warnings of a summary about its figures; those about the case are told before the runs.
+fn about_results(summary: &Value) -> Vec<Warning> {
+    let all = Vec::<Warning>::deserialize(&summary["warnings"]).unwrap_or_default();
+    all.into_iter().filter(|one| value(summary, one.key()).is_some()).collect()
 }
 
 /// Units of the varied keys.
@@ -332,7 +344,8 @@ impl Study {
     /// Converts the run of a point into a row.
     pub(super) fn row(&mut self, at: &[usize], attempt: Attempt, quantities: &Quantities) -> Row {
         let Attempt { outcome, wall_s } = attempt;
-        let mut row = Row { at: at.to_vec(), values: Vec::new(), failed: None, wall_s };
+        let (values, warnings) = (Vec::new(), Vec::new());
+        let mut row = Row { at: at.to_vec(), values, failed: None, warnings, wall_s };
         match outcome {
             Outcome::Finished(Run { summary, .. }) => {
                 let all = quantities.all(&summary);
@@ -342,6 +355,7 @@ impl Study {
                     row.values.resize(row.values.len().max(column + 1), f64::NAN);
                     row.values[column] = value;
                 }
+                row.warnings = about_results(&summary);
             }
             Outcome::Failed(error) => row.failed = Some(reason(&error)),
             Outcome::LeftOut(why) => row.failed = Some(why),
@@ -374,12 +388,17 @@ impl Study {
         self.changing().filter(move |(column, _)| !is_given(*column))
     }
 
-    /// Quantities that differ between rows, and their columns.
+    /// Quantities that differ between rows, and their columns; all quantities if none differs, as
+    /// in a sweep of one point.
     pub(super) fn changing(&self) -> impl Iterator<Item = (usize, &Quantity)> {
-        self.quantities.iter().enumerate().filter(|(column, _)| {
-            let mut values = self.rows.iter().filter_map(|row| row.value(*column));
+        let differs = |column: usize| {
+            let mut values = self.rows.iter().filter_map(|row| row.value(column));
             let first = values.next();
             values.any(|value| Some(value) != first)
-        })
+        };
+        let all = 0..self.quantities.len();
+        let none = !all.clone().any(differs);
+        let kept: Vec<usize> = all.filter(|column| none || differs(*column)).collect();
+        kept.into_iter().map(|column| (column, &self.quantities[column]))
     }
 }

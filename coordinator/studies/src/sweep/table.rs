@@ -85,13 +85,13 @@ fn columns(study: &Study, numbers: bool) -> Vec<Column<'_>> {
 }
 
 #[cfg(test)]
-pub(in crate::sweep) mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::study::axis::Axis;
     use crate::study::quantity::Quantity;
     use contract::figure::Measure;
 
-    pub(in crate::sweep) fn study() -> Study {
+    pub(crate) fn study() -> Study {
         let vary =
             ["motion.speed=10,20", "load.normal_force=60 kN"].map(|text| Axis::read(text).unwrap());
         let quantity = |key: &str| Quantity::new(key, key, Measure::Relative);
@@ -106,6 +106,7 @@ pub(in crate::sweep) mod tests {
             at: at.to_vec(),
             values: values.to_vec(),
             failed: failed.map(str::to_owned),
+            warnings: Vec::new(),
             wall_s: 0.5,
         };
         study.rows.push(row([0, 0], &[1.0 / 3.0, 5e-324], None));
@@ -149,5 +150,15 @@ pub(in crate::sweep) mod tests {
                 5e-324
             )
         );
+    }
+
+    /// Figures that do not change are hidden only beside others that do.
+    #[test]
+    fn a_sweep_of_one_point_shows_its_figures() {
+        let mut study = study();
+        let shown = |study: &Study| study.found().map(|(column, _)| column).collect::<Vec<_>>();
+        assert_eq!(shown(&study), [0, 1]);
+        study.rows.push(Row { values: vec![2.0 / 3.0, 5e-324], ..study.rows[0].clone() });
+        assert_eq!(shown(&study), [0]);
     }
 }

@@ -16,7 +16,7 @@ from .fields import FieldKind
 from .front import Study, cost, plan, run, sweep
 from .grids import Array, Grid, Quadrilaterals, Structured, Vertices
 from .main import main
-from .model import Failure, Model
+from .model import Derivatives, Failure, Model
 from .ports import Inputs, Outputs
 from .recording import Recording, Sample, Samples
 from .results import Results, Section
@@ -37,6 +37,7 @@ __all__ = [
     "Case",
     "Configuration",
     "CosimError",
+    "Derivatives",
     "Drive",
     "Effect",
     "Failure",

@@ -20,9 +20,13 @@ import csv
 import difflib
 import functools
 import hashlib
+import json
 import os
 import re
+import shutil
+import stat
 import tomllib
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -49,6 +53,12 @@ ORDER = 5
 """Order of the differences of these points, which removes the smooth part of an output."""
 LEAST_ERROR, UNKNOWN_ERROR, LARGEST_ERROR = 1e-9, 1e-6, 1e-3
 """Relative errors for the steps of differences: limits, and the value where none is measured."""
+DISTANCES = np.array([-1.0, -0.5, 0.5, 1.0])
+"""Places of the neighbours that give a derivative, in steps."""
+SCATTER = 1.9
+"""Scatter of an extrapolated difference, in units of ε |y| / h: √((4/3)² 2 + (1/3)²/2)."""
+DOUBTFUL = 0.1
+"""Error of a derivative, times its input and over its output, from which a warning tells."""
 SPEC = re.compile(r"\s*([^\s\[\]]+)\s*(?:\[([^\[\]]+)\])?\s*")
 """A key, and in brackets the unit of its numbers."""
 
@@ -58,6 +68,13 @@ class Failure(NamedTuple):
 
     point: dict[str, float]
     reason: str
+
+
+class Derivatives(NamedTuple):
+    """Derivatives of outputs by inputs, and their estimated errors."""
+
+    values: Array
+    errors: Array
 
 
 class Model:
@@ -71,10 +88,10 @@ class Model:
     - `outputs`: keys of figures, in SI units.
     - `conditions`: values of further keys at which every point is evaluated, such as the creepages
       of a measured curve: `{"motion.creepage.xi": [-1e-3, -2e-3]}`. All have the same length m.
-    - `jobs`: points computed at a time; by default all cores.
+    - `jobs`: points computed at a time; by default all cores that this process may use.
     - `cache`: folder for values, or False for memory only. The default is `COSIM_CACHE`, or `cosim`
       in the user's folder for caches.
-    - `error`: relative error of the outputs, for the steps of differences; see `jacobian`.
+    - `error`: relative error of the outputs, for the steps of differences; see `derivatives`.
 
     With d inputs and k values, a call takes shape (d,) or (n, d) and returns (k,) or (n, k). There
     are k = m values for each output, first those of the first output. How other packages call it:
@@ -90,6 +107,10 @@ class Model:
     A point without a result has NaN, and an entry with the reason in `failures`; it is computed
     again when it is needed again. Raises `ValueError` for an unknown key or output and for another
     shape, and `CosimError` for a case that is wrong at any point, or a program that cannot start.
+
+    A value belongs to the content of the case, its files and its programs. A change of a module
+    that a Python solver loads is noticed at the next run. Of a program that states no build, only
+    the files that its command names are compared.
 
     Attributes: `inputs` (names), `outputs` (keys), `failures`, and `runs`, the number of runs.
     Values from the cache take no run. A model can be pickled.
@@ -126,7 +147,7 @@ class Model:
         self.error = error
         self._names = (*given, *fixed)
         self._conditions = np.stack([*fixed.values()], axis=1) if fixed else np.empty((1, 0))
-        self._jobs, self._progress = jobs or os.cpu_count() or 1, progress
+        self._jobs, self._progress = jobs, progress
         self._settings = list(settings(tables))
         self._values: dict[bytes, Array] = {}
         self._caches: dict[str, Cache] = {}
@@ -139,7 +160,9 @@ class Model:
             merged = merge(tomllib.loads(path.read_text("utf-8")), tables)
             self._columns = [column(spec, merged) for spec in [*given.values(), *fixed]]
             planned = plan(path, **tables)
+        self._commands = commands(merged)
         self._programs = [str(one.program) for one in planned.participants]
+        self._builds = {str(one.role): str(one.checksum) for one in planned.participants}
         figures = [str(one.key) for one in planned.figures]
         for key in outputs:
             if not any(named(figure, key) is not None for figure in figures):
@@ -152,41 +175,76 @@ class Model:
         repeated = np.repeat(points, count, axis=0)
         rows = np.hstack([repeated, np.tile(self._conditions, (len(points), 1))])
         values = self._evaluate(rows).reshape(len(points), count, len(self.outputs))
-        flat = values.swapaxes(1, 2).reshape(len(points), -1)
+        flat = values.swapaxes(1, 2).reshape(len(points), count * len(self.outputs))
         return flat[0] if np.ndim(x) == 1 else flat
 
-    def jacobian(self, x: ArrayLike, step: ArrayLike | None = None) -> Array:
-        """Return the derivatives of the outputs by the inputs: shape (k, d), or (n, k, d).
+    def derivatives(self, x: ArrayLike, step: ArrayLike | None = None) -> Derivatives:
+        """Return the derivatives of the outputs by the inputs with their errors: each of shape
+        (k, d), or (n, k, d).
 
-        The derivatives are central differences. `step` is the distance of both neighbours from x,
-        in units of the inputs: a number, or one for each input. Its default is
+        The derivatives are central differences D at two distances, extrapolated:
+
+            D = (4 D(h/2) - D(h)) / 3
+
+        `step` is the distance h of the outer neighbours from x, in units of the inputs: a number,
+        or one for each input. Its default is
 
             h = |x| (3 ε)^(1/3)
 
         with the relative error ε of the outputs. This h minimises the sum of the scatter ε/h and
-        the remainder h²/6 of an output that varies on the scale of x. ε is `error`, or the scatter at
-        the first x: the root mean square, over the outputs, of the fifth differences of nine points
-        0.5 % apart, between 1e-9 and 1e-3. This scatter contains tolerances of iterations and the
-        jumps of edges between elements. It is kept in `error`, so later Jacobians have equal steps.
+        the remainder h²/6 of a plain difference of an output that varies on the scale of x. ε is
+        `error`, or the scatter at the first x: the root mean square, over the outputs, of the fifth
+        differences of nine points 0.5 % apart, for h between 1e-9 and 1e-3. This scatter contains
+        tolerances of iterations and the jumps of edges between elements. It is kept in `error`, so
+        later derivatives have equal steps.
 
-        A neighbour without a value is replaced by x itself. If both have none, the derivative is
-        NaN. Raises `ValueError` for an input that is 0, which needs `step`.
+        The error is the change by the extrapolation, |D - D(h/2)|, which an output on a shorter
+        scale than x makes large, plus twice the scatter of D, 2 · 1.9 ε |y|/h. The error of the grid
+        itself is not in it.
+
+        A neighbour without a value is replaced by x itself, and D is D(h) alone. If both have none,
+        the derivative is NaN. Raises `ValueError` for an input that is 0, which needs `step`.
+        """
+        found, errors, _ = self._differences(self._points(x), step)
+        return Derivatives(found[0], errors[0]) if np.ndim(x) == 1 else Derivatives(found, errors)
+
+    def jacobian(self, x: ArrayLike, step: ArrayLike | None = None) -> Array:
+        """Return the derivatives of the outputs by the inputs: shape (k, d), or (n, k, d).
+
+        These are the values of `derivatives`. A warning tells if the error of one, times its input,
+        exceeds a tenth of the output.
         """
         points = self._points(x)
-        count, width = points.shape
+        found, errors, centre = self._differences(points, step)
+        doubtful = errors * np.abs(points)[:, None] > DOUBTFUL * np.abs(centre).swapaxes(1, 2)
+        if doubtful.any():
+            _, output, number = np.argwhere(doubtful)[0]
+            key = self.outputs[output // len(self._conditions)]
+            warnings.warn(
+                f"the derivative of {key} by {self.inputs[number]} is uncertain by more than a "
+                f"tenth of {key}; use a finer resolution, or see the errors of `derivatives`",
+                RuntimeWarning,
+                2,
+            )
+        return found[0] if np.ndim(x) == 1 else found
+
+    def _differences(self, points: Array, step: ArrayLike | None) -> tuple[Array, Array, Array]:
+        """Return derivatives and errors (n, k, d), and outputs near the points (n, 1 or d, k)."""
+        (count, width), k = points.shape, len(self.outputs) * len(self._conditions)
         steps = self._steps(points, step)
-        shifts = steps[:, :, None] * np.eye(width)
-        both = np.stack([points[:, None] - shifts, points[:, None] + shifts])
-        lower, upper = self(both.reshape(-1, width)).reshape(2, count, width, -1)
-        below, above = (
-            np.where(np.isnan(values), 0.0, steps[..., None]) for values in (lower, upper)
-        )
-        if np.isnan(both_values := np.stack([lower, upper])).any():
-            centre = self(points)[:, None]
-            lower, upper = np.where(np.isnan(both_values), centre, both_values)
-        with np.errstate(invalid="ignore"):
-            slopes: Array = ((upper - lower) / (below + above)).swapaxes(1, 2)
-        return slopes[0] if np.ndim(x) == 1 else slopes
+        shifts = np.multiply.outer(DISTANCES, steps[:, :, None] * np.eye(width))
+        values = self((points[:, None] + shifts).reshape(-1, width))
+        values = values.reshape(len(DISTANCES), count, width, k)
+        centre = self(points)[:, None] if np.isnan(values).any() else np.mean(values, axis=0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            outer, inner = (
+                slopes(values[pair], centre, DISTANCES[pair], steps) for pair in ([0, 3], [1, 2])
+            )
+            whole = np.isfinite(values).all(axis=0)
+            found = np.where(whole, (4.0 * inner - outer) / 3.0, outer)
+            scatter = SCATTER * (self.error or 0.0) * np.abs(centre) / steps[..., None]
+            errors = np.abs(found - inner) + 2.0 * scatter
+        return found.swapaxes(1, 2), errors.swapaxes(1, 2), centre
 
     def gradient(self, x: ArrayLike, step: ArrayLike | None = None) -> Array:
         """Return the derivatives of the only value of a model: shape (d,), or (n, d).
@@ -195,8 +253,8 @@ class Model:
         """
         if len(self.outputs) * len(self._conditions) != 1:
             raise ValueError("the gradient is that of one value; a model of several has a jacobian")
-        slopes: Array = self.jacobian(x, step)[..., 0, :]
-        return slopes
+        row: Array = self.jacobian(x, step)[..., 0, :]
+        return row
 
     def close(self) -> None:
         """Forget the values in memory. Between calls a model holds no processes or open files."""
@@ -224,9 +282,10 @@ class Model:
         if step is not None:
             steps = np.broadcast_to(np.asarray(step, float), points.shape)
         else:
-            if self.error is None:
+            if self.error is None and len(points):
                 self.error = self._scatter(points[0])
-            steps = np.abs(points) * (3.0 * self.error) ** (1.0 / 3.0)
+            error = min(self.error or UNKNOWN_ERROR, LARGEST_ERROR)
+            steps = np.abs(points) * (3.0 * error) ** (1.0 / 3.0)
         if not (steps > 0.0).all():
             name = self.inputs[int(np.argmin(steps.min(axis=0)))]
             raise ValueError(f"the step of `{name}` is not positive; pass step=, as at 0")
@@ -246,7 +305,7 @@ class Model:
         size = np.max(np.abs(values), axis=0)
         relative = scatter[size > 0.0] / size[size > 0.0] ** 2
         found = float(np.sqrt(np.mean(relative))) if len(relative) else UNKNOWN_ERROR
-        return min(max(found, LEAST_ERROR), LARGEST_ERROR)
+        return max(found, LEAST_ERROR)
 
     def _evaluate(self, rows: Array) -> Array:
         """Return the outputs of rows of inputs and conditions, each computed at most once."""
@@ -264,7 +323,8 @@ class Model:
                 for row, outcome in zip(finite, self._run(finite), strict=True)
             }
             if self._content() != content:
-                raise CosimError("the case or one of its files changed during the evaluation", 2)
+                changed = "the case, one of its files or a program changed during the evaluation"
+                raise CosimError(f"{changed}; call again", 2)
             good = []
             for row in batch:
                 values, reason = found.get(row.tobytes(), (unknown, "the point is not finite"))
@@ -274,8 +334,8 @@ class Model:
                 else:
                     point = dict(zip(self._names, row.tolist()))
                     self.failures.append(Failure(point, reason))
-            if cache:
-                cache.add(good)
+            if cache and self._folder:
+                self._keep(cache, good)
         return np.array([self._values.get(row.tobytes(), unknown) for row in rows])
 
     def _run(self, rows: Sequence[Array]) -> list[tuple[Array, str | None]]:
@@ -311,14 +371,20 @@ class Model:
                 for row in rows:
                     cells = zip(self._columns, row.tolist(), strict=True)
                     writer.writerow(one.cell(value) for one, value in cells)
-            jobs = str(min(self._jobs, len(rows)))
-            options: list[Source] = ["--table", table, "--out", out, "--jobs", jobs]
+            options: list[Source] = ["--table", table, "--out", out]
+            if self._jobs is not None:
+                options += ["--jobs", str(self._jobs)]
             try:
                 call(["sweep", path, *options, *self._settings], progress=self._progress)
             except CosimError:
                 # If every point fails, so does the sweep, with a table of the reasons.
                 if not (out / "sweep.csv").exists():
                     raise
+            # The descriptions of the programs tell what the files of their commands do not show.
+            identity = json.loads((out / "sweep.json").read_text("utf-8"))["identity"]["programs"]
+            self._builds |= {
+                role: identity[role]["description"] for role in self._builds if role in identity
+            }
             with (out / "sweep.csv").open(newline="", encoding="utf-8") as file:
                 found = [self._outcome(row) for row in csv.DictReader(file)]
         if len(found) != len(rows):
@@ -344,9 +410,19 @@ class Model:
             self._values[point.tobytes()] = values
         return self._caches[content]
 
+    def _keep(self, cache: Cache, rows: Sequence[tuple[Array, Array]]) -> None:
+        """Write values to the cache; a folder that cannot be written does not lose them."""
+        try:
+            cache.add(rows)
+        except OSError as error:
+            reason = f"{error.strerror or error}: {error.filename or self._folder}"
+            warnings.warn(f"values are kept in memory only: {reason}", RuntimeWarning, 4)
+            self._folder = None
+
     def _content(self) -> str:
         """Return a hash of all that determines the values: case, files, programs, keys."""
-        own = [FORMAT, self._settings, [one.heading for one in self._columns], self.outputs]
+        own: list[object] = [FORMAT, self._settings, [one.heading for one in self._columns]]
+        own += [self.outputs, sorted(self._builds.items())]
         digest = hashlib.sha256(repr(own).encode())
         coordinator = executable().resolve()
         programs = [coordinator.with_name(name) for name in self._programs]
@@ -362,6 +438,8 @@ class Model:
         words = [
             *strings(tomllib.loads(text)),
             *re.findall(r'[^\s"\'=,\[\]]+', " ".join(self._settings)),
+            # A name on the search path is the program that starts now.
+            *filter(None, map(shutil.which, self._commands)),
         ]
         files += [coordinator, *filter(Path.is_file, programs), *named_files(words, folder)]
         for path in files:
@@ -412,8 +490,14 @@ def fill(pattern: str, case: Mapping[str, Any]) -> Iterator[str]:
 
 def nearest(key: str, known: Sequence[str]) -> str:
     """Return advice with the most similar known keys."""
-    close = difflib.get_close_matches(key, known, 3, 0.5)
+    close = difflib.get_close_matches(key, list(dict.fromkeys(known)), 3, 0.5)
     return f"; did you mean {' or '.join(f'`{one}`' for one in close)}?" if close else ""
+
+
+def commands(case: Mapping[str, Any]) -> list[str]:
+    """Return the words of all commands of a case."""
+    tables = (one for one in case.values() if isinstance(one, Mapping))
+    return [word for table in tables for word in strings(table.get("command", []))]
 
 
 def merge(case: Mapping[str, Any], tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -440,6 +524,16 @@ def cache_folder(cache: Source | bool) -> Path | None:
     return Path(os.environ.get("COSIM_CACHE") or Path(users) / "cosim").resolve()
 
 
+def slopes(values: Array, centre: Array, places: Array, steps: Array) -> Array:
+    """Return the slopes between pairs of neighbours; the centre stands in for one without a
+    value."""
+    missing = np.isnan(values)
+    values = np.where(missing, centre, values)
+    places = np.where(missing, 0.0, places[:, None, None, None] * steps[..., None])
+    found: Array = (values[1] - values[0]) / (places[1] - places[0])
+    return found
+
+
 def strings(value: Any) -> Iterator[str]:
     """Yield all texts of nested tables and lists."""
     if isinstance(value, str):
@@ -463,8 +557,10 @@ def named_files(words: Sequence[str], folder: Path, seen: set[Path] | None = Non
 
 
 def status(path: Path) -> tuple[int, ...]:
-    """Return numbers that change with the content of a file."""
+    """Return numbers that change with the content of a file; raises `OSError` for another thing."""
     found = path.stat()
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(f"{path} is not a regular file")
     return found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
 
 

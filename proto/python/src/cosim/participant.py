@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from . import library
+from .build import build
 from .configuration import Configuration, Layout, Refusal, utf8
 from .fields import TABLE, FieldKind
 from .grids import Array, Grid
@@ -130,7 +131,9 @@ class Participant:
     def describe(self) -> int | None:
         """Return the address of the description."""
         try:
-            return self._text("description", self._kind.description())
+            description = self._kind.description()
+            description.setdefault("build", build(self._lib._name))
+            return self._text("description", description)
         except BaseException as error:
             self.report(error)
             return None

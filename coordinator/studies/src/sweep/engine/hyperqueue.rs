@@ -14,6 +14,11 @@ impl Scheduler for HyperQueue {
         "hyperqueue"
     }
 
+    fn fix(&self) -> &'static str {
+        "start a server, and put its command `hq` on the PATH; with the Python package hyperqueue \
+         alone, use --engine list (docs/how-to/run-on-a-cluster.md)"
+    }
+
     fn submit(&self, tasks: &Tasks, parts: &[usize], options: &[String]) -> Result<String, String> {
         let mut hq = Command::new("hq");
         let log = tasks.log("%{TASK_ID}");

@@ -150,7 +150,8 @@ pub(in super::super) fn fill(
         tasks.write()?;
         collect::hand_out(&sweep.study, tasks.parts, |part| tasks.folder(part))?;
         let id = scheduler.submit(tasks, &missing, &options);
-        let id = id.map_err(|what| way.failure(what))?;
+        // Tasks that were never submitted have no logs.
+        let id = id.map_err(|what| way.failure_with(what, scheduler.fix()))?;
         let array = Array { engine: scheduler.name().to_owned(), id, parts: tasks.parts };
         folder.write(ARRAY, contract::text::json(&array).as_bytes())?;
         way.follow(sweep, &array.id)?;
@@ -251,12 +252,15 @@ impl ArrayMonitor<'_> {
     }
 
     fn failure(&self, what: String) -> RunError {
-        let logs = self.tasks.logs();
+        self.failure_with(what, &format!("see {}", self.tasks.logs()))
+    }
+
+    fn failure_with(&self, what: String, fix: &str) -> RunError {
         RunError::Failed(Failure {
             who: self.scheduler.name().to_owned(),
             when: "in a sweep".to_owned(),
             what,
-            fix: format!("see {logs}; the same command resumes with the missing points"),
+            fix: format!("{fix}; the same command resumes with the missing points"),
         })
     }
 }

@@ -7,6 +7,9 @@ pub(super) trait Scheduler {
     /// Name for messages.
     fn name(&self) -> &'static str;
 
+    /// What to do if the scheduler accepts no array.
+    fn fix(&self) -> &'static str;
+
     /// Submits these parts as an array and returns its identifier.
     fn submit(&self, tasks: &Tasks, parts: &[usize], options: &[String]) -> Result<String, String>;
 

@@ -16,6 +16,10 @@ impl Scheduler for Slurm {
         "slurm"
     }
 
+    fn fix(&self) -> &'static str {
+        "sweep where Slurm accepts jobs, and pass what it needs with --engine-options"
+    }
+
     fn submit(&self, tasks: &Tasks, parts: &[usize], options: &[String]) -> Result<String, String> {
         let mut sbatch = Command::new("sbatch");
         sbatch.args(["--parsable", "--open-mode=append", "--job-name"]).arg(tasks.title());
