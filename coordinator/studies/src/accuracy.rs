@@ -31,7 +31,7 @@ pub use target::Target;
 
 use crate::study::levels::{Level, standing};
 use crate::study::quantity::{Quantities, Quantity};
-use crate::study::richardson::{Estimate, Limit, Sample, is_narrow, narrowest};
+use crate::study::richardson::{Estimate, Limit, Sample, too_narrow};
 use crate::study::{planned, run};
 use choice::Choice;
 use console::case_arguments::Changes;
@@ -296,8 +296,7 @@ impl Search {
             ResultSource::Run => Vec::new(),
         };
         let estimated_error = grid_error + model_error;
-        let samples = self.samples(0);
-        let narrow = is_narrow(&samples);
+        let narrow_slip_zone = too_narrow(&self.samples(0)).filter(|_| self.runs.len() > 1);
         let run = |run: &GridRun| StatedRun {
             settings: self.level.keys_at(run.step).map(|(r, n)| (r.key.clone(), n)).collect(),
             value: run.values[0],
@@ -314,8 +313,8 @@ impl Search {
             value,
             extrapolated: limit
                 .map(|(_, limit)| limit.value)
-                .or(self.estimate(0).filter(|_| !narrow).map(|of| of.limit)),
-            narrow_slip_zone: narrow.then(|| narrowest(&samples)),
+                .or(self.estimate(0).filter(|_| narrow_slip_zone.is_none()).map(|of| of.limit)),
+            narrow_slip_zone,
             figures,
             models: self.level.name(),
             runs: self.runs.iter().map(run).collect(),

@@ -203,10 +203,6 @@ fn read(file: &Path) -> Result<Vec<Axis>, RunError> {
             let at = |what: String| wrong(format!("line {} {what}", table.line(row)));
             match &heading.unit {
                 _ if word.is_empty() => Err(at(format!("has no value for `{}`", heading.name))),
-                _ if word.trim_start().starts_with('{') => Err(at(format!(
-                    "has several keys for `{}`; give each its own column",
-                    heading.name
-                ))),
                 Some(unit) if word.parse::<f64>().is_ok() => Ok(format!("{word} {unit}")),
                 Some(unit) => {
                     let name = &heading.name;
@@ -332,7 +328,7 @@ mod tests {
         let file = place.path().join("points.csv");
         for (text, why) in [
             ("thermal.command\n\"[\"\"touch\"\", \"\"x\"\"]\"\n", "names programs to start"),
-            ("thermal\n{ command = 'x' }\n", "line 2 has several keys for `thermal`"),
+            ("thermal\n{ command = ['x'] }\n", "column 1 is not a key of a case"),
         ] {
             std::fs::write(&file, text).unwrap();
             let error = read(&file).unwrap_err();
