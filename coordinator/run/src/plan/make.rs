@@ -161,7 +161,8 @@ fn misplaced(section: &RawParticipant, description: &Description) -> Option<Prob
     };
     if *protocol != contract::PROTOCOL_VERSION {
         let own = contract::PROTOCOL_VERSION;
-        let reason = format!("`{name}` speaks protocol {protocol}, this coordinator protocol {own}");
+        let reason =
+            format!("`{name}` speaks protocol {protocol}, this coordinator protocol {own}");
         return problem(reason, "install compatible versions");
     }
     if played != role {
@@ -217,9 +218,8 @@ async fn describe_absent(
     solvers: &LinkedSolvers,
 ) -> Vec<(String, Description)> {
     let is_absent = |role: &&&str| sections.iter().all(|section| section.role != ***role);
-    let program = |role: &&str| {
-        ((*role).to_owned(), Program::of_role_or_linked(role, None, solvers))
-    };
+    let program =
+        |role: &&str| ((*role).to_owned(), Program::of_role_or_linked(role, None, solvers));
     ask_known(WELL_KNOWN_ROLES.iter().filter(is_absent).map(program).collect()).await
 }
 
