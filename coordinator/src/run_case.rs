@@ -288,7 +288,9 @@ fn conclude(
             });
             let warnings = texts(&warnings::of_summary(&outcome.summary));
             match printed {
-                Ok(()) if asked.strict && !warnings.is_empty() => Err(RunError::Warned { warnings }),
+                Ok(()) if asked.strict && !warnings.is_empty() => {
+                    Err(RunError::Warned { warnings })
+                }
                 printed => printed,
             }
         }

@@ -61,7 +61,8 @@ impl Threads {
         let (mut found, mut sum) = (HashMap::new(), Processor::default());
         let mut processes = vec![std::process::id().to_string()];
         while let Some(process) = processes.pop() {
-            for task in fs::read_dir(format!("/proc/{process}/task")).into_iter().flatten().flatten()
+            for task in
+                fs::read_dir(format!("/proc/{process}/task")).into_iter().flatten().flatten()
             {
                 let read = |name| fs::read_to_string(task.path().join(name)).unwrap_or_default();
                 processes.extend(read("children").split_whitespace().map(str::to_owned));
@@ -93,7 +94,8 @@ mod tests {
     fn time_without_a_processor_does_not_count() {
         let second = |seconds: f64| Duration::from_secs_f64(seconds);
         let of = |ran, waited| {
-            counted(second(1.0), Processor { ran: second(ran), waited: second(waited) }).as_secs_f64()
+            counted(second(1.0), Processor { ran: second(ran), waited: second(waited) })
+                .as_secs_f64()
         };
         assert_eq!(of(0.0, 0.0), 1.0, "everybody hangs");
         assert_eq!(of(1.0, 0.0), 1.0, "somebody computes without end");
@@ -111,10 +113,10 @@ mod tests {
             std::hint::black_box((0..100_000_u64).sum::<u64>());
             ran = threads.look().ran;
         }
-        assert_eq!(parse("12 34 5\n"), Some(Processor {
-            ran: Duration::from_nanos(12),
-            waited: Duration::from_nanos(34),
-        }));
+        assert_eq!(
+            parse("12 34 5\n"),
+            Some(Processor { ran: Duration::from_nanos(12), waited: Duration::from_nanos(34) })
+        );
         assert_eq!(parse(""), None);
     }
 }

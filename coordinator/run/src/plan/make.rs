@@ -23,7 +23,6 @@ use contract::description::Description;
 use contract::grid::check_name;
 use contract::history::Histories;
 use contract::message::{MAX_INPUTS, MOST_PARTICIPANTS};
-use contract::suggest::any_of;
 use coupling::ParticipantIndex;
 use coupling::settings::{Implicit, Scheme};
 use coupling::windows::Windows;
@@ -36,9 +35,6 @@ const RESERVED_ROLES: &[&str] =
     &["coordinator", "wall", "coupling", "output", "plan", "start", "finish"];
 /// Largest number of windows; more are taken for an error of input.
 const MOST_WINDOWS: f64 = 1e9;
-
-/// Largest number of effects and models that the advice about a missing field names.
-const MOST_PROVIDERS: usize = 4;
 
 /// Longest time that a program may take to describe itself or to estimate.
 const ANSWER: Duration = Duration::from_secs(30);
@@ -161,7 +157,8 @@ fn misplaced(section: &RawParticipant, description: &Description) -> Option<Prob
     };
     if *protocol != contract::PROTOCOL_VERSION {
         let own = contract::PROTOCOL_VERSION;
-        let reason = format!("`{name}` speaks protocol {protocol}, this coordinator protocol {own}");
+        let reason =
+            format!("`{name}` speaks protocol {protocol}, this coordinator protocol {own}");
         return problem(reason, "install compatible versions");
     }
     if played != role {
@@ -217,9 +214,8 @@ async fn describe_absent(
     solvers: &LinkedSolvers,
 ) -> Vec<(String, Description)> {
     let is_absent = |role: &&&str| sections.iter().all(|section| section.role != ***role);
-    let program = |role: &&str| {
-        ((*role).to_owned(), Program::of_role_or_linked(role, None, solvers))
-    };
+    let program =
+        |role: &&str| ((*role).to_owned(), Program::of_role_or_linked(role, None, solvers));
     ask_known(WELL_KNOWN_ROLES.iter().filter(is_absent).map(program).collect()).await
 }
 
@@ -259,7 +255,7 @@ fn route_case(
                 "{} needs the field `{}` for `{}`, which no participant provides",
                 u.because, u.field, u.consumer
             );
-            case.problem_at(&u.key, reason, provider(described, &u.field))
+            case.problem_at(&u.key, reason, route::provider(described, &u.field))
         });
         case.report(problems.collect()).expect("there is at least one problem")
     })?;
@@ -317,24 +313,6 @@ fn route_case(
         },
         shared_memory_limit: case.limits.shared_memory,
     })
-}
-
-/// Returns the advice for a field that no participant provides: what would provide it.
-fn provider(described: &[(String, Description)], field: &str) -> String {
-    let provides = |fields: &[String]| fields.iter().any(|provided| provided == field);
-    let effects = described.iter().flat_map(|(role, description)| {
-        let effects = description.effects.iter().filter(|effect| provides(&effect.provides));
-        effects.map(move |effect| format!("[effects.{}] of {role}", effect.name))
-    });
-    let models = described.iter().flat_map(|(role, description)| {
-        let models = description.models.iter().filter(|model| provides(&model.provides));
-        models.map(move |model| format!("{role}.model = \"{}\"", model.name))
-    });
-    let found: Vec<String> = effects.chain(models).take(MOST_PROVIDERS).collect();
-    match found.as_slice() {
-        [] => "add a participant that provides it, or remove what needs it".to_owned(),
-        found => format!("add {}, or remove what needs it", any_of(found)),
-    }
 }
 
 fn scheme(

@@ -4,10 +4,14 @@
 use super::contents::{Effect, Field};
 use case::{Case, Control, OutputFields, Problem, Timing};
 use contract::description::{Description, EffectSpec, ModelSpec};
+use contract::suggest::any_of;
 use coupling::ParticipantIndex;
 use coupling::settings::Scheme;
 use coupling::windows::Windows;
 use typed_index_collections::TiSlice;
+
+/// Largest number of effects and models that the advice about a missing field names.
+const MOST_PROVIDERS: usize = 4;
 
 /// A participant during routing, with the fields that it could exchange.
 #[derive(Clone, Debug)]
@@ -129,6 +133,24 @@ pub(super) fn fields(
     if unprovided.is_empty() { Ok(fields) } else { Err(unprovided) }
 }
 
+/// Returns the advice for a field that no participant provides: what would provide it.
+pub(super) fn provider(described: &[(String, Description)], field: &str) -> String {
+    let provides = |fields: &[String]| fields.iter().any(|provided| provided == field);
+    let effects = described.iter().flat_map(|(role, description)| {
+        let effects = description.effects.iter().filter(|effect| provides(&effect.provides));
+        effects.map(move |effect| format!("[effects.{}] of {role}", effect.name))
+    });
+    let models = described.iter().flat_map(|(role, description)| {
+        let models = description.models.iter().filter(|model| provides(&model.provides));
+        models.map(move |model| format!("{role}.model = \"{}\"", model.name))
+    });
+    let found: Vec<String> = effects.chain(models).take(MOST_PROVIDERS).collect();
+    match found.as_slice() {
+        [] => "add a participant that provides it, or remove what needs it".to_owned(),
+        found => format!("add {}, or remove what needs it", any_of(found)),
+    }
+}
+
 fn wanted(selection: &OutputFields, name: &str) -> bool {
     match selection {
         OutputFields::All => true,
@@ -242,4 +264,29 @@ pub(super) fn cannot_vary<'a>(
         case.problem_at(key, reason, format!("{fix}, or choose another model"))
     };
     running.filter(|one| !one.model.varies_step).map(problem).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_advice_for_a_missing_field_names_what_provides_it() {
+        let effect = EffectSpec {
+            name: "friction_heat".to_owned(),
+            law: String::new(),
+            source: String::new(),
+            models: Vec::new(),
+            consumes: Vec::new(),
+            provides: vec!["friction_power".to_owned()],
+            keys: Vec::new(),
+            figures: Vec::new(),
+        };
+        let mech = Description { effects: vec![effect], ..Description::default() };
+        let described = [("mech".to_owned(), mech)];
+        let advice = "add [effects.friction_heat] of mech, or remove what needs it";
+        assert_eq!(provider(&described, "friction_power"), advice);
+        let nobody = "add a participant that provides it, or remove what needs it";
+        assert_eq!(provider(&described, "wear_depth"), nobody);
+    }
 }

@@ -281,8 +281,14 @@ mod tests {
             Extreme::all(&summary, &figures)[0].said(3).map(|text| text.replace('\u{a0}', " "))
         };
         assert_eq!(told("row", [0.0; 2]), ["6.00 mm in row 1", "8.00 mm in row 2"]);
-        assert_eq!(told("row", [2.0, 3.0]), ["6.00 mm at 2.000 s (row 1)", "8.00 mm at 3.000 s (row 2)"]);
-        assert_eq!(told("window", [0.0, 0.5]), ["6.00 mm at 0 s (window 1)", "8.00 mm at 500.0 ms (window 2)"]);
+        assert_eq!(
+            told("row", [2.0, 3.0]),
+            ["6.00 mm at 2.000 s (row 1)", "8.00 mm at 3.000 s (row 2)"]
+        );
+        assert_eq!(
+            told("window", [0.0, 0.5]),
+            ["6.00 mm at 0 s (window 1)", "8.00 mm at 500.0 ms (window 2)"]
+        );
     }
 
     #[test]

@@ -152,10 +152,11 @@ fn grant(needed: u64, held: u64, limit: u64, when: &str) -> Result<Grant, RunErr
             who: "shared memory".to_owned(),
             when: when.to_owned(),
             what: format!("the fields need {}, but only {} may be used", mib(needed), mib(left)),
-            fix: "enlarge /dev/shm (in a container: --shm-size), raise limits.shared_memory, write \
+            fix:
+                "enlarge /dev/shm (in a container: --shm-size), raise limits.shared_memory, write \
                   fewer fields (output.fields), use a coarser resolution, or run fewer cases at \
                   the same time"
-                .to_owned(),
+                    .to_owned(),
         })
     })
 }
