@@ -242,11 +242,9 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let over_flash = |body: usize, rise: f64| rise / situation.rises[body].max(f64::MIN_POSITIVE);
     let most = |bodies: [Option<[f64; 2]>; 2]| {
         let known = [UPPER, LOWER].into_iter().zip(bodies);
-        known.filter_map(|(body, rises)| Some((body, rises?))).max_by(
-            |(a, own), (b, other)| {
-                over_flash(*a, own.iter().sum()).total_cmp(&over_flash(*b, other.iter().sum()))
-            },
-        )
+        known.filter_map(|(body, rises)| Some((body, rises?))).max_by(|(a, own), (b, other)| {
+            over_flash(*a, own.iter().sum()).total_cmp(&over_flash(*b, other.iter().sum()))
+        })
     };
     let bulk = |body: usize, loss: f64| [situation.heat[body] / loss, 0.0];
     let known = most([UPPER, LOWER].map(|body| remembered(situation, body)));

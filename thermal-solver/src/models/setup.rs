@@ -185,9 +185,9 @@ fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<()
     if !C::SOLVES_STATIONARY_BODY {
         refuse_rest(given, scene)?;
     }
-    let first = [UPPER, LOWER].into_iter().find_map(|body| {
-        scene.resting_row(body, given).map(|row| (body, row))
-    });
+    let first = [UPPER, LOWER]
+        .into_iter()
+        .find_map(|body| scene.resting_row(body, given).map(|row| (body, row)));
     if let Some((body, row)) = first.filter(|_| !C::REPEATS)
         && Partition::read(&given.case)? == Partition::Effusivity
     {

@@ -127,9 +127,8 @@ mod tests {
         let part = 1.0 - rest_length_after([1.0, 1.0], 0.1) * std::f64::consts::PI.sqrt() / 0.1;
         // The next term is of fourth order.
         assert!((part / (0.01 / 6.0) - 1.0).abs() < 0.01, "{part}");
-        let direct = |u: f64| {
-            integrate(0.0, FRAC_PI_2, |t| t.cos().powi(2) * libm::erfc(t.sin() / u))
-        };
+        let direct =
+            |u: f64| integrate(0.0, FRAC_PI_2, |t| t.cos().powi(2) * libm::erfc(t.sin() / u));
         for u in [0.3, 1.0, 5.0] {
             let found = rest_length_after([1.0, 1.0], u);
             assert!((found / direct(u) - 1.0).abs() < 1e-6, "{u} {found}");

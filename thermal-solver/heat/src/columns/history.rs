@@ -5,12 +5,13 @@
 //! neighbouring windows of the past are merged into one window with their mean flux (weighted with
 //! the durations), as long as their total duration does not exceed the smaller of
 //!
-//! - h/V, the time in which the material passes an element, without bound for a body at rest, and
+//! - h/V, the time in which the material passes an element, and
 //! - a quarter of their age, so that the recent past, to which the kernel 1/√τ gives most weight,
-//!   stays resolved.
+//!   stays resolved. In a body at rest, where this is the only bound, it is an eighth: merging then
+//!   changes the rise under a flux that follows the temperature by less than 10⁻⁴.
 //!
 //! For windows of any length, at most two remain for each element of the row, and eight for each
-//! factor of two between the window and h/V, or the time at rest. A merged window keeps its heat
+//! factor of two between the window and h/V; at rest sixteen for each factor of two in time. A merged window keeps its heat
 //! and the path of the material exactly. The newest window is never merged, so that an accepted
 //! state reproduces the solve that led to it. Merging moves heat by less than the merged duration D
 //! in time. For a flux into the body that changes at the rate q̇ the error of the rise stays below
@@ -24,8 +25,10 @@ use grids::state::{read_bytes, read_numbers, write_numbers};
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 
-/// Largest duration of a merged window, as a fraction of its age.
+/// Largest duration of a merged window of a moving body, as a fraction of its age.
 const PART_OF_AGE: f64 = 0.25;
+/// The same of a body at rest.
+const PART_AT_REST: f64 = 0.125;
 /// Distance in widths √(4κτ) beyond which no heat has spread.
 const SPREAD: f64 = 6.0;
 
@@ -156,7 +159,8 @@ impl History {
         while index + 1 < self.accepted.len() {
             let (newer, older) = (&self.accepted[index], &self.accepted[index + 1]);
             let fastest = newer.speed.max(older.speed);
-            let longest = f64::min(PART_OF_AGE * age, self.element_length / fastest);
+            let part = if fastest > 0.0 { PART_OF_AGE } else { PART_AT_REST };
+            let longest = f64::min(part * age, self.element_length / fastest);
             if newer.duration + older.duration > longest {
                 age += newer.duration;
                 index += 1;
@@ -293,7 +297,7 @@ mod tests {
         assert!((sum(&|w| w.share * w.heat) / heat - 1.0).abs() < 1e-12);
     }
 
-    /// A body at rest needs its whole past, but eight windows for each factor of two in time.
+    /// A body at rest needs its whole past, but sixteen windows for each factor of two in time.
     #[test]
     fn a_body_at_rest_keeps_its_heat_in_few_windows() {
         let mut history = History::new(4, 1, 1e-3, 0.0);
@@ -303,7 +307,7 @@ mod tests {
             most = most.max(history.accepted.len());
         }
         let doublings = 1e5_f64.log2();
-        assert!((most as f64) < 8.0 * doublings, "{most}");
+        assert!((most as f64) < 16.0 * doublings, "{most}");
         let time: f64 = history.windows(Stage::Accepted).map(|w| w.duration).sum();
         // Tolerance: rounding of 10⁵ terms.
         assert!((time - 10.0).abs() < 1e-9, "{time}");
