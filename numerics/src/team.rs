@@ -33,15 +33,19 @@ pub fn threads() -> usize {
     LIMIT.load(Ordering::Relaxed)
 }
 
-/// Returns the pool with this number of threads; `None` if the system cannot start them.
+/// Returns a pool with at least this number of threads; `None` if the system cannot start them. One
+/// pool serves the whole process: pieces that run in parallel draw on the same threads, and each
+/// hands out no more work than its share.
 fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
-    static POOLS: Mutex<Vec<(usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
+    static POOLS: Mutex<Vec<Arc<ThreadPool>>> = Mutex::new(Vec::new());
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, pool)) = pools.iter().find(|(of, _)| *of == threads) {
+    if let Some(pool) = pools.iter().find(|pool| pool.current_num_threads() >= threads) {
         return Some(Arc::clone(pool));
     }
-    let pool = Arc::new(ThreadPoolBuilder::new().num_threads(threads).build().ok()?);
-    pools.push((threads, Arc::clone(&pool)));
+    // The thread that hands out the work computes too.
+    let count = threads.max(self::threads() - 1);
+    let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count).build().ok()?);
+    pools.push(Arc::clone(&pool));
     Some(pool)
 }
 
@@ -66,7 +70,9 @@ pub fn both<A: Send, B: Send>(
     other: impl FnOnce() -> B + Send,
 ) -> (A, B) {
     let threads = threads.min(SHARE.get());
-    let Some(pool) = (threads > 1).then(|| pool(1)).flatten() else { return (one(), other()) };
+    let Some(pool) = (threads > 1).then(|| pool(threads - 1)).flatten() else {
+        return (one(), other());
+    };
     let half = threads / 2;
     let mut of_other = None;
     let of_one = pool.in_place_scope(|scope| {
@@ -153,6 +159,7 @@ impl<S: Send> Team<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Instant;
 
     #[test]
     fn every_item_is_computed_once_on_any_number_of_threads() {
@@ -166,5 +173,24 @@ mod tests {
             assert_eq!(work, 1000);
             assert!(values.iter().enumerate().all(|(at, value)| *value == (at / ROWS) as u64));
         }
+    }
+    /// Two halves of eight threads sweep four pieces each, and all eight pieces run at the same
+    /// time: each waits for the others.
+    #[test]
+    fn nested_work_uses_all_threads() {
+        let (arrived, begin) = (AtomicUsize::new(0), Instant::now());
+        let sweep = || {
+            Team::new(8, ()).sweep(4 * WORTH, 0..4, |(), _| {
+                arrived.fetch_add(1, Ordering::SeqCst);
+                while arrived.load(Ordering::SeqCst) < 8 && begin.elapsed().as_secs() < 20 {
+                    std::thread::yield_now();
+                }
+                u64::from(arrived.load(Ordering::SeqCst) == 8)
+            })
+        };
+        assert_eq!(both(8, sweep, sweep), (4, 4));
+        // A third level: quarters of eight threads.
+        let quarter = || both(8, || SHARE.get(), || SHARE.get());
+        assert_eq!(both(8, quarter, quarter), ((2, 2), (2, 2)));
     }
 }

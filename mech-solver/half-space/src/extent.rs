@@ -178,6 +178,7 @@ impl Outside<'_> {
         let grid = self.grid;
         let loaded = self.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0);
         let loaded: Vec<(usize, f64)> = loaded.map(|(at, p)| (at, *p)).collect();
+        let total: f64 = loaded.iter().map(|(_, p)| p).sum();
         let sides = [(grid.y(0), -1.0), (grid.y(grid.nj - 1), 1.0)];
         std::array::from_fn(|side| {
             let (edge, sign) = sides[side];
@@ -187,7 +188,7 @@ impl Outside<'_> {
             }
             let penetrates = |row: &usize| {
                 let y = edge + sign * *row as f64 * grid.dy();
-                let open = approach - self.least_displacement(y, &loaded);
+                let open = approach - self.least_displacement(y, total);
                 (0..grid.ni).map(|i| grid.x(i)).any(|x| {
                     let undeformed = distance(x, y);
                     undeformed < open && undeformed + self.displacement([x, y], &loaded) < approach
@@ -208,14 +209,14 @@ impl Outside<'_> {
         loaded.iter().map(by).sum()
     }
 
-    /// Lower bound of the displacement in a row beside the grid [m]: the whole load at the greatest
-    /// distance.
-    fn least_displacement(&self, y: f64, loaded: &[(usize, f64)]) -> f64 {
+    /// Lower bound of the displacement in a row beside the grid [m]: the sum `total` of all
+    /// pressures [Pa] at the greatest distance.
+    fn least_displacement(&self, y: f64, total: f64) -> f64 {
         let grid = self.grid;
         let ends = [grid.y(0), grid.y(grid.nj - 1)];
         let away = ends.iter().map(|end| (y - end).abs()).fold(0.0, f64::max) + grid.dy();
         let length = (grid.ni + 1) as f64 * grid.dx();
-        loaded.iter().map(|(_, p)| p).sum::<f64>() * self.influence.zz_at(length, away)
+        total * self.influence.zz_at(length, away)
     }
 }
 
@@ -238,7 +239,9 @@ pub struct Moments {
     pub centre: [f64; 2],
     /// Semi-axes along x and y [m] of the semi-ellipsoidal pressure with the same second moments
     /// about its centre, ⟨x²⟩ = a²/5, each element's own Δx²/12 included. For a line contact, a
-    /// single row, ⟨x²⟩ = a²/4, and b is half the width of the row.
+    /// single row, ⟨x²⟩ = a²/4, and b is half the width of the row. Where these exceed half the
+    /// length of the loaded elements by more than half an element, as on a flat body or on several
+    /// patches, the pressure is no semi-ellipsoid, and the semi-axis is that half length.
     pub semi_axes: [f64; 2],
 }
 
@@ -256,8 +259,12 @@ impl Moments {
         pressures: impl IntoIterator<Item = (usize, f64)>,
     ) -> Self {
         let mut sums = [0.0; 5];
+        let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for (index, p) in pressures {
             let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
+            for ([low, high], at) in ends.iter_mut().zip([x, y]).filter(|_| p > 0.0) {
+                (*low, *high) = (low.min(at), high.max(at));
+            }
             for (sum, weight) in sums.iter_mut().zip([1.0, x, y, x * x, y * y]) {
                 *sum += p * weight;
             }
@@ -270,10 +277,18 @@ impl Moments {
         let semi_axis = |square: f64, centre: f64, side: f64| {
             (5.0 * (square / total - centre * centre + side * side / 12.0)).max(0.0).sqrt()
         };
+        let within = |axis: f64, [low, high]: [f64; 2], side: f64| {
+            let half_length = 0.5 * (high - low + side);
+            if axis > half_length + 0.5 * side { half_length } else { axis }
+        };
         let along = semi_axis(xx, centre[0], grid.dx());
+        let along_x = |axis: f64| within(axis, ends[0], grid.dx());
         let semi_axes = match grid.nj {
-            1 => [0.8_f64.sqrt() * along, 0.5 * grid.dy()],
-            _ => [along, semi_axis(yy, centre[1], grid.dy())],
+            1 => [along_x(0.8_f64.sqrt() * along), 0.5 * grid.dy()],
+            _ => {
+                let across = semi_axis(yy, centre[1], grid.dy());
+                [along_x(along), within(across, ends[1], grid.dy())]
+            }
         };
         Self { centre, semi_axes }
     }
@@ -330,5 +345,20 @@ mod tests {
         assert!((a / 1.5 - 1.0).abs() < 2e-3 && (b / 0.8 - 1.0).abs() < 2e-3, "{a} {b}");
         assert!((centre[0] - 0.2).abs() < 1e-6 && centre[1].abs() < 1e-6);
         assert_eq!(Moments::of(&grid, &vec![0.0; grid.points()]), Moments::default());
+    }
+
+    /// A flat punch of 2.45 × 1.24 with the singular pressure of its edges across, and two patches:
+    /// the semi-axes end with the contact. Tolerance: rounding; the size of a patch.
+    #[test]
+    fn semi_axes_end_with_the_contact() {
+        let grid = Structured::contact_plane(-2.0, -1.0, 0.05, 0.04, 81, 51);
+        let punch = |x: f64, y: f64| {
+            if x.abs() < 1.21 && y.abs() < 0.61 { (0.41 - y * y).sqrt().recip() } else { 0.0 }
+        };
+        let [a, b] = Moments::of(&grid, &sample(&grid, &punch)).semi_axes;
+        assert!((a - 1.225).abs() < 1e-12 && (b - 0.62).abs() < 1e-12, "{a} {b}");
+        let patches = |x: f64, y: f64| if (x.abs() - 1.0).hypot(y) < 0.1 { 1.0 } else { 0.0 };
+        let [a, b] = Moments::of(&grid, &sample(&grid, &patches)).semi_axes;
+        assert!((1.05..1.15).contains(&a) && b < 0.15, "{a} {b}");
     }
 }

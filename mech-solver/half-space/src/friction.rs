@@ -51,11 +51,16 @@ impl ElementFriction {
         ratio(elements.map(|index| (self.coefficient[index] * pressure[index], pressure[index])))
     }
 
-    /// Uniform coefficient under which a sliding contact carries the same force: Σ min(f p, τ)/Σ p
-    /// [-].
+    /// Uniform coefficient under which a sliding contact carries the same force:
+    /// Σ min(f p, τ s)/Σ p, for elements of which the share s touches. Their pressure is a mean over
+    /// the whole element, the bound holds on the part that touches [-].
     #[must_use]
-    pub fn equivalent(&self, pressure: &[f64]) -> f64 {
-        ratio(self.bounds(pressure).zip(pressure.iter().copied()))
+    pub fn equivalent(&self, pressure: &[f64], touching: &[f64]) -> f64 {
+        let of = |(index, (p, share)): (usize, (&f64, &f64))| match *share > 0.0 {
+            true => (share * self.bound(index, p / share), *p),
+            false => (0.0, *p),
+        };
+        ratio(pressure.iter().zip(touching).enumerate().map(of))
     }
 
     /// Bound of an element, scaled from the bound under a uniform coefficient `mean` [Pa].

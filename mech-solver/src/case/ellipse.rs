@@ -7,6 +7,7 @@ use crate::case::scene::{APPROACH, Drive, GivenPatch, Load, NORMAL_FORCE, SPEED,
 use crate::figures::indicators::Indicators;
 use elastic::hertz;
 use elastic::strips::semi_ellipse::SemiEllipse;
+use elastic::strips::sliding::SlidingSlip;
 use elastic::strips::{Lateral, StripField, Strips};
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::Refusal;
@@ -312,6 +313,13 @@ impl Ellipse {
         let (density, amplitude) = (SemiEllipse, self.max_pressure);
         let lateral = Lateral::Elliptic;
         strips.write_means(&StripField { density, amplitude, lateral }, means);
+    }
+
+    /// Writes the share of every element that lies in the ellipse.
+    pub(crate) fn write_touching(&self, grid: Structured, shares: &mut [f64]) {
+        let density = SlidingSlip { creep: 1.0, gradient: 0.0 };
+        let field = StripField { density, amplitude: 1.0, lateral: Lateral::Constant };
+        self.strips(grid).write_means(&field, shares);
     }
 
     /// Summary quantities that are known in closed form.

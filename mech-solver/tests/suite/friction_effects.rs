@@ -119,8 +119,8 @@ fn warm() -> Warm {
 
 /// A model with the shape of its bound, its support of the plastic layer, and its tolerance. The
 /// tolerance covers elements on the rim, which have the pressure of their middle, or in
-/// `hertz-carter` the mean over the parts inside and outside the contact. Elements of a track lie
-/// on a different grid.
+/// `hertz-carter` the mean over the part in the contact. Elements of a track lie on a different
+/// grid.
 struct Tried {
     label: &'static str,
     case: Value,
@@ -170,7 +170,7 @@ fn models(files: &Files) -> Vec<Tried> {
     periodic["mech"]["resolution"] = json!(20);
     vec![
         tried("half-space", round("half-space", json!({})), ellipse, true, 8e-3),
-        tried("hertz-carter", round("hertz-carter", json!({})), ellipse, false, 1.5e-2),
+        tried("hertz-carter", round("hertz-carter", json!({})), ellipse, false, 3e-3),
         tried("fastsim", round("fastsim", json!({})), Shape::Parabola, false, 5e-3),
         tried(
             "fastsim, elliptic",
@@ -289,6 +289,22 @@ fn pairs_and_triples_against_closed_forms() {
         println!("{row}");
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A weak layer yields nearly everywhere: the one coefficient of `hertz-carter` carries the area
+/// times the yield stress, up to friction at the rim. Regression: elements at the rim carried the
+/// bound beyond the contact too, 4.6 % more. Tolerance: the pressure within elements at the rim.
+#[test]
+fn one_coefficient_carries_the_force_of_a_weak_layer() {
+    let ellipse = elliptic_contact(0.5 / 0.46, 0.5 / RAIL, LOAD, STEEL);
+    let axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+    for bound in [3e6, 30e6, 300e6] {
+        let mut case = round("hertz-carter", json!({}));
+        case["effects"]["shear_limit"] = json!({"yield_stress": bound});
+        let (found, ..) = solve(&case);
+        let expected = force(Shape::HalfEllipse, axes, ellipse.max_pressure, |_| FRICTION, bound);
+        assert!((found / expected - 1.0).abs() < 3e-3, "{bound}: {found} {expected}");
+    }
 }
 
 /// A film under friction that falls with the slip of every element: the film carries the traction

@@ -1,7 +1,8 @@
 //! Windows of a contact with varying values, or with friction that depends on inputs or on slip.
 //!
-//! Carter's strips use a single, equivalent friction coefficient, Σ min(f p, τ)/Σ p over the
-//! elements, with which a sliding contact carries the same force. Tractions are at most this
+//! Carter's strips use a single, equivalent friction coefficient, ∫ min(f p, τ) dA/∫ p dA, with
+//! which a sliding contact carries the same force. The integral is a sum over the elements, of which
+//! those at the rim touch in part. Tractions are at most this
 //! coefficient times Hertz's pressure, so they exceed a bound τ in the middle of the contact and
 //! are below it at the rim.
 
@@ -26,6 +27,8 @@ pub(super) struct Windows {
     scenes: Scenes,
     /// Hertz's pressure of the last solved ellipse; used if friction is not constant.
     pressure: Vec<f64>,
+    /// Share of every element that touches.
+    touching: Vec<f64>,
     ellipse: Option<Ellipse>,
 }
 
@@ -39,8 +42,8 @@ pub(super) struct Window {
 
 impl Windows {
     pub(super) fn new(case: Case, scenes: Scenes) -> Self {
-        let pressure = vec![0.0; case.grid.points()];
-        Self { case, scenes, pressure, ellipse: None }
+        let [pressure, touching] = [(); 2].map(|()| vec![0.0; case.grid.points()]);
+        Self { case, scenes, pressure, touching, ellipse: None }
     }
 
     /// Equivalent friction coefficient at these creepages.
@@ -55,7 +58,7 @@ impl Windows {
         let contact = (grid, self.pressure.as_slice());
         let coefficient = scene.friction_coefficient;
         let elements = terms.friction.under_rigid_slip(coefficient, &slip, contact, inputs)?;
-        Ok(elements.equivalent(&self.pressure))
+        Ok(elements.equivalent(&self.pressure, &self.touching))
     }
 
     /// Contact whose friction agrees with its own creepages.
@@ -72,6 +75,7 @@ impl Windows {
         }
         if self.ellipse.replace(ellipse) != Some(ellipse) {
             ellipse.write_pressure(self.case.grid, &mut self.pressure);
+            ellipse.write_touching(self.case.grid, &mut self.touching);
         }
         let first = match scene.drive {
             Drive::Creepage { xi, eta, phi } => [xi, eta, phi],
