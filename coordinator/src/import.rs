@@ -56,8 +56,11 @@ fn program(option: &str) -> Result<(String, Vec<String>), String> {
     let words = shlex::split(line).ok_or("a quote is not closed")?;
     let first = words.first().ok_or("no program")?;
     let for_shell = words.iter().find(|word| OF_SHELL.contains(&word.as_str()));
-    let built_in =
-        Some(first).filter(|word| BUILT_IN.contains(&word.as_str()) || word.contains('='));
+    let assigns = |word: &str| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        word.split_once('=').is_some_and(|(variable, _)| variable.chars().all(plain))
+    };
+    let built_in = Some(first).filter(|word| BUILT_IN.contains(&word.as_str()) || assigns(word));
     if let Some(word) = for_shell.or(built_in) {
         return Err(format!(
             "`{word}` is for a shell, and the program is started without one; write \
@@ -310,6 +313,7 @@ mod tests {
             assert!(words(wrong).is_err(), "{wrong}");
         }
         assert!(words("Fluid=sh -c 'cd fluid && ./run.sh'").is_ok());
+        assert!(words("Fluid=./a=b").is_ok());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::depth::deepest;
 use crate::unit::{BASE, Unit};
 use crate::variable::{Causality, Kind, Variable};
 use roxmltree::{Document, Node, ParsingOptions};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of elements, texts and attributes.
 const MOST_NODES: u32 = 4_000_000;
@@ -154,8 +154,12 @@ impl<'a> Reader<'a> {
 
     fn variables(&self, root: Node<'a, 'a>) -> Result<Vec<Variable>, String> {
         let mut variables = Vec::new();
+        let mut names = BTreeSet::new();
         for node in children(root, "ModelVariables") {
             let name = of(node, "name");
+            if !names.insert(name) {
+                return Err(format!("has two variables `{name}`"));
+            }
             let found = self.variable(node);
             variables.extend(found.map_err(|fault| format!("has a variable `{name}` {fault}"))?);
         }
@@ -423,6 +427,7 @@ mod tests {
         assert!(said.contains("has no co-simulation"), "{said}");
         assert!(wrong(&TWO.replace("\"2.0\"", "\"1.0\"")).contains("follows FMI \"1.0\""));
         assert!(wrong(&TWO.replace("\"ball\"", "\"../ball\"")).contains("not a C name"));
+        assert!(wrong(&TWO.replace("name=\"g\"", "name=\"h\"")).contains("two variables `h`"));
         assert!(wrong(&THREE.replace("start=\"2\"", "start=\"99999999999\"")).contains("`y` with"));
         assert!(wrong(&THREE.replace("start=\"3\"", "start=\"0\"")).contains("without values"));
         assert!(wrong(&THREE.replace("\"1 2 3\"", "\"1 2 x\"")).contains("`x` that starts at"));

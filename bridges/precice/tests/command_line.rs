@@ -61,6 +61,9 @@ fn commands_that_do_not_fit_are_refused() {
     assert!(vector.contains("1 components, and the field `traction` has 2"), "{vector}");
     let unit = wired("Temperature -> lower_temperature [degC]");
     assert!(unit.contains("is in K, not in degC"), "{unit}");
+    let twice = [CONFIGURATION, "--participant", "Neumann", "--wire", "Temperature -> a"];
+    let twice = refusal(&[&twice[..], &["--wire", "Temperature -> b"]].concat());
+    assert!(twice.contains("data `Temperature` has two wires"), "{twice}");
     let malformed = wired("Temperature = lower_temperature");
     assert!(malformed.contains("has no arrow"), "{malformed}");
     let own = [CONFIGURATION, "--participant", "Neumann", "--", "PROGRAM-OF-Neumann", "--describe"];

@@ -1,18 +1,12 @@
 //! The whole configuration: data, meshes, participants, connections and coupling schemes.
 
-use crate::consistency;
 use crate::element::{Element, Strangers};
-use crate::error::{ConfigError, beginning, shown};
-use crate::markup;
+use crate::error::ConfigError;
 use crate::participant::{Constraint, Direction, Mapping, MappingKind, MeshData, Participant};
 use crate::scheme::CouplingScheme;
 use crate::words::words;
-use roxmltree::{Document, ParsingOptions};
 
 pub use crate::element::Unknown;
-
-/// Largest number of elements, attributes and texts.
-const MOST_NODES: u32 = 100_000;
 
 /// A configuration. All names that its elements use are defined in it.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,33 +90,7 @@ pub struct Service {
 }
 
 impl Configuration {
-    /// Parses the text of a configuration.
-    ///
-    /// # Errors
-    /// Fails if the text is not XML or exceeds a limit, if a required attribute is absent or has an
-    /// unreadable value, and if a name is used that is not defined.
-    pub fn parse(text: &str) -> Result<Self, ConfigError> {
-        let text = markup::declared(text)?;
-        let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES };
-        let document = Document::parse_with_options(&text, options).map_err(|error| {
-            let place = error.pos();
-            let line = usize::try_from(place.row).unwrap_or(1);
-            // The column would be that of the text with its prefixes declared.
-            let reason = error.to_string().replace(&format!(" at {place}"), "");
-            let reason = beginning(&reason, 200);
-            ConfigError::Xml { line, reason }
-        })?;
-        let root = Element::root(&document);
-        if root.name != "precice-configuration" {
-            let found = shown(root.name);
-            return Err(ConfigError::Root { line: root.line, found });
-        }
-        let configuration = Self::read(&root)?;
-        consistency::check(&configuration)?;
-        Ok(configuration)
-    }
-
-    fn read(root: &Element<'_>) -> Result<Self, ConfigError> {
+    pub(crate) fn read(root: &Element<'_>) -> Result<Self, ConfigError> {
         let mut strangers = Strangers::default();
         strangers.attributes(root, &["experimental", "allow-remeshing", "wait-in-finalize"]);
         let mut configuration = Self {

@@ -34,7 +34,7 @@
 //! | [`import`], [`names`], [`notes`] | the case of a configuration; its names; elements without a counterpart |
 //! | [`error`] | errors, with their lines |
 //! | `markup`, `element`, `words` | XML within limits; elements and their attributes |
-//! | `consistency` | checks of the names: unique, defined and in their place |
+//! | `parse`, `consistency` | the text as a configuration; checks of the names: unique, defined and in their place |
 
 pub mod acceleration;
 pub mod configuration;
@@ -45,6 +45,7 @@ pub mod import;
 mod markup;
 pub mod names;
 pub mod notes;
+mod parse;
 pub mod participant;
 pub mod scheme;
 mod words;

@@ -127,6 +127,9 @@ pub enum CoupledError {
         /// Reason.
         reason: String,
     },
+    /// Data have several wires.
+    #[error("data `{0}` has two wires, and gives or receives one field; remove one of them")]
+    SecondWire(String),
     /// A field is given or received twice.
     #[error("the field `{0}` is wired twice")]
     Twice(String),
@@ -280,6 +283,13 @@ impl View<'_> {
             Direction::Read => "read",
             Direction::Written => "write",
         };
+        let same =
+            |one: &Wire, other: &Wire| (one.direction, &one.data) == (other.direction, &other.data);
+        let mut places = 0..self.wires.len();
+        let second = places.find(|&k| self.wires[..k].iter().any(|one| same(one, &self.wires[k])));
+        if let Some(place) = second {
+            return Err(CoupledError::SecondWire(self.wires[place].data.clone()));
+        }
         let unknown = self.wires.iter().find(|wire| {
             wire.direction == direction && found.iter().all(|data| data.info.name != wire.data)
         });
