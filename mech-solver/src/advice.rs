@@ -18,8 +18,10 @@ pub(crate) fn opinion(asked: &advice::Scene) -> Opinion {
         .into_iter()
         .flatten()
         .any(|(name, _)| of_kind(Kind::Adhesion).any(|own| own == name));
-    let estimated = |scene: &Scene, sticks: bool| estimated_contact(scene, &asked.case, sticks);
-    let own = estimated(&scene, sticks).unwrap_or_default();
+    let estimated = |scene: &Scene, sticks: bool, largest: Option<f64>| {
+        estimated_contact(scene, &asked.case, sticks, largest)
+    };
+    let own = estimated(&scene, sticks, None).unwrap_or_default();
     let mut known = asked.known.clone();
     known.extend(own.clone());
     let case = &asked.case;

@@ -57,9 +57,15 @@ pub(crate) fn diagrams() -> Vec<Diagram> {
 }
 
 /// Figures of the contact, by their keys in the summary, estimated with the cheapest model that
-/// supports all creepages; `None` if that model has no solution.
-pub(crate) fn estimated_contact(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
-    fastsim::estimate(scene, case, sticks)
+/// supports all creepages, with tractions of at most `largest` [Pa]; `None` if that model has no
+/// solution.
+pub(crate) fn estimated_contact(
+    scene: &Scene,
+    case: &Params,
+    sticks: bool,
+    largest: Option<f64>,
+) -> Option<Known> {
+    fastsim::estimate(scene, case, sticks, largest)
 }
 
 /// Returns the model with this name.

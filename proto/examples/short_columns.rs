@@ -1,14 +1,16 @@
 //! A complete thermal solver in Rust: heat conduction normal to the surface, in strips.
 //!
 //! T(x) = 1/(β√(πV)) ∫ q/2 dx'/√(x' − x) upstream, with q constant over elements and half of the
-//! heat flowing into each body; β is a body's effusivity, V the rolling speed (Carslaw & Jaeger,
-//! Conduction of Heat in Solids, 2.9).
+//! heat flowing into each body; β is a body's effusivity, V the speed of its surface through the
+//! contact (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
 
 use proto::accuracy::Accuracy;
 use proto::bodies::{self, Bodies, LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Layout, Refusal};
 use proto::description::{Description, EffectSpec, KeySpec, ModelSpec};
-use proto::field::{FRICTION_POWER, LOWER_TEMPERATURE, UPPER_TEMPERATURE};
+use proto::field::{
+    FRICTION_POWER, FieldSpec, LOWER_TEMPERATURE, SURFACE_SPEED, UPPER_TEMPERATURE,
+};
 use proto::figure::FigureSpec;
 use proto::grid::{Grid, Shape};
 use proto::model::{
@@ -35,7 +37,6 @@ impl Solver for ShortColumns {
         let mut keys = vec![
             bodies::position_key(),
             KeySpec::name_in("bodies.*.material", "materials", "material of the body").required(),
-            KeySpec::quantity("motion.speed", "m/s", "rolling speed").required().above(0.0),
         ];
         keys.extend(STEEL.map(|(name, unit)| {
             KeySpec::quantity(&format!("materials.*.{name}"), unit, name).required().above(0.0)
@@ -58,7 +59,7 @@ impl Solver for ShortColumns {
                 transient: false,
                 rewinds: true,
                 varies_step: true,
-                consumes: names(&["friction_power"]),
+                consumes: names(&["friction_power", "surface_speed"]),
                 provides: names(&["lower_temperature", "upper_temperature"]),
                 keys: Vec::new(),
                 accuracy: Accuracy::default(),
@@ -68,7 +69,7 @@ impl Solver for ShortColumns {
                 law: "q/2 into each body".to_owned(),
                 source: "symmetry".to_owned(),
                 models: names(&["short"]),
-                consumes: names(&["friction_power"]),
+                consumes: names(&["friction_power", "surface_speed"]),
                 provides: names(&["lower_temperature", "upper_temperature"]),
                 keys: vec![
                     KeySpec::choice("effects.friction_heat.partition", &["equal"], half)
@@ -94,14 +95,9 @@ impl Solver for ShortColumns {
         let bodies = Bodies::read(case)?;
         let scale = |body| {
             let material = case.text(&bodies.key(body, "material"))?;
-            let product = STEEL.iter().try_fold(
-                PI * case.number("motion.speed")?,
-                |product, (name, _)| {
-                    Ok::<_, Refusal>(
-                        product * case.number(&format!("materials.{material}.{name}"))?,
-                    )
-                },
-            )?;
+            let product = STEEL.iter().try_fold(PI, |product, (name, _)| {
+                Ok::<_, Refusal>(product * case.number(&format!("materials.{material}.{name}"))?)
+            })?;
             Ok::<_, Refusal>(1.0 / product.sqrt())
         };
         let scale = [scale(UPPER)?, scale(LOWER)?];
@@ -139,8 +135,8 @@ impl Solver for ShortColumns {
                 scale,
                 columns: plane.ni,
                 grid: Grid::structured("contact", plane),
-                trial: vec![0.0; plane.points()],
-                accepted: vec![0.0; plane.points()],
+                trial: vec![0.0; plane.points() + 2],
+                accepted: vec![0.0; plane.points() + 2],
             }))
         }))
     }
@@ -151,19 +147,31 @@ struct Running {
     bodies: Bodies,
     /// ∫ dx'/(2√(x' − x)) over the element itself, the next one upstream, and so on [√m].
     shape: Vec<f64>,
+    /// 1/(β√π) of the upper and the lower body [K m²/(W √s)].
     scale: [f64; 2],
     columns: usize,
     grid: Grid,
-    /// Sum over the elements upstream [W/m^1.5]; each body's rise is a multiple of this sum.
+    /// Factors 1/(β√(πV)) of the upper and the lower body [K m^1.5/W], and the sums over the
+    /// elements upstream [W/m^1.5] that they multiply.
     trial: Vec<f64>,
     accepted: Vec<f64>,
 }
 
-fn write_out(sums: &[f64], scale: [f64; 2], outputs: &mut dyn Outputs) {
-    for (field, scale) in [&UPPER_TEMPERATURE, &LOWER_TEMPERATURE].into_iter().zip(scale) {
+fn write_out(state: &[f64], outputs: &mut dyn Outputs) {
+    let (factors, sums) = state.split_at(2);
+    for (field, factor) in [&UPPER_TEMPERATURE, &LOWER_TEMPERATURE].into_iter().zip(factors) {
         if let Some(values) = outputs.get(field) {
-            values.iter_mut().zip(sums).for_each(|(rise, sum)| *rise = scale * sum);
+            values.iter_mut().zip(sums).for_each(|(rise, sum)| *rise = factor * sum);
         }
+    }
+}
+
+fn finite<'a>(inputs: &'a dyn Inputs, spec: &FieldSpec) -> Result<&'a [f64], StepError> {
+    let field = spec.name.to_owned();
+    let Some(input) = inputs.get(spec) else { return Err(StepError::MissingInput { field }) };
+    match first_non_finite(input.values) {
+        None => Ok(input.values),
+        Some(index) => Err(StepError::NonFiniteInput { field, index, value: input.values[index] }),
     }
 }
 
@@ -174,26 +182,28 @@ impl Model for Running {
         inputs: &dyn Inputs,
         outputs: &mut dyn Outputs,
     ) -> Result<StepReport, StepError> {
-        let field = || FRICTION_POWER.name.to_owned();
-        let input = inputs.get(&FRICTION_POWER);
-        let flux = input.ok_or_else(|| StepError::MissingInput { field: field() })?.values;
-        if let Some(index) = first_non_finite(flux) {
-            let value = flux[index];
-            return Err(StepError::NonFiniteInput { field: field(), index, value });
+        let (flux, speeds) = (finite(inputs, &FRICTION_POWER)?, finite(inputs, &SURFACE_SPEED)?);
+        if speeds.iter().any(|speed| *speed <= 0.0) {
+            let reason = "material has to move through the contact: `surface_speed` > 0";
+            return Err(StepError::NoSolution(reason.to_owned()));
         }
-        let rows = flux.chunks_exact(self.columns).zip(self.trial.chunks_exact_mut(self.columns));
+        let (factors, sums) = self.trial.split_at_mut(2);
+        for ((factor, scale), speed) in factors.iter_mut().zip(self.scale).zip(speeds) {
+            *factor = scale / speed.sqrt();
+        }
+        let rows = flux.chunks_exact(self.columns).zip(sums.chunks_exact_mut(self.columns));
         for (flux, sums) in rows {
             for (i, sum) in sums.iter_mut().enumerate() {
                 *sum = flux[i..].iter().zip(&self.shape).map(|(q, shape)| q * shape).sum();
             }
         }
-        write_out(&self.trial, self.scale, outputs);
+        write_out(&self.trial, outputs);
         let heat_received = Some(self.grid.integrate(flux));
         Ok(StepReport { substeps: 1, heat_received, ..StepReport::default() })
     }
 
     fn first_outputs(&mut self, outputs: &mut dyn Outputs) {
-        write_out(&self.accepted, self.scale, outputs);
+        write_out(&self.accepted, outputs);
     }
 
     fn accept(&mut self) {
@@ -201,12 +211,13 @@ impl Model for Running {
     }
 
     fn observe(&mut self, outputs: &mut dyn Outputs) {
-        write_out(&self.accepted, self.scale, outputs);
+        write_out(&self.accepted, outputs);
     }
 
     fn summary(&self) -> serde_json::Value {
-        let peak = self.accepted.iter().copied().fold(0.0, f64::max);
-        let rise = |body: usize| serde_json::json!({"max_rise_k": self.scale[body] * peak});
+        let (factors, sums) = self.accepted.split_at(2);
+        let peak = sums.iter().copied().fold(0.0, f64::max);
+        let rise = |body: usize| serde_json::json!({"max_rise_k": factors[body] * peak});
         let [upper, lower] = &self.bodies.0;
         serde_json::json!({"temperature": {upper: rise(UPPER), lower: rise(LOWER)}})
     }

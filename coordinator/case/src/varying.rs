@@ -254,7 +254,10 @@ impl FilledCase<'_> {
         let axis = if time.is_none() && distance.is_some() { DISTANCE } else { TIME };
         let along = time.as_ref().or(distance.as_ref());
         let (file, table) = table.and_then(|(file, table)| Some((file, table?)))?;
-        if let Some(Err(error)) = along.map(|along| table.check_rising(&names[axis], along, rows)) {
+        // A vehicle at rest stays at its place. Two rows at one time are a slip.
+        let may_stay = rows && axis == DISTANCE;
+        let order = along.map(|along| table.check_rising(&names[axis], along, may_stay));
+        if let Some(Err(error)) = order {
             let reason = format!("`{}` {error}", file.display());
             self.faults.at(axis, reason, "sort the rows by time");
             return None;

@@ -84,7 +84,8 @@ impl Windows {
 
     /// Returns the start and end [s] of window `index`, which begins at `start` and should have
     /// this length [s]. Fixed windows have the length of the case, counted from 0.
-    fn interval(&self, index: u64, start: f64, length: f64) -> (f64, f64) {
+    #[must_use]
+    pub fn interval(&self, index: u64, start: f64, length: f64) -> (f64, f64) {
         match self {
             Self::Steady => (0.0, 0.0),
             Self::Sequence(times) => {

@@ -22,8 +22,8 @@ pub(crate) struct Situation<'a> {
     pub(crate) sticks: bool,
     pub(crate) known: &'a Known,
     /// Estimates the quantities of the contact of a scene by their keys; the flag is true if
-    /// surfaces may stick.
-    pub(crate) estimated: &'a dyn Fn(&Scene, bool) -> Option<Known>,
+    /// surfaces may stick, the number is the largest traction, if it is limited [Pa].
+    pub(crate) estimated: &'a dyn Fn(&Scene, bool, Option<f64>) -> Option<Known>,
 }
 
 impl Situation<'_> {
@@ -52,12 +52,11 @@ impl Situation<'_> {
     /// sticking; `None` if friction does not carry the force.
     pub(crate) fn otherwise(&self, key: &str, friction: f64, sticks: bool) -> Option<f64> {
         let scene = Scene { friction_coefficient: friction, ..self.scene.clone() };
-        (self.estimated)(&scene, sticks)?.get(key).copied()
+        (self.estimated)(&scene, sticks, None)?.get(key).copied()
     }
 
-    /// Estimates the influence of a layer with a shear yield stress [Pa] that is named by a key. A
-    /// Hertz distribution of friction that is cut off at t = τ/(f p₀) carries (3t − t³)/2 of the
-    /// full force.
+    /// Estimates the influence of a layer with a shear yield stress [Pa] that is named by a key: the
+    /// friction of Hertz's pressure is cut off at it.
     pub(crate) fn cut_off(&self, effect: &str, key: &str, yield_stress: f64) -> Advice {
         let advice = Advice::new(effect, format!("friction cut off at {yield_stress:.1e} Pa"))
             .with(format!("{key}={yield_stress:e}"));
@@ -65,12 +64,18 @@ impl Situation<'_> {
         let Some(largest) = self.known(PRESSURE).map(|pressure| friction * pressure) else {
             return advice;
         };
-        let cut = (yield_stress / largest).min(1.0);
         let advice = advice.number("yield stress over largest friction", yield_stress / largest);
-        if cut == 1.0 {
+        if yield_stress >= largest {
             return advice.moves(POWER, 0.0);
         }
-        self.with_friction(advice, friction * 0.5 * (3.0 * cut - cut.powi(3)))
+        let power = |largest: f64| {
+            (self.estimated)(self.scene, self.sticks, Some(largest))?.get(POWER).copied()
+        };
+        let Some(now) = power(f64::INFINITY).filter(|power| *power > 0.0) else { return advice };
+        match power(yield_stress) {
+            Some(then) => advice.moves(POWER, then / now - 1.0),
+            None => advice.impossible(),
+        }
     }
 
     /// Adds the relative change of the friction power for another friction coefficient.

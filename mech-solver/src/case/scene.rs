@@ -1,7 +1,7 @@
 //! Bodies, motion, load and friction of a case, as plain structs in SI units.
 
 use crate::case::keys::CheckedParams;
-use elastic::Material;
+use elastic::{Material, hertz};
 use proto::bodies::{Bodies, LOWER, UPPER, position_key, surface_speed_key};
 use proto::configuration::Refusal;
 use proto::description::{KeySpec, Renamed};
@@ -128,6 +128,17 @@ pub fn contact_keys() -> Vec<KeySpec> {
             .one_of("load"),
     );
     keys.push(
+        KeySpec::quantity(
+            MAX_PRESSURE,
+            "Pa",
+            "largest pressure of Hertz's contact of the radii, from which the normal force follows",
+        )
+        .expected(0.0..=1e10, "the hardest steels yield below 1e10 Pa; check the unit")
+        .varies()
+        .above(0.0)
+        .one_of("load"),
+    );
+    keys.push(
         KeySpec::number("friction.coefficient", "friction coefficient")
             .expected(0.0..=1.0, "dry steel has 0.3 to 0.6, clean metals and rubber more")
             .varies()
@@ -191,6 +202,9 @@ pub fn renamed() -> Vec<Renamed> {
 
 pub(crate) const NORMAL_FORCE: &str = "load.normal_force";
 pub(crate) const APPROACH: &str = "load.approach";
+const MAX_PRESSURE: &str = "load.max_pressure";
+/// Alternative keys of the load.
+const LOADS: [&str; 3] = [NORMAL_FORCE, APPROACH, MAX_PRESSURE];
 
 /// Group of the alternative keys that drive the upper body; none is needed if surface speeds drive
 /// it.
@@ -290,23 +304,57 @@ impl Scene {
         let prescribed = read_surface_speeds(&case, &names)?;
         let [upper, lower] = [UPPER, LOWER].map(|body| read_body(params, &case, &names, body));
         let bodies = [upper?, lower?];
-        let rolling = match (case.maybe_number(SPEED)?, prescribed) {
-            (Some(speed), _) => speed,
-            (None, Some([upper, lower])) => 0.5 * (upper + lower),
-            (None, None) => {
-                let fix = format!("add `{SPEED} = \"30 m/s\"`, or a surface_speed of both bodies");
-                return Err(Refusal::new(SPEED, "missing", fix));
-            }
-        };
-        let speeds = Speeds { rolling, prescribed };
-        Ok(Self {
+        let speeds = Speeds { rolling: read_rolling_speed(&case, &names, prescribed)?, prescribed };
+        let mut scene = Self {
             bodies,
             drive: read_drive(params, &case, &names, speeds)?,
             names,
             speeds,
-            load: read_load(&case)?,
+            load: Load::NormalForce(0.0),
             friction_coefficient: case.number("friction.coefficient")?,
             width: case.maybe_number(WIDTH)?,
+        };
+        scene.load = scene.read_load(&case)?;
+        Ok(scene)
+    }
+
+    /// Reads the load. Hertz's contact of the radii turns a largest pressure into a normal force.
+    fn read_load(&self, case: &CheckedParams<'_>) -> Result<Load, Refusal> {
+        let given: Vec<&str> = LOADS.into_iter().filter(|key| case.has(key)).collect();
+        match given[..] {
+            [NORMAL_FORCE] => Ok(Load::NormalForce(case.number(NORMAL_FORCE)?)),
+            [APPROACH] => Ok(Load::Approach(case.number(APPROACH)?)),
+            [_] => Ok(Load::NormalForce(self.force_at_pressure(case.number(MAX_PRESSURE)?)?)),
+            [] => Err(Refusal::new(NORMAL_FORCE, "missing", format!("add {}", LOADS.join(" or ")))),
+            [first, second, ..] => Err(Refusal::new(
+                second,
+                format!("excludes `{first}`: each determines the other"),
+                format!("keep one of {}", given.join(", ")),
+            )),
+        }
+    }
+
+    /// Normal force at which Hertz's contact of the radii has this largest pressure [N].
+    fn force_at_pressure(&self, pressure: f64) -> Result<f64, Refusal> {
+        let [along, across] = [self.gap_coefficient_x(), self.gap_coefficient_y()];
+        let compliance = self.contact_compliance();
+        if along <= 0.0 || (self.width.is_none() && across <= 0.0) {
+            return Err(Refusal::new(
+                MAX_PRESSURE,
+                "needs the radii of a closed contact, along the motion and, without a width, across it",
+                format!("give the radii, or write {NORMAL_FORCE}"),
+            ));
+        }
+        // The pressure grows with the third root of the force, under a line with the square root.
+        Ok(match self.width {
+            Some(width) => {
+                let unit = hertz::line_contact(along, width, 1.0, compliance).max_pressure;
+                (pressure / unit).powi(2)
+            }
+            None => {
+                let unit = hertz::elliptic_contact(along, across, 1.0, compliance).max_pressure;
+                (pressure / unit).powi(3)
+            }
         })
     }
 
@@ -460,20 +508,29 @@ fn read_surface_speeds(
     Err(Refusal::new(&keys[0], "both surfaces are at rest", fix))
 }
 
-fn read_load(case: &CheckedParams<'_>) -> Result<Load, Refusal> {
-    match (case.maybe_number(NORMAL_FORCE)?, case.maybe_number(APPROACH)?) {
-        (Some(force), None) => Ok(Load::NormalForce(force)),
-        (None, Some(approach)) => Ok(Load::Approach(approach)),
-        (None, None) => Err(Refusal::new(
-            NORMAL_FORCE,
-            "missing",
-            format!("add `{NORMAL_FORCE}` or `{APPROACH}`"),
-        )),
-        (Some(_), Some(_)) => Err(Refusal::new(
-            APPROACH,
-            format!("excludes `{NORMAL_FORCE}`: each determines the other"),
-            format!("keep {NORMAL_FORCE} or {APPROACH}"),
-        )),
+/// Reads the rolling speed. If the speeds of both surfaces are given, it is their mean.
+fn read_rolling_speed(
+    case: &CheckedParams<'_>,
+    names: &Bodies,
+    prescribed: Option<[f64; 2]>,
+) -> Result<f64, Refusal> {
+    /// Relative rounding error of a speed in decimal digits.
+    const ROUNDING: f64 = 1e-9;
+    let speed = case.maybe_number(SPEED)?;
+    let both = [UPPER, LOWER].iter().all(|body| case.has(&names.key(*body, "surface_speed")));
+    match (speed, prescribed.map(|[upper, lower]| 0.5 * (upper + lower))) {
+        (Some(speed), Some(mean)) if both && (speed - mean).abs() > ROUNDING * mean => {
+            let reason = format!(
+                "is {speed} m/s, and the speeds of both surfaces already determine the rolling speed: their mean \
+                 is {mean} m/s"
+            );
+            Err(Refusal::new(SPEED, reason, "remove it, or one of the two keys surface_speed"))
+        }
+        (Some(speed), _) | (None, Some(speed)) => Ok(speed),
+        (None, None) => {
+            let fix = format!("add `{SPEED} = \"30 m/s\"`, or a surface_speed of both bodies");
+            Err(Refusal::new(SPEED, "missing", fix))
+        }
     }
 }
 
@@ -619,10 +676,46 @@ mod tests {
         let discs = Scene::read(&Params(case.clone())).unwrap();
         assert_eq!(discs.speeds, Speeds { rolling: 2.0, prescribed: Some([3.0, 1.0]) });
         assert_eq!(discs.drive, Drive::Creepage { xi: -1.0, eta: 0.0, phi: 0.0 });
+        // A third speed is refused, with either fix, unless it is the mean.
+        case["motion"] = json!({"speed": 7.0});
+        let refused = Scene::read(&Params(case.clone())).unwrap_err();
+        assert!(refused.key == SPEED && refused.reason.contains("2 m/s"), "{refused}");
+        let mut one = case.clone();
+        one["bodies"]["rail"].as_object_mut().unwrap().remove("surface_speed");
+        assert_eq!(Scene::read(&Params(one)).unwrap().speeds.prescribed, Some([3.0, 7.0]));
+        case["motion"] = json!({"speed": 2.0});
+        assert_eq!(Scene::read(&Params(case.clone())).unwrap().speeds, discs.speeds);
+        case["motion"] = json!({});
         case["bodies"]["wheel"]["surface_speed"] = json!(0.0);
         case["bodies"]["rail"]["surface_speed"] = json!(0.0);
         let rest = Scene::read(&Params(case)).unwrap_err();
         assert_eq!(rest.reason, "both surfaces are at rest");
+    }
+
+    /// A largest pressure is the load whose Hertz contact has it, of an ellipse and of a line.
+    #[test]
+    fn a_pressure_determines_the_load() {
+        let mut case = case();
+        case["load"] = json!({"max_pressure": 5e8});
+        for (body, width) in [("rail", None), ("rail", Some(0.01))] {
+            if width.is_some() {
+                case["bodies"][body].as_object_mut().unwrap().remove("radius_y");
+                case["contact"] = json!({"width": width});
+            }
+            let scene = Scene::read(&Params(case.clone())).unwrap();
+            let Load::NormalForce(force) = scene.load else { panic!("{:?}", scene.load) };
+            let [along, across] = [scene.gap_coefficient_x(), scene.gap_coefficient_y()];
+            let compliance = scene.contact_compliance();
+            let found = match width {
+                Some(width) => hertz::line_contact(along, width, force, compliance),
+                None => hertz::elliptic_contact(along, across, force, compliance),
+            };
+            assert!((found.max_pressure / 5e8 - 1.0).abs() < 1e-12, "{}", found.max_pressure);
+        }
+        case.as_object_mut().unwrap().remove("contact");
+        assert_eq!(Scene::read(&Params(case.clone())).unwrap_err().key, MAX_PRESSURE, "no radius");
+        case["load"]["normal_force"] = json!(1.0);
+        assert_eq!(Scene::read(&Params(case)).unwrap_err().key, MAX_PRESSURE, "two loads");
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! file of this folder with its [`LateralShape`](lateral::LateralShape), and one line in [`KINDS`].
 
 pub(crate) mod lateral;
-mod measured;
+pub(crate) mod measured;
 
 use crate::case::keys::CheckedParams;
 use crate::case::scene::{Body, Scene};

@@ -317,7 +317,8 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let advice = Advice::new(
         EFFECT.name,
         format!(
-            "three times the root mean square pressure that flattens a roughness of {rms:.1e} m"
+            "three times the root mean square pressure that flattens a roughness of {rms:.1e} m; where \
+             the contact holds few waves, seeds differ by this much"
         ),
     )
     .with(format!("{RMS}={rms:e}"));

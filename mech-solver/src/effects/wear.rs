@@ -154,8 +154,10 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let (Some(power), Some(width), Some([_, approach])) = figures else { return advice };
     let speed = situation.scene.speeds.rolling;
     let depth = factor * power / (speed * 0.5 * PI * width);
+    // The contact of the first passage is that of the unworn surfaces.
+    let passes = situation.case.maybe_number(PASSES).ok().flatten().unwrap_or(1.0).max(1.0);
     advice
         .number("depth of a passage over approach", depth / approach)
         .number("passages to a tenth of the approach", 0.1 * approach / depth)
-        .moves(PRESSURE, -2.0 * depth / approach)
+        .moves(PRESSURE, 2.0 * (1.0 - passes) * depth / approach)
 }

@@ -16,7 +16,7 @@ const HALF_SPACE: f64 = 0.2;
 /// (docs/theory/half-space.md, at a/5).
 const ELEMENTS: f64 = 8.0;
 /// Width of the slip zone in elements below which errors scatter from grid to grid
-/// (docs/theory/half-space.md).
+/// (docs/how-to/choose-accuracy.md).
 const SLIPPING: f64 = 6.0;
 
 /// Key of the ratio of tangential to normal force.
@@ -159,12 +159,22 @@ impl SlipZone {
             for run in row.chunk_by(|one, next| slips(one) == slips(next)) {
                 let own = power[first..first + run.len()].iter().sum::<f64>().max(0.0);
                 if slips(&run[0]) {
-                    self.power += own;
-                    self.weighted_width += own * run.len() as f64;
+                    self.add_run(run.len() as f64, own);
                 }
                 first += run.len();
             }
         }
+    }
+
+    /// Adds an unbroken run of slip with its width in elements and its friction power.
+    pub(crate) fn add_run(&mut self, width: f64, power: f64) {
+        self.power += power;
+        self.weighted_width += power * width;
+    }
+
+    /// Notes that a part of the contact sticks.
+    pub(crate) fn add_stick(&mut self) {
+        self.sticks = true;
     }
 
     /// Width in elements; `None` if nothing slips, or if everything slides and the zone has no
@@ -206,7 +216,8 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         ),
         figure(ACROSS, "elements across the narrowest patch").expected_above(
             ELEMENTS,
-            "with so few elements the friction power is off by a tenth; raise mech.resolution",
+            "with so few elements the friction power is off by a tenth, and on one or two the pressure by a factor; \
+             raise mech.resolution along the motion, mech.lateral_resolution across it",
         ),
         figure(
             SLIP_ZONE,

@@ -166,27 +166,37 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
         let fields = precomputed::fields(&wanted, &grid, |spec, values| {
             fields::write(spec, &contact, grid, &terms, values);
         });
-        let (summary, work) = (contact.summary(), cells(&problem) as u64);
+        let (summary, work) = (contact.summary(grid.dx()), cells(&problem) as u64);
         Ok(Precomputed { summary, work, fields, terms }.model())
     }))
 }
 
-/// Figures of the contact on a coarse grid, by their keys; `None` for a contact that is not
-/// elliptic or has no solution.
-pub(super) fn estimate(scene: &Scene, case: &Params, sticks: bool) -> Option<Known> {
+/// Figures of the contact on a coarse grid, by their keys, with tractions of at most `largest`
+/// [Pa]; `None` for a contact that is not elliptic or has no solution.
+pub(super) fn estimate(
+    scene: &Scene,
+    case: &Params,
+    sticks: bool,
+    largest: Option<f64>,
+) -> Option<Known> {
     let given = GivenPatch::read(case).ok()?;
     let grid = Ellipse::solve(scene, given).ok()?.extent().grid(COARSE).ok()?;
     let asked = Options {
         given,
         kind: Flexibility::Single,
-        bound: Bound::Parabolic,
+        // A cut-off refers to the traction bound of Hertz's pressure.
+        bound: if largest.is_some() { Bound::Elliptic } else { Bound::Parabolic },
         strip_theory: false,
         reduction: Reduction::NONE,
         resolution: COARSE,
         partial: sticks,
     };
     let (problem, _) = problem(scene, &asked, &grid).ok()?;
-    let summary = problem.solve(None).summary();
+    let contact = match largest {
+        Some(largest) => problem.solve_cut_off(largest)?,
+        None => problem.solve(None),
+    };
+    let summary = contact.summary(grid.dx());
     let figures = summary["contact"].as_object()?.iter();
     let known = |(key, value): (&String, &Value)| Some((format!("contact.{key}"), value.as_f64()?));
     Some(figures.filter_map(known).collect())

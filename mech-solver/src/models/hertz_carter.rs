@@ -156,7 +156,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
         let fields = precomputed::fields(&wanted, &grid, |spec, values| {
             fields::write(spec, &contact, grid, &terms, values);
         });
-        let (summary, work) = (contact.summary(), grid.points() as u64);
+        let (summary, work) = (contact.summary(grid.dx()), grid.points() as u64);
         Ok(Precomputed { summary, work, fields, terms }.model())
     }))
 }

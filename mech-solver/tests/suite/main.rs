@@ -25,6 +25,7 @@ mod slip_friction;
 mod stress_at_points;
 mod varying_bodies;
 mod viscoelastic;
+mod warnings;
 mod wearing;
 mod wheel_friction;
 mod wheel_on_track;

@@ -4,7 +4,8 @@
  *     T(x) = 1/(beta sqrt(pi V)) int q/2 dx'/sqrt(x' - x)  upstream,
  *
  * with q constant over elements and half of the heat flowing into each body; beta is a body's
- * effusivity, V the rolling speed (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
+ * effusivity, V the speed of its surface through the contact (Carslaw & Jaeger, Conduction of Heat
+ * in Solids, 2.9).
  */
 #include <cosim.h>
 #include <math.h>
@@ -21,11 +22,11 @@ static const char *const DESCRIPTION = COSIM_JSON({
     "models": [{
         "name": "short", "steady": true, "transient": false,
         "summary": "Abel's integral", "source": "Carslaw & Jaeger, Conduction of Heat in Solids, 2.9",
-        "consumes": ["friction_power"], "provides": ["lower_temperature", "upper_temperature"]
+        "consumes": ["friction_power", "surface_speed"], "provides": ["lower_temperature", "upper_temperature"]
     }],
     "effects": [{
         "name": "friction_heat", "models": ["short"], "law": "q/2 into each body", "source": "symmetry",
-        "consumes": ["friction_power"], "provides": ["lower_temperature", "upper_temperature"],
+        "consumes": ["friction_power", "surface_speed"], "provides": ["lower_temperature", "upper_temperature"],
         "keys": [{"path": "effects.friction_heat.partition", "type": "choice", "of": ["equal"],
                   "default": "equal", "help": "one half each"}]
     }],
@@ -34,8 +35,6 @@ static const char *const DESCRIPTION = COSIM_JSON({
          "help": "which of the two bodies it is"},
         {"path": "bodies.*.material", "type": "name-in", "table": "materials", "required": true,
          "help": "material of the body"},
-        {"path": "motion.speed", "type": "quantity", "unit": "m/s", "required": true, "above": 0,
-         "help": "rolling speed"},
         {"path": "materials.*.density", "type": "quantity", "unit": "kg/m3", "required": true,
          "above": 0, "help": "density"},
         {"path": "materials.*.specific_heat", "type": "quantity", "unit": "J/(kg K)",
@@ -50,9 +49,10 @@ static const char *const DESCRIPTION = COSIM_JSON({
 struct columns {
     cosim_grid grid; /* of the flux and of both temperatures */
     char name[2][32]; /* names of the bodies, in the order of SURFACE */
-    double scale[2];  /* 1/(beta sqrt(pi V)) of each body, in that order [K m^1.5/W] */
+    double scale[2];  /* 1/(beta sqrt(pi)) of each body, in that order [K m^2/(W sqrt(s))] */
     double *shape;   /* int dx'/(2 sqrt(x' - x)) over the element itself, the next one upstream, ... [sqrt(m)] */
-    double *trial, *accepted; /* sums over the elements upstream [W/m^1.5] */
+    double *trial, *accepted; /* sums over the elements upstream [W/m^1.5], and behind them for each
+                                 body the factor 1/(beta sqrt(pi V)) to its rise [K m^1.5/W] */
     char summary[256];
 };
 
@@ -66,9 +66,9 @@ static int read_body(const cosim_configuration *told, int body, char kept[32], d
 {
     static const char *const PROPERTY[] = {"density", "specific_heat", "conductivity"};
     char key[256];
-    double product;
+    double product = PI;
     const char *name = cosim_body_name(told, body);
-    if (!name || cosim_case_number(told, "motion.speed", &product))
+    if (!name)
         return COSIM_REFUSED;
     snprintf(kept, 32, "%s", name);
     snprintf(key, sizeof key, "bodies.%s.material", name);
@@ -82,7 +82,7 @@ static int read_body(const cosim_configuration *told, int body, char kept[32], d
             return COSIM_REFUSED;
         product *= value;
     }
-    *scale = 1.0 / sqrt(PI * product);
+    *scale = 1.0 / sqrt(product);
     return COSIM_OK;
 }
 
@@ -116,8 +116,8 @@ static int build(void *user)
     destroy(c); /* remains of the previous run */
     size_t n = c->grid.points, ni = c->grid.ni;
     c->shape = calloc(ni, sizeof *c->shape);
-    c->trial = calloc(n, sizeof *c->trial);
-    c->accepted = calloc(n, sizeof *c->accepted);
+    c->trial = calloc(n + 2, sizeof *c->trial);
+    c->accepted = calloc(n + 2, sizeof *c->accepted);
     if (!c->shape || !c->trial || !c->accepted)
         return cosim_fail("out of memory");
     double h = c->grid.step_i[0];
@@ -128,10 +128,11 @@ static int build(void *user)
 
 static int write_out(const struct columns *c, const double *sums, cosim_outputs *outputs)
 {
+    const double *factor = sums + c->grid.points;
     for (int body = 0; body < 2; body++) {
         double *values = cosim_output(outputs, SURFACE[body], NULL);
         for (size_t n = 0; values && n < c->grid.points; n++)
-            values[n] = c->scale[body] * sums[n];
+            values[n] = factor[body] * sums[n];
     }
     return COSIM_OK;
 }
@@ -143,8 +144,15 @@ static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
     struct columns *c = user;
     size_t ni = c->grid.ni;
     const double *power = cosim_require_input(inputs, "friction_power", c->grid.points);
-    if (!power)
+    const double *speed = cosim_require_input(inputs, "surface_speed", 2); /* upper, lower */
+    if (!power || !speed)
         return COSIM_FAILED;
+    for (int body = 0; body < 2; body++) {
+        double own = speed[1 - body];
+        if (own <= 0.0)
+            return cosim_fail("material has to move through the contact: `surface_speed` > 0");
+        c->trial[c->grid.points + body] = c->scale[body] / sqrt(own);
+    }
     double heat = 0.0;
     for (size_t first = 0; first < c->grid.points; first += ni) {
         for (size_t i = 0; i < ni; i++) {
@@ -160,10 +168,15 @@ static int solve(void *user, const cosim_step *step, const cosim_inputs *inputs,
     return write_out(c, c->trial, outputs);
 }
 
+static size_t state_size(const struct columns *c)
+{
+    return (c->grid.points + 2) * sizeof *c->accepted;
+}
+
 static int accept(void *user)
 {
     struct columns *c = user;
-    memcpy(c->accepted, c->trial, c->grid.points * sizeof *c->trial);
+    memcpy(c->accepted, c->trial, state_size(c));
     return COSIM_OK;
 }
 
@@ -176,24 +189,25 @@ static int observe(void *user, cosim_outputs *outputs)
 static int save(void *user, cosim_blob *blob)
 {
     struct columns *c = user;
-    return cosim_blob_write(blob, c->accepted, c->grid.points * sizeof *c->accepted);
+    return cosim_blob_write(blob, c->accepted, state_size(c));
 }
 
 static int restore(void *user, cosim_blob *blob)
 {
     struct columns *c = user;
-    return cosim_blob_read(blob, c->accepted, c->grid.points * sizeof *c->accepted);
+    return cosim_blob_read(blob, c->accepted, state_size(c));
 }
 
 static const char *summary(void *user)
 {
     struct columns *c = user;
+    const double *factor = c->accepted + c->grid.points;
     double peak = 0.0;
     for (size_t n = 0; n < c->grid.points; n++)
         peak = fmax(peak, c->accepted[n]);
     snprintf(c->summary, sizeof c->summary,
              "{\"temperature\": {\"%s\": {\"max_rise_k\": %.17g}, \"%s\": {\"max_rise_k\": %.17g}}}",
-             c->name[0], c->scale[0] * peak, c->name[1], c->scale[1] * peak);
+             c->name[0], factor[0] * peak, c->name[1], factor[1] * peak);
     return c->summary;
 }
 

@@ -3,7 +3,8 @@
 !     T(x) = 1/(beta sqrt(pi V)) int q/2 dx'/sqrt(x' - x)  upstream,
 !
 ! with q constant over elements and half of the heat flowing into each body; beta is a body's
-! effusivity, V the rolling speed (Carslaw & Jaeger, Conduction of Heat in Solids, 2.9).
+! effusivity, V the speed of its surface through the contact (Carslaw & Jaeger, Conduction of Heat
+! in Solids, 2.9).
 module short_columns_callbacks
    use cosim
    implicit none
@@ -13,10 +14,11 @@ module short_columns_callbacks
    type :: columns
       type(cosim_grid) :: grid             ! of the flux and of both temperatures
       character(len=32) :: name(2)         ! of the lower and the upper body
-      real(c_double) :: scale(2)           ! 1/(beta sqrt(pi V)) of the lower and the upper body [K m^1.5/W]
+      real(c_double) :: scale(2)           ! 1/(beta sqrt(pi)) of the lower and the upper body [K m^2/(W sqrt(s))]
       real(c_double), allocatable :: shape(:) ! int dx'/(2 sqrt(x' - x)) over the element itself, the next upstream, ... [sqrt(m)]
-      real(c_double), allocatable :: trial(:, :) ! sums over the elements upstream [W/m^1.5]
-      real(c_double), allocatable :: accepted(:, :)
+      real(c_double), allocatable :: trial(:) ! sums over the elements upstream [W/m^1.5], and behind them for the
+      !                                         lower and the upper body the factor 1/(beta sqrt(pi V)) to its rise
+      real(c_double), allocatable :: accepted(:)
    end type
 
    character(len=*), parameter :: SURFACE(2) = ['lower_temperature', 'upper_temperature']
@@ -41,7 +43,7 @@ contains
 
    function description_text() result(text)
       character(len=:), allocatable :: text
-      character(len=*), parameter :: FIELDS = '"consumes": ["friction_power"], '// &
+      character(len=*), parameter :: FIELDS = '"consumes": ["friction_power", "surface_speed"], '// &
          '"provides": ["lower_temperature", "upper_temperature"]'
       text = '{"name": "short-columns", "version": "1.0", "role": "thermal", '// &
          '"reusable": true, "models": [{"name": "short", '// &
@@ -53,7 +55,6 @@ contains
          '{"path": "bodies.*.position", "type": "choice", "of": ["upper", "lower"], "required": true, '// &
          '"help": "which of the two bodies it is"}, {"path": "bodies.*.material", "type": "name-in", '// &
          '"table": "materials", "required": true, "help": "material of the body"}, '// &
-         quantity('motion.speed', 'm/s', 'rolling speed')//', '// &
          quantity('materials.*.density', 'kg/m3', 'density')//', '// &
          quantity('materials.*.specific_heat', 'J/(kg K)', 'specific heat')//', '// &
          quantity('materials.*.conductivity', 'W/(m K)', 'conductivity')//'], "figures": [{'// &
@@ -93,20 +94,19 @@ contains
       real(c_double) :: factor
       integer :: p
 
-      scale = 0
+      scale = PI
       status = COSIM_REFUSED
       name = words_of(cosim_body_name(told, body))
       kept = name
       if (name == '') return
       material = words_of(cosim_case_text(told, c_text('bodies.'//name//'.material')))
       if (material == '') return
-      status = cosim_case_number(told, c_text('motion.speed'), scale)
       do p = 1, 3
-         if (status /= COSIM_OK) return
          status = cosim_case_number(told, c_text('materials.'//material//'.'//PROPERTY(p)), factor)
+         if (status /= COSIM_OK) return
          scale = scale*factor
       end do
-      if (status == COSIM_OK) scale = 1/sqrt(PI*scale)
+      scale = 1/sqrt(scale)
    end function
 
    function configure(user, told, layout) bind(c) result(status)
@@ -140,10 +140,10 @@ contains
       integer :: k
 
       call c_f_pointer(user, c)
-      associate (ni => c%grid%ni, nj => c%grid%nj, h => c%grid%step_i(1))
+      associate (ni => c%grid%ni, h => c%grid%step_i(1))
          c%shape = [(sqrt((k + 0.5_c_double)*h) - sqrt(max(k - 0.5_c_double, 0.0_c_double)*h), k=0, int(ni) - 1)]
          if (allocated(c%trial)) deallocate (c%trial, c%accepted) ! remains of the previous run
-         allocate (c%trial(ni, nj), c%accepted(ni, nj))
+         allocate (c%trial(c%grid%points + 2), c%accepted(c%grid%points + 2))
       end associate
       c%accepted = 0
       status = COSIM_OK
@@ -151,18 +151,18 @@ contains
 
    function write_out(c, sums, outputs) result(status)
       type(columns), intent(in) :: c
-      real(c_double), intent(in) :: sums(:, :)
+      real(c_double), intent(in) :: sums(:)
       type(c_ptr), intent(in) :: outputs
       integer(c_int) :: status
       type(c_ptr) :: place
-      real(c_double), pointer :: values(:, :)
+      real(c_double), pointer :: values(:)
       integer :: body
 
       do body = 1, 2
          place = cosim_output(outputs, c_text(SURFACE(body)))
          if (.not. c_associated(place)) cycle ! nobody needs the field
-         call c_f_pointer(place, values, shape(sums))
-         values = c%scale(body)*sums
+         call c_f_pointer(place, values, [c%grid%points])
+         values = sums(c%grid%points + body)*sums(:c%grid%points)
       end do
       status = COSIM_OK
    end function
@@ -174,18 +174,26 @@ contains
       integer(c_int) :: status
       type(columns), pointer :: c
       type(c_ptr) :: place
-      real(c_double), pointer :: power(:, :)
+      real(c_double), pointer :: power(:, :), speed(:)
       integer :: i, j, ni
 
       call c_f_pointer(user, c)
       status = COSIM_FAILED
+      place = cosim_require_input(inputs, c_text('surface_speed'), 2_c_size_t)
+      if (.not. c_associated(place)) return
+      call c_f_pointer(place, speed, [2]) ! upper, lower
+      if (any(speed <= 0)) then
+         status = cosim_fail(c_text('material has to move through the contact: `surface_speed` > 0'))
+         return
+      end if
+      c%trial(c%grid%points + 1:) = c%scale/sqrt(speed(2:1:-1))
       place = cosim_require_input(inputs, c_text('friction_power'), c%grid%points)
       if (.not. c_associated(place)) return
-      call c_f_pointer(place, power, shape(c%trial))
+      call c_f_pointer(place, power, [c%grid%ni, c%grid%nj])
       ni = size(power, 1)
       do j = 1, size(power, 2)
          do i = 1, ni
-            c%trial(i, j) = dot_product(power(i:, j), c%shape(:ni - i + 1))
+            c%trial((j - 1)*ni + i) = dot_product(power(i:, j), c%shape(:ni - i + 1))
          end do
       end do
       report%substeps = 1
@@ -219,7 +227,8 @@ contains
 
       call c_f_pointer(user, c)
       write (words, '(a, 2(a, es24.16, :, a))') '{"temperature": {', &
-         ('"'//trim(c%name(body))//'": {"max_rise_k": ', c%scale(body)*maxval(c%accepted), &
+         ('"'//trim(c%name(body))//'": {"max_rise_k": ', &
+          c%accepted(c%grid%points + body)*maxval(c%accepted(:c%grid%points)), &
           merge('}, ', '}}}', body == 1), body=1, 2)
       summary_text = letters(trim(words))
       text = c_loc(summary_text)
@@ -230,7 +239,7 @@ contains
       integer(c_int) :: status
       type(columns), pointer :: c
       call c_f_pointer(user, c)
-      status = cosim_blob_write(blob, c_loc(c%accepted), 8*c%grid%points)
+      status = cosim_blob_write(blob, c_loc(c%accepted), 8*(c%grid%points + 2))
    end function
 
    function restore_state(user, blob) bind(c) result(status)
@@ -238,7 +247,7 @@ contains
       integer(c_int) :: status
       type(columns), pointer :: c
       call c_f_pointer(user, c)
-      status = cosim_blob_read(blob, c_loc(c%accepted), 8*c%grid%points)
+      status = cosim_blob_read(blob, c_loc(c%accepted), 8*(c%grid%points + 2))
    end function
 end module
 

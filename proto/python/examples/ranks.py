@@ -12,7 +12,7 @@ import numpy as np
 from mpi4py import MPI
 from short_columns import ShortColumns
 
-from cosim import StepReport, main
+from cosim import main
 
 ALL = MPI.COMM_WORLD
 
@@ -26,15 +26,15 @@ class SpreadColumns(ShortColumns):
         ALL.bcast(("build", self.abel))
 
     def solve(self, step, inputs, outputs):
-        """Distribute the flux, and collect the temperature."""
-        flux = inputs.finite("friction_power")
-        shares = np.array_split(flux.reshape(self.grid.shape.nj, -1), ALL.Get_size())
+        """Count the ranks that compute."""
+        report = super().solve(step, inputs, outputs)
+        report.work = ALL.Get_size()
+        return report
+
+    def upstream(self, rows):
+        """Distribute the rows of the flux, and collect their sums."""
         ALL.bcast(("solve", None))
-        computed = share(self.abel, shares)
-        self.sums = np.concatenate(computed)
-        for name in outputs:
-            outputs[name] = self.scale[name] * self.sums.ravel()
-        return StepReport(work=len(computed), heat_received=self.grid.integrate(flux))
+        return np.concatenate(share(self.abel, np.array_split(rows, ALL.Get_size())))
 
 
 def share(abel, shares=None):

@@ -152,6 +152,44 @@ fn keys_that_nothing_reads_are_told() {
     assert!(text.contains("mech.model = \"half-space\""), "{text}");
 }
 
+/// A load of 300 kN for a millisecond, between the middles of two windows, is told. The advised
+/// window sees it.
+#[test]
+fn a_peak_between_two_windows_is_told() {
+    let place = Place::new();
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("load.csv");
+    std::fs::write(&table, "t [s],Q [kN]\n0,100\n0.0115,100\n0.012,300\n0.0125,100\n0.04,100\n")
+        .unwrap();
+    let column =
+        |name: &str| format!("{{ file = {:?}, column = {name:?} }}", table.display().to_string());
+    let settings = [
+        format!("load.normal_force={}", column("Q")),
+        format!("time.history={}", column("t")),
+        "time.end=40 ms".to_owned(),
+    ];
+    let warned = |window: &str| {
+        let window = format!("time.window={window}");
+        let words: Vec<&str> = settings.iter().map(String::as_str).chain([&*window]).collect();
+        let arguments =
+            [&["check", &case("cold-start.toml"), "--json"], &sets(&words)[..]].concat();
+        let checked = place.start(&arguments).wait();
+        assert_eq!(checked.code, Some(0), "{} {}", checked.stdout, checked.stderr);
+        let answer: Value = serde_json::from_str(&checked.stdout).unwrap();
+        answer["warnings"].as_array().cloned().unwrap_or_default()
+    };
+    let told = warned("4 ms");
+    let [warning] = told.as_slice() else { panic!("{told:?}") };
+    assert_eq!(warning["key"], "load.normal_force");
+    let reason = warning["reason"].as_str().unwrap();
+    assert!(
+        reason.contains("reaches 300000 N at 0.012 s") && reason.contains("100000 N"),
+        "{reason}"
+    );
+    let advised = warning["fix"].as_str().unwrap().split('"').nth(1).unwrap();
+    assert_eq!(warned(advised), Vec::<Value>::new(), "{advised}");
+}
+
 /// A study that varies a key without effect would repeat the same run, and is rejected.
 #[test]
 fn a_study_does_not_vary_what_nothing_reads() {

@@ -5,7 +5,8 @@ use super::contents::Participant;
 use crate::warnings::{Implausible, Warning};
 use case::schema::{OwnKey, own_keys};
 use case::{Case, Replaced, Unread};
-use contract::configuration::Refusal;
+use contract::bodies::{POSITIONS, TABLE};
+use contract::configuration::{Configuration, Refusal};
 use contract::description::KeySpec;
 use contract::history::Histories;
 use contract::params::Params;
@@ -146,6 +147,53 @@ pub(super) fn estimated<'a>(
         told.chain(large)
     };
     participants.flat_map(of).collect()
+}
+
+/// Returns warnings about values that make the bodies differ, which a participant sends on as a
+/// field of the same name, and which another participant that computes both bodies neither reads
+/// nor receives.
+pub(super) fn ignored<'a>(
+    case: &Case,
+    participants: impl Iterator<Item = &'a Participant> + Clone,
+) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    for sender in participants.clone() {
+        for field in provided(sender) {
+            let path = format!("{TABLE}.*.{field}");
+            let given = instances(&sender.configuration.case, &path);
+            let Some((key, _)) = given.first() else { continue };
+            let deaf = participants.clone().find(|other| {
+                let Configuration { inputs, case, .. } = &other.configuration;
+                other.role != sender.role
+                    && provided(other).any(is_of_a_body)
+                    && inputs.iter().all(|input| input.field.name != *field)
+                    && instances(case, &path).is_empty()
+            });
+            let Some(Participant { role, .. }) = deaf else { continue };
+            let reason = format!(
+                "has no effect in {role}, which neither reads it nor receives the field `{field}`: it computes \
+                 both bodies as if they did not differ"
+            );
+            let fix = format!("choose a program or a model of {role} that consumes `{field}`");
+            warnings.push(case.problem_at(key, reason, fix).into());
+        }
+    }
+    warnings
+}
+
+/// Returns the fields that the model and the active effects of a participant provide.
+fn provided(participant: &Participant) -> impl Iterator<Item = &String> {
+    let Participant { description, configuration, .. } = participant;
+    let model = description.models.iter().filter(|model| model.name == configuration.model);
+    let effects = description.effects.iter();
+    let effects = effects.filter(|effect| configuration.has_effect(&effect.name));
+    model.flat_map(|model| &model.provides).chain(effects.flat_map(|effect| &effect.provides))
+}
+
+/// Returns whether a field belongs to one of the bodies.
+fn is_of_a_body(field: &String) -> bool {
+    let rest = POSITIONS.iter().find_map(|position| field.strip_prefix(position));
+    rest.is_some_and(|rest| rest.starts_with('_'))
 }
 
 /// Largest number of readers that a message names.

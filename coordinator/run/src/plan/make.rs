@@ -7,6 +7,7 @@ use super::live;
 use super::mapping;
 use super::route::{self, Candidate};
 use super::route::{cannot_rewind, cannot_vary};
+use super::sampling;
 use super::threads;
 use super::volume;
 use crate::crew;
@@ -278,6 +279,7 @@ fn route_case(
     let mut participants = participants(case, &running, (&fields, &live), scheme.scheme, solvers)?;
     let figures = figures::gather(participants.iter_mut(), case.bodies.as_ref());
     let diagrams = participants.iter().flat_map(|p| p.description.diagrams.clone()).collect();
+    let sampled = sampling::warnings(case, participants.iter(), &windows);
     Ok(Plan {
         name: case.name.clone(),
         bodies: case.bodies.clone(),
@@ -294,6 +296,8 @@ fn route_case(
         warnings: expected::replaced(case)
             .chain(expected::unread(case))
             .chain(expected::warnings(case, participants.iter()))
+            .chain(expected::ignored(case, participants.iter()))
+            .chain(sampled)
             .collect(),
         mappings: Vec::new(),
         participants,

@@ -4,8 +4,10 @@ use super::limits::Limits;
 use super::sliding::Sliding;
 use crate::case::ellipse::{Ellipse, Prescribed};
 use crate::case::scene::Speeds;
+use crate::figures::indicators::{SlipZone, add_slip_zone};
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_density, power_imbalance};
 use crate::models::summary::extend;
+use elastic::cut_off::{Shape, force_share};
 use elastic::fastsim::flexibility::{Creepage, Flexibilities, Kind};
 use elastic::fastsim::integration::{Cell, Lattice, Strip, StripIntegration, norm};
 use elastic::fastsim::reduction::Reduction;
@@ -95,6 +97,16 @@ impl Problem {
     ) -> FastsimContact {
         let most = self.capacity(limits) / self.friction_bound();
         self.solve_under(|x, y, bound| limits.at(x, y, bound), most, spent)
+    }
+
+    /// Solves the contact with tractions of at most `largest` [Pa]; `None` if they do not carry the
+    /// prescribed force.
+    pub(super) fn solve_cut_off(&self, largest: f64) -> Option<FastsimContact> {
+        let ratio = largest / (self.friction_coefficient * self.ellipse.max_pressure);
+        let most = force_share(Shape::HalfEllipse, ratio);
+        let carried =
+            !matches!(self.prescribed, Prescribed::ForceRatio(ratio) if ratio.abs() > most);
+        carried.then(|| self.solve_under(|_, _, bound| bound.min(largest), most, None))
     }
 
     /// Longitudinal force if all springs slide along x, with the friction bounds of the elements
@@ -350,8 +362,26 @@ impl FastsimContact {
         Err(Refusal::new("mech.resolution", reason, "write another resolution"))
     }
 
-    /// Section `contact` of `summary.json`.
-    pub(super) fn summary(&self) -> Value {
+    /// Width of the slip zone in elements of this length [m].
+    fn slip_zone(&self, dx: f64) -> SlipZone {
+        let mut zone = SlipZone::default();
+        for (strip, cells) in self.strips() {
+            for run in cells.chunk_by(|one, next| one.slips == next.slips) {
+                if !run[0].slips {
+                    zone.add_stick();
+                    continue;
+                }
+                let of = |cell: &Cell| power_density(cell.traction, cell.slip) * cell.length();
+                let length: f64 = run.iter().map(Cell::length).sum();
+                let power: f64 = run.iter().map(of).sum();
+                zone.add_run(length / dx, strip.width * power.max(0.0));
+            }
+        }
+        zone
+    }
+
+    /// Section `contact` of `summary.json`, for fields on elements of this length [m].
+    pub(super) fn summary(&self, dx: f64) -> Value {
         let (totals, ellipse, speed) =
             (&self.totals, &self.problem.ellipse, self.problem.speeds.rolling);
         let mut contact = ellipse.summary();
@@ -372,6 +402,7 @@ impl FastsimContact {
             "power_imbalance": self.power_imbalance(),
         });
         extend(&mut contact, creep);
+        add_slip_zone(&mut contact, &self.slip_zone(dx));
         ellipse.indicators.add_to(&mut contact);
         json!({ "contact": contact })
     }

@@ -144,9 +144,15 @@ pub(in crate::models) fn footprint(
         let extent = extent.grown(growth(shapes, extent.line));
         let semi_axes = [extent.a, extent.b];
         let dx = dx(extent.finest);
+        let mut remarks = Vec::new();
         let dy = match (extent.line, lateral) {
             (true, _) => 2.0 * extent.b,
             (false, Some(count)) => semi_axes[1] / count,
+            // A narrow ellipse. Others have as many rows as the case asks for.
+            (false, None) if semi_axes[1] < 0.5 * semi_axes[0] => {
+                let area = 4.0 * semi_axes[0] * semi_axes[1];
+                resolving_rows(semi_axes[1], dx, area, &mut remarks)
+            }
             (false, None) => dx,
         };
         let growth = match (rough, bodies.are_coupled()) {
@@ -172,7 +178,7 @@ pub(in crate::models) fn footprint(
             false => (smooth_grid, None),
         };
         let gap = given.is_none().then_some(gap);
-        let (ellipse, remarks) = (Some(ellipse), Vec::new());
+        let ellipse = Some(ellipse);
         return Ok(Footprint { gap, ellipse, semi_axes, grid, peak_y, remarks });
     }
     let low = gap.settle()?;
@@ -301,6 +307,12 @@ fn row_width(
     if let Some(count) = lateral {
         return narrowest / count;
     }
+    resolving_rows(narrowest, dx, area, remarks)
+}
+
+/// Row width that puts at least [`LEAST_ROWS`] across half of a patch of this semi-axis [m], unless
+/// a grid over this area [m²] would become too large, which a remark tells.
+fn resolving_rows(narrowest: f64, dx: f64, area: f64, remarks: &mut Vec<String>) -> f64 {
     let resolved = narrowest / LEAST_ROWS;
     let dy = dx.min(resolved.max(area / (dx * MOST_RESOLVED)));
     if dy > resolved {

@@ -2,11 +2,13 @@
 
 use crate::case::ellipse::{Ellipse, Prescribed};
 use crate::case::scene::{Scene, Speeds};
+use crate::figures::indicators::{SlipZone, add_slip_zone};
 use crate::models::summary::extend;
 use elastic::carter;
 use elastic::slip::Slip;
 use proto::configuration::Refusal;
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 use std::fmt;
 
 /// Creep laws; see [`carter`].
@@ -95,8 +97,23 @@ impl CarterContact {
         self.speeds.rolling * self.slip.creep() * self.slip.force_ratio() * self.friction_bound()
     }
 
-    /// Section `contact` of `summary.json`. The spin moment is not known to this model.
-    pub(super) fn summary(&self) -> Value {
+    /// Width of the slip zone in elements of this length [m].
+    fn slip_zone(&self, dx: f64) -> SlipZone {
+        /// Mean half-length of the strips of an ellipse over a, weighted with their friction
+        /// power, which grows with the square of the half-length: ∫ η³/∫ η², η = √(1 − y²/b²).
+        const MEAN_STRIP: f64 = 9.0 * PI / 32.0;
+        let mut zone = SlipZone::default();
+        if let Slip::Partial { fraction, .. } = self.slip {
+            let strip = if self.ellipse.line { 1.0 } else { MEAN_STRIP };
+            zone.add_run(2.0 * self.ellipse.semi_axis_a * strip * fraction / dx, 1.0);
+            zone.add_stick();
+        }
+        zone
+    }
+
+    /// Section `contact` of `summary.json`, for fields on elements of this length [m]. The spin
+    /// moment is not known to this model.
+    pub(super) fn summary(&self, dx: f64) -> Value {
         let force = self.creep_force();
         let mut contact = self.ellipse.summary();
         let creep = json!({
@@ -112,6 +129,7 @@ impl CarterContact {
             "friction_power_w": self.friction_power(),
         });
         extend(&mut contact, creep);
+        add_slip_zone(&mut contact, &self.slip_zone(dx));
         self.ellipse.indicators.add_to(&mut contact);
         json!({ "contact": contact })
     }

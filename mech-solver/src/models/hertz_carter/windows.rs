@@ -138,7 +138,7 @@ impl contact_model::Contact for Windows {
     }
 
     fn summary(&self, window: &Window) -> Value {
-        self.scenes.complete(window.contact.summary(), &window.step)
+        self.scenes.complete(window.contact.summary(self.case.grid.dx()), &window.step)
     }
 
     fn terms(&self) -> &Terms {

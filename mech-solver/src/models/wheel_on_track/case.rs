@@ -6,10 +6,10 @@ use super::keys::{
     NORMAL, PATCH_INFLUENCE, PATCH_SURFACE, RIGID_SLIP, ROLL, SIDE, TANGENTIAL, TORQUE,
     VERTICAL_FORCE, keys,
 };
-use super::shape::surface;
+use super::shape::{ReadSurface, surface};
 use crate::case::difference;
 use crate::case::keys::CheckedParams;
-use crate::case::noise;
+use crate::case::noise::Measured;
 use crate::case::resolution::RESOLUTION;
 use elastic::Elasticity;
 
@@ -122,14 +122,23 @@ impl Case {
         let mut remarks = Vec::new();
         let mut surface =
             |body: usize, of| surface(&case, &names, (body, of), nominal_radius, &mut remarks);
-        let surfaces = [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?];
+        let read = [surface(UPPER, Body::Wheel)?, surface(LOWER, Body::Rail)?];
         let modulus = (upper.compliance() + lower.compliance()).recip();
-        let noisy = |(body, surface): (usize, &Surface)| {
-            let [profile, tolerance] =
-                ["profile", "profile_tolerance"].map(|name| names.key(body, name));
-            noise::warning(&profile, &tolerance, surface.constant()?.points(), modulus)
+        let noisy = |(body, read): (usize, &ReadSurface)| {
+            let [key, tolerance, wavelength] =
+                ["profile", "profile_tolerance", "smoothing_wavelength"]
+                    .map(|name| names.key(body, name));
+            let measured = Measured {
+                key: &key,
+                tolerance: &tolerance,
+                wavelength: &wavelength,
+                points: &read.points,
+                smoothing: read.smoothing,
+            };
+            measured.warning(modulus)
         };
-        let warnings = [UPPER, LOWER].into_iter().zip(&surfaces).filter_map(noisy).collect();
+        let warnings = [UPPER, LOWER].into_iter().zip(&read).filter_map(noisy).collect();
+        let surfaces = read.map(|read| read.surface);
         refuse_approximate(&settings, &surfaces)?;
         refuse_rough(&settings, &terms)?;
         if case.text(PATCH_SURFACE)? == "curved" {

@@ -1,6 +1,7 @@
 //! Surfaces of wheel and rail: a profile or slices read from files, with an optional irregularity.
 
 use crate::case::keys::CheckedParams;
+use crate::case::shape::measured::{heights_key, prescribed_heights};
 use elastic::axle::{Form, Irregularity};
 use proto::bodies::Bodies;
 use proto::configuration::Refusal;
@@ -33,17 +34,12 @@ pub(super) fn keys() -> Vec<KeySpec> {
     vec![
         KeySpec::file(
             "bodies.*.profile",
-            "profile of the wheel or the rail: .prw, .prr, Miniprof, or a table of `y [mm]` (to the field side) and `z [mm]`; or several at \
+            "profile of the wheel or the rail: .prw, .prr, Miniprof, or a table of `y [mm]` (to the field side) and `z [mm]` (up); or several at \
              positions, for a body that varies: .slcw, .slcs, or .slices with a table of `position [m]` and `profile`",
         )
         .required(),
         KeySpec::quantity("bodies.*.profile_tolerance", "m", smoothing).at_least(0.0),
-        KeySpec::choice(
-            "bodies.*.profile_heights",
-            &["usual", "up", "down"],
-            "direction of the heights of the profile; usual: down in .prr and .prw, otherwise detected from the shape",
-        )
-        .default_value("usual"),
+        heights_key(),
         KeySpec::quantity(
             "bodies.*.smoothing_wavelength",
             "m",
@@ -70,6 +66,16 @@ pub(super) fn keys() -> Vec<KeySpec> {
     ]
 }
 
+/// Surface of a body, and what its noise is judged by.
+pub(super) struct ReadSurface {
+    /// The surface.
+    pub(super) surface: Surface,
+    /// Points of its profile before smoothing [m]; empty for slices.
+    pub(super) points: Vec<[f64; 2]>,
+    /// Smoothing of the profile.
+    pub(super) smoothing: Smoothing,
+}
+
 /// Reads the surface of a body; `radius` is the nominal radius of a wheel [m].
 ///
 /// # Errors
@@ -81,13 +87,13 @@ pub(super) fn surface(
     (body, of): (usize, Body),
     radius: f64,
     remarks: &mut Vec<String>,
-) -> Result<Surface, Refusal> {
+) -> Result<ReadSurface, Refusal> {
     let key = names.key(body, "profile");
     let path = Path::new(case.text(&key)?);
     let taken = Taken {
         of,
         smoothing: smoothing(case, names, body)?,
-        heights: heights(case, names, body)?,
+        heights: prescribed_heights(case, names, body)?,
     };
     let refused = |reason: String| {
         let reason = format!("{} {reason}", path.display());
@@ -98,8 +104,12 @@ pub(super) fn surface(
         )
     };
     let name = &names.0[body];
+    let smoothing = taken.smoothing;
+    let mut points = Vec::new();
     let surface = match SliceFormat::of(path) {
         None => {
+            let rough = Taken { smoothing: Smoothing::Within(0.0), ..taken };
+            points = outline(path, &rough).map_err(refused)?.points().to_vec();
             let outline = outline(path, &taken).map_err(refused)?;
             remarks.push(format!("profile of `{name}`: {}", described(&outline)));
             Surface::from(outline)
@@ -110,12 +120,13 @@ pub(super) fn surface(
             Surface::from(slices)
         }
     };
-    let Some(form) = irregularity(case, names, body, of)? else { return Ok(surface) };
     let crown = case.maybe_number(&names.key(body, "irregularity.crown_radius"))?;
-    Ok(match of {
-        Body::Wheel => surface.hollow_wheel(form, radius, crown),
-        Body::Rail => surface.hollow_rail(form),
-    })
+    let surface = match (irregularity(case, names, body, of)?, of) {
+        (None, _) => surface,
+        (Some(form), Body::Wheel) => surface.hollow_wheel(form, radius, crown),
+        (Some(form), Body::Rail) => surface.hollow_rail(form),
+    };
+    Ok(ReadSurface { surface, points, smoothing })
 }
 
 /// Smoothing of the profiles of a body.
@@ -130,19 +141,6 @@ fn smoothing(case: &CheckedParams<'_>, names: &Bodies, body: usize) -> Result<Sm
         (_, Some(wavelength)) => Ok(Smoothing::Halving(wavelength)),
         (tolerance, None) => Ok(Smoothing::Within(tolerance.unwrap_or(0.0))),
     }
-}
-
-/// Direction of positive heights, if the case prescribes it.
-fn heights(
-    case: &CheckedParams<'_>,
-    names: &Bodies,
-    body: usize,
-) -> Result<Option<Heights>, Refusal> {
-    Ok(match case.text(&names.key(body, "profile_heights"))? {
-        "up" => Some(Heights::Up),
-        "down" => Some(Heights::Down),
-        _ => None,
-    })
 }
 
 /// Description of a profile: points, kinks and smoothing.
@@ -181,18 +179,6 @@ fn outline(path: &Path, taken: &Taken) -> Result<Outline, String> {
     read(&bytes(path)?, &taken.reading(path)).map_err(|error| error.to_string())
 }
 
-/// Reads one of several profiles from its file. Also returns whether its shape shows that heights
-/// point down; `None` if the direction is prescribed.
-fn one_of_several(path: &Path, taken: &Taken) -> Result<(Outline, Option<bool>), String> {
-    let (text, reading) = (bytes(path)?, taken.reading(path));
-    let found = read(&text, &reading).map_err(|error| error.to_string())?;
-    let shown = (reading.heights == Heights::Detected).then(|| {
-        let up = read(&text, &Reading { heights: Heights::Up, ..reading });
-        up.as_ref() != Ok(&found)
-    });
-    Ok((found, shown))
-}
-
 /// Reads the surface through the profiles listed in a file. Also returns a description of the
 /// slices.
 fn sliced(path: &Path, format: SliceFormat, taken: &Taken) -> Result<(Slices, String), String> {
@@ -200,21 +186,12 @@ fn sliced(path: &Path, format: SliceFormat, taken: &Taken) -> Result<(Slices, St
     let list = read_slices(&bytes(path)?, format, of).map_err(|error| error.to_string())?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut known: HashMap<&str, Outline> = HashMap::new();
-    let mut down: Option<(bool, &str)> = None;
     let mut slices = Vec::with_capacity(list.slices.len());
     for named in &list.slices {
         let name = named.file.as_str();
         if !known.contains_key(name) {
-            let (found, shown) = one_of_several(&folder.join(name), taken)
+            let found = outline(&folder.join(name), taken)
                 .map_err(|reason| format!("names {name}, which {reason}"))?;
-            if let Some(shown) = shown {
-                let (first, one) = *down.get_or_insert((shown, name));
-                if first != shown {
-                    return Err(format!(
-                        "names {one} and {name}, whose shapes do not agree on whether heights point up; write `profile_heights` of the body"
-                    ));
-                }
-            }
             known.insert(name, found);
         }
         let outline = known[name].clone();

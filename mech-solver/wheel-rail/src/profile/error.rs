@@ -33,9 +33,21 @@ pub enum ProfileError {
     /// The profile is that of a wheel where a rail is expected, or vice versa.
     #[error("it is the profile of a {0}, but the other body is expected here")]
     OtherBody(&'static str),
+    /// The shape does not show the direction of the heights, and the format does not say it.
+    #[error(
+        "its shape does not show whether heights point up or down; write `profile_heights` of the body"
+    )]
+    UnclearHeights,
+    /// The shape shows heights down in a format of heights up.
+    #[error(
+        "its heights point down, as its shape shows, and a table has z up; write `profile_heights = \"down\"` of the \
+         body, or turn the heights over"
+    )]
+    HeightsDown,
     /// The flange is on the field side.
     #[error(
-        "its flange, lowest at y = {0:.4e} m, is on the field side; mirror the profile along y"
+        "its flange, lowest at y = {0:.4e} m, is on the field side; mirror the profile along y, or turn its heights \
+         over"
     )]
     FlangeOutside(f64),
     /// The size is implausible for a profile.

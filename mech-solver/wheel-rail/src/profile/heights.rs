@@ -1,7 +1,7 @@
 //! A measured lateral profile: heights over the lateral coordinate, from a file.
 //!
 //! The formats are those of [`crate::profile`]. Columns of numbers are taken as in the file, with y
-//! to the left and z up, in ascending or descending order of y. Files of SIMPACK and Miniprof are
+//! to the left and z up unless told, in ascending or descending order of y. Files of SIMPACK and Miniprof are
 //! converted to these axes. Here a profile is a height over y: a profile with upright flanks is
 //! refused.
 //!
@@ -10,7 +10,7 @@
 
 use crate::curve::Curve;
 use crate::profile::orientation::{Body, Heights, oriented};
-use crate::profile::{self, Format, columns, miniprof, simpack};
+use crate::profile::{self, Format, Reading, columns, miniprof, simpack};
 use std::path::Path;
 use tables::input_file::{self, InputFileError};
 
@@ -50,16 +50,30 @@ pub enum ProfileError {
 
 impl Profile {
     /// Reads the file of a body, and smooths it by no more than `tolerance` [m] at any point.
+    /// `heights` is the direction of its heights, `None` for that of the format.
     ///
     /// # Errors
     /// Fails if the file cannot be read, is too large, or does not hold a profile that is a height
     /// over y.
-    pub fn read(path: &Path, body: Body, tolerance: f64) -> Result<Self, ProfileError> {
+    pub fn read(
+        path: &Path,
+        body: Body,
+        heights: Option<Heights>,
+        tolerance: f64,
+    ) -> Result<Self, ProfileError> {
         let text = input_file::read_text(path, MOST_BYTES)?;
-        let points = match Format::of(path) {
-            Format::Columns => columns::points(text)?,
-            Format::Simpack => oriented(simpack::points(&text)?.0, body, Heights::Down, false)?,
-            Format::Miniprof => oriented(miniprof::points(&text)?, body, Heights::Detected, true)?,
+        let format = Format::of(path);
+        let usual = Reading::usual(format, body);
+        let direction = heights.unwrap_or(usual.heights);
+        let points = match format {
+            // Any shape, such as a groove or a part of a crown.
+            Format::Columns => {
+                let points = columns::points(text)?.into_iter();
+                let up = if direction == Heights::Down { -1.0 } else { 1.0 };
+                points.map(|[y, z]| [y, up * z]).collect()
+            }
+            Format::Simpack => oriented(simpack::points(&text)?.0, body, direction, false)?,
+            Format::Miniprof => oriented(miniprof::points(&text)?, body, direction, true)?,
         };
         Self::through(points, tolerance)
     }
@@ -160,7 +174,7 @@ mod tests {
         let order = fault("y [m], z [m]\n0,1\n1,2\n1,3\n2,4\n");
         assert!(matches!(order, ProfileError::Order { point: 3, .. }), "{order}");
         assert!(matches!(fault("y [m], z [m]\n0,1\n"), ProfileError::Few(1)));
-        let nowhere = Profile::read(Path::new("nowhere.csv"), Body::Rail, 0.0);
+        let nowhere = Profile::read(Path::new("nowhere.csv"), Body::Rail, None, 0.0);
         assert!(matches!(nowhere, Err(ProfileError::File(_))));
     }
 

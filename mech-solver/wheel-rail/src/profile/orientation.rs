@@ -1,22 +1,26 @@
 //! Conversion from the axes of a file to those of a profile: y to the field side, z up, points with
 //! rising y.
 //!
-//! The shape shows whether heights point up or down. Between its ends a rail rises above the
-//! straight line through them, and a wheel hangs below that line, with or without its flange. The
-//! side of the middle of the track shows only in a wheel, by its flange. There it is checked; for a
-//! rail the file must be trusted.
+//! The direction of the heights is that of the format, or that which the case prescribes. It is
+//! read from the shape for an instrument that writes either. The flange of a wheel and the corners
+//! or the groove of a rail then hang below the running surface, whose height is the median over y.
+//! Without such a feature the shape shows nothing: a hollow tread turned over is a crown. The side
+//! of the middle of the track shows only in a wheel, by its flange. There it is checked; for a rail
+//! the file must be trusted.
 
 use super::error::ProfileError;
 
 /// Direction of the heights in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Heights {
-    /// Detected from the shape.
+    /// Detected from the shape; a shape that does not show it is refused.
     #[default]
     Detected,
-    /// Up.
+    /// Up by convention; a shape that shows the opposite is refused.
+    UpByConvention,
+    /// Up, for any shape.
     Up,
-    /// Down.
+    /// Down, for any shape.
     Down,
 }
 
@@ -31,6 +35,9 @@ pub enum Body {
 
 /// A profile has a flange if it hangs below its highest point by more than this [m].
 const FLANGE: f64 = 15e-3;
+/// Depth of the corners of a rail below its running surface that shows which way is up [m]. Between
+/// them a worn head is hollow by far less.
+const CORNERS: f64 = 5e-3;
 /// Least and largest width of a profile [m]. The height is limited by the larger value too.
 const WIDTH: [f64; 2] = [5e-3, 0.5];
 
@@ -38,16 +45,18 @@ const WIDTH: [f64; 2] = [5e-3, 0.5];
 /// of the track.
 ///
 /// # Errors
-/// Fails if the size is implausible for a profile, or if the flange is on the field side.
+/// Fails if the size is implausible for a profile, if the shape does not show the direction of its
+/// heights or contradicts the convention, or if the flange is on the field side.
 pub fn oriented(
     mut points: Vec<[f64; 2]>,
     body: Body,
     heights: Heights,
     mirrored: bool,
 ) -> Result<Vec<[f64; 2]>, ProfileError> {
-    let (Some(first), Some(last)) = (points.first().copied(), points.last().copied()) else {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else {
         return Err(ProfileError::Missing("points"));
     };
+    let falls = first[0] > last[0];
     let [width, height] = [0, 1].map(|k| {
         let values = || points.iter().map(|point| point[k]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
@@ -58,13 +67,17 @@ pub fn oriented(
     let down = match heights {
         Heights::Up => false,
         Heights::Down => true,
-        Heights::Detected => (farthest(&points, first, last) > 0.0) != (body == Body::Rail),
+        Heights::Detected => shows_down(&points, body).ok_or(ProfileError::UnclearHeights)?,
+        Heights::UpByConvention => match shows_down(&points, body) {
+            Some(true) => return Err(ProfileError::HeightsDown),
+            _ => false,
+        },
     };
     for point in &mut points {
         let flip = |value: f64, flipped: bool| if flipped { -value } else { value };
         *point = [flip(point[0], mirrored), flip(point[1], down)];
     }
-    if (first[0] > last[0]) != mirrored {
+    if falls != mirrored {
         points.reverse();
     }
     match body {
@@ -74,14 +87,35 @@ pub fn oriented(
     Ok(points)
 }
 
-/// Height over the straight line through the ends [m], at the point where its magnitude is largest.
-fn farthest(points: &[[f64; 2]], first: [f64; 2], last: [f64; 2]) -> f64 {
-    let slope = match last[0] - first[0] {
-        0.0 => 0.0,
-        width => (last[1] - first[1]) / width,
+/// Returns whether the shape shows that heights point down; `None` if it does not show either.
+fn shows_down(points: &[[f64; 2]], body: Body) -> Option<bool> {
+    let surface = running_surface(points);
+    let heights = || points.iter().map(|point| point[1] - surface);
+    let [above, below] = [heights().fold(0.0, f64::max), -heights().fold(0.0, f64::min)];
+    let feature = match body {
+        Body::Wheel => FLANGE,
+        Body::Rail => CORNERS,
     };
-    let above = points.iter().map(|[y, z]| z - first[1] - slope * (y - first[0]));
-    above.fold(0.0, |far: f64, height| if height.abs() > far.abs() { height } else { far })
+    match above.max(below) > feature {
+        true if above < 0.5 * below => Some(false),
+        true if below < 0.5 * above => Some(true),
+        _ => None,
+    }
+}
+
+/// Median of the heights over y [m]: half of the width is higher.
+fn running_surface(points: &[[f64; 2]]) -> f64 {
+    let part =
+        |pair: &[[f64; 2]]| (0.5 * (pair[0][1] + pair[1][1]), (pair[1][0] - pair[0][0]).abs());
+    let mut parts: Vec<(f64, f64)> = points.windows(2).map(part).collect();
+    parts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let width: f64 = parts.iter().map(|part| part.1).sum();
+    let mut covered = 0.0;
+    let middle = parts.iter().find(|part| {
+        covered += part.1;
+        covered >= 0.5 * width
+    });
+    middle.or(parts.last()).map_or(points[0][1], |part| part.0)
 }
 
 fn check_flange(points: &[[f64; 2]], width: f64) -> Result<(), ProfileError> {

@@ -48,13 +48,15 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// Usual settings of a format: Miniprof with y to the middle of the track, SIMPACK with z down.
+    /// Usual settings of a format: Miniprof with y to the middle of the track and z up or down,
+    /// SIMPACK with z down, columns with z up.
     #[must_use]
     pub fn usual(format: Format, body: Body) -> Self {
         let mirrored = format == Format::Miniprof;
         let heights = match format {
             Format::Simpack => Heights::Down,
-            Format::Miniprof | Format::Columns => Heights::Detected,
+            Format::Miniprof => Heights::Detected,
+            Format::Columns => Heights::UpByConvention,
         };
         Self { format, body, mirrored, heights, smoothing: Smoothing::Within(0.0) }
     }

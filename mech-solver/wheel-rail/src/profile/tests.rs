@@ -41,7 +41,13 @@ fn every_format_and_orientation_is_the_same_curve() {
         same(curve, &read(simpack.as_bytes(), &usual).unwrap());
         for up in [1.0, -1.0] {
             let columns = lines(curve, [1.0, up]);
-            same(curve, &read(columns.as_bytes(), &Reading::usual(Format::Columns, body)).unwrap());
+            let usual = Reading::usual(Format::Columns, body);
+            let told = if up > 0.0 { Heights::Up } else { Heights::Down };
+            same(curve, &read(columns.as_bytes(), &Reading { heights: told, ..usual }).unwrap());
+            match read(columns.as_bytes(), &usual) {
+                Ok(read) if up > 0.0 => same(curve, &read),
+                other => assert_eq!(other, Err(ProfileError::HeightsDown)),
+            }
             let miniprof = format!(
                 "Filename=x.ban\nXYPoints={}\nColumnDef=X,Y\n\n{}",
                 curve.points().len(),
@@ -54,6 +60,40 @@ fn every_format_and_orientation_is_the_same_curve() {
     assert_eq!(Format::of(Path::new("a/b.WHL")), Format::Miniprof);
     assert_eq!(Format::of(Path::new("b.prr")), Format::Simpack);
     assert_eq!(Format::of(Path::new("b")), Format::Columns);
+}
+
+/// A shape without a flange or corners does not show which way is up. A hollow tread turned over is
+/// a crown, and a cone leans to the other side.
+#[test]
+fn heights_of_a_table_point_up_whatever_the_shape() {
+    let table = |height: &dyn Fn(f64) -> f64, ends: [i32; 2]| -> String {
+        let ys = (ends[0]..=ends[1]).map(f64::from);
+        ys.map(|y| format!("{y} {:.9}\n", height(y))).collect()
+    };
+    let hollow = table(&|y| y * y / 1000.0, [-30, 60]);
+    let cones = [-50, -60, -65, -69, -70].map(|end| table(&|y| 0.05 * y, [end, -end]));
+    for text in cones.iter().chain([&hollow]) {
+        let read = |heights| {
+            let usual = Reading::usual(Format::Columns, Body::Wheel);
+            read(text.as_bytes(), &Reading { heights, ..usual })
+        };
+        same(&read(Heights::UpByConvention).unwrap(), &read(Heights::Up).unwrap());
+        assert_eq!(read(Heights::Detected), Err(ProfileError::UnclearHeights));
+    }
+    // A wheel measured up to the tip of its flange is lower there than at the field side.
+    let wheel = wheel_s1002().unwrap();
+    let tip = wheel.points().iter().min_by(|a, b| a[1].total_cmp(&b[1])).unwrap()[0];
+    let to_tip: String = wheel
+        .points()
+        .iter()
+        .filter(|point| point[0] >= tip)
+        .map(|[y, z]| format!("{:.9} {:.9}\n", 1e3 * y, 1e3 * z))
+        .collect();
+    for heights in [Heights::UpByConvention, Heights::Detected] {
+        let usual = Reading::usual(Format::Columns, Body::Wheel);
+        let cut = read(to_tip.as_bytes(), &Reading { heights, ..usual }).unwrap();
+        assert!((cut.at(0.0).position[1] - wheel.at(0.0).position[1]).abs() < 1e-6);
+    }
 }
 
 #[test]
