@@ -266,7 +266,7 @@ fn a_finished_run_is_not_running() {
 fn a_full_index_reads_no_further() {
     let folder = tempfile::tempdir().unwrap();
     let path = stored(&folder, "recording.mcap", &recorded(1.0));
-    let mut index = Index::open_within(&path, 1000).unwrap();
+    let mut index = Index::open_within(&path, 500).unwrap();
     while index.advance().unwrap() {}
     assert!(index.is_full());
     assert!((1..6).contains(&index.steps().len()), "{}", index.steps().len());
