@@ -215,7 +215,7 @@ fn another_run_in_the_folder_is_noticed() {
     assert_ne!(watched.state().run, second.run);
 }
 
-/// A run without a recording has no steps, and a folder that is gone is told.
+/// A run without a recording has no steps. A folder that is gone is named, and its steps stay.
 #[test]
 fn a_recording_or_a_folder_that_is_removed_is_noticed() {
     let folder = tempfile::tempdir().unwrap();
