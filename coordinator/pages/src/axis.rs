@@ -231,7 +231,10 @@ impl Frame<'_> {
         let [bottom, top] = self.y.paper;
         let from = if self.grid { top } else { bottom };
         let mut out = String::new();
-        for (value, text) in self.x.ticks(if self.grid { 7 } else { 6 }) {
+        let [left, right] = self.x.paper;
+        // A narrow axis has room for few numbers.
+        let room = ((right - left) / 45.0) as usize;
+        for (value, text) in self.x.ticks(room.min(if self.grid { 7 } else { 6 })) {
             let Some(x) = self.x.place(value) else { continue };
             let below = bottom + 5.0;
             let _ = writeln!(out, "<path class=\"grid\" d=\"M{x:.2} {from:.2}V{below:.2}\"/>");

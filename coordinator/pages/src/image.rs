@@ -1,9 +1,9 @@
 //! Small images embedded in the page: indexed PNG as a data URL.
 //!
-//! Values have the colours of viridis, which is perceptually uniform and keeps its order in grey and
-//! for the colour-blind (Smith and van der Walt, matplotlib 2015, public domain). Differences have
-//! those of Moreland (2009, Diverging color maps for scientific visualization): grey at zero, blue
-//! below and red above, also distinct for the colour-blind.
+//! Values have the colours of viridis, which is perceptually uniform and keeps its order in grey
+//! and for the colour-blind (Smith and van der Walt, matplotlib 2015, public domain). Differences
+//! have those of Moreland (2009, Diverging color maps for scientific visualization): grey at zero,
+//! blue below and red above, also distinct for the colour-blind.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;

@@ -292,6 +292,8 @@ fn profile(kind: &FieldLabel, image: &Image, before: Option<(&str, &Sample)>) ->
         figure = figure.with(words(&kind.name), line(field));
     }
     let place = image.middle(upright, row);
+    // Treat a place within rounding of zero as zero.
+    let place = if place.abs() < 1e-9 * image.spacing[upright] { 0.0 } else { place };
     let across = image.borders(upright);
     let across = Scale::of("m", across[0].abs().max(across[1].abs()));
     figure.note = format!("At {} {}.", AXES[upright], across.show(place, 3));

@@ -137,9 +137,12 @@ impl Watched {
 
     /// Reads everything that is written by now, tables included.
     pub(crate) fn read_all(&mut self) {
-        while !self.idle || self.advance() {
+        loop {
             while self.advance() {}
             self.refresh();
+            if self.idle {
+                break;
+            }
         }
     }
 

@@ -22,8 +22,8 @@ pub struct Diagram {
     /// not drawn.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<Curve>,
-    /// Keys of figures that are the same in all points of a curve. Points that differ in one of them
-    /// form no curve.
+    /// Keys of figures that are the same in all points of a curve. Points that differ in one of
+    /// them form no curve.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constant: Vec<String>,
     /// Both axes have the same scale.
