@@ -5,7 +5,7 @@ use proto::bodies::{
     Bodies, INITIAL_TEMPERATURE, LOWER, UPPER, initial_temperature_key, position_key,
     surface_speed_key,
 };
-use proto::configuration::Refusal;
+use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::params::Params;
 
@@ -46,6 +46,21 @@ impl Scene {
         let at_rest = [own(UPPER)? == Some(0.0), own(LOWER)? == Some(0.0)];
         let speeds = read_speeds(case, &names)?;
         Ok(Self { names, materials, initial_temperatures, at_rest, speeds })
+    }
+
+    /// Returns the lowest and the highest expected speed of a body over the run [m/s].
+    #[must_use]
+    pub fn speed_range(&self, given: &Configuration, body: usize) -> [f64; 2] {
+        let own = self.names.key(body, "surface_speed");
+        let key = if given.case.has(&own) { own.as_str() } else { SPEED };
+        match given.histories.as_ref().and_then(|histories| histories.values.get(key)) {
+            Some(speeds) => [
+                speeds.iter().copied().fold(f64::INFINITY, f64::min),
+                speeds.iter().copied().fold(0.0, f64::max),
+            ],
+            None if self.at_rest[body] => [0.0; 2],
+            None => [self.speeds[body]; 2],
+        }
     }
 }
 

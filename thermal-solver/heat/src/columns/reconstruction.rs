@@ -127,6 +127,14 @@ impl Flux {
         row * self.stride..(row + 1) * self.stride
     }
 
+    /// Replaces this flux by another one on the same grid.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.middle.copy_from_slice(&other.middle);
+        self.edge.copy_from_slice(&other.edge);
+        self.support.copy_from_slice(&other.support);
+        self.heating = other.heating;
+    }
+
     /// Sets the flux to zero.
     pub fn clear(&mut self) {
         self.middle.fill(0.0);
