@@ -10,7 +10,8 @@ const STRIPS: &str = "temperature.*.each_strip.#.max_rise_k";
 /// Largest plausible difference of the surface temperatures over the largest rise.
 const MOST_APART: f64 = 0.5;
 
-/// Returns all figures, in reading order.
+/// Returns all figures, in reading order. The heat into a body is known where the surfaces exchange
+/// heat; otherwise it is a fixed share of the friction heat.
 pub(crate) fn figures() -> Vec<FigureSpec> {
     let figure = |name: &str, unit, words, short| {
         FigureSpec::new(&format!("temperature.*.{name}"), unit, words)
@@ -36,6 +37,12 @@ pub(crate) fn figures() -> Vec<FigureSpec> {
         FigureSpec::new("temperature.*.x_m", "m", "place x").style(Style::Place).absolute(),
         figure("y_m", "m", "place y", "y").style(Style::Place).absolute(),
         figure("penetration_depth_m", "m", "depth to 1/e", "1/e at depth").digits(3).rank(3),
+        FigureSpec::new("temperature.*.heat_w", "W", "heat into the body").style(Style::Signed),
+        figure("heat_share", "1", "heat into the body, over the friction power", "takes")
+            .ratio(&["temperature.*.heat_w"], FRICTION_POWER)
+            .style(Style::Percent)
+            .digits(3)
+            .absolute(),
         in_patch,
         FigureSpec::new("surfaces.relative_difference", "1", "temperature difference of surfaces under friction, over the largest rise; only if no heat flows between them")
             .style(Style::Percent)

@@ -75,6 +75,21 @@ impl Scene {
         };
         (0..speeds.len()).find(|row| speeds[*row] == 0.0 && lasts(*row))
     }
+
+    /// Returns the lowest and the highest expected speed of a body over the run [m/s].
+    #[must_use]
+    pub fn speed_range(&self, given: &Configuration, body: usize) -> [f64; 2] {
+        let own = self.names.key(body, "surface_speed");
+        let key = if given.case.has(&own) { own.as_str() } else { SPEED };
+        match given.histories.as_ref().and_then(|histories| histories.values.get(key)) {
+            Some(speeds) => [
+                speeds.iter().copied().fold(f64::INFINITY, f64::min),
+                speeds.iter().copied().fold(0.0, f64::max),
+            ],
+            None if self.at_rest[body] => [0.0; 2],
+            None => [self.speeds[body]; 2],
+        }
+    }
 }
 
 /// Reads the surface speed of each body, or the rolling speed. A stationary body is assigned the

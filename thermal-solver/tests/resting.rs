@@ -8,7 +8,7 @@ mod support;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::{Grid, Structured};
-use proto::model::{Solver, Step};
+use proto::model::{Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
 use support::*;
@@ -29,6 +29,11 @@ fn rest(effects: &Value) -> Value {
 
 /// Returns the summary under a pressure on a circle with `per_radius` elements to its radius.
 fn pressed(model: &str, case: Value, per_radius: usize) -> Value {
+    solved(model, case, per_radius).summary()
+}
+
+/// Returns a model after a steady solve under a pressure on a circle.
+fn solved(model: &str, case: Value, per_radius: usize) -> Box<dyn Model> {
     let h = RADIUS / per_radius as f64;
     let half = per_radius + 2;
     let count = 2 * half + 1;
@@ -65,7 +70,7 @@ fn pressed(model: &str, case: Value, per_radius: usize) -> Value {
     ]);
     model.solve(&Step::STEADY, &given, &mut surfaces).unwrap();
     model.accept();
-    model.summary()
+    model
 }
 
 #[track_caller]
@@ -204,4 +209,104 @@ fn what_does_not_rest_is_refused() {
     );
     assert_eq!(key("columns", resting), Some("effects.joule_heat".to_owned()));
     assert_eq!(key("columns", rest(&json!({}))), Some("motion.speed".to_owned()));
+}
+
+/// A restored model has the summary of the saved one, with its current and its exchanged heat. A
+/// state that ends too early changes nothing.
+#[test]
+fn currents_and_exchanged_heat_are_saved() {
+    let mut current = rest(&json!({"joule_heat": {"current": 200.0}}));
+    current["materials"]["steel"]["resistivity"] = json!(1.7e-7);
+    let mut other = current.clone();
+    other["effects"]["joule_heat"]["current"] = json!(300.0);
+    let mut exchange = rest(&json!({"contact_conductance": {"conductance": 1e4}}));
+    exchange["bodies"]["wheel"]["initial_temperature"] = json!(393.15);
+    let mut weaker = exchange.clone();
+    weaker["effects"]["contact_conductance"]["conductance"] = json!(1e3);
+    for (case, changed) in [(current, other), (exchange, weaker)] {
+        let one = solved("moving-source", case.clone(), 8);
+        let mut other = solved("moving-source", changed, 8);
+        let before = other.summary();
+        let mut saved = Vec::new();
+        one.save(&mut saved).unwrap();
+        assert!(other.restore(&mut &saved[..saved.len() - 1]).is_err());
+        assert_eq!(other.summary(), before);
+        let mut fresh = solved("moving-source", case, 8);
+        fresh.restore(&mut saved.as_slice()).unwrap();
+        assert_eq!(fresh.summary(), one.summary());
+        let mut again = Vec::new();
+        fresh.save(&mut again).unwrap();
+        assert!(again == saved);
+    }
+}
+
+const WHEEL: [f64; 3] = [3200.0, 700.0, 25.0];
+
+/// Returns the summary of a ceramic wheel that is 100 K warmer than a steel rail and rolls on it at
+/// 12 m/s without friction, with `per_semi_axis` elements to a semi-axis.
+fn preheated(model: &str, law: &Value, per_semi_axis: usize) -> Value {
+    let [density, specific_heat, conductivity] = WHEEL;
+    let mut case = rest(law);
+    case["motion"]["speed"] = json!(12.0);
+    case["bodies"]["wheel"]["initial_temperature"] = json!(393.15);
+    case["bodies"]["wheel"]["material"] = json!("ceramic");
+    case["materials"]["ceramic"] =
+        json!({"density": density, "specific_heat": specific_heat, "conductivity": conductivity});
+    let h = SEMI_AXIS / per_semi_axis as f64;
+    let half = per_semi_axis + 2;
+    let (from, count) = (-(half as f64) * h, 2 * half + 1);
+    let plane = Structured::contact_plane(from, from, h, h, count, count);
+    let pressure = |index: usize| {
+        let (x, y) = (plane.x(index % count) / SEMI_AXIS, plane.y(index / count) / SEMI_AXIS);
+        1e9 * (1.0 - x * x - y * y).max(0.0).sqrt()
+    };
+    let mut run = Run::new(model, Mode::Steady, plane, case);
+    run.given.speeds = vec![12.0; 2];
+    run.given.pressure = Some((0..plane.points()).map(pressure).collect());
+    run.advance(&vec![0.0; plane.points()], f64::INFINITY);
+    run.model.summary()
+}
+
+/// Surfaces of equal temperature meet at T β_u/(β_u + β_l) everywhere; with a conductance the
+/// hottest place is the trailing end of the longest row, T β_u/(β_u + β_l) (1 − e^{s²} erfc s),
+/// s = h (1/β_u + 1/β_l) √t. Nothing between the middles of elements is hotter. Tolerance: heat that
+/// flows sideways, and the length of the row, which is known to half an element at either end.
+#[test]
+fn no_place_is_hotter_than_bodies_that_meet() {
+    let beta = |[density, heat, conductivity]: [f64; 3]| (density * heat * conductivity).sqrt();
+    let (upper, lower) = (beta(WHEEL), effusivity());
+    let most = 100.0 * upper / (upper + lower);
+    let continuity = json!({"friction_heat": {"partition": "continuity"}});
+    for (model, per_semi_axis) in
+        [("moving-source", 10), ("moving-source", 20), ("moving-source", 40), ("fe", 20)]
+    {
+        let summary = preheated(model, &continuity, per_semi_axis);
+        let found = number(&summary, "/temperature/rail/max_rise_k");
+        println!("{model}, a/{per_semi_axis}: {found:.3} K of {most:.3} K");
+        assert!((found / most - 1.0).abs() < 6e-3, "{model} {per_semi_axis}: {found} {most}");
+        let wheel = &summary["temperature"]["wheel"];
+        assert_eq!((wheel["max_rise_k"].as_f64(), wheel.get("each_strip")), (Some(0.0), None));
+        let [heated, cooled] =
+            ["rail", "wheel"].map(|body| number(&summary, &format!("/temperature/{body}/heat_w")));
+        assert!(heated > 0.0 && (heated + cooled).abs() < 1e-9 * heated, "{heated} {cooled}");
+    }
+    for conductance in [2e4, 2e5] {
+        let law = json!({"contact_conductance": {"conductance": conductance}});
+        let time = 2.0 * SEMI_AXIS / 12.0;
+        let s = conductance * (1.0 / upper + 1.0 / lower) * time.sqrt();
+        let expected = most * (1.0 - (s * s).exp() * libm::erfc(s));
+        let heats = [10, 20, 40].map(|per_semi_axis| {
+            let summary = preheated("moving-source", &law, per_semi_axis);
+            let found = number(&summary, "/temperature/rail/max_rise_k");
+            println!("h {conductance}, a/{per_semi_axis}: {found:.4} K of {expected:.4} K");
+            let tolerance = 0.25 / per_semi_axis as f64;
+            assert!(
+                (found / expected - 1.0).abs() < tolerance,
+                "{conductance}: {found} {expected}"
+            );
+            number(&summary, "/exchange/heat_w")
+        });
+        println!("{heats:?}");
+        assert!((heats[0] / heats[2] - 1.0).abs() < 1e-2, "{heats:?}");
+    }
 }

@@ -6,8 +6,10 @@ mod support;
 
 use heat::closed_form::{ellipse, polynomial, scales, uniform};
 use heat::columns::convolution::CROSSOVER;
+use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
+use serde_json::json;
 use support::*;
 
 /// Flux of full slip q = f V_s p₀ √(1 − ξ²) [W/m²].
@@ -267,4 +269,28 @@ fn long_rows_take_the_same_values_as_short_ones() {
     // Tolerance: rounding of transforms; ahead of the heat the rise is exactly zero.
     assert!(difference(&b.rail()[..short.ni], a.rail()) < 1e-14);
     assert!(b.rail()[short.ni..].iter().all(|rise| *rise == 0.0));
+}
+
+/// A cooling of no importance, which needs another solver, does not change the answer below a narrow
+/// zone of slip; nor does a solver that is chosen by name. Tolerance: that of the iterations.
+#[test]
+fn finite_elements_have_one_answer_by_any_solver() {
+    let grid = row(15, -1.2, 1.2);
+    let flux = carter_means(&grid, 0.3);
+    let figures = |change: &dyn Fn(&mut serde_json::Value)| {
+        let mut case = steel();
+        change(&mut case);
+        let mut run = Run::new("fe", Mode::Steady, grid, case);
+        run.advance(&flux, f64::INFINITY);
+        ["max_rise_k", "x_m", "penetration_depth_m"].map(|key| run.summary("rail", key).unwrap())
+    };
+    let modes = figures(&|_| {});
+    let air = json!({"coefficient": 1e-6, "temperature": 293.15});
+    let cooled = figures(&|case| case["effects"]["convection"] = air.clone());
+    let named = figures(&|case| case["thermal"] = json!({"solver": "direct"}));
+    for other in [cooled, named] {
+        for (found, expected) in other.iter().zip(modes) {
+            assert!((found / expected - 1.0).abs() < 1e-6, "{other:?} {modes:?}");
+        }
+    }
 }

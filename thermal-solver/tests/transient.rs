@@ -7,11 +7,15 @@ mod support;
 use heat::closed_form::uniform;
 use numerics::quadrature::integrate;
 use proptest::prelude::*;
-use proto::configuration::Mode;
+use proto::configuration::{Configuration, Layout, Mode};
 use proto::field;
 use proto::grid::Structured;
+use proto::history::Histories;
+use proto::model::Solver;
+use serde_json::{Value, json};
 use std::f64::consts::PI;
 use support::*;
+use thermal_solver::ThermalSolver;
 
 /// A smooth hump of the flux, different in every window.
 #[derive(Clone, Copy)]
@@ -399,4 +403,81 @@ proptest! {
         prop_assert!(run.rail()[..end].iter().all(|rise| *rise > 0.0));
         prop_assert!(run.rail()[end..].iter().all(|rise| *rise == 0.0));
     }
+}
+
+/// A body at one temperature that is heated from some window on, moving or at rest, in windows far
+/// shorter than the passage of an element: the surface of finite elements is 2q√(t/π)/β after every
+/// window. Tolerance: the division of the first step, 0.5 %, and the first layer, 0.1 %.
+#[test]
+fn finite_elements_follow_heat_that_begins() {
+    let grid = Structured::contact_plane(-10e-3, -10e-3, 2e-3, 2e-3, 11, 11);
+    let (none, flux) = (vec![0.0; grid.points()], vec![2e7; grid.points()]);
+    let ways = [
+        (0.04, 1e-5, "auto"),
+        (0.0, 1e-4, "auto"),
+        (SPEED, 1e-6, "auto"),
+        (0.04, 1e-5, "iterative"),
+    ];
+    for (speed, window, solver) in ways {
+        let mut case = steel();
+        case["motion"]["speed"] = json!(speed);
+        case["time"] = json!({"window": window});
+        case["thermal"] = json!({"solver": solver, "wake": 25e-3});
+        let mut run = Run::new("fe", Mode::Transient, grid, case);
+        run.given.speeds = vec![speed; 2];
+        (0..3).for_each(|_| {
+            run.advance(&none, window);
+        });
+        for count in 1..=6 {
+            run.advance(&flux, window);
+            let time = f64::from(count) * window;
+            let expected = 2e7 * (time / std::f64::consts::PI).sqrt() / effusivity();
+            let error = run.rail()[grid.points() / 2] / expected - 1.0;
+            println!("{solver}, {speed} m/s, window {count}: {:.2} %", 1e2 * error);
+            assert!(error.abs() < 6e-3, "{solver} {speed} {count}: {error}");
+        }
+    }
+}
+
+/// A first layer that is thicker than the depth of the heat of a window is a warning with its size,
+/// and part of the stated error. The layers of a case follow the shortest window and the highest
+/// speed of its table.
+#[test]
+fn first_layers_follow_the_shortest_heating() {
+    let grid = Structured::contact_plane(-10e-3, -10e-3, 2e-3, 2e-3, 11, 11);
+    let layout = |mode: Mode, time: Value, thermal: Value, speeds: &[f64]| {
+        let mut case = steel();
+        case["motion"]["speed"] = json!(speeds[0]);
+        case["time"] = time;
+        case["thermal"] = thermal;
+        let histories = Histories {
+            rows: mode == Mode::Steady,
+            times: (0..speeds.len()).map(|row| row as f64).collect(),
+            values: [("motion.speed".to_owned(), speeds.to_vec())].into(),
+            live: None,
+        };
+        let given = configuration("fe", mode, grid, case);
+        let given = Configuration { histories: Some(histories), ..given };
+        ThermalSolver.configure(&given).unwrap().layout().clone()
+    };
+    let window = json!({"window": 1e-5});
+    let good = layout(Mode::Transient, window.clone(), json!({}), &[0.04]);
+    assert!(good.warnings.is_empty() && good.left_out[0].error < 0.021, "{:?}", good.left_out);
+    let thick = layout(Mode::Transient, window, json!({"first_layer": 5e-5}), &[0.04]);
+    let warning = &thick.warnings[0];
+    assert_eq!((thick.warnings.len(), warning.key.as_str()), (2, "thermal.first_layer"));
+    assert!(warning.reason.contains("56 % of the rise are missing"), "{warning}");
+    assert!((thick.left_out[0].error - 0.58).abs() < 0.01, "{:?}", thick.left_out);
+    // Micrometres of the first layer below the lower body.
+    let first = |layout: &Layout| {
+        let words: Vec<String> = layout.remarks[0].split(' ').map(str::to_owned).collect();
+        let at = words.iter().position(|word| word == "from").unwrap();
+        words[at + 1].parse::<f64>().unwrap()
+    };
+    let adaptive = json!({"window": 1e-5, "control": "adaptive", "window_min": 1e-7});
+    let shortest = layout(Mode::Transient, adaptive, json!({}), &[0.04]);
+    assert!((first(&good) / first(&shortest) - 10.0).abs() < 0.5, "{:?}", shortest.remarks);
+    let [rising, fast] = [&[0.4, 40.0][..], &[40.0]]
+        .map(|speeds| layout(Mode::Steady, json!({}), json!({}), speeds));
+    assert!((first(&rising) / first(&fast) - 1.0).abs() < 0.01, "{:?}", rising.remarks);
 }

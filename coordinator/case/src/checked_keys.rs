@@ -226,7 +226,8 @@ impl<'a> CheckedKeys<'a> {
     }
 
     fn leaf(&mut self, key: &str, node: &Node, readers: &[&KnownKey<'_>]) {
-        if readers.iter().all(|r| r.owner == COORDINATOR && !r.active) && key.starts_with("time.") {
+        // A participant may read a time as well, but has no use for it where the coordinator has none.
+        if readers.iter().any(|r| r.owner == COORDINATOR && !r.active) && key.starts_with("time.") {
             let reason = format!("has no meaning in a {} case", self.scope.selection.timing.word());
             let own = if key == ON_FAILURE { TimeMode::Sequence } else { TimeMode::Transient };
             let fix = format!("remove it, or write `time.mode = \"{}\"`", own.word());

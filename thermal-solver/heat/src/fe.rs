@@ -16,6 +16,7 @@
 //! | [`law`], [`conductor`], [`direct`] | properties over temperature; Newton and conjugate gradients on a block; sparse Cholesky instead of conjugate gradients |
 //! | [`body_properties`], [`body_solver`], [`body`] | material of a body; interface of the solvers; selection of a solver |
 //! | [`steady_modal`], [`transient_modal`], [`steady_marching`], [`transient_nodal`] | the four solvers with their states |
+//! | [`steady_corrected`] | the march downstream, corrected by its error for constant properties |
 //! | [`section`], [`height`] | temperatures below a row; thermal displacement of the surface |
 //! | [`error`] | errors of a solve |
 //!
@@ -37,6 +38,7 @@ pub mod modes;
 pub mod scheme;
 pub mod section;
 pub mod steady;
+pub mod steady_corrected;
 pub mod steady_marching;
 pub mod steady_modal;
 pub mod transient;

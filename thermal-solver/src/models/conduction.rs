@@ -77,6 +77,11 @@ pub trait Conduction: Sized + 'static {
     /// Returns remarks for the plan of the run.
     fn remarks(frame: &Frame) -> Vec<String>;
 
+    /// Returns warnings about the case.
+    fn warnings(_: &Frame) -> Vec<Refusal> {
+        Vec::new()
+    }
+
     /// Returns a simplification that applies to this case in addition to those of the model's
     /// description.
     fn left_out(frame: &Frame) -> Option<Simplification>;

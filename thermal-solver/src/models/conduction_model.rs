@@ -9,6 +9,7 @@ use super::previous_passages::Background;
 use super::summary::{self, Peak, Solution};
 use super::transforming::{self, Transforming};
 use super::white_layer::{Cycle, WhiteLayer};
+use crate::UPPER;
 use crate::effects::friction_heat::Partition;
 use crate::effects::volume_temperature::VOLUMES;
 use heat::window::{Drive, Stage};
@@ -27,6 +28,15 @@ const DEEPEST: f64 = 2.0;
 /// Share of the peak rise from which on an element counts as hottest.
 const AS_HOT: f64 = 0.999;
 
+/// Heat into the bodies, summed over the elements [W/m²].
+#[derive(Clone, Copy, Default)]
+struct Heat {
+    /// Shares of the friction heat.
+    shares: [f64; 2],
+    /// Exchanged flux from the upper into the lower body.
+    exchanged: f64,
+}
+
 /// A [`proto::model::Model`] built on a [`Conduction`].
 pub struct ConductionModel<C> {
     frame: Frame,
@@ -42,7 +52,11 @@ pub struct ConductionModel<C> {
     background: Option<Background>,
     /// Speeds of both surfaces in the last solve [m/s].
     speeds: [f64; 2],
-    /// Transformed layers of a steady case in the accepted state; unknown after a restore.
+    /// Heat into the bodies in the last solve.
+    heat: Heat,
+    /// Heat into the bodies in the accepted state.
+    accepted_heat: Heat,
+    /// Transformed layers of a steady case in the accepted state.
     layers: [Option<WhiteLayer>; 2],
     /// Transformation followed in time, if `phase_transformation` is active in a transient case.
     transforming: Option<[Transforming; 2]>,
@@ -66,6 +80,8 @@ impl<C: Conduction> ConductionModel<C> {
             constriction: Constriction::of(&frame),
             background: frame.memories.map(|memories| Background::new(memories, frame.grid.nj)),
             speeds: frame.scene.speeds,
+            heat: Heat::default(),
+            accepted_heat: Heat::default(),
             layers: [None, None],
             transforming: (frame.criterion.is_some() && frame.mode == Mode::Transient)
                 .then(|| [Transforming::new(&frame.grid), Transforming::new(&frame.grid)]),
@@ -132,15 +148,16 @@ impl<C: Conduction> ConductionModel<C> {
         let grid = &self.frame.grid;
         let highest = rise.iter().copied().fold(0.0, f64::max);
         let hot = |(_, value): &(usize, &f64)| **value >= AS_HOT * highest;
-        let (mut columns, mut rows, mut count) = (0, 0, 0);
-        for (at, _) in rise.iter().enumerate().filter(hot) {
-            (columns, rows, count) = (columns + at % grid.ni, rows + at / grid.ni, count + 1);
-        }
         if highest <= 0.0 {
             return None;
         }
-        let (x, row) = (grid.x(columns / count), rows / count);
-        Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, row })
+        let (mut x, mut y, mut count) = (0.0, 0.0, 0.0);
+        for (at, _) in rise.iter().enumerate().filter(hot) {
+            (x, y, count) = (x + grid.x(at % grid.ni), y + grid.y(at / grid.ni), count + 1.0);
+        }
+        let (x, y) = (x / count, y / count);
+        let row = (((y - grid.y(0)) / grid.dy()).round().max(0.0) as usize).min(grid.nj - 1);
+        Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, y, row })
     }
 
     /// Follows the transformation over the accepted window; `trial` holds the rises at its start.
@@ -246,6 +263,21 @@ impl<C: Conduction> ConductionModel<C> {
         Ok(())
     }
 
+    /// Restores the heat conduction, and the potentials of a current; both or neither.
+    fn restore_conduction(&mut self, from: &mut dyn Read) -> Result<(), StateError> {
+        let Some(constriction) = &mut self.constriction else {
+            return Ok(self.conduction.restore(from)?);
+        };
+        let mut before = Vec::new();
+        constriction.save(&mut before)?;
+        constriction.restore(from)?;
+        if let Err(error) = self.conduction.restore(from) {
+            constriction.restore(&mut before.as_slice())?;
+            return Err(error.into());
+        }
+        Ok(())
+    }
+
     fn header(&self) -> [u8; 17] {
         let mut header = [0; 17];
         header[0] = C::STATE_TAG;
@@ -280,6 +312,8 @@ impl<C: Conduction> Model for ConductionModel<C> {
         let rub = InterfaceLoad { flux: flux.values, pressure, gap };
         let work = self.conduction.solve(&drive, &rub, &mut self.trial)?;
         self.refuse_no_numbers(&drive)?;
+        let exchanged = self.conduction.exchanged().unwrap_or(0.0);
+        self.heat = Heat { shares: work.heat, exchanged };
         self.add_background(&drive, flux.values, work.heat)?;
         let mut operations = work.operations;
         if let Some(constriction) = &mut self.constriction {
@@ -326,6 +360,7 @@ impl<C: Conduction> Model for ConductionModel<C> {
     fn accept(&mut self) {
         if self.solved {
             std::mem::swap(&mut self.trial, &mut self.accepted);
+            self.accepted_heat = self.heat;
             self.conduction.accept();
             self.constriction.iter_mut().for_each(Constriction::accept);
             self.transform();
@@ -354,9 +389,10 @@ impl<C: Conduction> Model for ConductionModel<C> {
 
     fn summary(&self) -> serde_json::Value {
         let mut summary = summary::temperature(&self.frame.scene.names, self);
-        if let Some(sum) = self.conduction.exchanged().filter(|_| self.frame.conductance.is_some())
-        {
-            summary["exchange"]["heat_w"] = (self.frame.grid.element_area() * sum).into();
+        let Heat { shares, exchanged } = self.accepted_heat;
+        let area = self.frame.grid.element_area();
+        if self.frame.conductance.is_some() {
+            summary["exchange"]["heat_w"] = (area * exchanged).into();
         }
         if let Some(difference) = self.difference {
             summary["surfaces"]["relative_difference"] = difference.into();
@@ -365,6 +401,10 @@ impl<C: Conduction> Model for ConductionModel<C> {
             summary["current"] = constriction.figures();
         }
         for (body, name) in self.frame.scene.names.0.iter().enumerate() {
+            if self.conduction.exchanged().is_some() {
+                let received = if body == UPPER { -exchanged } else { exchanged };
+                summary["temperature"][name]["heat_w"] = (area * (shares[body] + received)).into();
+            }
             if let Some(background) = &self.background {
                 let [bulk, residual] = background.figures(body);
                 summary["temperature"][name]["bulk_rise_k"] = bulk.into();
@@ -386,7 +426,10 @@ impl<C: Conduction> Model for ConductionModel<C> {
         write_numbers(into, self.accepted.iter().flatten())?;
         write_numbers(into, self.integrals.iter().flatten().flatten())?;
         write_numbers(into, self.background.iter().flat_map(Background::numbers))?;
+        let Heat { shares, exchanged } = &self.accepted_heat;
+        write_numbers(into, self.speeds.iter().chain(shares).chain([exchanged]))?;
         self.transforming.iter().flatten().try_for_each(|body| body.save(into))?;
+        self.constriction.iter().try_for_each(|constriction| constriction.save(into))?;
         self.conduction.save(into)
     }
 
@@ -406,11 +449,15 @@ impl<C: Conduction> Model for ConductionModel<C> {
         read_numbers(from, integrals.iter_mut().flatten().flatten())?;
         let mut background = self.background.clone();
         read_numbers(from, background.iter_mut().flat_map(Background::numbers_mut))?;
+        let (mut speeds, mut heat) = (self.speeds, Heat::default());
+        let sums = heat.shares.iter_mut().chain([&mut heat.exchanged]);
+        read_numbers(from, speeds.iter_mut().chain(sums))?;
         let transforming = match &self.transforming {
             Some([upper, lower]) => Some([upper.restored(from)?, lower.restored(from)?]),
             None => None,
         };
-        self.conduction.restore(from)?;
+        self.restore_conduction(from)?;
+        (self.speeds, self.accepted_heat) = (speeds, heat);
         self.transforming = transforming;
         self.accepted = accepted;
         self.integrals = integrals;
@@ -418,6 +465,9 @@ impl<C: Conduction> Model for ConductionModel<C> {
         self.layers = [None, None];
         self.difference = None;
         self.solved = false;
+        if self.transforming.is_none() {
+            self.transform();
+        }
         Ok(())
     }
 }

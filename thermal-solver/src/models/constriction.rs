@@ -13,7 +13,9 @@ use crate::{LOWER, UPPER};
 use heat::Material;
 use heat::window::{Drive, Stage};
 use proto::model::StepError;
+use proto::state::{read_numbers, write_numbers};
 use serde_json::{Value, json};
+use std::io::{self, Read, Write};
 
 /// Film conductance that represents the absence of a film, relative to that of the better conductor
 /// over the length of the grid. The relative error of the potentials is the inverse.
@@ -104,6 +106,28 @@ impl<C: Conduction> Constriction<C> {
     /// Accepts the potentials of the last solve.
     pub(super) fn accept(&mut self) {
         self.potentials.accept();
+    }
+
+    /// Writes the accepted state.
+    ///
+    /// # Errors
+    /// Writing to `into` fails.
+    pub(super) fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        write_numbers(into, self.constants.iter().chain([&self.voltage]))?;
+        self.potentials.save(into)
+    }
+
+    /// Reads a state that [`Constriction::save`] wrote.
+    ///
+    /// # Errors
+    /// Reading fails; the state is then unchanged.
+    pub(super) fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        let mut numbers = [0.0; 3];
+        read_numbers(from, &mut numbers)?;
+        self.potentials.restore(from)?;
+        let [upper, lower, voltage] = numbers;
+        (self.constants, self.voltage) = ([upper, lower], voltage);
+        Ok(())
     }
 
     /// Adds the rises due to the current to a section; arguments as in [`Conduction::section`].

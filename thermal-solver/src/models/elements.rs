@@ -10,7 +10,7 @@ use heat::fe::block::{
 use heat::fe::error::SolveError;
 use heat::fe::scheme::Scheme;
 use proto::bodies::Bodies;
-use proto::configuration::{Mode, Refusal};
+use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
 use proto::model::StepError;
@@ -28,6 +28,14 @@ const PASSAGES: &str = "thermal.passages";
 const RETURNS: &str = "return_distance";
 const THICKNESS: &str = "thickness";
 const BACK: &str = "back";
+const WINDOW: &str = "time.window";
+const SHORTEST: &str = "time.window_min";
+const CONTROL: &str = "time.control";
+const ADAPTIVE: &str = "adaptive";
+/// Missing share of a rise that is not worth a warning.
+const NEGLIGIBLE: f64 = 0.01;
+/// Shortest adaptive window over the first one, if the case does not give it.
+const SHORTEST_OVER_FIRST: f64 = 1.0 / 1024.0;
 const BACKS: [&str; 2] = ["insulated", "fixed"];
 const SOLVERS: [&str; 3] = ["auto", "iterative", "direct"];
 
@@ -41,7 +49,8 @@ const SCHEMES: [(&str, Scheme); 3] = [
 /// Returns the keys of the elements.
 pub(super) fn keys() -> Vec<KeySpec> {
     let first = "thickness of the first layer of elements; absent: the smaller of a twentieth of the \
-                 depth that heat reaches while the contact passes and an eighth of that while an element passes";
+                 depth that heat reaches while the contact passes and an eighth of that while an element passes \
+                 or during the shortest window";
     vec![
         KeySpec::quantity(FIRST_LAYER, "m", first).above(0.0),
         KeySpec::number(LAYER_RATIO, "ratio of the thickness of a layer to that of the layer above")
@@ -91,6 +100,9 @@ pub(super) fn keys() -> Vec<KeySpec> {
         ),
         KeySpec::choice(SOLVER, &SOLVERS, "solver of the equations of the elements")
             .default_value("auto"),
+        KeySpec::quantity(WINDOW, "s", "window whose end the first layer must resolve").above(0.0),
+        KeySpec::quantity(SHORTEST, "s", "shortest adaptive window, likewise").above(0.0),
+        KeySpec::choice(CONTROL, &["fixed", ADAPTIVE], "whether windows become shorter"),
     ]
 }
 
@@ -98,10 +110,24 @@ pub(super) fn keys() -> Vec<KeySpec> {
 ///
 /// # Errors
 /// A value that is out of range; a word that is not one of the choices.
-pub(super) fn read(case: &Params, scene: &Scene) -> Result<[Elements; 2], Refusal> {
-    let common = read_common(case)?;
-    let of = |body| of_body(common, case, &scene.names, body);
+pub(super) fn read(given: &Configuration, scene: &Scene) -> Result<[Elements; 2], Refusal> {
+    let case = &given.case;
+    let window = if given.mode == Mode::Steady { f64::INFINITY } else { shortest_window(case)? };
+    let common = Elements { window, ..read_common(case)? };
+    let of = |body| {
+        let [_, fastest] = scene.speed_range(given, body);
+        of_body(Elements { fastest, ..common }, case, &scene.names, body)
+    };
     Ok([of(UPPER)?, of(LOWER)?])
+}
+
+/// Returns the shortest window of a transient case [s]; infinite if it is unknown.
+fn shortest_window(case: &Params) -> Result<f64, Refusal> {
+    let window = case.maybe_number(WINDOW)?.unwrap_or(f64::INFINITY);
+    if !(case.has(CONTROL) && case.text(CONTROL)? == ADAPTIVE) {
+        return Ok(window);
+    }
+    Ok(case.maybe_number(SHORTEST)?.unwrap_or(SHORTEST_OVER_FIRST * window).min(window))
 }
 
 /// Reads the settings that both bodies share.
@@ -126,8 +152,6 @@ fn read_common(case: &Params) -> Result<Elements, Refusal> {
         }
     };
     Ok(Elements {
-        passages: None,
-        sheet: None,
         solver,
         first_layer: case.maybe_number(FIRST_LAYER)?,
         ratio: case.maybe_number(LAYER_RATIO)?.unwrap_or(RATIO),
@@ -135,6 +159,7 @@ fn read_common(case: &Params) -> Result<Elements, Refusal> {
         wake: case.maybe_number(WAKE)?,
         scheme,
         step: case.maybe_number(STEP)?.unwrap_or(f64::INFINITY),
+        ..Elements::default()
     })
 }
 
@@ -173,6 +198,27 @@ fn sheet(case: &Params, names: &Bodies, body: usize) -> Result<Option<Sheet>, Re
         return Ok(None);
     };
     Ok(Some(Sheet { thickness, back }))
+}
+
+/// Warns of a first layer that is thicker than the depth of the shortest heating of a body's
+/// surface.
+pub(super) fn thick_layer(frame: &Frame, body: usize, speed: f64) -> Option<Refusal> {
+    let elements = frame.elements?[body];
+    let (grid, material) = (&frame.grid, &frame.scene.materials[body]);
+    let missing = elements.missing_share(grid, material, speed);
+    let first = elements.first_layer.filter(|_| missing > NEGLIGIBLE)?;
+    let heated = elements.shortest_heating(grid, speed);
+    let depth = (material.diffusivity() * heated).sqrt();
+    Some(Refusal::new(
+        FIRST_LAYER,
+        format!(
+            "the first layer of `{}` is {first:.1e} m thick, and heat reaches {depth:.1e} m in the {heated:.1e} s \
+             of a window or the passage of an element: then {:.0} % of the rise are missing",
+            frame.scene.names.0[body],
+            1e2 * missing
+        ),
+        format!("write at most {:.1e} m, or leave it out", 0.25 * depth),
+    ))
 }
 
 /// Refuses more elements than fit into memory, before anything is allocated.

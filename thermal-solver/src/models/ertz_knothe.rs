@@ -183,7 +183,7 @@ impl Conduction for ErtzKnothe {
             .filter(|(row, _)| asked(*row))
             .reduce(|a, b| if warmest(b.1) > warmest(a.1) { b } else { a })?;
         let x = ellipse.centre - xi * ellipse.semi_axis;
-        Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, row })
+        Some(Peak { rise: self.rise_at(body, row, x, 0.0), x, y: self.frame.grid.y(row), row })
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {

@@ -35,6 +35,8 @@ pub struct Frame {
     pub partition: Partition,
     /// Law of the contact conductance, if the case has one.
     pub conductance: Option<Conductance>,
+    /// Lowest expected speeds of the upper and the lower body over the run [m/s].
+    pub slowest: [f64; 2],
     /// Mode of the case: steady or transient.
     pub mode: Mode,
     /// End of a transient case [s].

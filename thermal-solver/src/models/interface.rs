@@ -19,12 +19,19 @@ use numerics::convolution::Convolution;
 use numerics::team;
 use proto::grid::Structured;
 use proto::model::StepError;
+use proto::state::read_bytes;
+use std::io::{self, Read, Write};
 use std::sync::Arc;
 
 /// Tolerance of the exchanged flux: largest temperature error over the highest rise.
 const SETTLED: f64 = 1e-7;
 /// Share of the exchanged flux that is attributed to rounding in sums.
 const ROUNDING: f64 = 1e-10;
+/// Smallest and largest area of contact that an element represents, in areas of an element.
+const LEAST_AREA: f64 = 1e-2;
+const MOST_AREA: f64 = 1.5;
+/// Pressure of an element that represents the largest area, over that of the next one inside.
+const JUMP: f64 = 0.868;
 /// Largest number of corrections.
 const MOST_CORRECTIONS: usize = 40;
 
@@ -62,6 +69,8 @@ pub(super) struct Interface {
     /// Conductance between the surfaces; without a law the surfaces in contact have the same
     /// temperature.
     law: Option<Conductance>,
+    /// Whether elements may have different conductances.
+    varies: bool,
     /// Initial temperature of the upper body minus that of the lower one [K].
     offset: f64,
     /// Resistances 1/h of the elements in contact [m²·K/W].
@@ -82,6 +91,8 @@ pub(super) struct Interface {
     flow: Vec<f64>,
     /// Temperature errors at the elements in contact [K].
     differences: Vec<f64>,
+    /// Elements in contact in the accepted state, ascending.
+    pub(super) touched: Vec<usize>,
 }
 
 impl Interface {
@@ -95,6 +106,7 @@ impl Interface {
         let [upper, lower] = frame.scene.initial_temperatures;
         Some(Self {
             law,
+            varies: shapes == Shapes::Elements,
             offset: upper - lower,
             resistances: Vec::new(),
             least: 0.0,
@@ -106,7 +118,41 @@ impl Interface {
             errors: Vec::new(),
             flow: Vec::new(),
             differences: Vec::new(),
+            touched: Vec::new(),
         })
+    }
+
+    /// Accepts the contact of the last solve.
+    pub(super) fn accept(&mut self) {
+        self.touched.clear();
+        self.touched.extend_from_slice(self.touching.elements());
+    }
+
+    /// Writes the elements in contact of the accepted state.
+    ///
+    /// # Errors
+    /// Writing to `into` fails.
+    pub(super) fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        into.write_all(&(self.touched.len() as u64).to_le_bytes())?;
+        self.touched.iter().try_for_each(|at| into.write_all(&(*at as u64).to_le_bytes()))
+    }
+
+    /// Reads elements in contact that [`Interface::save`] wrote, on a grid of this many elements.
+    ///
+    /// # Errors
+    /// Reading fails, or the elements are not ascending elements of the grid.
+    pub(super) fn read(from: &mut dyn Read, points: usize) -> io::Result<Vec<usize>> {
+        let mut number = || Ok::<_, io::Error>(u64::from_le_bytes(read_bytes(from)?) as usize);
+        let count = number()?;
+        let mut touched: Vec<usize> = Vec::with_capacity(count.min(points));
+        for _ in 0..count {
+            let at = number()?;
+            if at >= points || touched.last().is_some_and(|last| *last >= at) {
+                return Err(io::Error::other("the elements in contact are not those of the grid"));
+            }
+            touched.push(at);
+        }
+        Ok(touched)
     }
 
     /// Exchanged flux from the upper into the lower body, without their shares of the friction
@@ -145,7 +191,7 @@ impl Interface {
         rise: &mut [Vec<f64>; 2],
     ) -> Result<u64, StepError> {
         self.touching.find(rub.pressure.unwrap_or(&[]), grid.ni);
-        self.resist(rub.pressure);
+        self.resist(grid.ni, rub.pressure);
         for values in [&mut self.flows, &mut self.correction, &mut self.errors] {
             values.clear();
             values.resize(self.touching.shapes(), 0.0);
@@ -176,15 +222,22 @@ impl Interface {
     }
 
     /// Computes the resistances of the elements in contact.
-    fn resist(&mut self, pressure: Option<&[f64]>) {
-        let Self { law, touching, resistances, .. } = self;
+    fn resist(&mut self, columns: usize, pressure: Option<&[f64]>) {
+        let Self { law, varies, touching, resistances, .. } = self;
         let elements = touching.elements().iter();
         resistances.clear();
         match law.as_ref().zip(pressure) {
             None => resistances.extend(elements.map(|_| 0.0)),
             Some((law, pressure)) => {
                 let largest = pressure.iter().copied().fold(0.0, f64::max);
-                resistances.extend(elements.map(|at| law.resistance(pressure[*at], largest)));
+                // The mean of a conductance that grows with the pressure contains the area.
+                let by_area = *varies && law.hardness.is_none();
+                let area = |at: usize| match by_area {
+                    true => touching_area(pressure, columns, at),
+                    false => 1.0,
+                };
+                let resistance = |at: &usize| law.resistance(pressure[*at], largest) / area(*at);
+                resistances.extend(elements.map(resistance));
             }
         }
         let least = resistances.iter().copied().fold(f64::INFINITY, f64::min);
@@ -232,6 +285,31 @@ impl Interface {
     }
 }
 
+/// Returns the area of contact that an element represents, over the area of an element.
+///
+/// At the edge of the contact of smooth bodies the pressure rises with the root of the distance
+/// from the edge. Its mean over an element of which the share φ is in contact is then
+/// φ^1.5/((1 + φ)^1.5 − φ^1.5) of that over the next element inside. If pressures are those of the
+/// middles of elements, an element also represents up to half of the next one outside. At an edge
+/// where the pressure jumps, both pressures are equal and the element touches wholly.
+fn touching_area(pressure: &[f64], columns: usize, at: usize) -> f64 {
+    let (row, column) = (at / columns, at % columns);
+    let along = [column.checked_sub(1).map(|_| at - 1), (column + 1 < columns).then_some(at + 1)];
+    let across = [row.checked_sub(1).map(|_| at - columns), Some(at + columns)];
+    let neighbours = || along.into_iter().chain(across).flatten();
+    let pressures = || neighbours().filter_map(|at| pressure.get(at).copied());
+    let (inside, own) = (pressures().fold(0.0, f64::max), pressure[at]);
+    let is_inner = pressures().all(|pressure| pressure > 0.0);
+    if is_inner || own <= 0.0 || inside <= 0.0 {
+        return 1.0;
+    }
+    let over = own / inside;
+    if over > JUMP {
+        return (MOST_AREA - (MOST_AREA - 1.0) * (over - JUMP) / (1.0 - JUMP)).max(1.0);
+    }
+    ((1.0 + 1.0 / over).powf(2.0 / 3.0) - 1.0).recip().max(LEAST_AREA)
+}
+
 /// Runs `each` for the upper and the lower body, on two threads if there are two. Returns the sum
 /// of both operation counts.
 pub(super) fn both<B: Send>(
@@ -244,4 +322,44 @@ pub(super) fn both<B: Send>(
     let (upper, lower) =
         team::both(threads, || each(UPPER, upper, of_upper), || each(LOWER, lower, of_lower));
     Ok(upper? + lower?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// The area of a Hertz ellipse from the pressures of its elements, means or values at their
+    /// middles, on any place of the grid. Counting elements has an error of up to 14 % at a/10.
+    #[test]
+    fn elements_at_the_edge_touch_in_part() {
+        let (columns, rows, b) = (28, 23, 0.75);
+        let side = 0.1;
+        for (shift, points) in
+            [([0.0, 0.0], 16), ([0.03, 0.01], 16), ([0.05, 0.05], 16), ([0.03, 0.01], 1)]
+        {
+            let place = |index: usize, count: usize, shift: f64, point: usize| {
+                let within = (point as f64 + 0.5) / points as f64 - 0.5;
+                (index as f64 - 0.5 * (count - 1) as f64 + within) * side + shift
+            };
+            let mean = |at: usize| {
+                let value = |k: usize| {
+                    let x = place(at % columns, columns, shift[0], k % points);
+                    let y = place(at / columns, rows, shift[1], k / points) / b;
+                    (1.0 - x * x - y * y).max(0.0).sqrt()
+                };
+                let all = points * points;
+                (0..all).map(value).sum::<f64>() / all as f64
+            };
+            let pressure: Vec<f64> = (0..columns * rows).map(mean).collect();
+            let touching = (0..columns * rows).filter(|at| pressure[*at] > 0.0);
+            let areas = touching.map(|at| touching_area(&pressure, columns, at));
+            let error = side * side * areas.sum::<f64>() / (PI * b) - 1.0;
+            println!("{shift:?}, {points}: {:.2} %", 1e2 * error);
+            assert!(error.abs() < 0.015, "{shift:?} {points}: {error}");
+        }
+        // An edge with a jump of the pressure, and a contact of one element.
+        assert_eq!(touching_area(&[0.0, 1.0, 1.0, 1.0], 4, 1), 1.0);
+        assert_eq!(touching_area(&[0.0, 1.0, 0.0, 0.0], 4, 1), 1.0);
+    }
 }

@@ -286,6 +286,7 @@ impl Conduction for MovingSource {
     }
 
     fn accept(&mut self) {
+        self.interface.iter_mut().for_each(Interface::accept);
         for body in &mut self.bodies {
             body.history.accept();
             body.past_of = None;
@@ -328,21 +329,33 @@ impl Conduction for MovingSource {
     fn peak(&self, body: usize, rise: &[f64]) -> Option<Peak> {
         let rise_at = |row: usize, x: f64| self.rise_at(body, row, x, 0.0);
         match &self.interface {
-            Some(_) => hottest_in_contact(&self.frame.grid, rise, rise_at),
+            Some(interface) => {
+                hottest_in_contact(&self.frame.grid, rise, &interface.touched, rise_at)
+            }
             None => hottest(&self.frame.grid, rise, rise_at),
         }
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.interface.iter().try_for_each(|interface| interface.save(into))?;
         self.bodies.iter().try_for_each(|body| body.history.save(into))
     }
 
     fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
         self.row.get_mut().take();
-        for body in &mut self.bodies {
-            body.history.restore(from)?;
-            body.past_of = None;
+        let points = self.frame.grid.points();
+        let touching =
+            self.interface.as_ref().map(|_| Interface::read(from, points)).transpose()?;
+        let [upper, lower] = &mut self.bodies;
+        let mut before = Vec::new();
+        upper.history.save(&mut before)?;
+        upper.history.restore(from)?;
+        if let Err(error) = lower.history.restore(from) {
+            upper.history.restore(&mut before.as_slice())?;
+            return Err(error);
         }
+        self.bodies.iter_mut().for_each(|body| body.past_of = None);
+        self.interface.iter_mut().zip(touching).for_each(|(own, read)| own.touched = read);
         Ok(())
     }
 }

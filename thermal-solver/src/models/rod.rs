@@ -286,7 +286,7 @@ impl Conduction for Rods {
     }
 
     fn peak(&self, _: usize, rise: &[f64]) -> Option<Peak> {
-        (rise[0] > 0.0).then_some(Peak { rise: rise[0], x: 0.0, row: 0 })
+        (rise[0] > 0.0).then_some(Peak { rise: rise[0], x: 0.0, y: 0.0, row: 0 })
     }
 
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {

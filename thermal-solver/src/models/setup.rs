@@ -145,13 +145,14 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
         true => Some(bulk_heating::read(given, &scene)?),
         false => None,
     };
-    let elements = if C::ELEMENTS { Some(elements::read(&given.case, &scene)?) } else { None };
+    let elements = if C::ELEMENTS { Some(elements::read(given, &scene)?) } else { None };
     let known = Frame {
         section_y: section_y(given, &grid)?,
         body_properties: body_properties(given, &scene)?,
         criterion: phase_transformation::read(given, &scene, C::REPEATS)?,
         current: joule_heat::read(given, &scene)?,
         ends: Ends::read(&given.case, &scene.names)?,
+        slowest: [UPPER, LOWER].map(|body| scene.speed_range(given, body)[0]),
         mode: given.mode,
         end: given.end,
         slowest: [UPPER, LOWER].map(|body| slowest(&scene, body, given)),
@@ -376,6 +377,7 @@ fn lay_out<C: Conduction>(frame: &Frame, given: &Configuration) -> Layout {
         solve_seconds: cost.solve_seconds,
         memory_bytes: cost.memory_bytes,
         remarks: C::remarks(frame),
+        warnings: C::warnings(frame),
         left_out: C::left_out(frame).into_iter().collect(),
         ..Layout::default()
     };

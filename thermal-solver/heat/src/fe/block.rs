@@ -12,6 +12,7 @@ use super::scheme::Scheme;
 use super::transient::Columns;
 use crate::Material;
 use grids::Structured;
+use std::f64::consts::PI;
 
 /// Extent of a block in depth and sideways, in distances that heat spreads.
 const SPREADS: f64 = 3.5;
@@ -23,9 +24,13 @@ const FAR_ALONG: f64 = 5.0;
 const GROWTH: f64 = 1.3;
 /// Number of first layers in a penetration depth.
 const LAYERS: f64 = 20.0;
-/// Number of first layers in the depth √(κh/V) that heat reaches while the material passes one
-/// element. They also resolve the beginning of heating.
-const LAYERS_OF_AN_ELEMENT: f64 = 8.0;
+/// Number of first layers in the depth √(κt) that heat reaches in the shortest time t of heating
+/// ([`Elements::shortest_heating`]).
+const LAYERS_OF_A_HEATING: f64 = 8.0;
+/// First layer over the depth √(κt) of a heating, and the share of the rise that is missing at its
+/// end. Solutions of the equations of the layers in depth, with a ratio of 1.2 and exact in time.
+const MISSING: [[f64; 2]; 6] =
+    [[0.125, 0.0], [0.25, 0.003], [0.5, 0.013], [1.0, 0.058], [2.0, 0.264], [4.0, 0.564]];
 /// Number of layers of a sheet if all were as thick as the first.
 const LAYERS_OF_A_SHEET: f64 = 8.0;
 /// Largest number of columns of elements behind the heat flux's grid.
@@ -87,6 +92,11 @@ pub struct Elements {
     pub depth: Option<f64>,
     /// Length of the block behind the middle of the heat flux's grid [m].
     pub wake: Option<f64>,
+    /// Highest expected speed, if it is above the speed that the block is laid out for [m/s].
+    pub fastest: f64,
+    /// Shortest window at the end of which the surface must be resolved [s]; infinite in steady
+    /// motion.
+    pub window: f64,
     /// Scheme in time.
     pub scheme: Scheme,
     /// Longest step [s].
@@ -106,6 +116,8 @@ impl Default for Elements {
             ratio: RATIO,
             depth: None,
             wake: None,
+            fastest: 0.0,
+            window: f64::INFINITY,
             scheme: Scheme::CrankNicolson,
             step: f64::INFINITY,
             solver: Solver::Auto,
@@ -186,6 +198,22 @@ impl Elements {
         Ok(())
     }
 
+    /// Returns the shortest time [s] for which a place of the surface is heated before its rise is
+    /// needed: the passage of an element at the highest speed, or the shortest window. Infinite for
+    /// a body at rest in a steady state.
+    #[must_use]
+    pub fn shortest_heating(&self, grid: &Structured, speed: f64) -> f64 {
+        (grid.dx() / self.fastest.max(speed)).min(self.window)
+    }
+
+    /// Returns the share of the rise after the shortest heating that a first layer thicker than
+    /// the depth of this heat does not show. The arguments are those of [`Block::new`].
+    #[must_use]
+    pub fn missing_share(&self, grid: &Structured, material: &Material, speed: f64) -> f64 {
+        let depth = (material.diffusivity() * self.shortest_heating(grid, speed)).sqrt();
+        missing_share(self.layering(grid, material, speed).first / depth)
+    }
+
     fn layering(&self, grid: &Structured, material: &Material, speed: f64) -> Layering {
         let half = half_length(grid);
         let kappa = material.diffusivity();
@@ -193,15 +221,29 @@ impl Elements {
         let passing = (half + self.wake(grid) + earlier) / speed;
         let spread = SPREADS * (4.0 * kappa * passing).sqrt();
         let (reach, far) = (spread.min(FAR * half), spread > FAR * half);
-        let penetration = (2.0 * kappa * half / speed).sqrt().min(half);
-        let passing = (kappa * grid.dx() / speed).sqrt().min(2.0 * grid.dx());
-        let first = (penetration / LAYERS).min(passing / LAYERS_OF_AN_ELEMENT);
+        let penetration = (2.0 * kappa * half / self.fastest.max(speed)).sqrt().min(half);
+        let heated = self.shortest_heating(grid, speed);
+        let reached = (kappa * heated).sqrt().min(2.0 * grid.dx());
+        let first = (penetration / LAYERS).min(reached / LAYERS_OF_A_HEATING);
         Layering {
             first: self.first_layer.unwrap_or(first),
             deep: self.depth.unwrap_or(reach),
             reach,
             far,
         }
+    }
+}
+
+/// Returns the missing share of the rise for a first layer over the depth of a heating.
+fn missing_share(over: f64) -> f64 {
+    let next = MISSING.partition_point(|[known, _]| *known <= over);
+    match (next.checked_sub(1).map(|at| MISSING[at]), MISSING.get(next)) {
+        (None, _) => 0.0,
+        (Some([from, low]), Some([to, high])) => {
+            low + (high - low) * (over / from).ln() / (to / from).ln()
+        }
+        // The first node takes up all the heat: its rise is 2qt/(ρch₀) instead of 2q√(t/π)/β.
+        (Some(_), None) => 1.0 - PI.sqrt() / over,
     }
 }
 

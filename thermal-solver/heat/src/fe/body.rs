@@ -3,13 +3,13 @@
 //! | | steady | in time |
 //! |---|---|---|
 //! | constant properties, in the modes of the mesh | [`super::steady_modal`] | [`super::transient_modal`] |
-//! | properties over temperature, free surfaces that cool, or a solver chosen by name | [`super::steady_marching`] | [`super::transient_nodal`] |
+//! | properties over temperature, free surfaces that cool, or a solver chosen by name | [`super::steady_corrected`] | [`super::transient_nodal`] |
 
 use super::block::{Block, Elements, Solver};
 use super::body_properties::BodyProperties;
 use super::body_solver::{BodySolver, Rises, SolverInput};
 use super::section::Below;
-use super::steady_marching::SteadyMarching;
+use super::steady_corrected::SteadyCorrected;
 use super::steady_modal::SteadyModal;
 use super::transient_modal::TransientModal;
 use super::transient_nodal::TransientNodal;
@@ -45,7 +45,7 @@ impl Body {
         let motion: Box<dyn BodySolver> = match (in_modes, steady) {
             (true, true) => Box::new(SteadyModal::new(given)),
             (true, false) => Box::new(TransientModal::new(given)),
-            (false, true) => Box::new(SteadyMarching::new(given)),
+            (false, true) => Box::new(SteadyCorrected::new(given)),
             (false, false) => Box::new(TransientNodal::new(given)),
         };
         let means = vec![0.0; grid.points()];

@@ -68,9 +68,10 @@ pub trait BodySolver: Send {
     /// Writing to `into` fails.
     fn save(&self, into: &mut dyn Write) -> io::Result<()>;
 
-    /// Restores the state written by [`BodySolver::save`].
+    /// Reads the state written by [`BodySolver::save`] in place of the last solve;
+    /// [`BodySolver::accept`] makes it the accepted state.
     ///
     /// # Errors
-    /// Reading fails or the data do not fit; the state is then unchanged.
-    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()>;
+    /// Reading fails or the data do not fit; the accepted state is unchanged in any case.
+    fn read(&mut self, from: &mut dyn Read) -> io::Result<()>;
 }

@@ -6,6 +6,10 @@ use std::io::{self, Read, Write};
 
 /// Fraction of an element that counts as rounding.
 const ROUNDING: f64 = 1e-9;
+/// Steps, in parts of the first step, with which a cold body begins: the surface follows a flux
+/// that begins at once to 0.5 %. With a single step, which is one of backward Euler, the first rise
+/// would be 11 % too low, the second 6 %.
+const BEGINNING: [f64; 3] = [1.0 / 7.0, 2.0 / 7.0, 4.0 / 7.0];
 /// Columns beyond the length of the mesh after which no earlier content is left on it.
 const REPLACED: usize = 8;
 
@@ -20,6 +24,15 @@ pub struct Position {
     pub step: f64,
     /// Number of steps since the body was cold.
     pub steps: u64,
+}
+
+/// One of the equal steps of a window, or a part of it.
+#[derive(Clone, Copy)]
+struct Stride {
+    /// Duration [s].
+    duration: f64,
+    /// Distance in elements.
+    way: f64,
 }
 
 impl Position {
@@ -97,7 +110,8 @@ pub struct MeshAdvection {
 
 impl MeshAdvection {
     /// Plans a window of this duration [s] at this speed [elements/s] on a mesh of `columns`
-    /// columns. Steps are at most one element and at most `longest` [s].
+    /// columns. Steps are at most one element and at most `longest` [s]; the first step of a cold
+    /// body is divided.
     pub fn plan(
         &mut self,
         from: &Position,
@@ -111,29 +125,41 @@ impl MeshAdvection {
         let (step, part) = (duration / count, way / count);
         self.fresh = way > (columns + REPLACED) as f64;
         let count = if self.fresh { (columns + REPLACED) as f64 / part } else { count };
-        let mut at = if self.fresh { Position::default() } else { *from };
+        let whole = Stride { duration: step, way: part };
+        let part = |share: f64| Stride { duration: share * step, way: share * part };
+        self.position = if self.fresh { Position::default() } else { *from };
         self.steps.clear();
-        for _ in 0..count.ceil() as usize {
-            let over = if at.step > 0.0 { step / at.step } else { 1.0 };
-            let mut front = at.front - part;
-            if front.abs() < ROUNDING {
-                front = 0.0;
+        for index in 0..count.ceil() as usize {
+            // A fresh mesh is cold long before the end of the window.
+            if index == 0 && self.position.steps == 0 && !self.fresh {
+                BEGINNING.map(part).into_iter().for_each(|stride| self.add(stride, scheme));
+            } else {
+                self.add(whole, scheme);
             }
-            let shift = if front < 0.0 { 1 } else { 0 };
-            front += shift as f64;
-            if front > 1.0 - ROUNDING {
-                front = 0.0;
-            }
-            self.steps.push(Step {
-                duration: step,
-                shifts: [shift, shift + at.shifted],
-                by: scheme.coefficients(at.steps, over),
-                over_last: 1.0 / over,
-                middle: front + 0.5 * part,
-            });
-            at = Position { front, shifted: shift, step, steps: at.steps + 1 };
         }
-        self.position = at;
+    }
+
+    /// Adds a step after the position, and moves the position to its end.
+    fn add(&mut self, Stride { duration, way }: Stride, scheme: Scheme) {
+        let at = self.position;
+        let over = if at.step > 0.0 { duration / at.step } else { 1.0 };
+        let mut front = at.front - way;
+        if front.abs() < ROUNDING {
+            front = 0.0;
+        }
+        let shift = if front < 0.0 { 1 } else { 0 };
+        front += shift as f64;
+        if front > 1.0 - ROUNDING {
+            front = 0.0;
+        }
+        self.steps.push(Step {
+            duration,
+            shifts: [shift, shift + at.shifted],
+            by: scheme.coefficients(at.steps, over),
+            over_last: 1.0 / over,
+            middle: front + 0.5 * way,
+        });
+        self.position = Position { front, shifted: shift, step: duration, steps: at.steps + 1 };
     }
 }
 
@@ -149,10 +175,21 @@ mod tests {
 
     #[test]
     fn whole_elements_stay_at_their_places() {
-        let creep = plan(&Position::default(), 3.0);
+        let creep = plan(&Position { steps: 9, ..Position::default() }, 3.0);
         assert_eq!(creep.steps.len(), 3);
         assert!(creep.steps.iter().all(|step| step.shifts[0] == 1 && step.middle == 0.5));
         assert_eq!(creep.position.front, 0.0);
+    }
+
+    /// The first step of a cold body is divided; its parts end where the whole step would.
+    #[test]
+    fn a_cold_body_begins_with_short_steps() {
+        let creep = plan(&Position::default(), 3.0);
+        assert_eq!(creep.steps.len(), 5);
+        let shifts: Vec<usize> = creep.steps.iter().map(|step| step.shifts[0]).collect();
+        assert_eq!((shifts, creep.position.front), (vec![1, 0, 0, 1, 1], 0.0));
+        let time: f64 = creep.steps.iter().map(|step| step.duration).sum();
+        assert!((time - 1.0).abs() < 1e-15, "{time}");
     }
 
     /// The mesh moves as far as the body, for any windows. Tolerance: rounding.

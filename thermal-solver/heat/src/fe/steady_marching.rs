@@ -238,10 +238,7 @@ impl BodySolver for SteadyMarching {
         write_numbers(into, &self.accepted)
     }
 
-    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        let mut accepted = vec![0.0; self.accepted.len()];
-        read_numbers(from, &mut accepted)?;
-        self.accepted = accepted;
-        Ok(())
+    fn read(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        read_numbers(from, &mut self.trial)
     }
 }

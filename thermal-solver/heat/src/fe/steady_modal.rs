@@ -120,11 +120,8 @@ impl BodySolver for SteadyModal {
         self.accepted.1.save(into)
     }
 
-    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        let (mut speed, mut flux) = ([0.0], Flux::zero(self.grid.ni, self.grid.nj));
-        read_numbers(from, &mut speed)?;
-        flux.restore(from)?;
-        self.accepted = (speed[0], flux);
-        Ok(())
+    fn read(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        read_numbers(from, [&mut self.speed])?;
+        self.flux.restore(from)
     }
 }

@@ -91,6 +91,9 @@ impl TransientModal {
             mesh.window(mode, &creep.steps, flux, state, &mut self.scratch, surface);
         }
         trial.position = creep.position;
+        if trial.is_cold() {
+            trial.position.steps = 0;
+        }
         (creep.steps.len() * trial.amplitudes.len()) as u64
     }
 
@@ -150,11 +153,8 @@ impl BodySolver for TransientModal {
         self.accepted.save(into)
     }
 
-    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        let mut accepted = self.accepted.clone();
-        accepted.restore(from)?;
-        self.accepted = accepted;
-        Ok(())
+    fn read(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        self.trial.restore(from)
     }
 }
 
@@ -170,6 +170,11 @@ impl State {
             position: Position::default(),
             heated: true,
         }
+    }
+
+    /// Returns whether the body has received no heat yet.
+    fn is_cold(&self) -> bool {
+        self.amplitudes.iter().all(|amplitude| *amplitude == 0.0)
     }
 
     fn chill(&mut self) {

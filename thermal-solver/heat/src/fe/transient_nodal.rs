@@ -109,6 +109,9 @@ impl TransientNodal {
             std::mem::swap(&mut self.trial.last, &mut self.old[0]);
         }
         self.trial.position = self.creep.position;
+        if self.trial.now.iter().all(|value| *value == 0.0) {
+            self.trial.position.steps = 0;
+        }
         all
     }
 
@@ -237,12 +240,9 @@ impl BodySolver for TransientNodal {
         write_numbers(into, now.iter().chain(last).chain(fluxes))
     }
 
-    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
-        let mut accepted = self.accepted.clone();
-        accepted.position = Position::restore(from)?;
-        let State { now, last, fluxes, .. } = &mut accepted;
-        read_numbers(from, now.iter_mut().chain(last).chain(fluxes))?;
-        self.accepted = accepted;
-        Ok(())
+    fn read(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        let State { now, last, fluxes, position } = &mut self.trial;
+        *position = Position::restore(from)?;
+        read_numbers(from, now.iter_mut().chain(last).chain(fluxes))
     }
 }
