@@ -70,6 +70,7 @@ impl Solver for MechSolver {
     fn configure(&self, configuration: &Configuration) -> Result<Setup, Refusal> {
         numerics::team::limit(configuration.threads);
         let model = models::find(&configuration.model)?;
+        models::varying::refuse_standstill(configuration)?;
         let active = support::active(configuration)?;
         let mut provided = (model.spec)().provides;
         provided.extend(active.iter().flat_map(|effect| names(effect.provides)));

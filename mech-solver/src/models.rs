@@ -19,7 +19,7 @@ mod creepage_search;
 mod shortfall;
 mod springs;
 mod summary;
-mod varying;
+pub(crate) mod varying;
 mod wheel_on_track;
 
 pub use grids::{CONTACT_GRID, RIGID_GRID};

@@ -10,7 +10,8 @@
 //! resolution, and the temperature more accurate (test
 //! `dissipation_is_heat_where_slip_is_not_resolved`). The products δ²p·u of single elements may be
 //! negative. The sum is therefore distributed by |δ²p|², to which the displacement of the element
-//! itself is proportional.
+//! itself is proportional, among the elements in contact. The open element behind the trailing edge
+//! has a large δ²p, but no heat.
 
 use super::coupling::Coupling;
 use super::difference::{Difference, Stencil};
@@ -71,20 +72,54 @@ impl Dissipation {
             }
         }
         let weight = speed / (8.0 * self.dx);
-        shared([&x, &y], [&displaced[0], &displaced[1]], weight)
+        shared([&x, &y], [&displaced[0], &displaced[1]], pressure, weight)
     }
 }
 
-/// Distributes the total of weight · Σ p·u among the elements by |p|², so that no element loses
-/// power or gains it from the displacement of another element.
+/// Distributes the total of weight · Σ p·u among the elements with pressure by |p|², so that no
+/// element loses power or gains it from the displacement of another element. If no element with
+/// pressure has a share, as when a contact opens, the total goes to all elements.
 #[must_use]
-pub fn shared(traction: [&[f64]; 2], displacement: [&[f64]; 2], weight: f64) -> Vec<f64> {
+pub fn shared(
+    traction: [&[f64]; 2],
+    displacement: [&[f64]; 2],
+    pressure: &[f64],
+    weight: f64,
+) -> Vec<f64> {
     let dot = |[x, y]: [&[f64]; 2], [u, v]: [&[f64]; 2], at: usize| x[at] * u[at] + y[at] * v[at];
-    let elements = 0..traction[0].len();
+    let elements = 0..pressure.len();
     let total: f64 = elements.clone().map(|at| dot(traction, displacement, at)).sum();
-    let squares: f64 = elements.clone().map(|at| dot(traction, traction, at)).sum();
-    let share = if squares > 0.0 { weight * total / squares } else { 0.0 };
-    elements.map(|at| share * dot(traction, traction, at)).collect()
+    let squares: Vec<f64> = elements.map(|at| dot(traction, traction, at)).collect();
+    let of_contact = squares.iter().zip(pressure).map(|(square, p)| match *p > 0.0 {
+        true => *square,
+        false => 0.0,
+    });
+    let mut shares: Vec<f64> = of_contact.collect();
+    let mut sum: f64 = shares.iter().sum();
+    if sum == 0.0 {
+        shares = squares;
+        sum = shares.iter().sum();
+    }
+    let share = if sum > 0.0 { weight * total / sum } else { 0.0 };
+    shares.iter_mut().for_each(|value| *value *= share);
+    shares
+}
+
+/// Largest share of the friction power that [`without_negative`] moves: the tolerance of the
+/// tractions.
+const LARGEST_ERROR: f64 = 1e-4;
+
+/// Sets negative friction powers of elements to zero and takes them from the others, so that the
+/// sum stays. The slip of elements that stick is zero within the tolerance of the tractions only,
+/// and its power has any sign. A larger share of negative power is left as it is.
+pub fn without_negative(power: &mut [f64]) {
+    let negative: f64 = power.iter().filter(|power| **power < 0.0).sum();
+    let positive: f64 = power.iter().filter(|power| **power > 0.0).sum();
+    if negative == 0.0 || -negative > LARGEST_ERROR * positive {
+        return;
+    }
+    let share = (positive + negative) / positive;
+    power.iter_mut().for_each(|power| *power = share * power.max(0.0));
 }
 
 /// Second difference δ² along rows of nx values, with zeros beyond their ends.
@@ -95,4 +130,42 @@ fn second_difference(values: &[f64], nx: usize) -> Vec<f64> {
         downstream - 2.0 * row[i] + upstream
     };
     values.chunks_exact(nx).flat_map(|row| (0..nx).map(move |i| of(row, i))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Small negative powers vanish without a change of the sum; large ones stay to be seen.
+    #[test]
+    fn errors_of_slip_take_no_heat_away() {
+        let mut power = [2.0, -1e-5, 0.0, 1.0];
+        without_negative(&mut power);
+        assert!(power.iter().all(|power| *power >= 0.0));
+        assert!((power.iter().sum::<f64>() - (3.0 - 1e-5)).abs() < 1e-15, "{power:?}");
+        for kept in [[2.0, -1e-3, 0.0], [0.0, -1.0, 0.0], [1.0, 0.0, 2.0]] {
+            let mut power = kept;
+            without_negative(&mut power);
+            assert_eq!(power, kept);
+        }
+    }
+
+    /// The whole power goes to elements in contact, however large δ²p is beside them.
+    /// Without contact no power is lost.
+    #[test]
+    fn only_elements_in_contact_dissipate() {
+        let (x, y) = ([3.0, 1.0, 0.0, 2.0], [0.0; 4]);
+        let u = [1.0, 2.0, 3.0, 0.5];
+        let total = 2.0 * (3.0 + 2.0 + 1.0);
+        for (pressure, expected) in [
+            ([0.0, 1.0, 1.0, 1.0], [0.0, 0.2, 0.0, 0.8]),
+            ([1.0; 4], [9.0 / 14.0, 1.0 / 14.0, 0.0, 4.0 / 14.0]),
+            ([0.0; 4], [9.0 / 14.0, 1.0 / 14.0, 0.0, 4.0 / 14.0]),
+        ] {
+            let found = shared([&x, &y], [&u, &y], &pressure, 2.0);
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - total * expected).abs() < 1e-14, "{pressure:?}: {found}");
+            }
+        }
+    }
 }

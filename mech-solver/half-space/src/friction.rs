@@ -52,8 +52,8 @@ impl ElementFriction {
     }
 
     /// Uniform coefficient under which a sliding contact carries the same force:
-    /// Σ min(f p, τ s)/Σ p, for elements of which the share s touches. Their pressure is a mean over
-    /// the whole element, the bound holds on the part that touches [-].
+    /// Σ min(f p, τ s)/Σ p, for elements of which the share s touches. Their pressure is a mean
+    /// over the whole element, the bound holds on the part that touches [-].
     #[must_use]
     pub fn equivalent(&self, pressure: &[f64], touching: &[f64]) -> f64 {
         let of = |(index, (p, share)): (usize, (&f64, &f64))| match *share > 0.0 {

@@ -446,8 +446,9 @@ impl Levels {
     }
 
     /// Numerical dissipation on the finest grid [W/m²], from tractions and pressure [Pa] and the
-    /// speed of rolling [m/s]. The pressure matters only to bodies of different constants. Returns
-    /// `None` for the upwind difference and for motions in time.
+    /// speed of rolling [m/s]. Elements without pressure dissipate nothing; its size matters only
+    /// to bodies of different constants. Returns `None` for the upwind difference and for motions
+    /// in time.
     pub fn dissipation(
         &mut self,
         traction: [&[f64]; 2],

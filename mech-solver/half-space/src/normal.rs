@@ -44,6 +44,7 @@ mod bounded;
 mod error;
 mod interior_point;
 mod point;
+mod workspace;
 
 pub use super::prescribed::Prescribed;
 pub use error::NormalError;
@@ -56,6 +57,7 @@ use numerics::rows::{Kernel, Rows};
 use numerics::vector::dot;
 use point::InteriorPoint;
 use std::f64::consts::TAU;
+use workspace::Workspace;
 
 /// Result of a normal contact; the pressure is in the caller's field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +68,9 @@ pub struct NormalContact {
     pub normal_force: f64,
     /// Number of elements in contact.
     pub contact_elements: usize,
-    /// An element at the edge of the grid is in contact, so the grid may be too small.
+    /// An element at the edge of the grid is in contact, so the grid may be too small. Under a
+    /// bound of the pressure such a contact may carry less than a given load. Always false for a
+    /// contact that repeats.
     pub touches_edge: bool,
     /// Iterations, each with one convolution by A and one by M.
     pub iterations: usize,
@@ -87,6 +91,8 @@ pub struct NormalSolver {
     pub iteration_limit: usize,
     /// Largest pressure p̂ that the bodies carry [Pa]; infinite by default.
     pub pressure_bound: f64,
+    /// True if the grid ends; a contact that repeats has no edge.
+    ends: bool,
     /// Operator A.
     flexibility: Flexibility,
     /// M, with its convolution.
@@ -115,25 +121,6 @@ impl Flexibility {
             Self::Curved(rows, kernel) => rows.apply(&[(kernel, pressure)], displacement),
         }
     }
-}
-
-/// Fields of the iteration, zero outside C unless stated otherwise.
-#[derive(Debug)]
-struct Workspace {
-    in_contact: Vec<bool>,
-    /// u = A p, everywhere [m].
-    displacement: Vec<f64>,
-    /// Residual r, and the one of the previous step [m].
-    residual: Vec<f64>,
-    last_residual: Vec<f64>,
-    /// z = M r [Pa].
-    step: Vec<f64>,
-    /// w = M 1 [Pa/m].
-    punch: Vec<f64>,
-    /// d [Pa].
-    direction: Vec<f64>,
-    /// Result of a convolution, everywhere.
-    image: Vec<f64>,
 }
 
 /// Scalars of the iteration.
@@ -232,7 +219,8 @@ impl NormalSolver {
         let flexibility = convolution.factors(factor);
         let inverse = flexibility.map(|value| Complex64::new(1.0 / value.re, 0.0));
         let again = Convolution::cyclic(nx, ny);
-        Self::with([(convolution, flexibility), (again, inverse)], [dx, dy], compliance)
+        let spectra = [(convolution, flexibility), (again, inverse)];
+        Self { ends: false, ..Self::with(spectra, [dx, dy], compliance) }
     }
 
     fn with(
@@ -241,27 +229,18 @@ impl NormalSolver {
         compliance: f64,
     ) -> Self {
         let (nx, ny) = flexibility.0.shape();
-        let zeros = vec![0.0; nx * ny];
         Self {
             tolerance: Self::TOLERANCE,
             iteration_limit: Self::ITERATION_LIMIT,
             pressure_bound: f64::INFINITY,
+            ends: true,
             flexibility: Flexibility::HalfSpaces(flexibility.0, flexibility.1),
             preconditioner,
             shape: (nx, ny),
             area: dx * dy,
             compliance,
             point: None,
-            work: Workspace {
-                in_contact: vec![false; nx * ny],
-                displacement: zeros.clone(),
-                residual: zeros.clone(),
-                last_residual: zeros.clone(),
-                step: zeros.clone(),
-                punch: zeros.clone(),
-                direction: zeros.clone(),
-                image: zeros,
-            },
+            work: Workspace::new(nx * ny),
         }
     }
 
@@ -283,7 +262,8 @@ impl NormalSolver {
     /// `distance` and the prescribed value. Negative values count as zero.
     ///
     /// # Errors
-    /// The load is negative, a value is not finite, or the iteration does not converge.
+    /// The load is negative, a value is not finite, the iteration does not converge, or a contact
+    /// that repeats cannot carry the load under the bound of the pressure.
     ///
     /// # Panics
     /// If a field does not have the size of the grid.
@@ -504,7 +484,7 @@ impl NormalSolver {
             approach: progress.approach,
             normal_force: pressure.iter().sum::<f64>() * self.area,
             contact_elements: loaded().count(),
-            touches_edge: loaded().any(|(at, _)| on_edge(at)),
+            touches_edge: self.ends && loaded().any(|(at, _)| on_edge(at)),
             iterations: progress.iterations,
             convolutions: progress.convolutions,
             residual: progress.residual,
@@ -524,35 +504,6 @@ impl Progress {
             stale: true,
             new_contact: true,
         }
-    }
-}
-
-impl Workspace {
-    /// Sets a field to zero outside C.
-    fn cut(&mut self, field: impl Fn(&mut Self) -> &mut Vec<f64>) {
-        let mut values = std::mem::take(field(self));
-        for (value, flag) in values.iter_mut().zip(&self.in_contact) {
-            if !*flag {
-                *value = 0.0;
-            }
-        }
-        *field(self) = values;
-    }
-
-    /// Chooses δ so that Σ z = 0 and adds its part to r and z; returns δ.
-    fn balance(&mut self) -> f64 {
-        let approach = -self.step.iter().sum::<f64>() / self.punch.iter().sum::<f64>();
-        for (at, flag) in self.in_contact.iter().enumerate() {
-            if *flag {
-                self.residual[at] += approach;
-                self.step[at] += approach * self.punch[at];
-            }
-        }
-        approach
-    }
-
-    fn root_mean_square(&self, count: usize) -> f64 {
-        (dot(&self.residual, &self.residual) / count.max(1) as f64).sqrt()
     }
 }
 

@@ -10,6 +10,33 @@ use proto::model::{InputField, Inputs, Model, Outputs, StateError, Step, StepErr
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
+/// Largest accepted difference between the prescribed and the carried normal force, relative to the
+/// prescribed one. It is above the tolerance of every search of a force: the coarsest, that of
+/// `wheel-on-track`, is 1e-5.
+const LARGEST_LOAD_ERROR: f64 = 2e-5;
+
+/// Prescribed normal force of a window, and the one that the pressure of its solution carries [N].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CarriedLoad {
+    pub(super) prescribed: f64,
+    pub(super) carried: f64,
+}
+
+impl CarriedLoad {
+    /// Refuses a solution that does not carry its load.
+    fn check(self) -> Result<(), StepError> {
+        let Self { prescribed, carried } = self;
+        // Written so that a NaN is refused too.
+        if (carried - prescribed).abs() <= LARGEST_LOAD_ERROR * prescribed {
+            return Ok(());
+        }
+        Err(StepError::NoSolution(format!(
+            "the contact carries {carried:.6e} N of a prescribed normal force of {prescribed:.6e} N: its pressure is not solved; \
+             check load, shapes and limits of the pressure, or choose another mech.model"
+        )))
+    }
+}
+
 /// A contact that is solved in time windows.
 pub(super) trait Contact {
     /// A solved window: everything that fields, figures and the next window need.
@@ -36,6 +63,13 @@ pub(super) trait Contact {
     /// Window whose fields hold before the first solve, if it is known without inputs.
     fn first(&mut self) -> Option<Self::Window> {
         None
+    }
+
+    /// Prescribed and carried normal forces of a window, one for each wheel. Every solution is
+    /// refused that does not carry its load. Empty where no force is prescribed, where the force
+    /// defines the pressure in closed form, or where inertia takes a part of it.
+    fn loads(&self, _window: &Self::Window) -> Vec<CarriedLoad> {
+        Vec::new()
     }
 
     /// Speeds of the upper and the lower surface if no first window is known [m/s]; all other
@@ -131,7 +165,9 @@ impl<C: Contact> Model for ContactModel<C> {
         if !trial.as_ref().is_some_and(|window| contact.solves(window, step)) {
             let memory = trial.take().or(spent.take());
             if !accepted.as_ref().is_some_and(|window| contact.solves(window, step)) {
-                *trial = Some(contact.solve(step, inputs, accepted.as_ref(), memory)?);
+                let window = contact.solve(step, inputs, accepted.as_ref(), memory)?;
+                contact.loads(&window).into_iter().try_for_each(CarriedLoad::check)?;
+                *trial = Some(window);
             }
         }
         let window = trial.as_ref().or(accepted.as_ref()).expect("one of them answers");
@@ -209,4 +245,21 @@ pub(super) fn write_pair(values: &mut [f64], [x, y]: &[Vec<f64>; 2]) {
     let (first, second) = values.split_at_mut(x.len());
     first.copy_from_slice(x);
     second.copy_from_slice(y);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_carry_its_load_is_refused_with_both_forces() {
+        let check = |prescribed: f64, carried: f64| CarriedLoad { prescribed, carried }.check();
+        assert_eq!(check(1800.0, 1800.0 * (1.0 + 1e-5)), Ok(()));
+        assert_eq!(check(0.0, 0.0), Ok(()));
+        let message = check(1800.0, 1775.8).unwrap_err().to_string();
+        assert!(
+            message.contains("carries 1.775800e3 N of a prescribed normal force of 1.800000e3 N")
+        );
+        assert!(check(1800.0, f64::NAN).is_err());
+    }
 }

@@ -15,6 +15,15 @@ pub(super) fn extend(section: &mut Value, more: Value) {
     }
 }
 
+/// Adds the share of the contact area whose pressure is at its largest possible value, if there is
+/// one.
+pub(super) fn add_limited_area(figures: &mut Value, bound: f64, pressure: &[f64]) {
+    if bound < f64::INFINITY {
+        let count = |from: f64| pressure.iter().filter(|p| **p >= from).count() as f64;
+        figures["limited_area_ratio"] = (count(bound) / count(f64::MIN_POSITIVE)).into();
+    }
+}
+
 /// Adds the number of patches of a pressure and, if there are several, the figures of each.
 pub(super) fn add_patches(figures: &mut Value, grid: &Structured, pressure: &[f64]) {
     let patches = patches(grid, pressure);

@@ -6,7 +6,7 @@
 //! smallest contact, but not less than a third of that for the largest.
 
 use crate::case::ellipse::{Ellipse, Extent};
-use crate::case::scene::{GivenPatch, Load, Scene};
+use crate::case::scene::{GivenPatch, Load, SPEED, Scene};
 use crate::terms::axle_load::AxleLoad;
 use crate::terms::{Kind, Terms};
 use elastic::axle::Axle;
@@ -307,6 +307,55 @@ fn axle_load(
         ),
         Some(axle_load) => Ok((Rc::new(axle_load), ellipse.normal_force)),
         None => refused("the stiffness of a given ellipse is not known", "remove [contact]"),
+    }
+}
+
+/// Reason why a contact that rolls in some rows cannot stand still in others.
+const STANDSTILL: &str = "a contact that rolls has neither creepages nor power at standstill";
+/// Fix for a row at standstill.
+const GO_ON: &str = "leave these rows out, or write a small speed such as 0.001 m/s, at which the \
+                     forces are those of the limit";
+
+/// Refuses histories in which the bodies roll in some windows and stand still in others.
+///
+/// # Errors
+/// A row, or a stretch between rows, with a speed of zero beside others.
+pub(crate) fn refuse_standstill(configuration: &Configuration) -> Result<(), Refusal> {
+    let Some(histories) = &configuration.histories else { return Ok(()) };
+    let Some(speeds) = histories.values.get(SPEED) else { return Ok(()) };
+    let Some(largest) = speeds.iter().copied().max_by(f64::total_cmp).filter(|most| *most > 0.0)
+    else {
+        return Ok(());
+    };
+    // A speed that only touches zero between two rows has no window at standstill. The first row
+    // describes the case.
+    let stands = |row: &usize| {
+        let beside = [row.checked_sub(1), Some(row + 1)];
+        let goes_on = beside.iter().flatten().any(|row| speeds.get(*row) == Some(&0.0));
+        speeds[*row] == 0.0 && (histories.rows || *row == 0 || goes_on)
+    };
+    match (0..speeds.len()).find(stands) {
+        Some(row) => Err(Refusal::new(
+            SPEED,
+            format!(
+                "is 0 m/s in row {} of its column and up to {largest} m/s in others: {STANDSTILL}",
+                row + 1
+            ),
+            GO_ON,
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a row at standstill of a contact that rolls, and a rolling row of one that does not.
+pub(super) fn refuse_change_of_rolling(before: &Scene, now: &Scene) -> Result<(), Refusal> {
+    match (before.speeds.rolling > 0.0) == (now.speeds.rolling > 0.0) {
+        true => Ok(()),
+        false => Err(Refusal::new(
+            SPEED,
+            format!("is 0 m/s in one row and above 0 m/s in another: {STANDSTILL}"),
+            GO_ON,
+        )),
     }
 }
 

@@ -54,8 +54,8 @@ pub(crate) fn driven(mut case: Value, drive: &str, value: f64) -> Value {
 pub(crate) fn fitted(mut case: Value, model: &str) -> Value {
     case["mech"]["model"] = json!(model);
     if model == "periodic" {
-        case["mech"]["period_x"] = json!(8e-3);
-        case["mech"]["period_y"] = json!(8e-3);
+        case["mech"]["period_x"] = json!(12e-3);
+        case["mech"]["period_y"] = json!(12e-3);
         case["mech"]["resolution"] = json!(4);
         case = driven(case, "creepage", -0.002);
         for (body, radius) in [("wheel", "radius_x"), ("rail", "radius_y")] {

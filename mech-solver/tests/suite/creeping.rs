@@ -115,12 +115,19 @@ fn a_ball_sinks_in_as_lee_and_radok_have_it() {
         let found = [ball.number("approach_m"), highest];
         let expected = [Ball::approach(t), Ball::pressure(t)];
         let [approach, highest] = [0, 1].map(|k| found[k] / expected[k]);
+        let radius = Ball::radius(t);
+        let axes = ["semi_axis_a_m", "semi_axis_b_m"].map(|key| ball.number(key) / radius);
+        let area = ball.number("area_m2") / (PI * radius * radius);
         println!(
-            "{:4.1} τ: of the closed form approach {approach:.5}, pressure {highest:.4}",
+            "{:4.1} τ: of the closed form approach {approach:.5}, pressure {highest:.4}, semi-axes \
+             {axes:.4?}, area {area:.4}",
             t / TIME
         );
         assert_close(found[0], expected[0], 1e-3);
         assert_close(found[1], expected[1], 3e-3);
+        // The edge is known to half an element where the pressure does not fall with the root.
+        assert!(axes.iter().all(|axis| (axis - 1.0).abs() < 0.03), "{axes:?}");
+        assert!((area - 1.0).abs() < 0.03, "{area}");
         assert!(ball.number("hysteresis_power_w") > 0.0);
     }
 }

@@ -170,7 +170,7 @@ fn models(files: &Files) -> Vec<Tried> {
     periodic["mech"]["resolution"] = json!(20);
     vec![
         tried("half-space", round("half-space", json!({})), ellipse, true, 8e-3),
-        tried("hertz-carter", round("hertz-carter", json!({})), ellipse, false, 3e-3),
+        tried("hertz-carter", round("hertz-carter", json!({})), ellipse, false, 6e-3),
         tried("fastsim", round("fastsim", json!({})), Shape::Parabola, false, 5e-3),
         tried(
             "fastsim, elliptic",
@@ -303,7 +303,7 @@ fn one_coefficient_carries_the_force_of_a_weak_layer() {
         case["effects"]["shear_limit"] = json!({"yield_stress": bound});
         let (found, ..) = solve(&case);
         let expected = force(Shape::HalfEllipse, axes, ellipse.max_pressure, |_| FRICTION, bound);
-        assert!((found / expected - 1.0).abs() < 3e-3, "{bound}: {found} {expected}");
+        assert!((found / expected - 1.0).abs() < 6e-3, "{bound}: {found} {expected}");
     }
 }
 

@@ -95,6 +95,34 @@ fn tops_under_a_light_load_are_hertzian() {
     assert!((area - 1.0).abs() < 0.08, "{area}");
 }
 
+/// Below a limit of the pressure the cell carries its load, from light contact to nearly every
+/// element at the limit. Tolerance: the search of the approach. A load that the limit cannot carry
+/// is refused.
+#[test]
+fn a_limited_pressure_carries_the_load() {
+    let limit = 400e6;
+    let limited = |mean: f64| {
+        let mut case = wavy(mean, 64);
+        case["effects"]["pressure_limit"] = json!({"hardness": limit});
+        case
+    };
+    for share in [0.01, 0.2, 0.45, 0.9, 0.999] {
+        let run = run(&limited(share * limit));
+        let sum = run.fields["pressure"].iter().sum::<f64>() / 64.0;
+        assert!((sum / (share * limit) - 1.0).abs() < 2e-9, "{share}: {sum}");
+        assert!(run.fields["pressure"].iter().all(|p| (0.0..=limit).contains(p)), "{share}");
+        let (load, separation) = (run.number("normal_force_n"), run.number("separation_m"));
+        assert!((run.number("creep_force_x_n") / (-0.2 * load * 0.6) - 1.0).abs() < 1e-9);
+        assert!((0.0..AMPLITUDE).contains(&separation), "{separation}");
+        assert_eq!(run.number("limited_area_ratio") > 0.0, share > 0.3, "{share}");
+    }
+    for share in [1.0, 50.0] {
+        let refused = refusal(&configuration(&limited(share * limit)));
+        assert_eq!(refused.key, "load.normal_force");
+        assert!(refused.reason.contains("effects.pressure_limit allows less than 4.0000e8 Pa"));
+    }
+}
+
 /// A self-affine surface is periodic like the contact.
 #[test]
 fn roughness_repeats() {

@@ -1,9 +1,9 @@
 //! Cases with varying values: rows of a sequence, solved again, from a saved state, or without a
 //! solution.
 
-use crate::common::{NoInputs, Store, assert_close, configuration, driven, paper, run};
+use crate::common::{NoInputs, Store, assert_close, configuration, driven, fitted, paper, run};
 use mech_solver::MechSolver;
-use proto::configuration::{Configuration, Layout};
+use proto::configuration::{Configuration, Layout, Mode};
 use proto::history::Histories;
 use proto::model::{Model, Solver, Step, StepError, StepReport};
 use proto::progress::Progress;
@@ -100,4 +100,28 @@ fn friction_follows_the_slip_of_every_row() {
             assert!(fields.0["pressure"].iter().any(|pressure| *pressure > 0.0));
         }
     }
+}
+
+/// A row at standstill among rolling rows is refused before the run, by every model that rolls. A
+/// speed that touches zero between two rows is none; a stretch at zero is.
+#[test]
+fn a_standstill_in_a_history_is_refused() {
+    let over = |model: &str, rows: bool, speeds: &[f64]| {
+        let case = fitted(driven(paper(), "creepage", -2e-3), model);
+        let times = (0..speeds.len()).map(|row| row as f64).collect();
+        let values = [("motion.speed".to_owned(), speeds.to_vec())].into();
+        let histories = Some(Histories { rows, times, values, live: None });
+        let mode = if rows { Mode::Steady } else { Mode::Transient };
+        MechSolver.configure(&Configuration { histories, mode, ..configuration(&case) }).err()
+    };
+    for model in ["hertz-carter", "fastsim", "half-space", "conformal", "wheel-on-track"] {
+        let refused = over(model, true, &[30.0, 0.0, 20.0]).expect("a refusal");
+        assert_eq!(refused.key, "motion.speed", "{model}: {refused}");
+        assert!(refused.reason.contains("row 2"), "{model}: {refused}");
+        assert!(refused.fix.contains("0.001 m/s"), "{model}: {refused}");
+        let refused = over(model, false, &[30.0, 0.0, 0.0, 20.0]).expect("a refusal");
+        assert!(refused.reason.contains("row 2"), "{model}: {refused}");
+    }
+    assert_eq!(over("half-space", false, &[30.0, 0.0, 20.0]), None);
+    assert_eq!(over("half-space", true, &[30.0, 0.001, 20.0]), None);
 }

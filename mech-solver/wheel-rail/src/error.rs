@@ -83,6 +83,16 @@ pub enum TrackError {
         /// Last change relative to the largest pressure.
         change: f64,
     },
+    /// The displacements of patches by each other did not converge.
+    #[error(
+        "patches that displace each other did not converge: their normal forces still change by \
+         {change:.1e} of the sum; choose elements of another size (mech.resolution), or write \
+         mech.patch_influence = \"none\""
+    )]
+    Patches {
+        /// Last change of a normal force relative to the sum of all.
+        change: f64,
+    },
     /// Error of the normal contact of a patch.
     #[error(transparent)]
     Normal(#[from] NormalError),

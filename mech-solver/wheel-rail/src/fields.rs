@@ -9,6 +9,7 @@
 use super::local::Window;
 use grids::Structured;
 use half_space::difference::Difference;
+use half_space::dissipation::without_negative;
 use half_space::friction::ElementFriction;
 use half_space::tangential::{ElementState, TangentialState};
 
@@ -122,6 +123,7 @@ impl Fields {
                 self.element[to] = state.element[from];
             }
         }
+        without_negative(&mut self.friction_power);
     }
 
     /// Power [W] of the tractions on a window around the same origin against a slip per step [m].

@@ -30,6 +30,9 @@ const SAME: f64 = 5e-3;
 /// Most iterations of patches that displace each other, or of pressure and tractions. Each
 /// iteration leaves a tenth of the last change, or less.
 const MOST_TURNS: usize = 60;
+/// Iterations of pressure and tractions with the whole change of the gap; later ones take half of
+/// it, because an edge element may alternate between contact and no contact.
+const WHOLE_TURNS: usize = 20;
 /// Forces of patches have converged when they change by less than this share of the tolerance.
 const MUTUAL_SHARE: f64 = 0.03;
 /// Pressure and tractions on a curved surface have converged when they change by less than this
@@ -223,22 +226,28 @@ impl Pair {
             pressed.push(found);
         }
         if self.settings.mutual {
-            self.press_together(&mut pressed)?;
+            self.press_together(&mut pressed, MOST_TURNS)?;
         }
         pressed.retain(|patch| patch.normal_force > 0.0);
         self.pressed = pressed;
         Ok(())
     }
 
-    /// Presses patches in turn, until their mutual displacements have converged.
-    fn press_together(&mut self, pressed: &mut [NormalPatch]) -> Result<(), TrackError> {
+    /// Presses patches in turn, until their mutual displacements have converged, at most `turns`
+    /// times.
+    pub(super) fn press_together(
+        &mut self,
+        pressed: &mut [NormalPatch],
+        turns: usize,
+    ) -> Result<(), TrackError> {
         if pressed.len() < 2 {
             return Ok(());
         }
         let compliance = self.settings.bodies.contact_compliance();
         let mut acting: Vec<BlockLoads> = pressed.iter().map(BlockLoads::of).collect();
-        for _ in 0..MOST_TURNS {
-            let (mut change, mut force) = (0.0_f64, 0.0);
+        let (mut change, mut force) = (0.0_f64, 0.0);
+        for _ in 0..turns {
+            (change, force) = (0.0, 0.0);
             for at in 0..pressed.len() {
                 let others = acting.iter().enumerate().filter(|(k, _)| *k != at).map(|(_, o)| o);
                 let patch = &mut pressed[at];
@@ -252,10 +261,10 @@ impl Pair {
                 self.work.normal_iterations += patch.iterations - iterations;
             }
             if change <= MUTUAL_SHARE * self.settings.tolerance * force {
-                break;
+                return Ok(());
             }
         }
-        Ok(())
+        Err(TrackError::Patches { change: change / force })
     }
 
     /// Separates patches by the criterion at this height; returns true if the separation is
@@ -332,7 +341,7 @@ fn slide(
     let (rail, pose, motion) = bodies;
     let mut traction = [0, 1].map(|_| vec![0.0; pressed.window.points()]);
     let mut change = f64::INFINITY;
-    for _ in 0..MOST_TURNS {
+    for turn in 0..MOST_TURNS {
         let rolling = rolling(&pressed.frame, pressed.approach(), rail, pose, motion)?;
         let part = pressed.contact_window();
         let besides = match settings.rigid_slip {
@@ -349,7 +358,9 @@ fn slide(
         }
         let before = std::mem::replace(&mut traction, slid.fields.traction);
         let iterations = pressed.iterations;
-        change = pressed.yield_to(&traction, pool)?.max(change_of(&traction, &before, pressed));
+        let share = if turn < WHOLE_TURNS { 1.0 } else { 0.5 };
+        let yielded = pressed.yield_to(&traction, share, pool)? / share;
+        change = yielded.max(change_of(&traction, &before, pressed));
         work.normal_iterations += pressed.iterations - iterations;
         near = slid.state.map(|state| (part.half, state));
     }

@@ -254,16 +254,22 @@ impl NormalPatch {
         (0..window.points()).map(|index| at(index).unwrap_or(0.0)).collect()
     }
 
-    /// Opens the gap of a patch on a curved surface by the tractions and solves the pressure again.
-    /// Returns the change of pressure relative to the largest.
+    /// Opens the gap of a patch on a curved surface by `share` of the change towards its opening by
+    /// the tractions, and solves the pressure again. Returns the change of pressure relative to the
+    /// largest.
     pub(super) fn yield_to(
         &mut self,
         traction: &[Vec<f64>; 2],
+        share: f64,
         pool: &mut Pool,
     ) -> Result<f64, TrackError> {
         let Some(curved) = &mut self.curved else { return Ok(0.0) };
         self.opening.resize(self.distance.len(), 0.0);
+        let before = self.opening.clone();
         curved.opening(traction, &mut self.opening);
+        for (opening, before) in self.opening.iter_mut().zip(&before) {
+            *opening = share * *opening + (1.0 - share) * before;
+        }
         let before = self.pressure.clone();
         self.solve(&self.window.clone(), pool)?;
         let changes = self.pressure.iter().zip(&before).map(|(p, q)| (p - q).abs());

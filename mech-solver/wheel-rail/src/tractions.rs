@@ -98,7 +98,11 @@ impl TractionProblem<'_> {
         };
         let [x, y] = &state.traction;
         let dissipation = match settings.adhesion {
-            true => pool.tangential(part).dissipation([x, y], &[], rolling.speed),
+            true => {
+                let mut pressure = vec![0.0; part.points()];
+                copy_centred((window, &fields.pressure), (part, &mut pressure));
+                pool.tangential(part).dissipation([x, y], &pressure, rolling.speed)
+            }
             false => None,
         };
         fields.take(part, &state, rolling.speed, dissipation.as_deref());

@@ -14,9 +14,10 @@
 //! or, in the plane at s = 0, (ξ − φ s, η + φ x).
 //!
 //! Pressure and tractions are solved in turn until the pressure settles, as for bodies of different
-//! constants. The tangential solver uses the operator of half-spaces. The difference between A_tt
-//! and this operator acts with the tractions of the previous turn. The approach under a given force
-//! along z, F_z = ∫ (p_n cos α + p_s sin α) dA, is iterated in the same way.
+//! constants, with half steps if it does not settle soon. The tangential solver uses the operator
+//! of half-spaces. The difference between A_tt and this operator acts with the tractions of the
+//! previous turn. The approach under a given force along z, F_z = ∫ (p_n cos α + p_s sin α) dA, is
+//! iterated in the same way.
 //!
 //! Sources: Z. Li, Wheel–rail rolling contact and its application to wear simulation, thesis, Delft
 //! (2002), for the creepages; Vollebregt, Vehicle System Dynamics 56 (2018) 1622, where the yaw of
@@ -28,6 +29,7 @@ use super::numbers::{InfluenceNumbers, SurfaceGrid};
 use super::section::CrossSection;
 use super::shape::Arcs;
 use crate::difference::Difference;
+use crate::dissipation::without_negative;
 use crate::grid_continuation::{Contact, History, Levels, Motion, Solution, TangentialError};
 use crate::normal::{NormalError, Prescribed};
 use crate::tangential::{self, Creepage, TangentialState};
@@ -46,6 +48,9 @@ const TOLERANCE: f64 = 1e-4;
 const FORCE_TOLERANCE: f64 = 1e-9;
 /// Limit of turns between normal and tangential contact, and of steps of the approach.
 const MOST_TURNS: usize = 40;
+/// Turns with the whole change of the gap; later turns take half of it. Where tractions are large,
+/// an edge element may alternate between contact and no contact.
+const WHOLE_TURNS: usize = 10;
 
 /// Reason why a conformal contact has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -174,7 +179,8 @@ impl ConformalSolver {
         self.press(prescription, &closer, &mut found)?;
         let mut solution: Option<Solution> = None;
         let mut change = f64::INFINITY;
-        for _ in 0..MOST_TURNS {
+        let mut opened = closer.clone();
+        for turn in 0..MOST_TURNS {
             let bound: Vec<f64> =
                 found.pressure.iter().map(|p| prescription.friction * p).collect();
             self.slide(prescription, &bound, &mut solution, &mut found)?;
@@ -183,12 +189,16 @@ impl ConformalSolver {
                 return Ok(found);
             }
             let [x, s] = &found.state.traction;
-            self.elastic.opening([x, s], &mut closer);
+            self.elastic.opening([x, s], &mut opened);
+            let share = if turn < WHOLE_TURNS { 1.0 } else { 0.5 };
+            for (closer, opened) in closer.iter_mut().zip(&opened) {
+                *closer = share * opened + (1.0 - share) * *closer;
+            }
             let before = found.pressure.clone();
             self.press(prescription, &closer, &mut found)?;
             let largest = found.pressure.iter().copied().fold(0.0, f64::max);
             let changes = found.pressure.iter().zip(&before).map(|(p, q)| (p - q).abs());
-            change = changes.fold(0.0, f64::max) / largest;
+            change = changes.fold(0.0, f64::max) / (share * largest);
         }
         Err(ConformalError::Unsettled { change })
     }
@@ -362,7 +372,9 @@ impl ConformalSolver {
             let more = dissipation.as_ref().map_or(0.0, |dissipation| dissipation[index]);
             more - rate * (of(0) + of(1))
         };
-        (0..self.grid.points()).map(power).collect()
+        let mut power: Vec<f64> = (0..self.grid.points()).map(power).collect();
+        without_negative(&mut power);
+        power
     }
 
     /// Slip velocity of every element; zero outside the contact [m/s].

@@ -4,6 +4,10 @@
 //! with the approach, so one δ carries the given load. Secants between two approaches find it, with
 //! half weight for an end that stays (Illinois); each solve starts from the previous pressure. If
 //! the pressure of the contact without a bound stays below p̂, it is the solution.
+//!
+//! No grid carries more than p̂ times its area. On a grid that ends, a contact that reaches the
+//! edge is returned with the load it has, and a larger grid carries the rest. A contact that
+//! repeats has no larger grid, and the load is refused.
 
 use super::{NormalContact, NormalError, NormalSolver, Prescribed};
 
@@ -25,7 +29,11 @@ impl NormalSolver {
         let Prescribed::Load(load) = prescribed else {
             return self.run(distance, prescribed, pressure);
         };
-        let bound = std::mem::replace(&mut self.pressure_bound, f64::INFINITY);
+        let (bound, most) = (self.pressure_bound, self.most());
+        if !self.ends && load >= most {
+            return Err(NormalError::Bound { load, bound, most });
+        }
+        self.pressure_bound = f64::INFINITY;
         let free = self.run(distance, prescribed, pressure);
         self.pressure_bound = bound;
         let free = free?;
@@ -33,6 +41,11 @@ impl NormalSolver {
             true => Ok(free),
             false => self.search(distance, load, pressure, &free),
         }
+    }
+
+    /// Load of the grid at the bound of the pressure everywhere [N].
+    fn most(&self) -> f64 {
+        self.pressure_bound * self.area * self.work.image.len() as f64
     }
 
     /// Finds the approach that carries the load, starting from the approach without a bound.
@@ -55,7 +68,7 @@ impl NormalSolver {
             convolutions += found.convolutions;
             let missing = load - found.normal_force;
             residual = missing.abs() / load;
-            // A contact that has outgrown the grid cannot gain more load.
+            // A contact that has outgrown a grid that ends needs a larger one.
             if residual <= TOLERANCE || (found.touches_edge && missing > 0.0) {
                 return Ok(NormalContact { iterations, convolutions, ..found });
             }

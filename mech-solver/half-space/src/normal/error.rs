@@ -63,6 +63,19 @@ pub enum NormalError {
         /// Elements along y.
         ny: usize,
     },
+    /// A contact that repeats cannot carry the load under the bound of its pressure.
+    #[error(
+        "a load of {load:.6e} N is not possible under a largest pressure of {bound:.6e} Pa: at that \
+         pressure everywhere the cell carries {most:.6e} N"
+    )]
+    Bound {
+        /// Prescribed load [N].
+        load: f64,
+        /// Largest pressure [Pa].
+        bound: f64,
+        /// Load of the cell at the largest pressure everywhere [N].
+        most: f64,
+    },
     /// The residual did not fall below the tolerance.
     #[error(
         "the normal contact did not converge: residual {residual:.3e} after {iterations} \

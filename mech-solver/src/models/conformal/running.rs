@@ -3,10 +3,11 @@
 use super::case::{Case, Footprint, Row};
 use super::summary::summary;
 use super::window::Window;
-use crate::models::contact_model::{Contact, Nothing, write_pair};
+use crate::models::contact_model::{CarriedLoad, Contact, Nothing, write_pair};
 use crate::models::varying::no_answer;
 use crate::terms::Terms;
 use half_space::conformal::contact::{Conformal, ConformalSolver};
+use half_space::normal::Prescribed;
 use proto::configuration::Configuration;
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
@@ -64,6 +65,15 @@ impl Contact for Running {
 
     fn solves(&self, window: &Window, step: &Step) -> bool {
         self.row(step).is_ok_and(|row| row == window.row)
+    }
+
+    fn loads(&self, Window { row, contact, .. }: &Window) -> Vec<CarriedLoad> {
+        match row.prescription.load {
+            Prescribed::Load(prescribed) => {
+                vec![CarriedLoad { prescribed, carried: contact.force[2] }]
+            }
+            Prescribed::Approach(_) => Vec::new(),
+        }
     }
 
     fn first(&mut self) -> Option<Window> {

@@ -1,13 +1,16 @@
 //! Fields and figures of an instant.
 
-use super::balance::Balance;
+use super::balance::{Balance, Powers};
 use super::case::Case;
 use super::contact::ContactSolver;
+use crate::case::scene::Load;
 use crate::figures::indicators::{Indicators, SlipZone, add_elements, add_slip_zone};
-use crate::models::summary::add_patches;
+use crate::models::contact_model::CarriedLoad;
+use crate::models::summary::{add_limited_area, add_patches};
 use crate::terms::Accepted;
 use crate::terms::surface::KeptSurface;
 use half_space::area::contact_area;
+use half_space::dissipation::without_negative;
 use half_space::extent::Moments;
 use half_space::grid_continuation::Solution;
 use half_space::tangential::{Creepage, ElementState, TangentialState};
@@ -135,9 +138,11 @@ impl ContactFields {
         answer
     }
 
-    /// Adds the numerical dissipation of the difference along x to the friction power [W/m²].
+    /// Adds the numerical dissipation of the difference along x to the friction power [W/m²], of
+    /// which no element loses any.
     pub(super) fn add_numerical_dissipation(&mut self, case: &Case, power: &[f64]) {
         self.friction_power.iter_mut().zip(power).for_each(|(sum, power)| *sum += power);
+        without_negative(&mut self.friction_power);
         let added = power.iter().sum::<f64>() * case.footprint.grid.element_area();
         self.numerical_dissipation = Some(self.numerical_dissipation.unwrap_or(0.0) + added);
     }
@@ -205,8 +210,18 @@ impl ContactFields {
         }
     }
 
-    /// Section `contact` of `summary.json`.
-    pub(super) fn figures(&self, case: &Case) -> Value {
+    /// Powers of the instant or step [W].
+    pub(super) fn powers(&self, case: &Case) -> Powers {
+        Powers {
+            friction: self.friction_power.iter().sum::<f64>() * case.footprint.grid.element_area(),
+            balance: self.balance,
+            dissipated: self.dissipated,
+            layer: self.flowed.map(|flowed| flowed.power),
+        }
+    }
+
+    /// Section `contact` of `summary.json`, with powers that are means over the window.
+    pub(super) fn figures(&self, case: &Case, powers: &Powers) -> Value {
         let grid = &case.footprint.grid;
         let area = grid.element_area();
         let [normal, force_x, force_y, moment] = self.sums(grid).map(|sum| sum * area);
@@ -227,8 +242,8 @@ impl ContactFields {
             "slip_area_ratio": self.slip_area_ratio,
             "max_slip_velocity_m_per_s": largest(&self.slip_velocity),
             "max_traction_pa": largest(&self.traction),
-            "friction_power_w": self.friction_power.iter().sum::<f64>() * area,
         });
+        powers.add_to(&mut figures);
         add_patches(&mut figures, grid, &self.pressure);
         add_elements(&mut figures, grid);
         add_slip_zone(&mut figures, &self.slip_zone);
@@ -241,16 +256,9 @@ impl ContactFields {
             figures[name] = (value + 0.0).into();
         }
         Indicators::of(&case.scene).add_to(&mut figures);
-        if let Some(balance) = &self.balance {
-            balance.add_to(&mut figures);
-        }
-        if let Some(power) = self.dissipated {
-            figures["hysteresis_power_w"] = power.into();
-        }
-        if let Some(LayerFlow { largest_shift, area_ratio, power }) = self.flowed {
+        if let Some(LayerFlow { largest_shift, area_ratio, .. }) = self.flowed {
             figures["layer_plastic_shift_m"] = largest_shift.into();
             figures["layer_area_ratio"] = area_ratio.into();
-            figures["layer_power_w"] = power.into();
         }
         if let Some(approach) = self.approach {
             figures["approach_m"] = approach.into();
@@ -263,12 +271,7 @@ impl ContactFields {
             figures["rolling_resistance_n"] =
                 power.map(|power| power.rolling_resistance / speed).into();
         }
-        let bound = case.terms.pressure_bound();
-        if bound < f64::INFINITY {
-            let count = |from: f64| self.pressure.iter().filter(|p| **p >= from).count() as f64;
-            let touching = count(f64::MIN_POSITIVE);
-            figures["limited_area_ratio"] = (count(bound) / touching).into();
-        }
+        add_limited_area(&mut figures, case.terms.pressure_bound(), &self.pressure);
         let origin = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
         if origin != 0.0 {
             figures["origin_y_m"] = origin.into();
@@ -293,6 +296,17 @@ impl ContactFields {
             sums[3] += x * py[index] - y * px[index];
         }
         sums
+    }
+
+    /// Prescribed and carried normal force; empty where an approach is prescribed.
+    pub(super) fn loads(&self, case: &Case) -> Vec<CarriedLoad> {
+        let prescribed = match (&case.footprint.gap, &case.footprint.ellipse, case.scene.load) {
+            (None, Some(ellipse), _) => ellipse.normal_force,
+            (_, _, Load::NormalForce(force)) => force,
+            (_, _, Load::Approach(_)) => return Vec::new(),
+        };
+        let carried = self.pressure.iter().sum::<f64>() * case.footprint.grid.element_area();
+        vec![CarriedLoad { prescribed, carried }]
     }
 
     /// Writes a field. The friction power is the mean over the window, reduced to the share that
@@ -334,9 +348,9 @@ impl Case {
         }
     }
 
-    /// Sections of `summary.json`.
-    pub(super) fn summary(&self, answer: &ContactFields) -> Value {
-        let mut summary = json!({ "contact": answer.figures(self) });
+    /// Sections of `summary.json`, with powers that are means over the window.
+    pub(super) fn summary(&self, answer: &ContactFields, powers: &Powers) -> Value {
+        let mut summary = json!({ "contact": answer.figures(self, powers) });
         let removed = self.terms.removal.iter().map(|removal| removal.summary());
         let observed = self.terms.observations.iter().filter_map(|term| term.summary());
         for (section, figures) in removed.chain(observed) {

@@ -96,6 +96,51 @@ impl Hysteresis {
     }
 }
 
+/// Powers of a contact: of a step, or means over a window [W].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Powers {
+    pub(super) friction: f64,
+    /// Power balance, if it is known.
+    pub(super) balance: Option<Balance>,
+    /// Power dissipated inside creeping bodies by pressure and tractions.
+    pub(super) dissipated: Option<f64>,
+    /// Friction power due to plastic flow of a layer.
+    pub(super) layer: Option<f64>,
+}
+
+impl Powers {
+    /// Adds the powers of a step that takes this share of the window.
+    pub(super) fn add(&mut self, share: f64, step: &Self) {
+        self.friction += share * step.friction;
+        add(&mut self.dissipated, share, step.dissipated);
+        add(&mut self.layer, share, step.layer);
+        if let Some(balance) = &step.balance {
+            self.balance.get_or_insert_default().add(share, balance);
+        }
+    }
+
+    /// Adds the figures to the section `contact` of `summary.json`.
+    pub(super) fn add_to(&self, figures: &mut Value) {
+        figures["friction_power_w"] = self.friction.into();
+        if let Some(balance) = &self.balance {
+            balance.add_to(figures);
+        }
+        if let Some(power) = self.dissipated {
+            figures["hysteresis_power_w"] = power.into();
+        }
+        if let Some(power) = self.layer {
+            figures["layer_power_w"] = power.into();
+        }
+    }
+}
+
+/// Adds a share of a value that may be unknown.
+fn add(sum: &mut Option<f64>, share: f64, value: Option<f64>) {
+    if let Some(value) = value {
+        *sum.get_or_insert_default() += share * value;
+    }
+}
+
 /// Σ_m a_m (p_{I+m} − p_{I−m}), with a the antisymmetric part of a finite difference.
 fn along(nx: usize, differences: [f64; 2], values: &[f64], index: usize) -> f64 {
     let column = index % nx;
@@ -108,6 +153,22 @@ fn along(nx: usize, differences: [f64; 2], values: &[f64], index: usize) -> f64 
 }
 
 impl Balance {
+    /// Adds a share of another balance, to form the mean over a window.
+    fn add(&mut self, share: f64, other: &Self) {
+        self.friction += share * other.friction;
+        self.forces += share * other.forces;
+        self.exchanged += share * other.exchanged;
+        add(&mut self.stored, share, other.stored);
+        add(&mut self.hysteresis, share, other.hysteresis);
+        add(&mut self.numerical_dissipation, share, other.numerical_dissipation);
+        if let Some(PressurePower { rolling_resistance, edges, exchanged }) = other.pressure {
+            let own = self.pressure.get_or_insert_default();
+            own.rolling_resistance += share * rolling_resistance;
+            own.edges += share * edges;
+            own.exchanged += share * exchanged;
+        }
+    }
+
     /// Power supplied and not stored or dissipated inside the bodies [W].
     fn given(&self) -> f64 {
         let pressure = self.pressure.map_or(0.0, |p| p.rolling_resistance + p.edges);
@@ -131,7 +192,7 @@ impl Balance {
     }
 
     /// Adds the figures of the balance to the section `contact` of `summary.json`.
-    pub(super) fn add_to(&self, figures: &mut Value) {
+    fn add_to(&self, figures: &mut Value) {
         figures["creep_power_w"] = json!(self.forces);
         figures["power_imbalance"] = json!(self.imbalance());
         if let Some(PressurePower { rolling_resistance, edges, .. }) = self.pressure {

@@ -4,6 +4,7 @@ use super::drive::Driven;
 use super::geometry::Footprint;
 use crate::case::ellipse::Ellipse;
 use crate::case::scene::{GivenPatch, Scene};
+use crate::models::varying::refuse_change_of_rolling;
 use crate::terms::Terms;
 use crate::terms::surface::KeptSurface;
 use half_space::difference::Difference;
@@ -52,6 +53,7 @@ impl Case {
         patch: Option<GivenPatch>,
     ) -> Result<(), Refusal> {
         let scene = Scene::read(&row.case)?;
+        refuse_change_of_rolling(&self.scene, &scene)?;
         let given = patch.map(|patch| Ellipse::solve(&scene, Some(patch))).transpose()?;
         let ellipse = given.map_or_else(|| Ellipse::solve(&scene, None), Ok)?;
         self.driven =

@@ -64,6 +64,8 @@ pub(super) struct ContactSolver {
     normal: Option<Normal>,
     levels: Option<Levels>,
     coupling: Option<Coupling>,
+    /// Displacements by which viscoelastic bodies dissipate, built when first needed.
+    dissipating: Option<Dissipating>,
     /// Friction of every element.
     friction: ElementFriction,
     area: f64,
@@ -83,6 +85,26 @@ pub(super) struct ContactSolver {
     velocity: Option<Vec<f64>>,
     /// Set if the last solve could not reach the prescribed force.
     pub(super) shortfall: Option<Shortfall>,
+}
+
+/// Tangential displacement by the tractions of viscoelastic bodies, and the coupling of different
+/// bodies.
+#[derive(Debug)]
+struct Dissipating {
+    tangential: Displacement,
+    coupling: Option<Coupling>,
+}
+
+impl Dissipating {
+    fn new(case: &Case) -> Self {
+        let (grid, bodies) = (&case.footprint.grid, &case.bodies);
+        let (counts, sides) = ([grid.ni, grid.nj], [grid.dx(), grid.dy()]);
+        let coupling = || Coupling::with_memory(bodies, counts, sides, Stencil::DISPLACEMENT);
+        Self {
+            tangential: Displacement::new(bodies, 0.0, grid, counts),
+            coupling: bodies.are_coupled().then(coupling),
+        }
+    }
 }
 
 /// A normal contact problem.
@@ -131,6 +153,7 @@ impl ContactSolver {
                 let influence = Influence::of_grid(grid, case.bodies.instantaneous);
                 Coupling::new(&influence, grid.ni, grid.nj, stencil)
             }),
+            dissipating: None,
             friction: ElementFriction::uniform(grid.points(), case.scene.friction_coefficient),
             frictionless: Default::default(),
             area: grid.element_area(),
@@ -434,18 +457,16 @@ impl ContactSolver {
     ) -> Option<Hysteresis> {
         let normal = self.normal.as_ref().filter(|_| case.bodies.remember())?;
         let (grid, duration) = (&case.footprint.grid, case.passage().duration);
-        let (counts, sides) = ([grid.ni, grid.nj], [grid.dx(), grid.dy()]);
         let differences = case.difference.antisymmetric();
         let mut taken = Hysteresis::default();
         let mut closed = normal.solver.displacement().to_vec();
         if let Some(traction) = traction {
             let zeros = vec![0.0; grid.points()];
             let [mut along, mut across] = [zeros.clone(), zeros];
-            let mut operator = Displacement::new(&case.bodies, 0.0, grid, counts);
-            operator.apply(traction, [&mut along, &mut across]);
-            if case.bodies.are_coupled() {
-                let mut coupling =
-                    Coupling::with_memory(&case.bodies, counts, sides, Stencil::DISPLACEMENT);
+            let Dissipating { tangential, coupling } =
+                self.dissipating.get_or_insert_with(|| Dissipating::new(case));
+            tangential.apply(traction, [&mut along, &mut across]);
+            if let Some(coupling) = coupling {
                 let [mut more_along, mut more_across] = [along.clone(), across.clone()];
                 coupling.slip_by_pressure(&self.pressure, [&mut more_along, &mut more_across]);
                 add(&mut along, &more_along);

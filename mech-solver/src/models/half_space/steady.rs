@@ -10,7 +10,7 @@ use super::balance::Balance;
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use crate::case::scene::GivenPatch;
-use crate::models::contact_model::Contact;
+use crate::models::contact_model::{CarriedLoad, Contact};
 use crate::models::creepage_search::CreepageSearch;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
@@ -146,6 +146,8 @@ impl Steady {
             spent.inner_iterations += report.inner_iterations;
             spent.work += report.work;
             if !searched || search.take(answer.creepage)? {
+                // Counted since the contact was reset.
+                spent.inner_iterations += contact.normal_iterations as u32;
                 return Ok((answer, spent, solution));
             }
             near = solution.map(|solution| Solution::new(solution.state));
@@ -183,7 +185,6 @@ impl Steady {
         let hysteresis = contact.hysteresis(case, traction);
         let balance = Balance::steady(case, &answer, pressure, hysteresis);
         answer.balance = Some(balance.check().map_err(|error| no_solution(error.into()))?);
-        report.inner_iterations += contact.normal_iterations as u32;
         Ok((answer, report, found))
     }
 }
@@ -217,6 +218,10 @@ impl Contact for Steady {
         !self.case.terms.follow_inputs() && self.following.is_none()
     }
 
+    fn loads(&self, window: &Window) -> Vec<CarriedLoad> {
+        window.answer.loads(&self.case)
+    }
+
     fn first_speeds(&self) -> [f64; 2] {
         self.case.scene.speeds.of_surfaces(0.0)
     }
@@ -248,7 +253,7 @@ impl Contact for Steady {
     }
 
     fn summary(&self, window: &Window) -> Value {
-        let mut summary = self.case.summary(&window.answer);
+        let mut summary = self.case.summary(&window.answer, &window.answer.powers(&self.case));
         if let Some(following) = &self.following {
             following.varying.add_to(&mut summary["contact"], &window.step);
         }

@@ -28,12 +28,12 @@
 //! state (`mech.begin`).
 
 use super::answer::ContactFields;
-use super::balance::Balance;
+use super::balance::{Balance, Powers};
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::creeping::{CreepState, CreepingBodies, Instant};
 use super::steady::{Following, MOST_BYTES};
-use crate::models::contact_model::Contact;
+use crate::models::contact_model::{CarriedLoad, Contact};
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::no_answer;
 use crate::terms::Terms;
@@ -70,6 +70,8 @@ pub(super) struct Window {
     memory: StepState,
     /// Mean friction power over the window [W/m²].
     power: Vec<f64>,
+    /// Means of all powers over the window.
+    powers: Powers,
     report: StepReport,
     /// Set if some step could not reach the prescribed force.
     shortfall: Option<Shortfall>,
@@ -127,8 +129,14 @@ impl Tangential {
     }
 
     /// Numerical dissipation of the second-order time difference, ¼ Σ δ_t²p·δ_t²u over the duration
-    /// of a step [W/m²].
-    fn dissipated(&self, before: &Self, earlier: &Self, duration: f64) -> Vec<f64> {
+    /// of a step [W/m²], in elements with pressure.
+    fn dissipated(
+        &self,
+        before: &Self,
+        earlier: &Self,
+        pressure: &[f64],
+        duration: f64,
+    ) -> Vec<f64> {
         let second_difference = |of: fn(&Self) -> &[Vec<f64>; 2]| {
             let [now, before, earlier] = [self, before, earlier].map(of);
             [0, 1].map(|k| -> Vec<f64> {
@@ -140,7 +148,7 @@ impl Tangential {
         let displacement = second_difference(|instant| &instant.displacement);
         let [px, py] = &traction;
         let [ux, uy] = &displacement;
-        shared([px, py], [ux, uy], 0.25 / duration)
+        shared([px, py], [ux, uy], pressure, 0.25 / duration)
     }
 }
 
@@ -310,21 +318,23 @@ impl Transient {
                 window.shortfall = window.shortfall.or(shortfall);
                 window.report.substeps += 1;
             }
-            let Window { memory, power, .. } = window;
+            let Window { memory, power, powers, .. } = window;
             let taken = memory.left.min(rest);
             let share = taken / duration;
             for (mean, power) in power.iter_mut().zip(&memory.answer.friction_power) {
                 *mean += share * power;
             }
+            powers.add(share, &memory.answer.powers(&self.case));
             rest -= taken;
             memory.left -= taken;
             if memory.left <= ROUNDING * taken {
                 memory.left = 0.0;
             }
         }
-        let Window { memory, power, report, .. } = window;
+        let Window { memory, power, powers, report, .. } = window;
         if duration == 0.0 {
             power.clone_from(&memory.answer.friction_power);
+            *powers = memory.answer.powers(&self.case);
         }
         report.inner_iterations = memory.solution.newton_steps as u32;
         report.work = memory.solution.operator_applications as u64;
@@ -399,7 +409,7 @@ impl Transient {
         }
         let after = trial.tangential();
         if let Some(earlier) = &earlier {
-            let power = after.dissipated(&before, earlier, case.passage().duration);
+            let power = after.dissipated(&before, earlier, &pressure, case.passage().duration);
             trial.answer.add_numerical_dissipation(case, &power);
         }
         if !case.bodies.are_coupled() {
@@ -461,18 +471,16 @@ impl Contact for Transient {
             self.begin(inputs)?;
         }
         let before = accepted.map_or(&self.start, |window| &window.memory);
-        let report = StepReport::default();
-        let mut window = match spent {
+        let (memory, power) = match spent {
             Some(Window { mut memory, mut power, .. }) => {
                 memory.clone_from(before);
                 power.fill(0.0);
-                Window { memory, power, report, shortfall: None }
+                (memory, power)
             }
-            None => {
-                let power = vec![0.0; before.pressure.len()];
-                Window { memory: before.clone(), power, report, shortfall: None }
-            }
+            None => (before.clone(), vec![0.0; before.pressure.len()]),
         };
+        let (powers, report) = (Powers::default(), StepReport::default());
+        let mut window = Window { memory, power, powers, report, shortfall: None };
         self.follow(step, &window.memory)?;
         let creepage = self.case.driven.at(0.0).creepage;
         for contact in self.further.iter_mut().chain([&mut self.contact]) {
@@ -480,6 +488,10 @@ impl Contact for Transient {
         }
         self.advance(&mut window, step.duration(), inputs)?;
         Ok(window)
+    }
+
+    fn loads(&self, window: &Window) -> Vec<CarriedLoad> {
+        window.memory.answer.loads(&self.case)
     }
 
     fn first_speeds(&self) -> [f64; 2] {
@@ -503,7 +515,7 @@ impl Contact for Transient {
     }
 
     fn summary(&self, window: &Window) -> Value {
-        self.case.summary(&window.memory.answer)
+        self.case.summary(&window.memory.answer, &window.powers)
     }
 
     fn terms(&self) -> &Terms {
@@ -515,9 +527,9 @@ impl Contact for Transient {
     }
 
     fn save(&self, accepted: Option<&Window>, mut into: &mut dyn Write) -> io::Result<()> {
-        let memory = accepted.map_or(&self.start, |window| &window.memory);
+        let state = accepted.map(|Window { memory, power, powers, .. }| (memory, power, powers));
         let config = bincode::config::standard();
-        bincode::serde::encode_into_std_write(memory, &mut into, config)
+        bincode::serde::encode_into_std_write(state, &mut into, config)
             .map(|_| ())
             .map_err(io::Error::other)
     }
@@ -525,14 +537,17 @@ impl Contact for Transient {
     fn restore(&mut self, mut from: &mut dyn Read) -> Result<Option<Window>, StateError> {
         let config = bincode::config::standard().with_limit::<MOST_BYTES>();
         let wrong = |reason: String| StateError(format!("half-space: {reason}"));
-        let memory: StepState = bincode::serde::decode_from_std_read(&mut from, config)
-            .map_err(|e| wrong(e.to_string()))?;
+        let state: Option<(StepState, Vec<f64>, Powers)> =
+            bincode::serde::decode_from_std_read(&mut from, config)
+                .map_err(|e| wrong(e.to_string()))?;
+        let Some((memory, power, powers)) = state else { return Ok(None) };
+        let count = self.start.pressure.len();
         let layer = memory.solution.state.plastic.len() == self.start.solution.state.plastic.len();
         let creeps = memory.crept.is_like(&self.start.crept);
-        if !memory.fits(self.start.pressure.len()) || !layer || !creeps {
+        if !memory.fits(count) || power.len() != count || !layer || !creeps {
             return Err(wrong("the state belongs to another grid".to_owned()));
         }
-        let (power, report) = (memory.answer.friction_power.clone(), StepReport::default());
-        Ok(Some(Window { memory, power, report, shortfall: None }))
+        let report = StepReport::default();
+        Ok(Some(Window { memory, power, powers, report, shortfall: None }))
     }
 }

@@ -1,10 +1,9 @@
 //! Windows of a contact with varying values, or with friction that depends on inputs or on slip.
 //!
 //! Carter's strips use a single, equivalent friction coefficient, ∫ min(f p, τ) dA/∫ p dA, with
-//! which a sliding contact carries the same force. The integral is a sum over the elements, of which
-//! those at the rim touch in part. Tractions are at most this
-//! coefficient times Hertz's pressure, so they exceed a bound τ in the middle of the contact and
-//! are below it at the rim.
+//! which a sliding contact carries the same force. The integral is a sum over the elements, and
+//! those at the rim touch in part. Tractions are at most this coefficient times Hertz's pressure,
+//! so they exceed a bound τ in the middle of the contact and are below it at the rim.
 
 use super::case::Case;
 use super::contact::CarterContact;

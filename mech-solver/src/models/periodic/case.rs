@@ -1,8 +1,8 @@
 //! A checked case.
 
 use super::cell;
-use crate::case::scene::{APPROACH, DRIVE, Drive, Load, Scene};
-use crate::terms::Terms;
+use crate::case::scene::{APPROACH, DRIVE, Drive, Load, NORMAL_FORCE, Scene};
+use crate::terms::{Kind, Terms};
 use elastic::Elasticity;
 use half_space::extent::sample;
 use proto::configuration::{Configuration, Refusal};
@@ -45,6 +45,7 @@ impl Case {
                 "write load.normal_force, the load on one cell",
             ));
         };
+        refuse_beyond_limit(load, &grid, &terms)?;
         let creepage = match scene.drive {
             Drive::Creepage { xi, eta, phi: 0.0 } => [xi, eta],
             Drive::Shift([0.0, 0.0, 0.0]) => [0.0; 2],
@@ -86,8 +87,25 @@ impl Case {
     pub(super) fn slip_velocity(&self) -> [f64; 2] {
         self.creepage.map(|creepage| creepage * self.scene.speeds.rolling)
     }
+
     /// Speeds of the upper and the lower surface [m/s].
     pub(super) fn surface_speeds(&self) -> [f64; 2] {
         self.scene.speeds.of_surfaces(self.creepage[0])
     }
+}
+
+/// Refuses a load that a cell cannot carry, because its pressure has a bound.
+fn refuse_beyond_limit(load: f64, grid: &Structured, terms: &Terms) -> Result<(), Refusal> {
+    let (bound, cell) = (terms.pressure_bound(), grid.points() as f64 * grid.element_area());
+    if load < bound * cell {
+        return Ok(());
+    }
+    let effect = terms.effect_of(Kind::PressureBound).unwrap_or_default();
+    let reason = format!(
+        "{load:.6e} N on a cell of {cell:.4e} m2 need a mean pressure of {:.4e} Pa, and \
+         effects.{effect} allows less than {bound:.4e} Pa",
+        load / cell
+    );
+    let fix = "write a lower load, a larger cell (mech.period_x, mech.period_y) or a larger limit";
+    Err(Refusal::new(NORMAL_FORCE, reason, fix))
 }

@@ -1,7 +1,8 @@
 //! Windows of the contact.
 
 use super::case::Case;
-use crate::models::contact_model::Contact;
+use crate::models::contact_model::{CarriedLoad, Contact};
+use crate::models::summary::add_limited_area;
 use crate::terms::Terms;
 use crate::terms::surface::raise;
 use elastic::slip::RigidSlip;
@@ -55,14 +56,12 @@ impl Sliding {
         Ok(())
     }
 
-    /// Mean distance of the deformed surfaces [m].
-    fn separation(&self, solved: &NormalContact) -> f64 {
-        let count = self.case.grid.points();
-        if solved.contact_elements == count {
-            return 0.0;
-        }
-        let distances = self.distance.iter().zip(self.solver.displacement());
-        distances.map(|(h, u)| h + u).sum::<f64>() / count as f64 - solved.approach
+    /// Mean distance of the deformed surfaces [m]. The surfaces meet where there is pressure, also
+    /// where they have yielded.
+    fn separation(&self, solved: &NormalContact, pressure: &[f64]) -> f64 {
+        let distances = self.distance.iter().zip(self.solver.displacement()).zip(pressure);
+        let open = distances.filter(|(_, p)| **p == 0.0).map(|((h, u), _)| h + u - solved.approach);
+        open.sum::<f64>() / pressure.len() as f64
     }
 }
 
@@ -88,8 +87,13 @@ impl Contact for Sliding {
         let coefficient = self.case.scene.friction_coefficient;
         let law = &self.case.terms.friction;
         let friction = law.under_rigid_slip(coefficient, &slip, (grid, &pressure), inputs)?;
-        let separation = self.separation(&solved);
+        let separation = self.separation(&solved, &pressure);
         Ok(Window { solved, pressure, friction, separation })
+    }
+
+    fn loads(&self, Window { pressure, .. }: &Window) -> Vec<CarriedLoad> {
+        let carried = pressure.iter().sum::<f64>() * self.case.grid.element_area();
+        vec![CarriedLoad { prescribed: self.case.load, carried }]
     }
 
     fn first_speeds(&self) -> [f64; 2] {
@@ -145,7 +149,7 @@ impl Contact for Sliding {
         let bounds = || friction.bounds(pressure);
         let force = bounds().sum::<f64>() * area;
         let against = |part: f64| if speed > 0.0 { 0.0 - force * part / speed } else { 0.0 };
-        json!({"contact": {
+        let mut figures = json!({
             "max_pressure_pa": pressure.iter().copied().fold(0.0, f64::max),
             "pressure_deviation_pa": square.sqrt(),
             "normal_force_n": solved.normal_force,
@@ -160,7 +164,9 @@ impl Contact for Sliding {
             "max_slip_velocity_m_per_s": speed,
             "max_traction_pa": if speed > 0.0 { bounds().fold(0.0, f64::max) } else { 0.0 },
             "friction_power_w": if speed > 0.0 { force * speed } else { 0.0 },
-        }})
+        });
+        add_limited_area(&mut figures, case.terms.pressure_bound(), pressure);
+        json!({ "contact": figures })
     }
 
     fn terms(&self) -> &Terms {

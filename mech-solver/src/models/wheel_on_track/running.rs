@@ -4,7 +4,7 @@ use super::case::{Case, Position};
 use super::interface::FrictionInterface;
 use super::plane::Plane;
 use super::summary::summary;
-use crate::models::contact_model::{Contact, Nothing, write_pair};
+use crate::models::contact_model::{CarriedLoad, Contact, Nothing, write_pair};
 use crate::models::varying::no_answer;
 use crate::terms::{Accepted, Terms};
 use numerics::team::{self, Team};
@@ -15,8 +15,9 @@ use serde_json::Value;
 use std::iter;
 use wheel_rail::balance::{WheelsetOnTrack, WheelsetSolution};
 use wheel_rail::developed::Developed;
-use wheel_rail::patch::Patch;
+use wheel_rail::patch::{Patch, Solved};
 use wheel_rail::rail::Side;
+use wheel_rail::settings::Vertical;
 
 /// Number of history rows per thread in one batch, chosen so that no thread waits long for another.
 const ROWS_OF_A_THREAD: usize = 4;
@@ -131,6 +132,18 @@ impl Contact for Running {
     fn solves(&self, window: &Window, step: &Step) -> bool {
         let same = |position| position == window.position;
         !self.case.terms.follow_inputs() && self.position(step).is_ok_and(same)
+    }
+
+    fn loads(&self, Window { position, balanced, .. }: &Window) -> Vec<CarriedLoad> {
+        let of = |(side, solved): &(Side, Solved)| match position.given.vertical
+            [usize::from(*side == Side::Right)]
+        {
+            Vertical::Force(prescribed) => {
+                Some(CarriedLoad { prescribed, carried: solved.force[2] })
+            }
+            Vertical::Height => None,
+        };
+        balanced.wheels.iter().filter_map(of).collect()
     }
 
     fn first(&mut self) -> Option<Window> {

@@ -6,11 +6,13 @@ use crate::developed::Developed;
 use crate::error::TrackError;
 use crate::interface::{Constant, Elements, Interface};
 use crate::outline::Outline;
+use crate::pair::Pair;
 use crate::patch::Patch;
-use crate::rail::{Deviation, Placing, Side, Track};
+use crate::rail::{Deviation, Placing, Rail, Side, Track};
 use crate::region::Joining;
 use crate::settings::{Settings, Vertical};
-use crate::wheelset::Wheelset;
+use crate::surface::Surface;
+use crate::wheelset::{Motion, Wheel, Wheelset};
 use half_space::friction::ElementFriction;
 
 /// Two crowns, 12 mm apart.
@@ -80,6 +82,28 @@ fn far_patches_hardly_act_on_each_other() {
         let expected = steel().contact_compliance() * 2e3 / (std::f64::consts::PI * distance);
         assert!((deeper / expected - 1.0).abs() < 0.02, "{distance} {deeper:e} {expected:e}");
     }
+}
+
+/// Patches that do not settle are an error, not their last iterate. One turn is not enough for two
+/// crowns, the usual limit is.
+#[test]
+fn patches_that_do_not_settle_are_refused() {
+    let (rail, wheel) = (Surface::from(crowns()), Surface::from(line(30e-3)));
+    let track = Track { placing: Placing::Origin { y: 0.0, z: 0.0 }, cant: 0.0, curvature: 0.0 };
+    let wheelset =
+        Wheelset { flange_back_distance: 0.0, flange_back_position: 0.0, nominal_radius: 0.46 };
+    let rail = Rail::placed(&rail, Side::Left, &track).unwrap();
+    let wheel = Wheel::placed(&wheel, Side::Left, &wheelset);
+    let mut pair = Pair::new((rail, wheel), Side::Left, wheelset, elements(4e-4));
+    let motion = Motion { z: -20e-6, ..rolling(0.0, 0.0, 0.0) };
+    pair.go_to(&motion, &Deviation::default());
+    pair.press(&Constant(0.3)).unwrap();
+    let mut pressed = std::mem::take(&mut pair.pressed);
+    assert_eq!(pressed.len(), 2);
+    let error = pair.press_together(&mut pressed, 1).unwrap_err();
+    assert!(matches!(error, TrackError::Patches { .. }), "{error}");
+    assert!(error.to_string().contains("mech.patch_influence"), "{error}");
+    assert_eq!(pair.press_together(&mut pressed, 60), Ok(()));
 }
 
 /// Tread and flange in contact at once: the elements of all patches belong to one grid along the
