@@ -55,8 +55,8 @@ impl Situation<'_> {
         (self.estimated)(&scene, sticks, None)?.get(key).copied()
     }
 
-    /// Estimates the influence of a layer with a shear yield stress [Pa] that is named by a key: the
-    /// friction of Hertz's pressure is cut off at it.
+    /// Estimates the influence of a layer with a shear yield stress [Pa] that is named by a key:
+    /// the friction of Hertz's pressure is cut off at it.
     pub(crate) fn cut_off(&self, effect: &str, key: &str, yield_stress: f64) -> Advice {
         let advice = Advice::new(effect, format!("friction cut off at {yield_stress:.1e} Pa"))
             .with(format!("{key}={yield_stress:e}"));

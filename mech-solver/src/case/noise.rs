@@ -13,7 +13,9 @@
 //! mean square σ² h/π for each wave number up to π/h. A smoothing that halves waves of the number q
 //! leaves the part 1/(1 + (k/q)⁴) of each. The root mean square of the pressure is therefore
 //!
-//! ½ E* σ √(π²/3)/h without smoothing, and ½ E* σ √(I q³ h/π) with it, I = ∫ u²/(1 + u⁴)² du = 0.278.
+//! ½ E* σ √(π²/3)/h without smoothing, and ½ E* σ √(I q³ h/π) with it,
+//!
+//! where I = ∫ u²/(1 + u⁴)² du = 0.278.
 //!
 //! *Tolerance.* The largest of some hundred normal deviations is 3 to 4 σ. A smaller tolerance
 //! follows the noise in places; a larger one smooths until it cuts the corners of the shape.

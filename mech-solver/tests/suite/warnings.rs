@@ -27,8 +27,8 @@ fn of_model(model: &str, resolution: usize) -> Value {
     case
 }
 
-/// A slip zone of few elements is told. The advised resolution resolves it. A contact of which most
-/// slides has no such warning, and one that slides everywhere has no such figure.
+/// A slip zone of few elements gives a warning. The advised resolution resolves it. A contact of
+/// which most slides has no such warning, and one that slides everywhere has no such figure.
 #[test]
 fn a_narrow_slip_zone_is_resolved_by_the_advised_resolution() {
     let key = "contact.slip_zone_elements";
@@ -141,7 +141,7 @@ fn noisy(name: &str, noise: f64, seed: u64) -> File {
 fn the_advised_smoothing_removes_the_noise() {
     let mut clean = fitted(paper(), "wheel-on-track");
     clean["wheelset"]["yaw"] = json!(0.0);
-    clean["mech"]["resolution"] = json!(25);
+    clean["mech"]["resolution"] = json!(50);
     clean["effects"] = json!({"friction_heat": {}});
     let pressure = |case: &Value| run(case).number("max_pressure_pa");
     let expected = pressure(&clean);
@@ -159,7 +159,8 @@ fn the_advised_smoothing_removes_the_noise() {
         let warnings = |case: &Value| {
             MechSolver.configure(&configuration(case)).expect("a case").layout().warnings.clone()
         };
-        assert!(pressure(&with(&clean, &rough)) > 1.5 * expected, "{noise}");
+        let raw = pressure(&with(&clean, &rough));
+        assert!(raw > 1.5 * expected, "{noise}: {raw} {expected}");
         let told = warnings(&with(&clean, &rough));
         assert_eq!(told.len(), 2, "{told:?}");
         let mut smoothed = clean.clone();

@@ -1056,8 +1056,8 @@ mod tests {
         assert!(matches!(of("y\n20\n"), Err(TableError::NoUnit { .. })));
     }
 
-    /// A number with a point beside one with a comma could have a separator of thousands: 134.000 is
-    /// 134 or 134 000. Words and quoted lists are no numbers.
+    /// A number with a point beside one with a comma could have a separator of thousands: 134.000
+    /// is 134 or 134 000. Words and quoted lists are no numbers.
     #[test]
     fn all_numbers_of_a_table_have_the_same_decimal_sign() {
         let fault = |text: &str| table(text).unwrap_err().to_string();

@@ -88,7 +88,7 @@ fn in_every_language_they_conform_and_are_alike() {
 
 /// A locked wheel has no steady temperature by conduction normal to the surface: the generated
 /// solver refuses it. A solver that neither reads nor receives the speeds computes a rolling wheel,
-/// which is told.
+/// which gives a warning.
 #[test]
 fn a_locked_wheel_is_refused_or_told() {
     let folder = tempfile::tempdir().unwrap();

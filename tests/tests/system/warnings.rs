@@ -152,8 +152,8 @@ fn keys_that_nothing_reads_are_told() {
     assert!(text.contains("mech.model = \"half-space\""), "{text}");
 }
 
-/// A load of 300 kN for a millisecond, between the middles of two windows, is told. The advised
-/// window sees it.
+/// A load of 300 kN for a millisecond, between the middles of two windows, gives a warning. The
+/// advised window sees it.
 #[test]
 fn a_peak_between_two_windows_is_told() {
     let place = Place::new();
@@ -168,11 +168,11 @@ fn a_peak_between_two_windows_is_told() {
         format!("time.history={}", column("t")),
         "time.end=40 ms".to_owned(),
     ];
+    let file = case("cold-start.toml");
     let warned = |window: &str| {
         let window = format!("time.window={window}");
         let words: Vec<&str> = settings.iter().map(String::as_str).chain([&*window]).collect();
-        let case = case("cold-start.toml");
-        let arguments = [&["check", &case, "--json"], &sets(&words)[..]].concat();
+        let arguments = [&["check", &file, "--json"], &sets(&words)[..]].concat();
         let checked = place.start(&arguments).wait();
         assert_eq!(checked.code, Some(0), "{} {}", checked.stdout, checked.stderr);
         let answer: Value = serde_json::from_str(&checked.stdout).unwrap();

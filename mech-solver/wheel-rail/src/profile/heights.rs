@@ -1,9 +1,9 @@
 //! A measured lateral profile: heights over the lateral coordinate, from a file.
 //!
 //! The formats are those of [`crate::profile`]. Columns of numbers are taken as in the file, with y
-//! to the left and z up unless told, in ascending or descending order of y. Files of SIMPACK and Miniprof are
-//! converted to these axes. Here a profile is a height over y: a profile with upright flanks is
-//! refused.
+//! to the left and z up unless told, in ascending or descending order of y. Files of SIMPACK and
+//! Miniprof are converted to these axes. Here a profile is a height over y: a profile with upright
+//! flanks is refused.
 //!
 //! Natural cubic splines interpolate between the points and end at kinks ([`crate::curve`]). Their
 //! curvature is continuous, as a contact requires.
