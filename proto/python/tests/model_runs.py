@@ -242,7 +242,7 @@ def test_the_errors_of_derivatives_cover_a_finer_grid(tmp_path):
         model = rolling(
             tmp_path, ["contact.creepage_xi", RAIL], inputs, mech={"resolution": resolution}
         )
-        return model.derivatives(point) + (model(point),)
+        return (*model.derivatives(point), model(point))
 
     coarse, errors, values = found(20)
     fine, fine_errors, _ = found(60)

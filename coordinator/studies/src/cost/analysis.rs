@@ -328,3 +328,88 @@ impl Study {
         Recommendation { target, run: meeting.min_by(|a, b| cost(a).total_cmp(&cost(b))) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::quantity::Quantities;
+    use crate::study::spent::RunCost;
+    use console::case_arguments::Changes;
+    use contract::accuracy::{Refinement, Simplification};
+    use contract::figure::FigureSpec;
+
+    const RISE: &str = "temperature.wheel.max_rise_k";
+
+    /// Two levels: columns with an error of this size and runs on three grids, and exact ones that
+    /// were skipped.
+    fn sweep(error: f64) -> Sweep {
+        let level = |model: &str, error: f64| Level {
+            models: vec![("thermal".to_owned(), model.to_owned())],
+            refinements: vec![Refinement {
+                key: "mech.resolution".to_owned(),
+                levels: vec![10, 20, 40],
+                order: 1.0,
+                error: 0.01,
+                source: "a study".to_owned(),
+            }],
+            left_out: vec![Simplification::always("something", error, "a study")],
+            silent: Vec::new(),
+            variant: Changes::default(),
+        };
+        let run = |(step, value): (usize, f64)| Run {
+            level: 0,
+            step,
+            settings: vec![("mech.resolution".to_owned(), (10 << step).to_string())],
+            options: Vec::new(),
+            failed: None,
+            cost: RunCost::default(),
+            values: BTreeMap::from([(RISE.to_owned(), value)]),
+            errors: BTreeMap::new(),
+            pareto: false,
+        };
+        Sweep {
+            levels: vec![level("columns", error), level("moving-source", 0.0)],
+            refused: Vec::new(),
+            axes: Vec::new(),
+            runs: [104.0, 102.0, 101.0].into_iter().enumerate().map(run).collect(),
+            left_out: vec![("moving-source".to_owned(), "3 s expected".to_owned())],
+            closed_forms: BTreeMap::new(),
+            known: Quantities::of_figures(&[FigureSpec::new(RISE, "K", "rise").rank(1)]),
+            name: "crane".to_owned(),
+            title: None,
+        }
+    }
+
+    fn analysed(sweep: Sweep) -> Study {
+        let request = Request {
+            case: "crane.toml".into(),
+            base: Changes::default(),
+            vary: Vec::new(),
+            quantity: None,
+            references: Vec::new(),
+            repeat: 1,
+            longest_run: 2.0,
+        };
+        study(&request, sweep).unwrap()
+    }
+
+    /// A model that is off by a half is no reference for others, nor for itself, while a better one
+    /// was skipped; one that is nearly exact is.
+    #[test]
+    fn a_worse_model_is_no_reference_for_a_better_one() {
+        let wrong = analysed(sweep(0.6));
+        assert_eq!(wrong.quantities[0].reference, None);
+        let text = wrong.missing_models().unwrap();
+        assert!(text.contains("moving-source") && text.contains("no reference"), "{text}");
+        let near = analysed(sweep(0.002));
+        let reference = near.quantities[0].reference.as_ref().unwrap();
+        assert!((reference.value - 100.0).abs() < 1e-9);
+        assert!(reference.uncertainty.unwrap() > 0.002);
+        assert!(near.missing_models().unwrap().contains("moving-source"));
+        let mut alone = sweep(0.6);
+        alone.levels.pop();
+        let alone = analysed(alone);
+        assert!(alone.quantities[0].reference.as_ref().unwrap().uncertainty.unwrap() > 0.6);
+        assert_eq!(alone.missing_models(), None);
+    }
+}

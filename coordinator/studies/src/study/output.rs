@@ -50,6 +50,12 @@ pub trait StudyFile: Serialize + DeserializeOwned {
 /// Same as [`StudyFile::read`].
 pub fn read_file<S: StudyFile>(folder: &Path) -> Result<S, RunError> {
     let path = folder.join(S::FILE);
+    if !path.exists() {
+        let (folder, command) = (folder.display(), S::COMMAND);
+        return Err(RunError::Usage(format!(
+            "{folder} holds no results of `coordinator {command}`; name the folder of one"
+        )));
+    }
     let text = run::results::read_file(&path).map_err(|error| input_failure(&path, &error))?;
     let refuse = |why: &dyn std::fmt::Display| {
         let fix = format!("run `coordinator {}` again", S::COMMAND);

@@ -25,7 +25,8 @@ pub struct SweepDifference {
     pub unmatched: [usize; 2],
     /// Number of common points with a result in one sweep only.
     pub without_result: usize,
-    /// Quantities that differ, the largest relative change first.
+    /// Quantities that differ: first those that participants rank or show as headlines, with the
+    /// largest change first.
     pub quantities: Vec<QuantityDifference>,
     /// Number of quantities with equal digits at all points.
     pub same: usize,
@@ -88,6 +89,8 @@ impl SweepDifference {
         let mut quantities: Vec<QuantityDifference> = found.collect();
         let size = |one: &QuantityDifference| one.change.map_or(f64::INFINITY, f64::abs);
         quantities.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        // Figures that are 0 but for rounding change most.
+        quantities.sort_by_key(|one| !a.drawn.contains(&one.key));
         Ok(Self {
             case: a.identity.differences(&b.identity),
             points: pairs.len(),

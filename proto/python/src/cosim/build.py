@@ -26,7 +26,7 @@ def build(*further: str) -> str:
     """
     found = [sys.version]
     for path in {*sources(list(sys.modules.values())), *further}:
-        with suppress(OSError), open(path, "rb") as file:
+        with suppress(OSError), Path(path).open("rb") as file:
             # Names without folders: the same files elsewhere are the same build.
             found.append(f"{Path(path).name} {hashlib.file_digest(file, 'blake2b').hexdigest()}")
     return hashlib.blake2b("\n".join(sorted(found)).encode(), digest_size=8).hexdigest()
