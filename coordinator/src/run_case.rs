@@ -118,7 +118,7 @@ impl RunCommand {
             log_warnings(warnings);
             return Ok(());
         }
-        let said = texts(warnings).join("\n  ");
+        let said = texts(warnings).join("; ");
         Err(RunError::Usage(format!("{said}; change it, or leave out --strict")))
     }
 

@@ -58,10 +58,9 @@ pub enum RunError {
     },
     /// The run has finished, and `--strict` makes its warnings an error.
     #[error(
-        "the run has finished, and --strict refuses its {}:\n  {}\n  its results are complete; \
-         change the case, or leave out --strict",
-        if warnings.len() == 1 { "warning" } else { "warnings" },
-        warnings.join("\n  ")
+        "the run has finished, and its results are complete, but --strict refuses {}; change the \
+         case, or leave out --strict",
+        warnings.join("; ")
     )]
     Warned {
         /// The warnings, as text.
@@ -226,9 +225,9 @@ mod tests {
     fn a_finished_run_with_a_warning_is_no_wrong_usage() {
         let error = RunError::Warned { warnings: vec!["a.b is 7".to_owned()] };
         assert_eq!(error.exit_code(), 5);
-        let text = error.to_string();
-        assert!(text.starts_with("the run has finished, and --strict refuses its warning:\n"));
-        assert!(text.contains("  a.b is 7\n") && text.contains("results are complete"), "{text}");
+        let expected = "the run has finished, and its results are complete, but --strict refuses \
+                        a.b is 7; change the case, or leave out --strict";
+        assert_eq!(error.to_string(), expected);
     }
 
     #[test]

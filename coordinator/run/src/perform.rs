@@ -22,7 +22,7 @@ use crate::results::summary::{Counts, Sections, Status, SummaryInput, build};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
 use crate::session::{PendingExits, Session};
-use crate::warnings::{self, Warning};
+use crate::warnings::Warning;
 use crate::watching::Watcher;
 use case::Case;
 use contract::message::Finished;
@@ -328,7 +328,7 @@ fn perform(
     });
     counts.bytes_exchanged = session.bytes_exchanged();
     add(warnings, session.warnings());
-    add(warnings, &warnings::of_counts(counts));
+    add(warnings, &counts.warnings());
     // The results written so far stay readable after any error.
     if let Some(error) = first(looped.err(), tables.flush()) {
         return Err(error);

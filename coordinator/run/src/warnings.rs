@@ -4,9 +4,7 @@
 //! print it; commands that run a case write it to standard error and the log. A run adds its own
 //! warnings, and the summary holds all of them. With `--strict` each of them is an error.
 
-use crate::format::counted;
 use crate::results::history::Extremes;
-use crate::results::summary::Counts;
 use case::Problem;
 use contract::figure::{FigureSpec, value};
 use contract::plausible::Plausible;
@@ -142,22 +140,6 @@ pub fn of_summary(summary: &Value) -> Vec<Warning> {
     summary.get("warnings").and_then(|list| Vec::deserialize(list).ok()).unwrap_or_default()
 }
 
-/// Returns the warnings about windows that were passed over or have not converged. The log names
-/// each of them.
-pub(crate) fn of_counts(counts: &Counts) -> Vec<Warning> {
-    let remark = |count: u64, key, what: String, status: &str| {
-        let fix = format!("find them by the status {status} in history.csv");
-        (count > 0).then(|| Warning::remark(key, what, &fix))
-    };
-    let Counts { skipped, not_converged, .. } = *counts;
-    let rows = format!("passes over {} without a result", counted(skipped, "row"));
-    let windows = format!("accepts {} without convergence", counted(not_converged, "window"));
-    let rows = remark(skipped, "time.on_failure", rows, "no-answer");
-    rows.into_iter()
-        .chain(remark(not_converged, "coupling.strict", windows, "not-converged"))
-        .collect()
-}
-
 /// Returns the warnings about the figures of a run: of its summary, and of all windows, where one
 /// of them is farther outside the plausible range than the end. `rows` names windows rows.
 #[must_use]
@@ -204,20 +186,6 @@ mod tests {
             remark.to_string(),
             "mapping.method: the density is not bounded; choose another"
         );
-    }
-
-    #[test]
-    fn windows_without_an_answer_are_told() {
-        let counts = Counts { skipped: 2, not_converged: 1, ..Counts::default() };
-        let told: Vec<String> = of_counts(&counts).iter().map(Warning::to_string).collect();
-        let expected = [
-            "time.on_failure: passes over 2 rows without a result; find them by the status \
-             no-answer in history.csv",
-            "coupling.strict: accepts 1 window without convergence; find them by the status \
-             not-converged in history.csv",
-        ];
-        assert_eq!(told, expected);
-        assert_eq!(of_counts(&Counts::default()), []);
     }
 
     #[test]

@@ -19,6 +19,9 @@ const ELEMENTS: f64 = 8.0;
 /// (docs/how-to/choose-accuracy.md).
 const SLIPPING: f64 = 6.0;
 
+/// Share of the load below which the friction power of a patch does not matter.
+const LEAST_SHARE: f64 = 0.01;
+
 /// Key of the ratio of tangential to normal force.
 pub(crate) const TRACTION_RATIO: &str = "contact.traction_ratio";
 
@@ -99,7 +102,7 @@ impl Indicators {
 }
 
 /// Adds the number of elements across a contact, or across the smallest of its patches if all are
-/// listed.
+/// listed. Patches with less than [`LEAST_SHARE`] of the load do not count.
 pub(crate) fn add_elements(contact: &mut Value, grid: &Structured) {
     let across = |patch: &Value| {
         let axis = |name: &str| patch.get(name).and_then(Value::as_f64);
@@ -112,7 +115,12 @@ pub(crate) fn add_elements(contact: &mut Value, grid: &Structured) {
     let listed = contact.get("each_patch").and_then(Value::as_array);
     let all = listed.filter(|list| contact["patches"].as_u64() == Some(list.len() as u64));
     let least = match all {
-        Some(list) => list.iter().filter_map(across).reduce(f64::min),
+        Some(list) => {
+            let load = |patch: &&Value| patch.get("normal_force_n").and_then(Value::as_f64);
+            let least = LEAST_SHARE * list.iter().filter_map(|patch| load(&patch)).sum::<f64>();
+            let counts = |patch: &&Value| load(patch).is_none_or(|load| load >= least);
+            list.iter().filter(counts).filter_map(across).reduce(f64::min)
+        }
         None => across(contact),
     };
     if let Some(least) = least.filter(|least| *least > 0.0) {

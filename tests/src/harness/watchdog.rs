@@ -2,8 +2,8 @@
 //!
 //! On a loaded machine a wall clock ends tests that only wait for a processor. This clock leaves
 //! that time out. It looks at all threads of this process and of the processes below it: how long
-//! they ran, and how long they waited for a processor (`/proc/PID/task/TID/schedstat`). Threads that
-//! want no processor hang, or wait for somebody: their time counts in full.
+//! they ran, and how long they waited for a processor (`/proc/PID/task/TID/schedstat`). Threads
+//! that want no processor hang, or wait for somebody: their time counts in full.
 
 use std::collections::HashMap;
 use std::fs;

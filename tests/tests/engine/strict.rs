@@ -37,5 +37,6 @@ table_of_tests! { slides:
     a_locked_wheel_in_a_steady_state_slides("locked-wheel-steady.toml", &["mech.resolution=6"]);
     flanks_of_gears_slide("gear-flank.toml", &["mech.resolution=6"]);
     a_spinning_wheel_slides("wheel-spin.toml", &["mech.resolution=6"]);
+    a_wheel_with_thermal_stress_slides("thermal-stress.toml", &["mech.resolution=6"]);
     a_brake_block_slides("brake-block.toml", &["time.end=25 ms"]);
 }

@@ -208,8 +208,8 @@ fn limit_files(running: &Running<'_>) {
     prlimit(Some(running.pid()), Resource::Fsize, limit).unwrap();
 }
 
-/// Starts a run whose files may not grow any further. The signal for a file that has grown too large
-/// does not end it.
+/// Starts a run whose files may not grow any further. The signal for a file that has grown too
+/// large does not end it.
 fn start_limited<'a>(place: &'a Place, settings: &[&str], log: &str) -> Running<'a> {
     let mut command = place.command(&["run", &case("exchange.toml"), "--out"]);
     command.arg(place.out()).args(sets(settings)).env("RUST_LOG", log);

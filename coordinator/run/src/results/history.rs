@@ -327,8 +327,8 @@ struct Judged {
     plausible: Plausible,
     /// Index of the column in a row.
     at: usize,
-    /// Value farthest outside the range, and the factor by which it is.
-    worst: Option<(f64, Bound)>,
+    /// Values farthest below and above the range, and the factors by which they are.
+    worst: [Option<(f64, Bound)>; 2],
 }
 
 /// An implausible value of a figure, and its window.
@@ -351,17 +351,21 @@ impl Extremes {
         let judged = figures.iter().filter_map(|figure| {
             let plausible = figure.plausible.clone()?;
             let at = head.iter().position(|name| *name == figure.key)?;
-            Some(Judged { key: figure.key.clone(), plausible, at, worst: None })
+            Some(Judged { key: figure.key.clone(), plausible, at, worst: [None; 2] })
         });
         let judged = judged.collect();
         Self { columns: large.filter_map(column).collect(), judged, windows: 0 }
     }
 
-    /// Returns the least plausible value of a figure outside its range, if there is one.
+    /// Returns the least plausible value of a figure outside its range, if there is one. A lower
+    /// bound holds for rows, each a contact of its own. In time a contact that opens or closes
+    /// passes through every size.
     #[must_use]
     pub fn unexpected(&self, key: &str, rows: bool) -> Option<Unexpected> {
         let judged = self.judged.iter().find(|judged| judged.key == key)?;
-        let (_, Bound { value, window, end }) = judged.worst?;
+        let [below, above] = judged.worst;
+        let all = below.filter(|_| rows).into_iter().chain(above);
+        let (_, Bound { value, window, end }) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let place = match rows {
             true => format!("row {}", window as u64 + 1),
             false => format!("window {window} (at {})", Scale::of("s", end).show(end, 4)),
@@ -376,8 +380,9 @@ impl Extremes {
         for Judged { at, plausible, worst, .. } in &mut self.judged {
             let Some(value) = number(*at) else { continue };
             let Some(excess) = plausible.excess(value) else { continue };
-            if worst.is_none_or(|(most, _)| excess > most) {
-                *worst = Some((excess, Bound { value, window, end }));
+            let side = usize::from(plausible.most.is_some_and(|most| value.abs() > most));
+            if worst[side].is_none_or(|(most, _)| excess > most) {
+                worst[side] = Some((excess, Bound { value, window, end }));
             }
         }
         let mut answered = false;
@@ -473,6 +478,26 @@ mod tests {
             "3,0.5,1,not-converged,7,4e0,,1e0,,"
         );
         assert_eq!(row(None, "no-answer"), "3,0.5,1,no-answer,7,4e0,,,,");
+    }
+
+    /// A contact that closes has few elements at first; a row with few elements is coarse.
+    #[test]
+    fn a_lower_bound_is_judged_in_rows() {
+        let figures = [
+            FigureSpec::new("contact.elements_across", "1", "elements").expected_above(8.0, "few"),
+            FigureSpec::new("heat.rise_k", "K", "rise").expected_below(700.0, "hot"),
+        ];
+        let head = ["window", "start_s", "end_s", "contact.elements_across", "heat.rise_k"];
+        let mut extremes = Extremes::of(&head.map(str::to_owned), &figures);
+        for row in ["0,0,0,2,900", "1,0,1,20,7000", "2,0,2,20,30"] {
+            extremes.add(&row.split(',').collect::<Vec<_>>());
+        }
+        let told = |key, rows| extremes.unexpected(key, rows).map(|one| (one.value, one.place));
+        let elements = "contact.elements_across";
+        assert_eq!(told(elements, true), Some((2.0, "row 1".to_owned())));
+        assert_eq!(told(elements, false), None);
+        assert_eq!(told("heat.rise_k", true), Some((7000.0, "row 2".to_owned())));
+        assert_eq!(told("heat.rise_k", false).unwrap().0, 7000.0);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! write the coordinator's own keys, nor change a value that another participant has given.
 
 use super::history::Extremes;
+use crate::format::counted;
 use crate::plan::Plan;
 use crate::warnings::{self, Warning};
 use contract::message::Finished;
@@ -86,6 +87,23 @@ pub struct Counts {
 }
 
 impl Counts {
+    /// Returns the warnings about windows that were passed over or have not converged. The log names
+    /// each of them.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<Warning> {
+        let remark = |count: u64, key, what: String, status: &str| {
+            let fix = format!("find them by the status {status} in history.csv");
+            (count > 0).then(|| Warning::remark(key, what, &fix))
+        };
+        let Self { skipped, not_converged, .. } = *self;
+        let rows = format!("passes over {} without a result", counted(skipped, "row"));
+        let windows = format!("accepts {} without convergence", counted(not_converged, "window"));
+        let rows = remark(skipped, "time.on_failure", rows, "no-answer");
+        rows.into_iter()
+            .chain(remark(not_converged, "coupling.strict", windows, "not-converged"))
+            .collect()
+    }
+
     /// Returns the counts with which a run continues from a checkpoint. Durations start anew with
     /// the new process, which has just planned.
     #[must_use]
@@ -340,6 +358,20 @@ fn merge(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn windows_without_an_answer_are_told() {
+        let counts = Counts { skipped: 2, not_converged: 1, ..Counts::default() };
+        let told: Vec<String> = counts.warnings().iter().map(Warning::to_string).collect();
+        let expected = [
+            "time.on_failure: passes over 2 rows without a result; find them by the status \
+             no-answer in history.csv",
+            "coupling.strict: accepts 1 window without convergence; find them by the status \
+             not-converged in history.csv",
+        ];
+        assert_eq!(told, expected);
+        assert_eq!(Counts::default().warnings(), []);
+    }
 
     #[test]
     fn sections_merge() {
