@@ -26,9 +26,10 @@ pub(super) fn write(source: &mut Source<'_>, tables: &mut Tables) {
 }
 
 fn fixed(source: &mut Source<'_>, window: f64, tables: &mut Tables) {
-    tables.key("window", number(window));
     let scheme = source.leading;
-    let Some(end) = end(scheme) else { return };
+    let end = end(scheme);
+    tables.key("window", number(end.map_or(window, |end| end.min(window))));
+    let Some(end) = end else { return };
     let windows = scheme.max_time_windows.filter(|_| scheme.max_time.is_none_or(|t| t.value > end));
     match windows {
         Some(windows) => {
@@ -38,9 +39,8 @@ fn fixed(source: &mut Source<'_>, window: f64, tables: &mut Tables) {
         None => tables.key("end", number(end)),
     }
     if end < window {
-        let reason = "the run ends within its first window";
-        let instead = Some("shorten time.window");
-        source.notes.advise(NoteKind::Todo, scheme.window.line, "max-time", reason, instead);
+        let reason = "the run ends within its first window, which is as long as the run";
+        source.notes.add(NoteKind::Changed, scheme.window.line, "max-time", reason);
     }
 }
 

@@ -109,6 +109,11 @@ fn the_earlier_end_holds() {
     assert_eq!(end("<max-time-windows value=\"3\" />"), Value::from(1.5));
     assert_eq!(end("<max-time value=\"2\" /><max-time-windows value=\"3\" />"), Value::from(1.5));
     assert_eq!(end("<max-time value=\"1\" /><max-time-windows value=\"3\" />"), Value::from(1));
+    // The only window is as long as the run.
+    let short = with(SMALL, "<max-time value=\"2\" />", "<max-time value=\"0.25\" />");
+    check(&short, &[("time.end", some(0.25)), ("time.window", some(0.25))]);
+    let note = import(&short).notes[0].to_string();
+    assert!(note.contains("the run ends within its first window"), "{note}");
     // Three windows of 0.1 s end at 0.3 s, without an error of rounding.
     let windows = with(
         &with(SMALL, "value=\"0.5\"", "value=\"0.1\""),
