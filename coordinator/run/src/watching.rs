@@ -24,9 +24,7 @@ const OLD: Duration = Duration::from_secs(3);
 /// Notes that somebody watches the run of a result folder. A link, a pipe or a device in the place
 /// of the file is left alone. Failure has no consequence but older fields on the page.
 pub fn look(folder: &Path) {
-    // Without waiting: opening a pipe for writing waits for its reader.
-    let flags = OFlags::WRONLY | OFlags::CREATE | OFlags::NONBLOCK;
-    let file = Dir::open(folder).and_then(|dir| dir.file(LOOK, flags));
+    let file = Dir::open(folder).and_then(|dir| dir.file(LOOK, OFlags::WRONLY | OFlags::CREATE));
     let is_regular = |file: &File| file.metadata().is_ok_and(|found| found.is_file());
     if let Ok(file) = file.as_ref().map_err(drop)
         && is_regular(file)

@@ -50,12 +50,13 @@ impl Dir {
         Ok(Self { handle: Arc::new(handle), given: self.shown().join(name) })
     }
 
-    /// Opens a file in the folder. A link is not followed.
+    /// Opens a file in the folder. A link is not followed, and the other end of a pipe is not waited
+    /// for.
     ///
     /// # Errors
     /// The file cannot be opened.
     pub fn file(&self, name: &str, flags: OFlags) -> io::Result<File> {
-        let flags = flags | OFlags::NOFOLLOW | OFlags::CLOEXEC;
+        let flags = flags | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         Ok(openat(&self.handle, name, flags, Mode::from_raw_mode(0o666))?.into())
     }
 
@@ -108,6 +109,7 @@ pub fn shown(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rustix::fs::{CWD, FileType, mknodat};
 
     #[test]
     fn what_is_written_lands_in_the_folder_whatever_it_is_called() {
@@ -134,5 +136,8 @@ mod tests {
         assert_eq!(error, "is not a directory");
         assert_eq!(dir.inner("other").unwrap().shown(), place.path().join("other"));
         assert!(dir.file("fields", OFlags::RDONLY).is_err());
+        mknodat(CWD, dir.path().join("pipe"), FileType::Fifo, Mode::from_raw_mode(0o600), 0)
+            .unwrap();
+        assert!(dir.file("pipe", OFlags::WRONLY).is_err(), "nobody reads it");
     }
 }

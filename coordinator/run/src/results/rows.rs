@@ -45,8 +45,9 @@ impl Rows {
     /// The file is shorter, or cannot be opened.
     pub(super) fn resume(path: &Path, bytes: u64) -> Result<Self, RunError> {
         let failed = |error| file_failure(path, &error);
-        let no_link = OFlags::NOFOLLOW.bits().cast_signed();
-        let open = File::options().write(true).custom_flags(no_link).open(path);
+        // Neither through a link nor into a pipe, whose other end would be waited for.
+        let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
+        let open = File::options().write(true).custom_flags(flags).open(path);
         let mut file = open.map_err(failed)?;
         let found = file.metadata().map_err(failed)?.len();
         if found < bytes {

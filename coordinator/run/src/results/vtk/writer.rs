@@ -241,8 +241,8 @@ impl FieldWriter {
 /// # Errors
 /// The file cannot be written, or does not end like a collection.
 fn add(path: &Path, entry: &str) -> io::Result<()> {
-    let no_link = OFlags::NOFOLLOW.bits() as i32;
-    let file = File::options().read(true).write(true).custom_flags(no_link).open(path)?;
+    let flags = (OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed();
+    let file = File::options().read(true).write(true).custom_flags(flags).open(path)?;
     let mut end = [0; COLLECTION_END.len()];
     let at = file.metadata()?.len().saturating_sub(COLLECTION_END.len() as u64);
     file.read_exact_at(&mut end, at)?;
