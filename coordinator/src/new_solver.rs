@@ -177,7 +177,11 @@ fn made(
         "# Header and library of the project; in its sources `cargo build --release` makes the latter.\nINCLUDE = {include}\nLIBRARY = {library}\n\n{build}"
     );
     let files = vec![source, ("Makefile".to_owned(), make)];
-    Ok(Template { files, build: Some("make"), command: vec![format!("./{name}/{}", identifier(name))] })
+    Ok(Template {
+        files,
+        build: Some("make"),
+        command: vec![format!("./{name}/{}", identifier(name))],
+    })
 }
 
 /// Returns the folders of the headers and of the library for C and Fortran: those of an archive, or

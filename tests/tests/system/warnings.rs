@@ -67,7 +67,11 @@ fn a_hot_answer_is_told() {
     };
     let hot = run("locked-wheel.toml", &["friction.coefficient=0.2"]);
     assert_eq!(hot.code, Some(5), "{}", hot.stdout);
-    assert!(hot.stderr.contains("the run has finished, and its results are complete"), "{}", hot.stderr);
+    assert!(
+        hot.stderr.contains("the run has finished, and its results are complete"),
+        "{}",
+        hot.stderr
+    );
     assert!(hot.stderr.contains("max_rise_k is 12"), "{}", hot.stderr);
     assert_eq!(run("wheel-rail.toml", &[]).code, Some(0));
 }

@@ -62,8 +62,10 @@ pub struct ConductionModel<C> {
     transforming: Option<[Transforming; 2]>,
     /// Duration of the last window [s].
     duration: f64,
-    /// Largest difference of the surface temperatures under friction in the last solve, over the
-    /// largest rise; `None` if heat flows between the surfaces.
+    /// Largest difference of the surface temperatures under friction over the largest rise, in the
+    /// last solve; `None` if heat flows between the surfaces.
+    trial_difference: Option<f64>,
+    /// The same in the accepted state.
     difference: Option<f64>,
     /// Grids of the bodies' elements whose rises are written out.
     volumes: Vec<Grid>,
@@ -86,6 +88,7 @@ impl<C: Conduction> ConductionModel<C> {
             transforming: (frame.criterion.is_some() && frame.mode == Mode::Transient)
                 .then(|| [Transforming::new(&frame.grid), Transforming::new(&frame.grid)]),
             duration: f64::INFINITY,
+            trial_difference: None,
             difference: None,
             trial: [zero.clone(), zero.clone()],
             accepted: [zero.clone(), zero],
@@ -319,7 +322,7 @@ impl<C: Conduction> Model for ConductionModel<C> {
         if let Some(constriction) = &mut self.constriction {
             operations += constriction.solve(&self.frame, &drive, &rub, &mut self.trial)?;
         }
-        self.difference = self.difference(flux.values);
+        self.trial_difference = self.difference(flux.values);
         self.solved = true;
         for (surface, rise) in SURFACES.iter().zip(&self.trial) {
             if let Some(values) = outputs.get(surface) {
@@ -361,6 +364,7 @@ impl<C: Conduction> Model for ConductionModel<C> {
         if self.solved {
             std::mem::swap(&mut self.trial, &mut self.accepted);
             self.accepted_heat = self.heat;
+            self.difference = self.trial_difference;
             self.conduction.accept();
             self.constriction.iter_mut().for_each(Constriction::accept);
             self.transform();
@@ -423,6 +427,7 @@ impl<C: Conduction> Model for ConductionModel<C> {
     fn save(&self, into: &mut dyn Write) -> io::Result<()> {
         into.write_all(&[STATE_VERSION])?;
         into.write_all(&self.header())?;
+        write_numbers(into, &[self.difference.unwrap_or(f64::NAN)])?;
         write_numbers(into, self.accepted.iter().flatten())?;
         write_numbers(into, self.integrals.iter().flatten().flatten())?;
         write_numbers(into, self.background.iter().flat_map(Background::numbers))?;
@@ -443,6 +448,8 @@ impl<C: Conduction> Model for ConductionModel<C> {
             let reason = format!("another model or grid than this one of {columns} x {rows}");
             return Err(StateError(reason));
         }
+        let mut difference = f64::NAN;
+        read_numbers(from, [&mut difference])?;
         let mut accepted = self.accepted.clone();
         read_numbers(from, accepted.iter_mut().flatten())?;
         let mut integrals = self.integrals.clone();
@@ -463,7 +470,7 @@ impl<C: Conduction> Model for ConductionModel<C> {
         self.integrals = integrals;
         self.background = background;
         self.layers = [None, None];
-        self.difference = None;
+        self.difference = difference.is_finite().then_some(difference);
         self.solved = false;
         if self.transforming.is_none() {
             self.transform();

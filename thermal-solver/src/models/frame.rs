@@ -22,9 +22,10 @@ pub const CONTACT: &str = "contact";
 /// Names of the grids of the sections, upper and lower.
 pub(super) const SECTION_GRIDS: [&str; 2] = ["upper_section", "lower_section"];
 
-/// Elements along a line that the grid of an elliptic contact has in addition to those within it: a
-/// half at each edge.
-const BEYOND: usize = 1;
+/// Most elements along a line that grids of elliptic contacts have in addition to those within it.
+/// Where a grid has fewer, the semi-axes are too small and the errors that follow from them are
+/// upper bounds.
+const BEYOND: usize = 3;
 
 /// Settings of a model that are known before it is built.
 #[derive(Clone, Debug)]

@@ -188,8 +188,7 @@ mod tests {
     /// parabola of heat on this many columns.
     fn difference(columns: usize) -> f64 {
         let side = 10e-3 / columns as f64;
-        let grid =
-            Structured::contact_plane(0.5 * side - 5e-3, -1e-3, side, 1e-3, columns, 3);
+        let grid = Structured::contact_plane(0.5 * side - 5e-3, -1e-3, side, 1e-3, columns, 3);
         let material = Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 };
         let nature = BodyProperties {
             material,
