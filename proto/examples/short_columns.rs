@@ -11,7 +11,7 @@ use proto::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use proto::field::{
     FRICTION_POWER, FieldSpec, LOWER_TEMPERATURE, SURFACE_SPEED, UPPER_TEMPERATURE,
 };
-use proto::figure::FigureSpec;
+use proto::figure::{FigureSpec, Style};
 use proto::grid::{Grid, Shape};
 use proto::model::{
     Inputs, Model, Outputs, Setup, Solver, StateError, Step, StepError, StepReport,
@@ -82,6 +82,7 @@ impl Solver for ShortColumns {
             figures: vec![
                 FigureSpec::new("temperature.*.max_rise_k", "K", "temperature rise")
                     .on("*", "")
+                    .style(Style::Signed)
                     .headline()
                     .rank(1),
             ],
@@ -157,11 +158,16 @@ struct Running {
     accepted: Vec<f64>,
 }
 
-fn write_out(state: &[f64], outputs: &mut dyn Outputs) {
+/// Returns the rises of a body [K], for the fields and for the summary.
+fn rises(state: &[f64], body: usize) -> impl Iterator<Item = f64> {
     let (factors, sums) = state.split_at(2);
-    for (field, factor) in [&UPPER_TEMPERATURE, &LOWER_TEMPERATURE].into_iter().zip(factors) {
+    sums.iter().map(move |sum| factors[body] * sum)
+}
+
+fn write_out(state: &[f64], outputs: &mut dyn Outputs) {
+    for (field, body) in [(&UPPER_TEMPERATURE, UPPER), (&LOWER_TEMPERATURE, LOWER)] {
         if let Some(values) = outputs.get(field) {
-            values.iter_mut().zip(sums).for_each(|(rise, sum)| *rise = factor * sum);
+            values.iter_mut().zip(rises(state, body)).for_each(|(value, rise)| *value = rise);
         }
     }
 }
@@ -215,9 +221,8 @@ impl Model for Running {
     }
 
     fn summary(&self) -> serde_json::Value {
-        let (factors, sums) = self.accepted.split_at(2);
-        let peak = sums.iter().copied().fold(0.0, f64::max);
-        let rise = |body: usize| serde_json::json!({"max_rise_k": factors[body] * peak});
+        let peak = |body| rises(&self.accepted, body).fold(0.0, f64::max);
+        let rise = |body| serde_json::json!({"max_rise_k": peak(body)});
         let [upper, lower] = &self.bodies.0;
         serde_json::json!({"temperature": {upper: rise(UPPER), lower: rise(LOWER)}})
     }

@@ -43,7 +43,7 @@ static const char *const DESCRIPTION = COSIM_JSON({
          "required": true, "above": 0, "help": "conductivity"}
     ],
     "figures": [{"key": "temperature.*.max_rise_k", "unit": "K", "words": "temperature rise", "line": "*",
-                 "headline": true, "rank": 1}]
+                 "style": "signed", "headline": true, "rank": 1}]
 });
 
 struct columns {
@@ -126,13 +126,18 @@ static int build(void *user)
     return COSIM_OK;
 }
 
+/* Rise of an element [K], for the fields and for the summary. */
+static double rise(const struct columns *c, const double *sums, int body, size_t n)
+{
+    return sums[c->grid.points + body] * sums[n];
+}
+
 static int write_out(const struct columns *c, const double *sums, cosim_outputs *outputs)
 {
-    const double *factor = sums + c->grid.points;
     for (int body = 0; body < 2; body++) {
         double *values = cosim_output(outputs, SURFACE[body], NULL);
         for (size_t n = 0; values && n < c->grid.points; n++)
-            values[n] = factor[body] * sums[n];
+            values[n] = rise(c, sums, body, n);
     }
     return COSIM_OK;
 }
@@ -201,13 +206,13 @@ static int restore(void *user, cosim_blob *blob)
 static const char *summary(void *user)
 {
     struct columns *c = user;
-    const double *factor = c->accepted + c->grid.points;
-    double peak = 0.0;
-    for (size_t n = 0; n < c->grid.points; n++)
-        peak = fmax(peak, c->accepted[n]);
+    double peak[2] = {0.0, 0.0};
+    for (int body = 0; body < 2; body++)
+        for (size_t n = 0; n < c->grid.points; n++)
+            peak[body] = fmax(peak[body], rise(c, c->accepted, body, n));
     snprintf(c->summary, sizeof c->summary,
              "{\"temperature\": {\"%s\": {\"max_rise_k\": %.17g}, \"%s\": {\"max_rise_k\": %.17g}}}",
-             c->name[0], factor[0] * peak, c->name[1], factor[1] * peak);
+             c->name[0], peak[0], c->name[1], peak[1]);
     return c->summary;
 }
 

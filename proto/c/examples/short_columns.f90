@@ -59,7 +59,7 @@ contains
          quantity('materials.*.specific_heat', 'J/(kg K)', 'specific heat')//', '// &
          quantity('materials.*.conductivity', 'W/(m K)', 'conductivity')//'], "figures": [{'// &
          '"key": "temperature.*.max_rise_k", "unit": "K", "words": "temperature rise", "line": "*", '// &
-         '"headline": true, "rank": 1}]}'
+         '"style": "signed", "headline": true, "rank": 1}]}'
    end function
 
    pure function quantity(path, unit, help) result(text)
@@ -149,6 +149,15 @@ contains
       status = COSIM_OK
    end function
 
+   ! Rises of a body [K], for the fields and for the summary.
+   pure function rises(sums, body) result(values)
+      real(c_double), intent(in) :: sums(:)
+      integer, intent(in) :: body
+      real(c_double) :: values(size(sums) - 2)
+
+      values = sums(size(sums) - 2 + body)*sums(:size(sums) - 2)
+   end function
+
    function write_out(c, sums, outputs) result(status)
       type(columns), intent(in) :: c
       real(c_double), intent(in) :: sums(:)
@@ -162,7 +171,7 @@ contains
          place = cosim_output(outputs, c_text(SURFACE(body)))
          if (.not. c_associated(place)) cycle ! nobody needs the field
          call c_f_pointer(place, values, [c%grid%points])
-         values = sums(c%grid%points + body)*sums(:c%grid%points)
+         values = rises(sums, body)
       end do
       status = COSIM_OK
    end function
@@ -228,7 +237,7 @@ contains
       call c_f_pointer(user, c)
       write (words, '(a, 2(a, es24.16, :, a))') '{"temperature": {', &
          ('"'//trim(c%name(body))//'": {"max_rise_k": ', &
-          c%accepted(c%grid%points + body)*maxval(c%accepted(:c%grid%points)), &
+          maxval(rises(c%accepted, body)), &
           merge('}, ', '}}}', body == 1), body=1, 2)
       summary_text = letters(trim(words))
       text = c_loc(summary_text)

@@ -7,7 +7,9 @@ from cosim import Effect, Figure, Key, Layout, ModelSpec, Solver, StepReport, ma
 INPUTS = ("friction_power", "surface_speed")
 BODIES = ("lower_temperature", "upper_temperature")
 STEEL = {"density": "kg/m3", "specific_heat": "J/(kg K)", "conductivity": "W/(m K)"}
-RISE = Figure("temperature.*.max_rise_k", "K", "temperature rise", line="*", headline=True, rank=1)
+RISE = Figure(
+    "temperature.*.max_rise_k", "K", "temperature rise", "*", style="signed", headline=True, rank=1
+)
 HALF = Key.choice("effects.friction_heat.partition", ("equal",), "one half each", default="equal")
 
 
