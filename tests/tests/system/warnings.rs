@@ -153,8 +153,7 @@ fn a_peak_between_two_windows_is_told() {
     let warned = |window: &str| {
         let window = format!("time.window={window}");
         let words: Vec<&str> = settings.iter().map(String::as_str).chain([&*window]).collect();
-        let arguments =
-            [&["check", &file, "--json"], &sets(&words)[..]].concat();
+        let arguments = [&["check", &file, "--json"], &sets(&words)[..]].concat();
         let checked = place.start(&arguments).wait();
         assert_eq!(checked.code, Some(0), "{} {}", checked.stdout, checked.stderr);
         let answer: Value = serde_json::from_str(&checked.stdout).unwrap();
