@@ -103,7 +103,7 @@
   // Takes over the state of the run: fields, number of steps, news, and a report that has changed.
   const take = async state => {
     const first = !known;
-    const newest = shown >= Number(slider.max);
+    const newest = shown < 0 || shown >= Number(slider.max);
     const other = known && state.run !== known.run;
     const more = !known || state.steps !== known.steps;
     const found = state.difference && !(known && known.difference);

@@ -260,8 +260,8 @@ fn map(
 }
 
 /// Plots the points of a sweep in a diagram of its quantities. Points over a single key, or over
-/// one of two keys at each value of the other, are joined by a line. `None` if the sweep lacks these
-/// quantities, they do not change, or the points of a line differ in more than they may.
+/// one of two keys at each value of the other, are joined by a line. `None` if the sweep lacks
+/// these quantities, they do not change, or the points of a line differ in more than they may.
 fn diagram(study: &Study, of: &Diagram) -> Option<Figure> {
     let column = |key: &str| study.changing().find(|(_, one)| one.key == key);
     let (x, y) = (column(&of.x)?, column(&of.y)?);
