@@ -42,8 +42,9 @@ pub struct Frame {
     pub mode: Mode,
     /// End of a transient case [s].
     pub end: Option<f64>,
-    /// Slowest surface speeds of the upper and the lower body in the rows of the case [m/s].
-    pub slowest: [f64; 2],
+    /// Speeds of the upper and the lower body for the error of models that neglect conduction along
+    /// the surface [m/s]: the lowest of the rows; of steady rows, the lowest at which a body moves.
+    pub slowest_motion: [f64; 2],
     /// Grid of heat flux and temperatures, along x in i and along y in j.
     pub grid: Structured,
     /// Grid on which the heat flux arrives.

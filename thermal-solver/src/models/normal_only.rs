@@ -42,7 +42,7 @@ pub(super) fn along_the_surface_at(frame: &Frame) -> Option<Simplification> {
 fn in_body(frame: &Frame, body: usize) -> Simplification {
     let axes = frame.semi_axes();
     let diffusivity = frame.scene.materials[body].diffusivity();
-    let peclet = 0.5 * frame.slowest[body] * axes[0] / diffusivity;
+    let peclet = 0.5 * frame.slowest_motion[body] * axes[0] / diffusivity;
     let moving = (ACROSS * (axes[0] / axes[1]).powi(2)).max(ALONG) / peclet;
     let spread = (4.0 * diffusivity * frame.end.unwrap_or(f64::INFINITY)).sqrt();
     let resting = match frame.mode {

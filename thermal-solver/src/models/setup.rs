@@ -155,7 +155,7 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
         slowest: [UPPER, LOWER].map(|body| scene.speed_range(given, body)[0]),
         mode: given.mode,
         end: given.end,
-        slowest: [UPPER, LOWER].map(|body| slowest(&scene, body, given)),
+        slowest_motion: [UPPER, LOWER].map(|body| slowest_motion(&scene, body, given)),
         arriving: *arriving,
         threads: given.threads,
         scene,
@@ -170,9 +170,9 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
     Ok(known)
 }
 
-/// Returns the slowest surface speed of a body [m/s]. A steady contact at rest is not among the rows
-/// of models for which it matters.
-fn slowest(scene: &Scene, body: usize, given: &Configuration) -> f64 {
+/// Returns the slowest motion of a body [m/s]. A steady contact at rest is not among the rows of
+/// models for which it matters.
+fn slowest_motion(scene: &Scene, body: usize, given: &Configuration) -> f64 {
     let speeds = scene.speeds_in(body, given);
     let least = |speeds: &mut dyn Iterator<Item = f64>| speeds.fold(f64::INFINITY, f64::min);
     match given.mode {
