@@ -3,11 +3,11 @@
 //!
 //! With the rises T of the march, T° of the march for constant properties and an insulated free
 //! surface, and T* of the modes of the mesh for the latter, the heat content of a node is corrected
-//! to H(T) + ρc (T* − T°), with ρc at the initial temperature. Both T* and T° hold the heat that was
-//! supplied, so that heat is conserved. The modes are exact along the motion ([`super::steady`]);
-//! the march has one step for an element. Without the correction, a cooling of no importance would
-//! move a peak below a narrow flux by a percent. What remains is the error of the march in the
-//! effect of the properties and of the cooling.
+//! to H(T) + ρc (T* − T°), with ρc at the initial temperature. Both T* and T° hold the heat that
+//! was supplied, so that heat is conserved. The modes are exact along the motion
+//! ([`super::steady`]); the march has one step for an element. Without the correction, a cooling of
+//! no importance would move a peak below a narrow flux by a percent. What remains is the error of
+//! the march in the effect of the properties and of the cooling.
 
 use super::body_properties::BodyProperties;
 use super::body_solver::{BodySolver, Rises, SolverInput};
@@ -188,8 +188,7 @@ mod tests {
     /// parabola of heat on this many columns.
     fn difference(columns: usize) -> f64 {
         let side = 10e-3 / columns as f64;
-        let grid =
-            Structured::contact_plane(0.5 * side - 5e-3, -1e-3, side, 1e-3, columns, 3);
+        let grid = Structured::contact_plane(0.5 * side - 5e-3, -1e-3, side, 1e-3, columns, 3);
         let material = Material { density: 7850.0, specific_heat: 419.5, conductivity: 50.0 };
         let nature = BodyProperties {
             material,
