@@ -100,9 +100,16 @@ pub(super) fn keys() -> Vec<KeySpec> {
         ),
         KeySpec::choice(SOLVER, &SOLVERS, "solver of the equations of the elements")
             .default_value("auto"),
-        KeySpec::quantity(WINDOW, "s", "window whose end the first layer must resolve").above(0.0),
-        KeySpec::quantity(SHORTEST, "s", "shortest adaptive window, likewise").above(0.0),
-        KeySpec::choice(CONTROL, &["fixed", ADAPTIVE], "whether windows become shorter"),
+        // Described as the coordinator does, whose keys they are.
+        KeySpec::quantity(WINDOW, "s", "coupling window of a transient case").above(0.0),
+        KeySpec::quantity(
+            SHORTEST,
+            "s",
+            "shortest adaptive window, with which a run begins; absent: a 1024th of time.window",
+        )
+        .above(0.0),
+        KeySpec::choice(CONTROL, &["fixed", ADAPTIVE], "lengths of the windows")
+            .default_value("fixed"),
     ]
 }
 

@@ -77,8 +77,8 @@ pub(super) fn hottest(
 /// which is zero at the ends, has errors of the order of the root of the length of an element: the
 /// rise of an end element is 2 to 6 % of the rise in the contact too high, that between the
 /// elements up to a half. [`UNRESOLVED`] elements at both ends are therefore not used, nor a rise
-/// between elements that is not smooth. The rise at an end itself follows from the straight line through the next two elements, but does not exceed
-/// the rises of the row.
+/// between elements that is not smooth. The rise at an end itself follows from the straight line
+/// through the next two elements, but does not exceed the rises of the row.
 ///
 /// The rise may be uniform over the contact, and the hottest element is then a matter of rounding.
 /// Of the elements that are as hot as the hottest, the one nearest to their centroid is used.
@@ -88,23 +88,7 @@ pub(super) fn hottest_in_contact(
     touching: &[usize],
     rise_at: impl Fn(usize, f64) -> f64,
 ) -> Option<Peak> {
-    let mut resolved = rise.to_vec();
-    let follows = |a: &usize, b: &usize| a + 1 == *b && a / grid.ni == b / grid.ni;
-    let rows = || touching.chunk_by(follows).filter(|row| row.len() >= SHORTEST_ROW);
-    if rows().next().is_some() {
-        touching.iter().for_each(|at| resolved[*at] = f64::NEG_INFINITY);
-    }
-    for row in rows() {
-        let inner = &row[UNRESOLVED..row.len() - UNRESOLVED];
-        inner.iter().for_each(|at| resolved[*at] = rise[*at]);
-        let highest = row.iter().map(|at| rise[*at]).fold(f64::NEG_INFINITY, f64::max);
-        let at_end = |near: usize, next: usize| {
-            (rise[near] + (UNRESOLVED as f64 + 0.5) * (rise[near] - rise[next])).min(highest)
-        };
-        let last = inner.len() - 1;
-        resolved[row[0]] = at_end(inner[0], inner[1]);
-        resolved[row[row.len() - 1]] = at_end(inner[last], inner[last - 1]);
-    }
+    let resolved = resolved(grid, rise, touching);
     let hottest = middle_of_hottest(grid, &resolved)?;
     let (row, column) = (hottest / grid.ni, hottest % grid.ni);
     let place = |at: &usize| *at / grid.ni == row;
@@ -131,6 +115,29 @@ pub(super) fn hottest_in_contact(
         _ if column + 1 < first => near(grid, &resolved, hottest, (0, first - 1), rise_at),
         _ => at(x),
     }
+}
+
+/// Returns the rises [K] with those of resolved elements and of the ends of rows in contact, as
+/// [`hottest_in_contact`] uses them; negative infinity for elements that are not used.
+fn resolved(grid: &Structured, rise: &[f64], touching: &[usize]) -> Vec<f64> {
+    let mut resolved = rise.to_vec();
+    let follows = |a: &usize, b: &usize| a + 1 == *b && a / grid.ni == b / grid.ni;
+    let rows = || touching.chunk_by(follows).filter(|row| row.len() >= SHORTEST_ROW);
+    if rows().next().is_some() {
+        touching.iter().for_each(|at| resolved[*at] = f64::NEG_INFINITY);
+    }
+    for row in rows() {
+        let inner = &row[UNRESOLVED..row.len() - UNRESOLVED];
+        inner.iter().for_each(|at| resolved[*at] = rise[*at]);
+        let highest = row.iter().map(|at| rise[*at]).fold(f64::NEG_INFINITY, f64::max);
+        let at_end = |near: usize, next: usize| {
+            (rise[near] + (UNRESOLVED as f64 + 0.5) * (rise[near] - rise[next])).min(highest)
+        };
+        let last = inner.len() - 1;
+        resolved[row[0]] = at_end(inner[0], inner[1]);
+        resolved[row[row.len() - 1]] = at_end(inner[last], inner[last - 1]);
+    }
+    resolved
 }
 
 /// Returns the most by which a smooth rise exceeds that of the hottest element between this element

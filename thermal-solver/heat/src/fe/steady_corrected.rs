@@ -3,11 +3,11 @@
 //!
 //! With the rises T of the march, T° of the march for constant properties and an insulated free
 //! surface, and T* of the modes of the mesh for the latter, the heat content of a node is corrected
-//! to H(T) + ρc (T* − T°), with ρc at the initial temperature. Both T* and T° hold the heat that was
-//! supplied, so that heat is conserved. The modes are exact along the motion ([`super::steady`]);
-//! the march has one step for an element. Without the correction, a cooling of no importance would
-//! move a peak below a narrow flux by a percent. What remains is the error of the march in the
-//! effect of the properties and of the cooling.
+//! to H(T) + ρc (T* − T°), with ρc at the initial temperature. Both T* and T° hold the heat that
+//! was supplied, so that heat is conserved. The modes are exact along the motion
+//! ([`super::steady`]); the march has one step for an element. Without the correction, a cooling of
+//! no importance would move a peak below a narrow flux by a percent. What remains is the error of
+//! the march in the effect of the properties and of the cooling.
 
 use super::body_properties::BodyProperties;
 use super::body_solver::{BodySolver, Rises, SolverInput};
