@@ -41,8 +41,8 @@ fn what_a_material_or_a_grid_does_not_bear_is_told() {
     let summary = of(&["materials.steel.yield_stress=500 MPa", "mech.resolution=3"]);
     let keys: Vec<_> =
         summary["warnings"].as_array().unwrap().iter().map(|one| &one["key"]).collect();
-    let figures = ["shakedown_ratio", "elements_across", "slip_zone_elements"];
-    assert_eq!(keys, figures.map(|figure| format!("contact.{figure}")));
+    let coarse = ["contact.elements_across", "contact.slip_zone_elements"];
+    assert_eq!(keys, ["contact.shakedown_ratio", coarse[0], coarse[1]]);
     let figure = |name: &str| summary["contact"][name].as_f64().unwrap();
     let expected = figure("max_pressure_pa") / (500e6 / 3.0_f64.sqrt());
     let (ratio, limit) = (figure("pressure_over_shear_strength"), 1.0 / 0.58);
