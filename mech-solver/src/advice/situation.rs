@@ -14,6 +14,9 @@ pub(crate) use proto::figure::contact::{
     CREEPAGE_XI as CREEPAGE, FRICTION_POWER as POWER, MAX_PRESSURE as PRESSURE,
 };
 
+/// Estimate of the contact of a scene.
+pub(crate) type Estimate<'a> = dyn Fn(&Scene, bool, Option<f64>) -> Option<Known> + 'a;
+
 /// Scene with its estimates, as an effect sees it.
 pub(crate) struct Situation<'a> {
     pub(crate) scene: &'a Scene,
@@ -23,7 +26,7 @@ pub(crate) struct Situation<'a> {
     pub(crate) known: &'a Known,
     /// Estimates the quantities of the contact of a scene by their keys; the flag is true if
     /// surfaces may stick, the number is the largest traction, if it is limited [Pa].
-    pub(crate) estimated: &'a dyn Fn(&Scene, bool, Option<f64>) -> Option<Known>,
+    pub(crate) estimated: &'a Estimate<'a>,
 }
 
 impl Situation<'_> {

@@ -33,14 +33,16 @@ fn a_mistyped_radius_is_told() {
 }
 
 /// Warnings about material and grid: a rail of 500 MPa flows in every passage under the paper's
-/// traction, because its limit p₀/k is at most 1/0.58; three elements per semi-axis are too coarse.
+/// traction, because its limit p₀/k is at most 1/0.58; three elements per semi-axis are too coarse,
+/// for the contact and for its slip zone.
 #[test]
 fn what_a_material_or_a_grid_does_not_bear_is_told() {
     let of = |settings: &[&str]| Place::new().summary(&case("wheel-rail.toml"), &sets(settings));
     let summary = of(&["materials.steel.yield_stress=500 MPa", "mech.resolution=3"]);
     let keys: Vec<_> =
         summary["warnings"].as_array().unwrap().iter().map(|one| &one["key"]).collect();
-    assert_eq!(keys, ["contact.shakedown_ratio", "contact.elements_across"]);
+    let coarse = ["contact.elements_across", "contact.slip_zone_elements"];
+    assert_eq!(keys, ["contact.shakedown_ratio", coarse[0], coarse[1]]);
     let figure = |name: &str| summary["contact"][name].as_f64().unwrap();
     let expected = figure("max_pressure_pa") / (500e6 / 3.0_f64.sqrt());
     let (ratio, limit) = (figure("pressure_over_shear_strength"), 1.0 / 0.58);
