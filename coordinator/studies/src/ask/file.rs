@@ -1,7 +1,8 @@
 //! Reads the file of a surrogate.
 
 use crate::fit::FILE;
-use crate::study::output::{MOST_BYTES, StudyFile as _};
+use crate::study::folder::MOST_BYTES;
+use crate::study::output::StudyFile as _;
 use crate::sweep::Study;
 use contract::input_file;
 use run::error::{RunError, file_failure, input_failure};

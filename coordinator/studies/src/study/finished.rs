@@ -4,8 +4,7 @@
 //! The file is append-only: a first line that identifies the request, then one line per run. An
 //! incomplete last line is ignored, and its run is repeated.
 
-use super::folder::StudyFolder;
-use super::output::MOST_BYTES;
+use super::folder::{MOST_BYTES, StudyFolder};
 use super::spent::RunCost;
 use contract::input_file;
 use run::error::{RunError, file_failure};
@@ -28,7 +27,7 @@ struct Request {
     request: u64,
     /// Programs, values and files of the case.
     identity: Identity,
-    /// What the identity does not see, as the end of a sentence.
+    /// Changes that the identity does not see, as the end of a sentence.
     #[serde(skip)]
     unseen: String,
 }
@@ -123,7 +122,8 @@ impl FinishedRuns {
         Ok(Self { request: self.request, ..found })
     }
 
-    /// What a comparison of identities does not see, as the end of a sentence; empty if nothing.
+    /// Changes that a comparison of identities does not see, as the end of a sentence; empty if
+    /// there are none.
     pub(super) fn unseen(&self) -> &str {
         &self.request.unseen
     }

@@ -1,7 +1,6 @@
 //! The folder of a study. A study replaces only an earlier study of the same kind, and resumes an
 //! interrupted one.
 
-use super::output::MOST_BYTES;
 use contract::input_file;
 use run::error::{RunError, file_failure};
 use run::results::Existing;
@@ -15,6 +14,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
+
+/// Size above which the file of a study is refused [byte].
+pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// The choice of a folder for a study.
 #[derive(Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Files that every study leaves in its folder: one file of plain data, from which the page is
 //! built.
 
-use super::folder::{StudyFolder, says_incomplete};
+use super::folder::{MOST_BYTES, StudyFolder, says_incomplete};
 use console::output::print;
 use contract::input_file;
 use contract::text::json;
@@ -10,9 +10,6 @@ use run::error::{RunError, input_failure};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-
-/// Size above which a file is refused [byte].
-pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// Plain data that a study keeps in its folder. The key `schema` holds the version of the layout;
 /// `complete = false` marks an unfinished study.

@@ -3,8 +3,8 @@
 use super::design::Part;
 use super::rows::{FILE, SweepInProgress};
 use super::study::{Row, Study};
-use crate::study::folder::{FolderRequest, StudyFolder};
-use crate::study::output::{MOST_BYTES, StudyFile};
+use crate::study::folder::{FolderRequest, MOST_BYTES, StudyFolder};
+use crate::study::output::StudyFile;
 use contract::input_file;
 use run::error::{RunError, input_failure};
 use std::collections::BTreeMap;
