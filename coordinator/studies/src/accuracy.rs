@@ -35,8 +35,8 @@ use crate::study::richardson::{Estimate, Limit, Sample, too_narrow};
 use crate::study::{planned, run};
 use choice::Choice;
 use console::case_arguments::Changes;
+use contract::accuracy::EDGE_ELEMENTS;
 use contract::figure::Measure;
-use contract::figure::contact::SLIP_ZONE_ELEMENTS;
 use run::error::RunError;
 use run::scratch::Scratch;
 use run::warnings::Warning;
@@ -340,10 +340,10 @@ impl Search {
 fn slip_zone(summary: &Value) -> Option<f64> {
     let warnings = Vec::<Warning>::deserialize(&summary["warnings"]).unwrap_or_default();
     let warned = warnings.iter().filter_map(|warning| match warning {
-        Warning::Value(one) if one.key == SLIP_ZONE_ELEMENTS => Some(one.value),
+        Warning::Value(one) if one.key == EDGE_ELEMENTS => Some(one.value),
         _ => None,
     });
-    contract::figure::value(summary, SLIP_ZONE_ELEMENTS).into_iter().chain(warned).reduce(f64::min)
+    contract::figure::value(summary, EDGE_ELEMENTS).into_iter().chain(warned).reduce(f64::min)
 }
 
 /// Relative error; zero if the error is zero, also for a value of zero.
@@ -468,7 +468,8 @@ mod tests {
     #[test]
     fn a_narrow_slip_zone_is_not_extrapolated() {
         let narrow = |mut summary: Value, width: f64| {
-            summary["contact"]["slip_zone_elements"] = json!(width);
+            let (section, name) = EDGE_ELEMENTS.split_once('.').unwrap();
+            summary[section][name] = json!(width);
             summary
         };
         let mut search = search(0.02, 1.0, 120.0, 240.0);

@@ -13,6 +13,10 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Key of the figure that counts the elements across a zone whose edge lies inside the contact.
+/// Studies extrapolate over grids only if the zone is wide enough on the coarsest.
+pub const EDGE_ELEMENTS: &str = crate::figure::contact::SLIP_ZONE_ELEMENTS;
+
 /// Expected errors of a model. The default describes an exact model without a resolution.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accuracy {

@@ -10,8 +10,8 @@ use crate::study::levels::Level;
 use crate::study::output::StudyFile;
 use crate::study::quantity::Quantity;
 use crate::study::richardson::{Estimate, Sample};
+use contract::accuracy::EDGE_ELEMENTS;
 use contract::figure::Measure;
-use contract::figure::contact::SLIP_ZONE_ELEMENTS;
 use run::error::RunError;
 use std::collections::BTreeMap;
 
@@ -210,7 +210,7 @@ impl Sweep {
         };
         let sample = |run: &Run| {
             let (_, level) = level.keys_at(run.step).next()?;
-            let slip_zone = run.values.get(SLIP_ZONE_ELEMENTS).copied();
+            let slip_zone = run.values.get(EDGE_ELEMENTS).copied();
             Some(Sample { level: f64::from(level), value: *run.values.get(key)?, slip_zone })
         };
         self.runs.iter().filter(alike).filter_map(sample).collect()

@@ -27,7 +27,7 @@ struct Request {
     request: u64,
     /// Programs, values and files of the case.
     identity: Identity,
-    /// What the identity does not see, as the end of a sentence.
+    /// Changes that the identity does not see, as the end of a sentence.
     #[serde(skip)]
     unseen: String,
 }
@@ -122,7 +122,8 @@ impl FinishedRuns {
         Ok(Self { request: self.request, ..found })
     }
 
-    /// What a comparison of identities does not see, as the end of a sentence; empty if nothing.
+    /// Changes that a comparison of identities does not see, as the end of a sentence; empty if
+    /// there are none.
     pub(super) fn unseen(&self) -> &str {
         &self.request.unseen
     }

@@ -28,11 +28,11 @@
 //!
 //! **Edges inside the contact.** Where a body sticks behind a narrow slip zone, the formulas hold
 //! only if the zone is resolved. Its width in elements is a figure of the run
-//! ([`contract::figure::contact::SLIP_ZONE_ELEMENTS`]). Measurements (see the tests) show: with fewer
-//! than six elements on the coarsest of three grids, values follow the accident of the edges. The
-//! error then is at least the largest difference of neighbouring grids, times the factor of safety.
-//! With fewer than twelve, two limits may agree on a wrong value, so that there is no limit. A zone
-//! over the whole contact has no edge inside.
+//! ([`contract::accuracy::EDGE_ELEMENTS`]). Measurements (see the tests) show: with fewer than six
+//! elements on the coarsest of three grids, values follow the accident of the edges. The error then
+//! is at least the largest difference of neighbouring grids, times the factor of safety. With fewer
+//! than twelve, two limits may agree on a wrong value, so that there is no limit. A zone over the
+//! whole contact has no edge inside.
 
 /// Factor of safety for the difference of two grids.
 const SAFETY_OF_TWO: f64 = 3.0;

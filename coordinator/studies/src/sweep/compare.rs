@@ -89,7 +89,7 @@ impl SweepDifference {
         let mut quantities: Vec<QuantityDifference> = found.collect();
         let size = |one: &QuantityDifference| one.change.map_or(f64::INFINITY, f64::abs);
         quantities.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        // Figures that are 0 but for rounding change most.
+        // Rounding errors of 0 change most.
         quantities.sort_by_key(|one| !a.drawn.contains(&one.key));
         Ok(Self {
             case: a.identity.differences(&b.identity),

@@ -112,7 +112,7 @@ fn identity(standing: &Planned, vary: &[Axis]) -> Result<Identity, RunError> {
     Ok(identity)
 }
 
-/// Warnings of a summary about its figures; those about the case are told before the runs.
+/// Warnings of a summary about its figures; those about the case are shown before the runs.
 fn about_results(summary: &Value) -> Vec<Warning> {
     let all = Vec::<Warning>::deserialize(&summary["warnings"]).unwrap_or_default();
     all.into_iter().filter(|one| value(summary, one.key()).is_some()).collect()

@@ -57,7 +57,9 @@ DISTANCES = np.array([-1.0, -0.5, 0.5, 1.0])
 """Places of the neighbours that give a derivative, in steps."""
 SCATTER = 1.9
 """Scatter of an extrapolated difference, in units of ε |y| / h: √((4/3)² 2 + (1/3)²/2)."""
-DOUBTFUL = 0.1
+SAFETY = 4.0
+"""Factor of safety of errors: edges jump over longer distances than nine close points show."""
+DOUBTFUL = 0.2
 """Error of a derivative, times its input and over its output, from which a warning tells."""
 SPEC = re.compile(r"\s*([^\s\[\]]+)\s*(?:\[([^\[\]]+)\])?\s*")
 """A key, and in brackets the unit of its numbers."""
@@ -198,9 +200,9 @@ class Model:
         tolerances of iterations and the jumps of edges between elements. It is kept in `error`, so
         later derivatives have equal steps.
 
-        The error is the change by the extrapolation, |D - D(h/2)|, which an output on a shorter
-        scale than x makes large, plus twice the scatter of D, 2 · 1.9 ε |y|/h. The error of the grid
-        itself is not in it.
+        The error is four times the sum of the change by the extrapolation, |D - D(h/2)|, which an
+        output on a shorter scale than x makes large, and twice the scatter of D, 2 · 1.9 ε |y|/h.
+        The factor covers jumps of edges over longer distances than the nine points show.
 
         A neighbour without a value is replaced by x itself, and D is D(h) alone. If both have none,
         the derivative is NaN. Raises `ValueError` for an input that is 0, which needs `step`.
@@ -212,7 +214,7 @@ class Model:
         """Return the derivatives of the outputs by the inputs: shape (k, d), or (n, k, d).
 
         These are the values of `derivatives`. A warning tells if the error of one, times its input,
-        exceeds a tenth of the output.
+        exceeds a fifth of the output.
         """
         points = self._points(x)
         found, errors, centre = self._differences(points, step)
@@ -222,7 +224,7 @@ class Model:
             key = self.outputs[output // len(self._conditions)]
             warnings.warn(
                 f"the derivative of {key} by {self.inputs[number]} is uncertain by more than a "
-                f"tenth of {key}; use a finer resolution, or see the errors of `derivatives`",
+                f"fifth of {key}; use a finer resolution, or see the errors of `derivatives`",
                 RuntimeWarning,
                 2,
             )
@@ -243,7 +245,7 @@ class Model:
             whole = np.isfinite(values).all(axis=0)
             found = np.where(whole, (4.0 * inner - outer) / 3.0, outer)
             scatter = SCATTER * (self.error or 0.0) * np.abs(centre) / steps[..., None]
-            errors = np.abs(found - inner) + 2.0 * scatter
+            errors = SAFETY * (np.abs(found - inner) + 2.0 * scatter)
         return found.swapaxes(1, 2), errors.swapaxes(1, 2), centre
 
     def gradient(self, x: ArrayLike, step: ArrayLike | None = None) -> Array:

@@ -7,7 +7,7 @@ pub(super) trait Scheduler {
     /// Name for messages.
     fn name(&self) -> &'static str;
 
-    /// What to do if the scheduler accepts no array.
+    /// Advice for a scheduler that accepts no array.
     fn fix(&self) -> &'static str;
 
     /// Submits these parts as an array and returns its identifier.
