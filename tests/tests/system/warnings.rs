@@ -66,7 +66,11 @@ fn a_hot_answer_is_told() {
     };
     let hot = run("locked-wheel.toml");
     assert_eq!(hot.code, Some(5), "{}", hot.stdout);
-    assert!(hot.stderr.contains("the run has finished, and its results are complete, but --strict"), "{}", hot.stderr);
+    assert!(
+        hot.stderr.contains("the run has finished, and its results are complete, but --strict"),
+        "{}",
+        hot.stderr
+    );
     assert!(hot.stderr.contains("max_rise_k is 711.4"), "{}", hot.stderr);
     assert_eq!(run("wheel-rail.toml").code, Some(0));
 }
