@@ -92,7 +92,7 @@ fn a_resumed_run_is_refused_for_the_warnings_of_its_case() {
     assert!(strict.stderr.contains("coupling.relative is 2"), "{}", strict.stderr);
     let resumed = place.start(&["run", "--resume", &out]).wait();
     assert_eq!(resumed.code, Some(1), "{}", resumed.stderr);
-    assert!(resumed.stderr.contains("warning: coupling.relative is 2"), "{}", resumed.stderr);
+    assert!(resumed.stderr.contains("coupling.relative is 2"), "{}", resumed.stderr);
 }
 
 /// A warning appears in every command: `check`, as text and as JSON, `plan`, `run`, the summary,

@@ -1,7 +1,7 @@
 //! Files that every study leaves in its folder: one file of plain data, from which the page is
 //! built.
 
-use super::folder::{MOST_BYTES, StudyFolder, says_incomplete};
+use super::folder::{StudyFolder, says_incomplete};
 use console::output::print;
 use contract::text::json;
 use pages::page::Page;
