@@ -13,7 +13,8 @@ use proto::advice::{self, Advice, Opinion};
 pub fn opinion(asked: &advice::Scene) -> Opinion {
     let Ok(scene) = Scene::read(&asked.case) else { return Opinion::default() };
     let partition = Partition::read(&asked.case).unwrap_or(Partition::Equal);
-    let Some(situation) = Situation::of(&scene, asked, partition) else {
+    let shares = |speeds, rises| partition.estimate(&scene.materials, speeds, rises);
+    let Some(situation) = Situation::of(&scene, asked, shares) else {
         return Opinion::default();
     };
     let known = [UPPER, LOWER].map(|body| (situation.rise_of(body), situation.rises[body]));

@@ -8,7 +8,6 @@
 //! normal to the surface for the time of the case are added. The estimate is of first order: it
 //! tells whether an effect is worth a run, and the run gives its size.
 
-use crate::effects::friction_heat::Partition;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use heat::closed_form::scales::{rest_length, rest_length_after};
@@ -71,8 +70,14 @@ pub struct Situation<'a> {
 }
 
 impl<'a> Situation<'a> {
-    /// Estimates a scene whose contact is known. `None` if a figure of the contact is missing.
-    pub fn of(scene: &'a Scene, asked: &'a advice::Scene, partition: Partition) -> Option<Self> {
+    /// Estimates a scene whose contact is known. `shares` returns the heat partition for the
+    /// surface speeds [m/s] and for the rises that all of the heat would cause in either body [K].
+    /// `None` if a figure of the contact is missing.
+    pub fn of(
+        scene: &'a Scene,
+        asked: &'a advice::Scene,
+        shares: impl Fn([f64; 2], [f64; 2]) -> [f64; 2],
+    ) -> Option<Self> {
         let figure = |key: &str| asked.known.get(key).copied();
         let power = figure(FRICTION_POWER)?;
         let semi_axes = [figure(SEMI_AXIS_A)?, figure(SEMI_AXIS_B)?];
@@ -97,19 +102,7 @@ impl<'a> Situation<'a> {
             time,
         };
         let rises = own.estimate();
-        let shares = match partition {
-            Partition::Effusivity if !scene.at_rest.contains(&true) => {
-                partition.shares(&scene.materials, speeds)
-            }
-            Partition::Equal => partition.shares(&scene.materials, speeds),
-            // Surfaces of the same temperature share the heat as the reciprocals of the rises that
-            // all of it would cause in each.
-            _ if rises[UPPER] + rises[LOWER] > 0.0 => {
-                let upper = rises[LOWER] / (rises[UPPER] + rises[LOWER]);
-                [upper, 1.0 - upper]
-            }
-            _ => [0.5; 2],
-        };
+        let shares = shares(speeds, rises);
         own.heat = shares.map(|share| share * power);
         own.rises = own.estimate();
         Some(own)

@@ -200,8 +200,8 @@ fn a_row_at_rest_is_refused_before_the_run() {
     }
 }
 
-/// A model without heat exchange between the surfaces advises the one that has it, and for a body at
-/// rest nothing else.
+/// A model without heat exchange between the surfaces advises the one that has it, and for a body
+/// at rest nothing else.
 #[test]
 fn a_body_at_rest_is_guided_to_equal_temperatures() {
     let fix = |speed: Option<f64>| {

@@ -329,8 +329,8 @@ fn hot_bodies_are_softened_as_a_whole() {
     }
 }
 
-/// Solves a model up to a time under an elliptic flux, with a pin at rest (the wheel of the case) on
-/// a moving disc (the rail). The windows grow with the time.
+/// Solves a model up to a time under an elliptic flux, with a pin at rest (the wheel of the case)
+/// on a moving disc (the rail). The windows grow with the time.
 fn in_time(model: &str, power: f64, case: &Value, axes: [f64; 2], speed: f64, time: f64) -> Run {
     let steady = solved_at(power, "moving-source", &at(1.0), axes, 1.0);
     let (grid, flux) = (steady.grid(), steady.given.flux.clone().unwrap());
@@ -377,8 +377,8 @@ fn time_of(length: f64, part: f64) -> f64 {
 }
 
 /// The error that `columns` states for a body at rest is the one against conduction in three
-/// dimensions, within a tenth and the error of the grid, for circles and ellipses. It is that of the
-/// pin, although the disc moves fast.
+/// dimensions, within a tenth and the error of the grid, for circles and ellipses. It is that of
+/// the pin, although the disc moves fast.
 #[test]
 fn columns_state_the_error_of_a_body_at_rest() {
     for (axes, part) in
@@ -427,8 +427,8 @@ fn columns_state_the_error_of_a_slow_body() {
 }
 
 /// Rises of a pin and a disc in transient cases of three sizes, with equal shares and with equal
-/// temperatures: the estimate is exact for the pin with equal shares, and within the tenth of moving
-/// bodies otherwise. Equal temperatures everywhere are not equal peaks: a quarter.
+/// temperatures: the estimate is exact for the pin with equal shares, and within the tenth of
+/// moving bodies otherwise. Equal temperatures everywhere are not equal peaks: a quarter.
 #[test]
 fn the_rises_of_a_pin_and_a_disc_are_those_of_the_models() {
     for (size, part) in PINS {

@@ -77,6 +77,31 @@ impl Partition {
             }
         }
     }
+
+    /// Estimates the shares (upper, lower) of the heat [-] that remain after heat is exchanged,
+    /// for the surface speeds [m/s] and the rises that all of the heat would cause in either body
+    /// [K]. Surfaces of the same temperature share the heat as the reciprocals of these rises.
+    #[must_use]
+    pub fn estimate(
+        self,
+        materials: &[Material; 2],
+        speeds: [f64; 2],
+        rises: [f64; 2],
+    ) -> [f64; 2] {
+        let moving = speeds.iter().all(|speed| *speed > 0.0);
+        match self {
+            Self::Equal => [0.5; 2],
+            Self::Effusivity if moving => self.shares(materials, speeds),
+            Self::Effusivity | Self::Continuity => {
+                let [upper, lower] = rises;
+                if upper + lower > 0.0 {
+                    [lower / (upper + lower), upper / (upper + lower)]
+                } else {
+                    [0.5; 2]
+                }
+            }
+        }
+    }
 }
 
 /// Returns the capabilities that the partition needs: `continuity` needs heat exchange between the

@@ -205,8 +205,8 @@ impl Conduction for Columns {
 }
 
 impl Columns {
-    /// Makes the flux that of the newest window of both bodies. Returns the sum of its element means
-    /// [W/m²].
+    /// Makes the flux that of the newest window of both bodies. Returns the sum of its element
+    /// means [W/m²].
     fn take(&mut self, flux: &[f64], drive: &Drive) -> f64 {
         let [upper, lower] = self.histories.each_mut().map(History::trial_mut);
         let pieces = upper.flux.pieces(flux, ROWS);

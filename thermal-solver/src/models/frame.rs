@@ -82,8 +82,8 @@ impl Frame {
         self.conductance.is_some_and(|law| law.gas.is_some())
     }
 
-    /// Returns the semi-axes of the contact [m], without the elements that the grid of the heat flux
-    /// has beyond its edges.
+    /// Returns the semi-axes of the contact [m], without the elements that the grid of the heat
+    /// flux has beyond its edges.
     #[must_use]
     pub fn semi_axes(&self) -> [f64; 2] {
         let half = |count: usize, length: f64| {

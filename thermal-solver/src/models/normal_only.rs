@@ -3,13 +3,12 @@
 //! The error is that of the largest rise of a body under an elliptic contact with the semi-axes a
 //! and b, as an upper bound:
 //!
-//! - in steady motion max(0.55 (a/b)², 0.5)/Pe with Pe = V a/2κ. The first part is conduction across
-//!   the track while the whole contact slides: to first order, heat that has entered over the
-//!   distance a spreads sideways by (κ a/V)/b². The second part is conduction along the track near
-//!   the edges of the flux, for slip zones of 15 % of the contact and longer; a sharp onset of the
-//!   flux moves the place of the peak rather than its height. Both factors are fitted to
-//!   three-dimensional integrals of full and partial slip for b/a from 0.25 to 4 and Pe from 3 to
-//!   100;
+//! - in steady motion max(0.55 (a/b)², 0.5)/Pe with Pe = V a/2κ. The first part is conduction
+//!   across the track while the whole contact slides: to first order, heat that has entered over
+//!   the distance a spreads sideways by (κ a/V)/b². The second part is conduction along the track
+//!   near the edges of the flux, for slip zones of 15 % of the contact and longer. Both factors are
+//!   fitted to three-dimensional integrals of full and partial slip for b/a from 0.25 to 4 and Pe
+//!   from 3 to 100;
 //! - at rest, for a time t, (2/√π)(√(κt)) over [`heat::closed_form::scales::rest_length_after`],
 //!   less 1. This bounds the error of a slowly moving body as well.
 

@@ -170,8 +170,8 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
     Ok(known)
 }
 
-/// Returns the slowest motion of a body [m/s]. A steady contact at rest is not among the rows of
-/// models for which it matters.
+/// Returns the slowest motion of a body [m/s]. Models for which it matters have no steady contact
+/// at rest.
 fn slowest_motion(scene: &Scene, body: usize, given: &Configuration) -> f64 {
     let speeds = scene.speeds_in(body, given);
     let least = |speeds: &mut dyn Iterator<Item = f64>| speeds.fold(f64::INFINITY, f64::min);

@@ -113,8 +113,8 @@ mod tests {
         assert!((long - 1.0).abs() < 1e-7, "{long}");
     }
 
-    /// Early, conduction normal to the surface, 2q₀√(κt/π)/λ, less u²/6 of it on a circle; late, the
-    /// steady rise. In between, Gauss's rule for the integral over the radius.
+    /// Early, conduction normal to the surface, 2q₀√(κt/π)/λ, less u²/6 of it on a circle; late,
+    /// the steady rise. In between, Gauss's rule for the integral over the radius.
     #[test]
     fn ellipses_at_rest_in_time() {
         for axes in [[2.0, 2.0], [7.98, 6.01], [1.0, 0.05], [0.05, 1.0]] {

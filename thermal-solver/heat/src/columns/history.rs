@@ -11,12 +11,12 @@
 //!   changes the rise under a flux that follows the temperature by less than 10⁻⁴.
 //!
 //! For windows of any length, at most two remain for each element of the row, and eight for each
-//! factor of two between the window and h/V; at rest sixteen for each factor of two in time. A merged window keeps its heat
-//! and the path of the material exactly. The newest window is never merged, so that an accepted
-//! state reproduces the solve that led to it. Merging moves heat by less than the merged duration D
-//! in time. For a flux into the body that changes at the rate q̇ the error of the rise stays below
-//! q̇ D^1.5/(24 β√π). In a moving body, D ≤ h/V, so that the order is 1.5 in the element length. A
-//! constant flux is not changed.
+//! factor of two between the window and h/V; at rest sixteen for each factor of two in time. A
+//! merged window keeps its heat and the path of the material exactly. The newest window is never
+//! merged, so that an accepted state reproduces the solve that led to it. Merging moves heat by
+//! less than the merged duration D in time. For a flux into the body that changes at the rate q̇
+//! the error of the rise stays below q̇ D^1.5/(24 β√π). In a moving body, D ≤ h/V, so that the
+//! order is 1.5 in the element length. A constant flux is not changed.
 
 use super::reconstruction::Flux;
 use super::stencil::Segment;
