@@ -104,6 +104,7 @@ impl Conduction for Columns {
     const TRANSIENT: bool = true;
     const SOLVES_STATIONARY_BODY: bool = false;
     const KEEPS_WINDOWS: bool = true;
+    const CAPABILITIES: &'static [Capability] = CAPABILITIES;
     const STATE_TAG: u8 = 2;
 
     fn new(frame: &Frame) -> Self {

@@ -5,6 +5,7 @@
 
 use super::frame::Frame;
 use super::summary::Peak;
+use crate::capability::Capability;
 use heat::window::{Drive, Stage};
 use proto::accuracy::Simplification;
 use proto::configuration::Refusal;
@@ -57,6 +58,8 @@ pub trait Conduction: Sized + 'static {
     /// True if the bodies are finite with a fixed far-end temperature, so that a stationary body
     /// has a steady state and thermal expansion. The surfaces may separate.
     const ENDS: bool = false;
+    /// Optional capabilities of the model.
+    const CAPABILITIES: &'static [Capability];
     /// Tag that marks saved states of this model.
     const STATE_TAG: u8;
 

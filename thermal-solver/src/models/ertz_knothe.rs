@@ -105,6 +105,7 @@ pub struct ErtzKnothe {
 impl Conduction for ErtzKnothe {
     const TRANSIENT: bool = false;
     const SOLVES_STATIONARY_BODY: bool = false;
+    const CAPABILITIES: &'static [Capability] = CAPABILITIES;
     const STATE_TAG: u8 = 1;
 
     fn new(frame: &Frame) -> Self {

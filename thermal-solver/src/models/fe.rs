@@ -149,6 +149,7 @@ impl Conduction for FiniteElements {
     const TRANSIENT: bool = true;
     const SOLVES_STATIONARY_BODY: bool = true;
     const ELEMENTS: bool = true;
+    const CAPABILITIES: &'static [Capability] = CAPABILITIES;
     const STATE_TAG: u8 = 4;
 
     fn check(frame: &Frame) -> Result<(), Refusal> {

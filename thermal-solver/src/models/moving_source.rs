@@ -203,6 +203,7 @@ impl Conduction for MovingSource {
     const TRANSIENT: bool = true;
     const SOLVES_STATIONARY_BODY: bool = true;
     const KEEPS_WINDOWS: bool = true;
+    const CAPABILITIES: &'static [Capability] = CAPABILITIES;
     const STATE_TAG: u8 = 3;
 
     fn new(frame: &Frame) -> Self {

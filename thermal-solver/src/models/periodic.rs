@@ -80,6 +80,7 @@ impl Conduction for Periodic {
     const TRANSIENT: bool = true;
     const SOLVES_STATIONARY_BODY: bool = true;
     const REPEATS: bool = true;
+    const CAPABILITIES: &'static [Capability] = CAPABILITIES;
     const STATE_TAG: u8 = 5;
 
     fn new(frame: &Frame) -> Self {

@@ -188,6 +188,7 @@ impl Conduction for Rods {
     const TRANSIENT: bool = true;
     const SOLVES_STATIONARY_BODY: bool = true;
     const ENDS: bool = true;
+    const CAPABILITIES: &'static [Capability] = CAPABILITIES;
     const STATE_TAG: u8 = 6;
 
     fn check(frame: &Frame) -> Result<(), Refusal> {

@@ -16,7 +16,6 @@ use crate::effects::integrated;
 use crate::effects::joule_heat;
 use crate::effects::phase_transformation;
 use crate::effects::volume_temperature::VOLUMES;
-use crate::models;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
@@ -199,7 +198,7 @@ fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<()
                 "`{name}` is at rest{}: by effusivity and speed it gets no heat",
                 in_row(given, row)
             ),
-            touching(given),
+            touching::<C>(),
         ));
     }
     match integrated::active(given).filter(|_| !C::ENDS) {
@@ -209,9 +208,8 @@ fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<()
 }
 
 /// Advice for a body at rest: surfaces that touch have the same temperature.
-fn touching(given: &Configuration) -> &'static str {
-    let model = models::find(&given.model);
-    match model.is_ok_and(|model| model.capabilities.contains(&Capability::Exchange)) {
+fn touching<C: Conduction>() -> &'static str {
+    match C::CAPABILITIES.contains(&Capability::Exchange) {
         true => "write \"continuity\"",
         false => "write \"continuity\" and [thermal] model = \"moving-source\"",
     }
@@ -241,7 +239,7 @@ fn warn_of_rest<C: Conduction>(frame: &Frame, given: &Configuration) -> Option<R
             "`{own}` is at rest{row} and gets half of the heat, whatever its temperature: it becomes \
              hotter than `{other}`, which it touches"
         );
-        Refusal::new(friction_heat::PARTITION_KEY, reason, touching(given))
+        Refusal::new(friction_heat::PARTITION_KEY, reason, touching::<C>())
     })
 }
 
