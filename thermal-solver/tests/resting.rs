@@ -307,8 +307,8 @@ fn no_place_is_hotter_than_bodies_that_meet() {
             number(&summary, "/exchange/heat_w")
         });
         println!("{heats:?}");
-        // The area from pressures at the middles of elements.
-        assert!((heats[0] / heats[2] - 1.0).abs() < 2e-2, "{heats:?}");
-        assert!((heats[1] / heats[2] - 1.0).abs() < 5e-3, "{heats:?}");
+        // The area from pressures at the middles of elements has an error of second order.
+        assert!((heats[0] / heats[2] - 1.0).abs() < 2.5e-2, "{heats:?}");
+        assert!((heats[1] / heats[2] - 1.0).abs() < 7e-3, "{heats:?}");
     }
 }
