@@ -165,7 +165,7 @@ pub(super) fn ignored<'a>(
             let deaf = participants.clone().find(|other| {
                 let Configuration { inputs, case, .. } = &other.configuration;
                 other.role != sender.role
-                    && provided(other).any(is_of_a_body)
+                    && provided(other).any(|field| is_of_a_body(field))
                     && inputs.iter().all(|input| input.field.name != *field)
                     && instances(case, &path).is_empty()
             });
@@ -191,7 +191,7 @@ fn provided(participant: &Participant) -> impl Iterator<Item = &String> {
 }
 
 /// Returns whether a field belongs to one of the bodies.
-fn is_of_a_body(field: &String) -> bool {
+fn is_of_a_body(field: &str) -> bool {
     let rest = POSITIONS.iter().find_map(|position| field.strip_prefix(position));
     rest.is_some_and(|rest| rest.starts_with('_'))
 }
