@@ -272,7 +272,8 @@ fn long_rows_take_the_same_values_as_short_ones() {
 }
 
 /// A cooling of no importance, which needs another solver, does not change the answer below a
-/// narrow zone of slip; nor does a solver that is chosen by name. Tolerance: that of the iterations.
+/// narrow zone of slip. Nor does a solver that is chosen by name. Tolerance: that of the
+/// iterations.
 #[test]
 fn finite_elements_have_one_answer_by_any_solver() {
     let grid = row(15, -1.2, 1.2);

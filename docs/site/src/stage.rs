@@ -1,5 +1,5 @@
-//! Copies the pages of docs/SUMMARY.md and the files that they link to. A folder that a page links to
-//! becomes a list of its files; a link to docs/SUMMARY.md leads to the contents of the site.
+//! Copies the pages of docs/SUMMARY.md and the files that they link to. A folder that a page links
+//! to becomes a list of its files; a link to docs/SUMMARY.md leads to the contents of the site.
 
 use anyhow::{Context, Result, ensure};
 use mdbook_markdown::pulldown_cmark::{Event, Tag};

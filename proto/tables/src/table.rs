@@ -1064,7 +1064,8 @@ mod tests {
         let mixed = fault("t;Q;xi\n0;134.000;-0,001\n");
         assert!(mixed.contains("comma in column 3 of line 2 and a point in column 2"), "{mixed}");
         assert!(fault("t\tQ\n0\t56,060\n1\t56.060\n").contains("column 2 of line 3"));
-        assert!(fault("0,5 1.5\n").contains("decimal comma"));
+        // Commas separate cells here, and `5 1.5` is no number.
+        assert!(three("0,5 1.5,2\n").is_err());
         let words = |text: &str| Table::parse(text.to_owned(), Reading::WORDS);
         assert!(words("load;set\n60,5 kN;\"[1.5, 2]\"\n").is_ok());
         assert!(words("load;mu\n134.000 N;0,3\n").is_err());

@@ -50,8 +50,8 @@ impl Dir {
         Ok(Self { handle: Arc::new(handle), given: self.shown().join(name) })
     }
 
-    /// Opens a file in the folder. A link is not followed, and the other end of a pipe is not waited
-    /// for.
+    /// Opens a file in the folder. A link is not followed, and the call does not wait for the other
+    /// end of a pipe.
     ///
     /// # Errors
     /// The file cannot be opened.

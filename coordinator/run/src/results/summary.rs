@@ -87,8 +87,8 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Returns the warnings about windows that were passed over or have not converged. The log names
-    /// each of them.
+    /// Returns the warnings about windows that were passed over or have not converged. The log
+    /// names each of them.
     #[must_use]
     pub fn warnings(&self) -> Vec<Warning> {
         let remark = |count: u64, key, what: String, status: &str| {

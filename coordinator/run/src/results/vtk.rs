@@ -7,9 +7,9 @@
 //!
 //! Every array carries its unit in its name (`pressure [Pa]`) and as VTK's own label. The field
 //! data state unit, body and meaning of each array. Fields with two components become vectors (x,
-//! y, 0). Values are appended raw, as little-endian doubles. A series lists only complete files, and
-//! each of them is added by one write, so that the files are readable at any time. `open.py` opens
-//! all series in ParaView.
+//! y, 0). Values are appended raw, as little-endian doubles. A series lists only complete files,
+//! and each of them is added by one write, so that the files are readable at any time. `open.py`
+//! opens all series in ParaView.
 
 mod data_sets;
 mod scene;
