@@ -56,9 +56,9 @@ fn the_rows_of_a_table(name: &str, common: &[&str], key: &str, limits: [f64; 2],
     let (table_place, place) = (Place::new(), Place::new());
     let folder = tempfile::tempdir().unwrap();
     let rows: Vec<(f64, f64)> = values.iter().map(|value| (0.0, *value)).collect();
-    let [column, time] = table(folder.path(), key, &rows);
+    let [column, _] = table(folder.path(), key, &rows);
     let mut set = common.to_vec();
-    set.extend(["time.mode=sequence", &column, &time]);
+    set.extend(["time.mode=sequence", &column]);
     table_place.summary(&case(name), &sets(&set));
     let live = format!("{key}={{at={:?},from={:?},to={:?}}}", values[0], limits[0], limits[1]);
     let mut set = common.to_vec();
