@@ -119,7 +119,8 @@ impl Identity {
                 }
             }
         }
-        let absent = Value::from("absent");
+        // Keys that only one of both has often follow from a changed one, such as the model.
+        let (absent, mut one_sided) = (Value::from("absent"), Vec::new());
         for key in keys(&self.values, &now.values) {
             let of = |one: &Self| match one.files.contains_key(key) {
                 true => Value::from("a file"),
@@ -127,9 +128,11 @@ impl Identity {
             };
             let (was, is) = (of(self), of(now));
             if was != is {
-                all.push(format!("{key}: was {}, is {}", word(&was), word(&is)));
+                let list = if was == absent || is == absent { &mut one_sided } else { &mut all };
+                list.push(format!("{key}: was {}, is {}", word(&was), word(&is)));
             }
         }
+        all.append(&mut one_sided);
         for key in keys(&self.files, &now.files) {
             match (self.files.get(key), now.files.get(key)) {
                 (was, is) if was == is => {}

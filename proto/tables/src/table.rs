@@ -472,10 +472,11 @@ fn is_number(cell: &str, comma: bool) -> bool {
 }
 
 /// Returns the decimal comma or point of a number, which a unit may follow; `None` for a word, and
-/// for a number without a decimal sign.
+/// for a number without digits after a decimal sign.
 fn decimal_sign(cell: &str) -> Option<char> {
     let number = cell.split_whitespace().next().filter(|number| is_number(number, true))?;
-    number.chars().find(|c| matches!(c, ',' | '.'))
+    let (at, sign) = number.char_indices().find(|(_, c)| matches!(c, ',' | '.'))?;
+    number[at + 1..].starts_with(|c: char| c.is_ascii_digit()).then_some(sign)
 }
 
 /// A row of a table: its range in the text, and its line number.
@@ -1064,6 +1065,8 @@ mod tests {
         let mixed = fault("t;Q;xi\n0;134.000;-0,001\n");
         assert!(mixed.contains("comma in column 3 of line 2 and a point in column 2"), "{mixed}");
         assert!(fault("t\tQ\n0\t56,060\n1\t56.060\n").contains("column 2 of line 3"));
+        // A comma at the end of a cell is no decimal sign.
+        assert!(table("200 50 419.5\n400, 48, 450 \n").is_ok());
         // Commas separate cells here, and `5 1.5` is no number.
         assert!(three("0,5 1.5,2\n").is_err());
         let words = |text: &str| Table::parse(text.to_owned(), Reading::WORDS);

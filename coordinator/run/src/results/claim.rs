@@ -186,7 +186,7 @@ fn lock(dir: &Dir) -> Result<(LockFile, Option<Warning>), RunError> {
     match try_lock(&marker) {
         Err(TryLockError::WouldBlock) => {
             let fix = "wait for its end, or give another folder with --out";
-            return Err(refuse(dir, &format!("is used by another run; {fix}")));
+            Err(refuse(dir, &format!("is used by another run; {fix}")))
         }
         // Some network file systems have no locks.
         Err(TryLockError::Error(error)) => {
