@@ -242,7 +242,8 @@ fn here(
 /// Reports that earlier points stay in the table, and which changes since would not be seen.
 fn tell_reused(study: &Study, plan: &Plan) {
     let unseen = unseen(plan);
-    if !study.rows.is_empty() && !(study.missing().is_empty() && unseen.is_empty()) {
+    let goes_on = !study.missing().is_empty();
+    if !study.rows.is_empty() && (goes_on || !unseen.is_empty()) {
         let count = counted(study.rows.len() as u64, "point");
         tracing::warn!("{count} of earlier runs stay; --replace repeats all{unseen}");
     }
