@@ -10,8 +10,10 @@
 //! resolution, and the temperature more accurate (test
 //! `dissipation_is_heat_where_slip_is_not_resolved`). The products δ²p·u of single elements may be
 //! negative. The sum is therefore distributed by |δ²p|², to which the displacement of the element
-//! itself is proportional, among the elements in contact. The open element behind the trailing edge
-//! has a large δ²p, but no heat.
+//! itself is proportional. The open element behind the trailing edge receives its part of it: heat
+//! there does not reach the peak. Given to the elements in contact instead, it makes the peak of the
+//! paper's contact at a/10 and μ = 0.2 35.4 K instead of 34.4 K, where 31.5 K is right, because the
+//! grid does not resolve the edge.
 
 use super::coupling::Coupling;
 use super::difference::{Difference, Stencil};
@@ -72,37 +74,20 @@ impl Dissipation {
             }
         }
         let weight = speed / (8.0 * self.dx);
-        shared([&x, &y], [&displaced[0], &displaced[1]], pressure, weight)
+        shared([&x, &y], [&displaced[0], &displaced[1]], weight)
     }
 }
 
-/// Distributes the total of weight · Σ p·u among the elements with pressure by |p|², so that no
-/// element loses power or gains it from the displacement of another element. If no element with
-/// pressure has a share, as when a contact opens, the total goes to all elements.
+/// Distributes the total of weight · Σ p·u among the elements by |p|², so that no element loses
+/// power or gains it from the displacement of another element.
 #[must_use]
-pub fn shared(
-    traction: [&[f64]; 2],
-    displacement: [&[f64]; 2],
-    pressure: &[f64],
-    weight: f64,
-) -> Vec<f64> {
+pub fn shared(traction: [&[f64]; 2], displacement: [&[f64]; 2], weight: f64) -> Vec<f64> {
     let dot = |[x, y]: [&[f64]; 2], [u, v]: [&[f64]; 2], at: usize| x[at] * u[at] + y[at] * v[at];
-    let elements = 0..pressure.len();
+    let elements = 0..traction[0].len();
     let total: f64 = elements.clone().map(|at| dot(traction, displacement, at)).sum();
-    let squares: Vec<f64> = elements.map(|at| dot(traction, traction, at)).collect();
-    let of_contact = squares.iter().zip(pressure).map(|(square, p)| match *p > 0.0 {
-        true => *square,
-        false => 0.0,
-    });
-    let mut shares: Vec<f64> = of_contact.collect();
-    let mut sum: f64 = shares.iter().sum();
-    if sum == 0.0 {
-        shares = squares;
-        sum = shares.iter().sum();
-    }
-    let share = if sum > 0.0 { weight * total / sum } else { 0.0 };
-    shares.iter_mut().for_each(|value| *value *= share);
-    shares
+    let squares: f64 = elements.clone().map(|at| dot(traction, traction, at)).sum();
+    let share = if squares > 0.0 { weight * total / squares } else { 0.0 };
+    elements.map(|at| share * dot(traction, traction, at)).collect()
 }
 
 /// Largest share of the friction power that [`without_negative`] moves: the tolerance of the
@@ -147,25 +132,6 @@ mod tests {
             let mut power = kept;
             without_negative(&mut power);
             assert_eq!(power, kept);
-        }
-    }
-
-    /// The whole power goes to elements in contact, however large δ²p is beside them.
-    /// Without contact no power is lost.
-    #[test]
-    fn only_elements_in_contact_dissipate() {
-        let (x, y) = ([3.0, 1.0, 0.0, 2.0], [0.0; 4]);
-        let u = [1.0, 2.0, 3.0, 0.5];
-        let total = 2.0 * (3.0 + 2.0 + 1.0);
-        for (pressure, expected) in [
-            ([0.0, 1.0, 1.0, 1.0], [0.0, 0.2, 0.0, 0.8]),
-            ([1.0; 4], [9.0 / 14.0, 1.0 / 14.0, 0.0, 4.0 / 14.0]),
-            ([0.0; 4], [9.0 / 14.0, 1.0 / 14.0, 0.0, 4.0 / 14.0]),
-        ] {
-            let found = shared([&x, &y], [&u, &y], &pressure, 2.0);
-            for (found, expected) in found.iter().zip(expected) {
-                assert!((found - total * expected).abs() < 1e-14, "{pressure:?}: {found}");
-            }
         }
     }
 }

@@ -129,14 +129,8 @@ impl Tangential {
     }
 
     /// Numerical dissipation of the second-order time difference, ¼ Σ δ_t²p·δ_t²u over the duration
-    /// of a step [W/m²], in elements with pressure.
-    fn dissipated(
-        &self,
-        before: &Self,
-        earlier: &Self,
-        pressure: &[f64],
-        duration: f64,
-    ) -> Vec<f64> {
+    /// of a step [W/m²].
+    fn dissipated(&self, before: &Self, earlier: &Self, duration: f64) -> Vec<f64> {
         let second_difference = |of: fn(&Self) -> &[Vec<f64>; 2]| {
             let [now, before, earlier] = [self, before, earlier].map(of);
             [0, 1].map(|k| -> Vec<f64> {
@@ -148,7 +142,7 @@ impl Tangential {
         let displacement = second_difference(|instant| &instant.displacement);
         let [px, py] = &traction;
         let [ux, uy] = &displacement;
-        shared([px, py], [ux, uy], pressure, 0.25 / duration)
+        shared([px, py], [ux, uy], 0.25 / duration)
     }
 }
 
@@ -409,7 +403,7 @@ impl Transient {
         }
         let after = trial.tangential();
         if let Some(earlier) = &earlier {
-            let power = after.dissipated(&before, earlier, &pressure, case.passage().duration);
+            let power = after.dissipated(&before, earlier, case.passage().duration);
             trial.answer.add_numerical_dissipation(case, &power);
         }
         if !case.bodies.are_coupled() {
