@@ -28,11 +28,10 @@ fn the_paper_that_is_kept_is_fresh_and_right() {
     browser::assert_shown(&place.out().join("report.html"), &[DESK, PHONE], drawings);
 }
 
-/// Half-spaces at a/80 against the limits of CONTACT. The tolerance covers the error of the grid and
-/// that of the reference, which is extrapolated to first order. It is larger at μ = 0.2, because
-/// a/40 is coarse for the narrow slip zone: our values up to a/320 (31.333 K) converge to 31.36 K,
-/// 0.4 % below the reference. They are of a higher order, so that an extrapolation to first order
-/// would miss by 1.4 %.
+/// Half-spaces at a/80 against the limits of CONTACT. The tolerance covers the error of the grid
+/// and that of the reference, which is extrapolated to first order. It is larger at μ = 0.2: our
+/// values up to a/320 (31.333 K) converge to 31.36 K, 0.4 % below the reference. They are of a
+/// higher order, so that an extrapolation to first order would miss by 1.4 %.
 fn assert_half_spaces(record: &Value) {
     let rows = [
         ("0.58", 226.9, 0.004),
