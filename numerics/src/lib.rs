@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`bessel`] | modified Bessel functions of the second kind |
 //! | [`convolution`] | convolution of fields on a grid with a kernel, by Fourier transforms |
+//! | [`fourier`] | Fourier transforms of one length, compiled once |
 //! | [`gmres`] | Krylov solver for a few iterations on tall vectors |
 //! | [`quadrature`] | integrals of functions over an interval |
 //! | [`rows`] | convolution along x with kernels that vary across the rows |
@@ -15,6 +16,7 @@
 
 pub mod bessel;
 pub mod convolution;
+pub mod fourier;
 pub mod gmres;
 pub mod quadrature;
 pub mod rows;

@@ -43,7 +43,8 @@ use super::difference::Stencil;
 use super::influence::{EvenOffsetTable, Influence};
 use super::viscoelastic::{Bodies, RollingInfluenceNumbers};
 use grids::Structured;
-use numerics::convolution::{Complex64, Convolution, FftNum, Spectrum};
+use numerics::convolution::{Complex64, Convolution, Spectrum};
+use numerics::fourier::Real;
 
 /// Length of the memory of the damped shift, in semi-axes.
 const MEMORY: f64 = 1.5;
@@ -71,7 +72,7 @@ impl Tensor<f64> {
     }
 }
 
-impl<T: FftNum> Tensor<T> {
+impl<T: Real> Tensor<T> {
     fn apply(&mut self, input: [&[T]; 2], output: [&mut [T]; 2]) {
         let kernels = [[&self.xx, &self.xy], [&self.xy, &self.yy]];
         self.convolution.apply_tensor(&kernels, input, output);

@@ -1,6 +1,6 @@
 //! Interrupting and killing a coordinator that waits for a Slurm array.
 
-use crate::sweeps::{points, table};
+use tests::harness::sweeps::{points, table};
 use rustix::process::Signal;
 use std::collections::BTreeSet;
 use tests::harness::slurm::Slurm;

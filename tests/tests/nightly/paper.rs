@@ -1,6 +1,6 @@
 //! The paper on its own grids: the stored page is up to date, and its figures are correct.
 
-use crate::shared_paper::{
+use tests::harness::paper::{
     RISE, assert_carter_strips, assert_close, assert_methods, assert_shown, figure, record,
     reproduce,
 };

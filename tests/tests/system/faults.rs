@@ -1,7 +1,7 @@
 //! Every way in which a process may die: the right exit code, one line that says who, when and what
 //! to do, and no leftovers on the machine.
 
-use crate::failures;
+use crate::harness::failures::failures_keep_their_words;
 use crate::harness::{Ended, Place, Running, case, programs, sets, wait_until};
 use rustix::process::{Signal, kill_process};
 use tests::toy::SOLVING;
@@ -157,8 +157,8 @@ fn a_failure_beside_one_still_at_work_keeps_its_words() {
 
 /// The nightly tests repeat this many more times, on busy processors.
 #[test]
-fn failures_keep_their_words() {
-    failures::failures_keep_their_words(32, 2);
+fn a_failing_participant_keeps_its_words() {
+    failures_keep_their_words(32, 2);
 }
 
 #[test]

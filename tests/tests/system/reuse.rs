@@ -4,7 +4,7 @@
 use crate::conform::counted;
 use crate::harness::python::interpreter;
 use crate::harness::{Place, Table, case, root, wait_until};
-use crate::sweeps::points;
+use tests::harness::sweeps::points;
 use rustix::process::{Pid, Signal, kill_process, test_kill_process};
 use std::fs::read_to_string;
 

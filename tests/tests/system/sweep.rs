@@ -4,7 +4,7 @@
 use crate::harness::Table;
 use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root, sets, wait_until};
-use crate::sweeps::points;
+use tests::harness::sweeps::points;
 use serde_json::Value;
 use std::path::Path;
 
