@@ -1,10 +1,10 @@
 //! Corrections of an iteration that learn from earlier ones, by a multisecant method.
 //!
 //! An iteration x ← x + P e(x) with an approximate inverse P of the operator behind the error e
-//! diverges where P is wrong by more than a factor of two. Every past iterate gives a pair of a step
-//! s = Δx and a change y = Δe. An error within the span of the changes is removed by the steps that
-//! caused them, and P corrects only the rest of it. For a linear e this is the generalised
-//! conjugate residual method, which converges for every invertible P A that is positive.
+//! diverges where P is wrong by more than a factor of two. Every past iterate gives a pair of a
+//! step s = Δx and a change y = Δe. An error within the span of the changes is removed by the steps
+//! that caused them, and P corrects only the rest of it. For a linear error e this is the
+//! generalised conjugate residual method. It converges if P A is positive.
 //!
 //! Source: Fang & Saad, Numer. Linear Algebra Appl. 16 (2009) 197–221, Broyden's second method with
 //! many secants; Eisenstat, Elman & Schultz, SIAM J. Numer. Anal. 20 (1983) 345–357.

@@ -24,9 +24,9 @@ const STEEL: f64 = 1.2e-5;
 /// in runs of `half-space` with `columns` of `cases/wheel-spin.toml` at 10 and 40 m/s, 20 and 60
 /// kN, creepages of 0.2 and 0.5.
 const PRESSED: f64 = 0.35;
-/// The same of a body at rest, whose surface is raised in the shape of the flux, as long as the heat
-/// has not spread beyond the contact: runs of `cases/pin-on-disc.toml` and `cases/locked-wheel.toml`
-/// over different times.
+/// Relative change of the largest pressure per that ratio for a body at rest, whose surface is
+/// raised in the shape of the flux, as long as the heat has not spread beyond the contact. Found in
+/// runs of `cases/pin-on-disc.toml` and `cases/locked-wheel.toml` over different times.
 const PRESSED_AT_REST: f64 = 1.1;
 
 /// Estimates how much the effect matters in a scene.
