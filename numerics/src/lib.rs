@@ -10,6 +10,7 @@
 //! | [`quadrature`] | integrals of functions over an interval |
 //! | [`rows`] | convolution along x with kernels that vary across the rows |
 //! | [`search`] | maximum and root of a function of one variable |
+//! | [`secants`] | corrections of an iteration that learn from earlier ones |
 //! | [`team`] | parallel computation of independent pieces of work |
 //! | [`vector`] | sums and products of long vectors |
 //! | [`waves`] | periodic fields as sums of waves |
@@ -21,6 +22,7 @@ pub mod gmres;
 pub mod quadrature;
 pub mod rows;
 pub mod search;
+pub mod secants;
 pub mod team;
 pub mod vector;
 pub mod waves;
