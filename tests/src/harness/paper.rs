@@ -1,10 +1,10 @@
 //! Checks of a reproduction of the paper: figures against theory and CONTACT, and the resulting
 //! files.
 
+use super::{Ended, Place};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use super::{Ended, Place};
 
 /// Reproduces a study into the result folder of the place.
 pub fn reproduce(place: &Place, study: &Path, more: &[&str]) -> Ended {

@@ -1,7 +1,7 @@
 //! Comparison of sweeps whose tables must agree except for run times.
 
-use std::path::Path;
 use super::Table;
+use std::path::Path;
 
 /// Table of a sweep without run times.
 pub fn table(out: &Path) -> Table {

@@ -1,13 +1,14 @@
 //! Pages in Chromium: reports, studies, steps of a recording, the paper.
 
-use tests::harness::paper::{assert_carter_strips, assert_methods, assert_shown as assert_paper_shown, record, reproduce};
 use serde_json::Value;
 use std::fs;
 use std::process::Command;
 use tests::harness::browser::{DESK, PHONE, Scheme, View, act, assert_shown, look, opened};
+use tests::harness::paper::{
+    assert_carter_strips, assert_methods, assert_shown as assert_paper_shown, record, reproduce,
+};
 use tests::harness::watched::Server;
 use tests::harness::{Place, case, root};
-
 
 fn assert_run_is_shown(name: &str, views: &[View]) {
     let place = Place::new();

@@ -1,11 +1,11 @@
 //! Sweeps through real schedulers: Slurm, and HyperQueue in a Python process.
 
-use tests::harness::sweeps::{points, table};
 use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Stdio};
 use tests::harness::python::interpreter_with_packages;
 use tests::harness::slurm::Slurm;
+use tests::harness::sweeps::{points, table};
 use tests::harness::{Place, case, root, wait_until};
 
 /// The table equals that of a sweep without a scheduler, bit for bit, even if a task is killed.

@@ -1,13 +1,12 @@
 //! Programs in Fortran and C++, and what `make` builds from the folders of `coordinator new-solver`.
 
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 use tests::harness::compiled::Compiled;
 use tests::harness::precice::Pair;
 use tests::harness::python::interpreter;
 use tests::harness::{Place, case, example, library, number, programs, root};
-use std::fs;
-
 
 /// Asserts that the solver passes the quick conformance checks; returns the temperature of the rail
 /// in the main case.
@@ -231,4 +230,3 @@ fn a_program_behind_the_bridge_keeps_the_contract() {
     assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
     assert!(ended.stdout.contains(" 0 failed"), "{}", ended.stdout);
 }
-

@@ -62,8 +62,10 @@ fn notebooks_of_the_how_to_pages_run() {
 #[test]
 fn finite_elements_of_a_library_come_closer_by_the_second_order() {
     let program = "proto/python/examples/finite_elements.py";
-    let command =
-        format!("thermal.command=[{:?}, {program:?}]", interpreter_with_packages().display().to_string());
+    let command = format!(
+        "thermal.command=[{:?}, {program:?}]",
+        interpreter_with_packages().display().to_string()
+    );
     let (_, ours) = run("wheel-rail.toml", &["thermal.model=moving-source"]);
     let of = |elements: u32, layers: u32| {
         let mesh = [("resolution", elements), ("layers", layers)];
@@ -87,8 +89,10 @@ fn finite_elements_of_a_library_come_closer_by_the_second_order() {
 #[test]
 fn finite_elements_of_a_library_refuse_a_body_that_is_too_slow() {
     let program = "proto/python/examples/finite_elements.py";
-    let command =
-        format!("thermal.command=[{:?}, {program:?}]", interpreter_with_packages().display().to_string());
+    let command = format!(
+        "thermal.command=[{:?}, {program:?}]",
+        interpreter_with_packages().display().to_string()
+    );
     let place = Place::new();
     let settings = sets(&["thermal.model=bricks", &command, "motion.speed=1e-3"]);
     let ended = place.run(&case("wheel-rail.toml"), &settings);
@@ -122,7 +126,10 @@ fn ranks(script: &str) -> String {
 #[test]
 fn several_ranks_are_one_participant() {
     let program = "proto/python/examples/short_columns.py";
-    let one = format!("thermal.command=[{:?}, {program:?}]", interpreter_with_packages().display().to_string());
+    let one = format!(
+        "thermal.command=[{:?}, {program:?}]",
+        interpreter_with_packages().display().to_string()
+    );
     let settings = ["mech.model=hertz-carter", "mech.resolution=20", "thermal.model=short"];
     let (alone, _) = run("wheel-rail.toml", &[&settings[..], &[&one]].concat());
     let spread = ranks("proto/python/examples/ranks.py");

@@ -1,7 +1,5 @@
 //! Fields on disk as read by VTK, and the state file that opens them in ParaView.
 
-use tests::harness::python::interpreter_with_packages;
-use tests::harness::{Place, Table, case, programs, root, sets};
 use proto::bodies::Bodies;
 use proto::description::Description;
 use proto::field::{self, FieldSpec};
@@ -10,6 +8,8 @@ use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
+use tests::harness::python::interpreter_with_packages;
+use tests::harness::{Place, Table, case, programs, root, sets};
 use tests::moving::{flux, patch};
 use tests::volume::{KINDS, VOLUME_PLACE, VOLUME_TEMPERATURE, block, temperature};
 

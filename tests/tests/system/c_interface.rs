@@ -1,7 +1,7 @@
 //! Participants in C: the header and the library of `proto/c`, compiled and run as by a user.
 
-use crate::harness::{Place, case, field_files, number, root};
 use crate::harness::compiled::Compiled;
+use crate::harness::{Place, case, field_files, number, root};
 use rustix::process::Signal;
 use std::process::Command;
 

@@ -1,8 +1,8 @@
 //! Participants in other languages that use the C library: their declarations agree with the
 //! header.
 
-use crate::harness::snippets::blocks;
 use crate::harness::root;
+use crate::harness::snippets::blocks;
 use std::collections::BTreeMap;
 
 fn read(file: &str) -> String {

@@ -2,10 +2,10 @@
 //! outdated page.
 
 use crate::harness::{Place, case};
-use tests::harness::paper::reproduce;
 use std::fs;
 use std::path::PathBuf;
 use tempfile::TempDir;
+use tests::harness::paper::reproduce;
 
 /// Small study in a folder of its own.
 struct Small {
