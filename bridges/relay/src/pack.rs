@@ -80,7 +80,7 @@ pub(crate) fn unpack(packing: Packing, bytes: &[u8], values: &mut [f64]) -> Resu
         return Ok(());
     }
     let mut planes = vec![0; length];
-    if lz4_flex::block::decompress_into(bytes, &mut planes) != Ok(length) {
+    if lz4_flex::block::decompress_into(bytes, &mut planes).ok() != Some(length) {
         return Err(unpackable);
     }
     let count = values.len();
