@@ -1,4 +1,4 @@
-//! Programs in Fortran and C++, and what `make` builds from the folders of `coordinator new-solver`.
+//! Programs in Fortran and C++, and what `make` builds in folders of `coordinator new-solver`.
 
 use std::fs;
 use std::path::Path;

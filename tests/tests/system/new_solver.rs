@@ -1,5 +1,5 @@
-//! `coordinator new-solver`: what is written, and what is refused. The target `external` builds it in
-//! every language.
+//! `coordinator new-solver`: what is written, and what is refused. The target `external` builds it
+//! in every language.
 
 use crate::harness::python::interpreter;
 use crate::harness::{Place, case, flat, programs};
