@@ -9,4 +9,5 @@ mod browser;
 mod clusters;
 mod compilers;
 mod packages;
+mod pages;
 mod paraview;
