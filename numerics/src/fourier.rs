@@ -15,7 +15,6 @@ pub trait Real: rustfft::FftNum {
     fn complex(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 
     /// Returns the transforms of `length` real values to `length / 2 + 1` complex ones, and back.
-    #[expect(clippy::type_complexity, reason = "a pair of transforms")]
     fn real(length: usize) -> (Arc<dyn RealToComplex<Self>>, Arc<dyn ComplexToReal<Self>>);
 }
 

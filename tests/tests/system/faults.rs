@@ -94,9 +94,12 @@ fn what_a_run_left_whose_processes_were_all_killed_is_removed_by_the_next() {
     for pid in pids {
         kill_process(pid, Signal::KILL).unwrap();
     }
+    // A process holds its files until the last of its threads has ended.
     let gone = |pid: rustix::process::Pid| {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", pid.as_raw_nonzero()));
-        stat.map_or(true, |stat| stat.contains(") Z "))
+        let place = format!("/proc/{}", pid.as_raw_nonzero());
+        let threads = std::fs::read_dir(format!("{place}/task")).map_or(0, Iterator::count);
+        let stat = std::fs::read_to_string(format!("{place}/stat"));
+        threads <= 1 && stat.map_or(true, |stat| stat.contains(") Z "))
     };
     wait_until("the end of the participants", || pids.iter().all(|pid| gone(*pid)));
     let prefix = place.created("prefix");
