@@ -8,6 +8,14 @@ use tests::harness::precice::Pair;
 use tests::harness::python::interpreter;
 use tests::harness::{Place, case, example, library, number, programs, root};
 
+/// Generates a solver in a folder; returns the exit code and the output.
+fn write(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut coordinator = Command::new(programs().join("coordinator"));
+    let ended = coordinator.arg("new-solver").args(arguments).current_dir(folder).output().unwrap();
+    let said = [ended.stdout, ended.stderr].concat();
+    (ended.status.code(), String::from_utf8(said).unwrap())
+}
+
 /// Asserts that the solver passes the quick conformance checks; returns the temperature of the rail
 /// in the main case.
 fn conforms(command: &[&str]) -> Vec<f64> {
