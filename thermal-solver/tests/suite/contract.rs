@@ -1,11 +1,11 @@
 //! Behaviour through the contract: descriptions, layouts, refusals, errors, work.
 
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
 use proto::history::Histories;
 use proto::model::{Solver, StepError};
-use crate::support::*;
 use thermal_solver::{ThermalSolver, effects, models};
 
 #[test]

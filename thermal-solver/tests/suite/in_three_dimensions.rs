@@ -1,12 +1,12 @@
 //! The three-dimensional models through the contract: the paper's case, heat flow between the
 //! surfaces, saved states.
 
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Solver;
 use serde_json::{Value, json};
-use crate::support::*;
 use thermal_solver::ThermalSolver;
 
 const B: f64 = 6.01e-3;

@@ -11,7 +11,7 @@ mod passages;
 mod resting;
 mod rods;
 mod steady;
-mod transforming;
-mod transient;
 #[path = "../support/mod.rs"]
 mod support;
+mod transforming;
+mod transient;

@@ -1,13 +1,13 @@
 //! Bodies at rest: heat flow between bodies of different temperature, and an electric current
 //! through their contact.
 
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::{Grid, Structured};
 use proto::model::{Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
-use crate::support::*;
 use thermal_solver::ThermalSolver;
 
 const RADIUS: f64 = 1e-3;

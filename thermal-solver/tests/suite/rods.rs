@@ -1,11 +1,11 @@
 //! Model `rod` against closed forms.
 
+use crate::support::{DIFFUSIVITY, Run, configuration, effusivity, steel};
 use proto::configuration::Mode;
 use proto::grid::Structured;
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use crate::support::{DIFFUSIVITY, Run, configuration, effusivity, steel};
 use thermal_solver::ThermalSolver;
 
 const LENGTH: f64 = 0.02;

@@ -1,12 +1,12 @@
 //! Steady motion: reference values, orders of convergence, invariances.
 
+use crate::support::*;
 use heat::closed_form::{ellipse, polynomial, scales, uniform};
 use heat::columns::convolution::CROSSOVER;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
 use serde_json::json;
-use crate::support::*;
 
 /// Flux of full slip q = f V_s p₀ √(1 − ξ²) [W/m²].
 fn full_slip(grid: &Structured) -> Vec<f64> {

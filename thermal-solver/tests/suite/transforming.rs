@@ -1,11 +1,11 @@
 //! Transformation in time, against closed forms of heated columns.
 
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::grid::Structured;
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use crate::support::*;
 use thermal_solver::ThermalSolver;
 
 const COLUMNS: usize = 400;

@@ -1,5 +1,6 @@
 //! Transient motion: windows of any length against closed forms and a slow quadrature.
 
+use crate::support::*;
 use heat::closed_form::uniform;
 use numerics::quadrature::integrate;
 use proptest::prelude::*;
@@ -10,7 +11,6 @@ use proto::history::Histories;
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use crate::support::*;
 use thermal_solver::ThermalSolver;
 
 /// A smooth hump of the flux, different in every window.
