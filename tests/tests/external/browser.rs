@@ -85,6 +85,7 @@ fn the_browser_checks_find_what_is_wrong() {
     assert_eq!(requests, [image]);
     assert_eq!(looks[0].fetched, [image]);
 }
+
 #[test]
 fn a_run_is_shown_step_by_step() {
     let place = Place::new();

@@ -87,6 +87,7 @@ fn in_every_language_they_conform_and_are_alike() {
     let rust = conforms(&[&example("short_columns").display().to_string()]);
     assert_alike(&python, &rust);
 }
+
 /// Fortran example, compiled as by a user.
 fn fortran(folder: &std::path::Path) -> String {
     let (lib, program) = (library().display(), folder.join("solver").display().to_string());
@@ -137,6 +138,7 @@ fn what_the_solver_in_fortran_refuses_is_told() {
     let ended = Command::new(&program).arg("--fly").output().unwrap();
     assert_eq!(ended.status.code(), Some(2), "{}", String::from_utf8_lossy(&ended.stderr));
 }
+
 const A_SECOND_OF_HEAT: &str = "[time]\nmode = \"transient\"\nwindow = 0.1\nend = 1.0\n\
     [coupling]\nscheme = \"serial-implicit\"\nrelative = 1e-10\ninterpolation = \"linear\"\n";
 

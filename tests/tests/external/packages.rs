@@ -175,6 +175,7 @@ fn ranks_that_all_take_part_are_told_what_to_do() {
     }
     place.assert_nothing_left();
 }
+
 /// On a mesh that is generated quickly.
 #[test]
 fn finite_elements_of_scikit_fem_conform() {
