@@ -176,8 +176,8 @@ fn assert_followed(what: &str, case: &str, said: &str) -> usize {
     count
 }
 
-/// Every mistake is reported with place, reason and fix. The page quotes the message exactly. Advice
-/// that is followed as it stands removes the error.
+/// Every mistake is reported with place, reason and fix. The page quotes the message exactly.
+/// Advice that is followed as it stands removes the error.
 /// `COSIM_WRITE_MISTAKES=1` writes the page.
 #[test]
 fn every_mistake_is_told() {
