@@ -397,7 +397,7 @@ fn a_recording_carries_no_path_and_replays_without_the_files_of_the_case() {
     let file = |key: &str, name: &str| format!("{key}={:?}", secret.path().join(name));
     let rail = file("bodies.rail.profile", "rail-worn.csv");
     let wheel = file("bodies.wheel.profile", "wheel-hollow.csv");
-    let command = format!("thermal.command=[{:?}]", toy("thermal-solver"));
+    let command = format!("thermal.command=[{:?}]", programs().join("thermal-solver"));
     let settings = [rail.as_str(), &wheel, &command, "mech.resolution=10"];
     let recording = record(&place, "measured-profile.toml", "--record", &settings);
     let bytes = std::fs::read(&recording).unwrap();
