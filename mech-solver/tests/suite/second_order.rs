@@ -147,8 +147,8 @@ fn references(creepage: usize) -> &'static [Found] {
 
 /// Forces are within 0.3 % of f N (rms) at a/20 and 0.1 % at a/40, the targets of the method, and
 /// within 0.5 % at a/10, a quarter above the measured value. The reference is the mean over all
-/// offsets at a/80, whose error is 0.02 %. The other grids and the upwind difference are in the table
-/// alone.
+/// offsets at a/80, whose error is 0.02 %. The other grids and the upwind difference are in the
+/// table alone.
 #[test]
 fn forces_of_second_order() {
     let differences: &[Difference] = match std::env::var("FINEST") {
