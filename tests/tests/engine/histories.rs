@@ -378,6 +378,7 @@ fn a_peak_that_adaptive_windows_miss_is_told() {
         data.column("load.normal_force", "Q"),
         data.column("time.history", "t"),
         "time.end=1.4 ms".to_owned(),
+        "time.tolerance=0.1".to_owned(),
         "time.control=adaptive".to_owned(),
         "mech.model=hertz-carter".to_owned(),
         "mech.resolution=5".to_owned(),
