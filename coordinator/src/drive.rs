@@ -10,8 +10,8 @@ use console::command::{Command, Context, Group};
 use console::logging::{Logging, log_warnings};
 use coupling::windows::Windows;
 use line::{Answer, LiveKey, Request, VERSION};
-use run::crew;
 use run::error::{RunError, file_failure};
+use run::fleet::{Fleet, Lifetime};
 use run::perform::{self, Driven, Driver, DriverError, RunOptions};
 use run::plan::Planned;
 use run::results::{Existing, ResultFolder};
@@ -67,8 +67,8 @@ fn drive(
         let why = "standard input has the lines that drive the run; name a file of the case";
         return Err(RunError::Usage(why.to_owned()));
     }
-    let _participants = crew::keep();
-    let planned = planned(&command.of)?;
+    let mut fleet = Fleet::new(Lifetime::Study);
+    let planned = planned(&command.of, &mut fleet)?;
     let plan_seconds = since.elapsed().as_secs_f64();
     let unkept = match &command.out {
         Some(_) => None,
@@ -87,7 +87,7 @@ fn drive(
         let driver: &mut dyn Driver = &mut lines;
         let options =
             RunOptions { since, plan_seconds, driver: Some(driver), ..RunOptions::default() };
-        let outcome = perform::run(&planned, &folder, options);
+        let outcome = perform::run(&planned, &mut fleet, &folder, options);
         if unkept.is_some() || lines.end == End::Reset {
             log.release();
         }
@@ -118,8 +118,8 @@ enum End {
 ///
 /// # Errors
 /// The case is invalid, or its windows cannot be requested one by one.
-pub(crate) fn planned(of: &CaseArguments) -> Result<Planned, RunError> {
-    let mut planned = of.plan()?;
+pub(crate) fn planned(of: &CaseArguments, fleet: &mut Fleet) -> Result<Planned, RunError> {
+    let mut planned = of.plan(fleet)?;
     log_warnings(&planned.plan.warnings);
     planned.plan.windows = open(&planned.case, &planned.plan.windows)?;
     // The end of the case is not that of the run, which a participant may rely on.

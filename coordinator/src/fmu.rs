@@ -13,6 +13,7 @@ use console::output;
 use contact_fmu::manifest::{Of, SURROGATE};
 use contract::description::KeySpec;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::plan::{Plan, Planned};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -66,7 +67,7 @@ fn is_surrogate(path: &Path) -> bool {
 fn of_case(of: &CaseArguments, path: Option<PathBuf>) -> Result<String, RunError> {
     let mut of = of.clone();
     of.changes.set.extend(OPTIONS.map(str::to_owned));
-    let planned = planned(&of)?;
+    let planned = planned(&of, &mut Fleet::default())?;
     let plan = &planned.plan;
     let variables = Variables::of(plan);
     if variables.inputs.is_empty() {

@@ -10,6 +10,7 @@ use contract::field::TABLE;
 use contract::input_file;
 use precice_config::{Configuration, Import, ImportOptions, Note, NoteKind, Refusal, case_of};
 use run::error::{RunError, file_failure, input_failure};
+use run::fleet::Fleet;
 use run::format::counted;
 use run::plan::plan;
 use run::results::write::replace;
@@ -154,7 +155,7 @@ fn refusals(out: &Path, text: &str) -> Result<Vec<Refusal>, RunError> {
     let _asking = signals::end_at_once();
     let checked = RawCase::parse(&out.display().to_string(), text)
         .map_err(RunError::from)
-        .and_then(|raw| plan(raw).map(drop));
+        .and_then(|raw| plan(raw, &mut Fleet::default()).map(drop));
     let refusal = |one: &case::Problem| Refusal {
         key: one.key.clone(),
         reason: one.reason.clone(),

@@ -4,6 +4,8 @@
 //! [`studies`] runs a case many times, [`conformance`] drives participants and reads recordings,
 //! [`pages`] draws. [`console`] has the parts that all commands share.
 
+#![forbid(unsafe_code)]
+
 mod catalogue;
 mod check;
 pub mod cli;

@@ -1,5 +1,7 @@
 //! The coordinator's executable.
 
+#![forbid(unsafe_code)]
+
 use std::process::ExitCode;
 use std::time::Instant;
 

@@ -6,6 +6,7 @@ use console::command::{Command, Context, Group};
 use console::output::print;
 use contract::text::json;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::plan::CaseOverview;
 use run::plan_file::PlanFile;
 use run::signals;
@@ -44,7 +45,8 @@ impl Command for PlanCommand {
         if self.no_start {
             return context.print_lines(&CaseOverview(&self.case.alone()?).to_string());
         }
-        let planned = self.case.plan()?;
+        let mut fleet = Fleet::default();
+        let planned = self.case.plan(&mut fleet)?;
         if self.json {
             return print(&json(&PlanFile::of(&planned.plan)));
         }
@@ -53,7 +55,7 @@ impl Command for PlanCommand {
             false => planned.plan.to_string(),
         };
         if self.advise {
-            let advice = advise::advise(&self.case.case, &self.case.changes, &planned)?;
+            let advice = advise::advise(&self.case.case, &self.case.changes, &planned, &mut fleet)?;
             text += &advise::text(&advice, &planned);
         }
         context.print_lines(&text)

@@ -8,8 +8,8 @@ use console::output;
 use console::progress::Progress;
 use contract::text::json;
 use run::checkpoint::Checkpoint;
-use run::crew;
 use run::error::{RunError, file_failure};
+use run::fleet::{Fleet, Lifetime};
 use run::perform::{self, Outcome, RunOptions};
 use run::plan::{Planned, plan};
 use run::record::Compression;
@@ -81,11 +81,13 @@ impl Command for RunCommand {
             return run_to(self, context);
         }
         let Some(folder) = &self.resume else {
-            let _participants = crew::start_early();
-            return run_case(&begin(self, context.log)?, self, context);
+            let mut fleet = Fleet::new(Lifetime::PlanAndRun);
+            let begun = begin(self, &mut fleet, context.log)?;
+            return run_case(&begun, &mut fleet, self, context);
         };
-        match resume(self, folder, context.log)? {
-            Some(begun) => run_case(&begun, self, context),
+        let mut fleet = Fleet::default();
+        match resume(self, folder, &mut fleet, context.log)? {
+            Some(begun) => run_case(&begun, &mut fleet, self, context),
             None => {
                 let shown = folder.display();
                 context.print(&format!(
@@ -136,10 +138,10 @@ impl RunCommand {
     }
 }
 
-fn begin(run: &RunCommand, log: &Logging) -> Result<Begun, RunError> {
+fn begin(run: &RunCommand, fleet: &mut Fleet, log: &Logging) -> Result<Begun, RunError> {
     let planning = Instant::now();
     let case = run.case();
-    let planned = case.plan()?;
+    let planned = case.plan(fleet)?;
     run.judge(&planned)?;
     let plan_seconds = planning.elapsed().as_secs_f64();
     let folder = run.folder(&planned, &case.case)?;
@@ -148,11 +150,16 @@ fn begin(run: &RunCommand, log: &Logging) -> Result<Begun, RunError> {
 }
 
 /// Resumes a run from its newest intact checkpoint. Returns `None` for a finished run.
-fn resume(run: &RunCommand, path: &Path, log: &Logging) -> Result<Option<Begun>, RunError> {
+fn resume(
+    run: &RunCommand,
+    path: &Path,
+    fleet: &mut Fleet,
+    log: &Logging,
+) -> Result<Option<Begun>, RunError> {
     let planning = Instant::now();
     let Some(stopped) = StoppedRun::read(path)? else { return Ok(None) };
     let StoppedRun { folder, checkpoint, case } = stopped;
-    let planned = tracing::info_span!("plan").in_scope(|| plan(case))?;
+    let planned = tracing::info_span!("plan").in_scope(|| plan(case, fleet))?;
     perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned)?)?;
     run.judge(&planned)?;
     log_into(&folder, log)?;
@@ -173,30 +180,35 @@ fn compression(word: &str) -> Result<Compression, String> {
     }
 }
 
-fn run_case(begun: &Begun, asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
-    conclude(begun, perform(begun, asked, context), asked, context)
+fn run_case(
+    begun: &Begun,
+    fleet: &mut Fleet,
+    asked: &RunCommand,
+    context: &Context<'_>,
+) -> Result<(), RunError> {
+    conclude(begun, perform(begun, fleet, asked, context), asked, context)
 }
 
 /// Runs a case and states its error. A target selects models and resolution, and selects them again
 /// if the error turns out too large. An answer is replaced only by a complete better one.
 fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
-    let _participants = crew::keep();
+    let mut fleet = Fleet::new(Lifetime::Study);
     let case = asked.case.as_ref().expect("required unless a run is resumed");
     let base = &asked.changes;
     let (relative, quantity) = (asked.accuracy, asked.quantity.clone());
     let mut search = match asked.extrapolate {
-        true => Search::extrapolate(case, base, quantity)?,
-        false => Search::begin(case, base, Target { relative, quantity })?,
+        true => Search::extrapolate(case, base, quantity, &mut fleet)?,
+        false => Search::begin(case, base, Target { relative, quantity }, &mut fleet)?,
     };
     let mut answer: Option<ResultFolder> = None;
     loop {
         let chosen = RunCommand { changes: search.variant(), ..asked.clone() };
         let begin_at = Instant::now();
         let mut begun = match &answer {
-            None => begin(&chosen, context.log)?,
-            Some(answer) => refine(&chosen, answer, context.log)?,
+            None => begin(&chosen, &mut fleet, context.log)?,
+            Some(answer) => refine(&chosen, answer, &mut fleet, context.log)?,
         };
-        let mut outcome = perform(&begun, &chosen, context);
+        let mut outcome = perform(&begun, &mut fleet, &chosen, context);
         if outcome.error.is_some() {
             return conclude(&begun, outcome, &chosen, context);
         }
@@ -221,9 +233,14 @@ fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
 }
 
 /// A run that is to replace an earlier answer.
-fn refine(run: &RunCommand, answer: &ResultFolder, log: &Logging) -> Result<Begun, RunError> {
+fn refine(
+    run: &RunCommand,
+    answer: &ResultFolder,
+    fleet: &mut Fleet,
+    log: &Logging,
+) -> Result<Begun, RunError> {
     let planning = Instant::now();
-    let planned = run.case().plan()?;
+    let planned = run.case().plan(fleet)?;
     run.judge(&planned)?;
     let plan_seconds = planning.elapsed().as_secs_f64();
     let folder = answer.refined()?;
@@ -231,7 +248,7 @@ fn refine(run: &RunCommand, answer: &ResultFolder, log: &Logging) -> Result<Begu
     Ok(Begun { planned, folder, plan_seconds, from: None })
 }
 
-fn perform(begun: &Begun, asked: &RunCommand, context: &Context<'_>) -> Outcome {
+fn perform(begun: &Begun, fleet: &mut Fleet, asked: &RunCommand, context: &Context<'_>) -> Outcome {
     let Begun { planned, folder, plan_seconds, from } = begun;
     let plan = &planned.plan;
     let progress = Progress::new(context.quiet, plan.windows.count(), expected_seconds(plan));
@@ -245,7 +262,7 @@ fn perform(begun: &Begun, asked: &RunCommand, context: &Context<'_>) -> Outcome 
         record: asked.record,
         driver: None,
     };
-    let mut outcome = perform::run(planned, folder, options);
+    let mut outcome = perform::run(planned, fleet, folder, options);
     if let Some(error) = context.log.failure() {
         outcome = outcome.fail(file_failure(&folder.shown_log(), &error), folder);
     }

@@ -22,6 +22,8 @@
 //! A new effect is a file under `effects/` and one line in [`effects::EFFECTS`]. A new model is a
 //! module under `models/` and one line in [`models::MODELS`].
 
+#![forbid(unsafe_code)]
+
 mod advice;
 pub mod case;
 pub mod effects;

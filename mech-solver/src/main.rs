@@ -1,5 +1,7 @@
 //! The mech solver's executable.
 
+#![forbid(unsafe_code)]
+
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

@@ -14,6 +14,7 @@ use coupling::{Coupling, accelerate, parts};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use faer::linalg::solvers::SolveLstsq;
 use proto::model::Step;
+use run::fleet::Fleet;
 use run::plan::{Planned, plan};
 use run::progress::silent;
 use run::record::{Compression, Recorder};
@@ -35,7 +36,8 @@ fn toy(name: &str) -> [String; 2] {
 }
 
 fn planned(case: &str) -> Planned {
-    plan(RawCase::parse("bench", case).expect("the case is TOML")).expect("the case is valid")
+    let raw = RawCase::parse("bench", case).expect("the case is TOML");
+    plan(raw, &mut Fleet::default()).expect("the case is valid")
 }
 
 const TIME: &str = "[time]\nmode = \"transient\"\nwindow = 1\nend = 1e9\n\
@@ -90,8 +92,8 @@ fn columns(criterion: &mut Criterion) {
             [("0", None), ("fresh", Some(0)), ("10", Some(10)), ("100", Some(100))]
         {
             let plan = columns.map_or_else(|| explicit(points), |m| implicit(points, m)).plan;
-            let mut session =
-                Session::start(&plan, None, &silent()).expect("the participants start");
+            let mut session = Session::start(&plan, &mut Fleet::default(), None, &silent())
+                .expect("the participants start");
             let (mut coupling, solves) = match columns {
                 None => (Coupling::explicit(), 1),
                 Some(_) => (Coupling::implicit(&plan.implicit, false, &session), ITERATIONS),
@@ -107,7 +109,7 @@ fn columns(criterion: &mut Criterion) {
                     start.elapsed() / solves
                 });
             });
-            session.finish().expect("the participants leave");
+            session.finish(&mut Fleet::default()).expect("the participants leave");
         }
     }
     group.finish();
@@ -135,15 +137,16 @@ fn recording(criterion: &mut Criterion) {
                     let start =
                         |c| Recorder::start(&path, c, &plan, "").expect("the disk has room");
                     let recorder = compression.map(start).map(Arc::new);
-                    let mut session = Session::start(&plan, recorder.clone(), &silent())
-                        .expect("the participants start");
+                    let mut session =
+                        Session::start(&plan, &mut Fleet::default(), recorder.clone(), &silent())
+                            .expect("the participants start");
                     let (mut coupling, mut window) = (Coupling::explicit(), 0);
                     windows(&mut session, &mut coupling, &mut window, 3);
                     let (begun, done) = (Instant::now(), count.min(most));
                     windows(&mut session, &mut coupling, &mut window, done);
                     recorder.as_ref().map(|r| r.wait_for_room()).transpose().expect("it writes");
                     let spent = begun.elapsed();
-                    session.finish().expect("the participants leave");
+                    session.finish(&mut Fleet::default()).expect("the participants leave");
                     if let Some(recorder) = recorder {
                         recorder.finish(None).expect("the disk has room");
                     }

@@ -8,6 +8,7 @@
 use case::RawCase;
 use coupling::Coupling;
 use proto::model::Step;
+use run::fleet::Fleet;
 use run::plan::plan;
 use run::progress::silent;
 use run::session::{Observed, Session};
@@ -63,8 +64,9 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
          [time]\nmode = \"transient\"\nwindow = 1\nend = 1e6\n\
          [coupling]\nscheme = \"serial-explicit\"\n[output]\nfields = \"none\"\n"
     );
-    let planned = plan(RawCase::parse("test", &case).unwrap()).unwrap();
-    let mut session = Session::start(&planned.plan, None, &silent()).unwrap();
+    let planned = plan(RawCase::parse("test", &case).unwrap(), &mut Fleet::default()).unwrap();
+    let mut session =
+        Session::start(&planned.plan, &mut Fleet::default(), None, &silent()).unwrap();
     let mut coupling = Coupling::explicit();
     let mut counted = Vec::with_capacity(WINDOWS as usize);
     for window in 0..WINDOWS {
@@ -76,7 +78,7 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
         counted.push(COUNT.get() - before);
         assert_eq!(heat.sent, None, "the fields are not conservative");
     }
-    session.finish().unwrap();
+    session.finish(&mut Fleet::default()).unwrap();
     assert_steady(&counted, LOANS, "a window each");
 }
 
@@ -119,8 +121,9 @@ fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
          [coupling]\nacceleration = \"{acceleration}\"\nmax_columns = 9\n\
          min_iterations = 4\nmax_iterations = 4\n[output]\nfields = \"none\"\n"
     );
-    let planned = plan(RawCase::parse("test", &case).unwrap()).unwrap();
-    let mut session = Session::start(&planned.plan, None, &silent()).unwrap();
+    let planned = plan(RawCase::parse("test", &case).unwrap(), &mut Fleet::default()).unwrap();
+    let mut session =
+        Session::start(&planned.plan, &mut Fleet::default(), None, &silent()).unwrap();
     let mut coupling = Coupling::implicit(&planned.plan.implicit, false, &session);
     let mut counted = Vec::with_capacity(WINDOWS as usize);
     for window in 0..WINDOWS {
@@ -135,7 +138,7 @@ fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
         session.accept(&step, Observed::Nobody).unwrap();
         counted.push(COUNT.get() - before);
     }
-    session.finish().unwrap();
+    session.finish(&mut Fleet::default()).unwrap();
     let loans = 4 * loans_per_iteration + 2;
     assert_steady(&counted, loans, acceleration);
 }

@@ -14,6 +14,8 @@
 //! and moves towards −x at the surface speed. Temperatures are rises above the initial one [K]; a
 //! heat flux into a body is positive. Pairs of values are ordered upper, lower.
 
+#![forbid(unsafe_code)]
+
 pub mod advice;
 pub mod capability;
 pub mod effects;

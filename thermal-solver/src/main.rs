@@ -1,5 +1,7 @@
 //! Executable of the thermal solver.
 
+#![forbid(unsafe_code)]
+
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

@@ -1,5 +1,7 @@
 //! Executable: splits its own arguments from those common to all participants.
 
+#![forbid(unsafe_code)]
+
 use clap::Parser;
 use fmu_participant::solver::{Fmu, FmuSolver};
 use std::ffi::OsString;

@@ -11,6 +11,8 @@
 //! | `routes` | topics, numbered identically at both ends |
 //! | [`client`], [`server`] | the two ends |
 
+#![forbid(unsafe_code)]
+
 pub mod client;
 mod frame;
 mod handshake;

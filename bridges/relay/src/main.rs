@@ -1,5 +1,7 @@
 //! Executable of the relay, started by `coordinator relay`.
 
+#![forbid(unsafe_code)]
+
 use clap::{Args, Parser};
 use proto::logging::wanted;
 use relay::Packing;

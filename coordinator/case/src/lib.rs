@@ -61,6 +61,8 @@
 //! - In a table to which `name_in` keys refer (`materials`), only the referenced entries are read.
 //! - Names with a dot are refused: everywhere else a dotted key addresses a value.
 
+#![forbid(unsafe_code)]
+
 mod alternatives;
 mod case;
 mod check;

@@ -2,6 +2,8 @@
 //! ([`conform`]) or a recording ([`replay`]); inspection and comparison ([`inspect`]) and export
 //! ([`export`]) of recordings.
 
+#![forbid(unsafe_code)]
+
 pub mod conform;
 pub mod export;
 pub mod inspect;

@@ -4,6 +4,7 @@ use crate::scenes;
 use case::{RawCase, StandaloneCheck, check_without_participants};
 use clap::Args;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::plan::{Planned, plan};
 use run::signals;
 use std::path::{Path, PathBuf};
@@ -106,10 +107,10 @@ impl CaseArguments {
         Ok(raw)
     }
 
-    /// Plans the case.
-    pub fn plan(&self) -> Result<Planned, RunError> {
+    /// Plans the case for a fleet.
+    pub fn plan(&self, fleet: &mut Fleet) -> Result<Planned, RunError> {
         let raw = self.read()?;
-        tracing::info_span!("plan").in_scope(|| plan(raw))
+        tracing::info_span!("plan").in_scope(|| plan(raw, fleet))
     }
 
     /// Checks the parts of the case that need no program.

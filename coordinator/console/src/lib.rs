@@ -1,6 +1,8 @@
 //! Parts that the commands of the coordinator share: the trait of a command, the case that it is
 //! given, standard output, colours, progress and the log.
 
+#![forbid(unsafe_code)]
+
 pub mod case_arguments;
 pub mod colour;
 pub mod command;

@@ -106,6 +106,8 @@
 //! assert!(outcome.iterations <= 4, "linear, of one unknown: {}", outcome.iterations);
 //! ```
 
+#![forbid(unsafe_code)]
+
 pub mod accelerate;
 pub mod converge;
 mod exchange;

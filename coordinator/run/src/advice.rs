@@ -63,7 +63,7 @@ async fn advising(planned: &Planned) -> Vec<(String, Program)> {
             continue;
         }
         let program = Program::of_role(role, planned.case.command(role).as_deref());
-        if program.known(role, ANSWER).await.is_ok_and(|description| description.advises) {
+        if program.describe(role, ANSWER).await.is_ok_and(|description| description.advises) {
             programs.push((role.to_owned(), program));
         }
     }

@@ -6,7 +6,7 @@
 //! | modules | content |
 //! |---|---|
 //! | [`plan`] | the plan of a run, made before anything starts |
-//! | [`peers`], [`supervise`], [`crew`], [`linked`] | participants: start, supervision, reuse |
+//! | [`peers`], [`supervise`], [`fleet`], [`linked`] | participants: start, supervision, reuse |
 //! | [`session`] | exchange during a run: fields, mappings, geometry, audit, checkpoints |
 //! | [`perform`], [`stopped`] | a whole run, from its beginning or from a checkpoint |
 //! | [`results`], [`record`], [`checkpoint`] | files that a run leaves |
@@ -19,9 +19,10 @@
 //!
 //! ```
 //! use case::RawCase;
+//! use run::fleet::Fleet;
 //! use run::linked::LinkedSolvers;
 //! use run::perform::{RunOptions, run};
-//! use run::plan::plan_with;
+//! use run::plan::plan;
 //! use run::results::{Existing, ResultFolder};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -32,12 +33,13 @@
 //! let solvers = LinkedSolvers::default()
 //!     .with("mech-solver", mech_solver::MechSolver)
 //!     .with("thermal-solver", thermal_solver::ThermalSolver);
-//! let planned = plan_with(case, &solvers)?;
+//! let mut fleet = Fleet::default().with(solvers);
+//! let planned = plan(case, &mut fleet)?;
 //! assert_eq!(planned.plan.participants.len(), 2);
 //!
 //! let place = tempfile::tempdir()?;
 //! let folder = ResultFolder::prepare(&place.path().join("out"), file, Existing::Refuse)?;
-//! let outcome = run(&planned, &folder, RunOptions::default());
+//! let outcome = run(&planned, &mut fleet, &folder, RunOptions::default());
 //! assert!(outcome.error.is_none());
 //! let rise = outcome.summary["temperature"]["rail"]["max_rise_k"].as_f64();
 //! // Half-spaces: some 230 K, on a grid as coarse as this one too.
@@ -48,10 +50,10 @@
 
 pub mod advice;
 pub mod checkpoint;
-pub mod crew;
 pub mod damage;
 pub mod deadlines;
 pub mod error;
+pub mod fleet;
 pub mod format;
 pub mod identity;
 pub mod linked;

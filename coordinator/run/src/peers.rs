@@ -8,11 +8,14 @@
 //! that names participant, phase, reason and fix.
 
 mod advance;
+mod layout;
 mod patience;
 mod peer;
 mod phase;
+mod questions;
 mod stopped;
 
+pub use layout::layout_fault;
 pub use peer::Peer;
 pub use phase::Phase;
 pub use stopped::{Delay, Stopped};
@@ -25,6 +28,7 @@ use crate::record::Recorder;
 use crate::signals;
 use crate::supervise::{Exit, Launch, Supervisor};
 use arrayvec::ArrayVec;
+use contract::configuration::{Configuration, Layout};
 use contract::message::{Command, CommandKind, MOST_PARTICIPANTS, Reply, Status};
 use coupling::ParticipantIndex;
 use patience::Patience;
@@ -98,6 +102,8 @@ pub struct Peers {
     screen: Rc<dyn Progress>,
     /// Shared memory that the participants still hold from the previous run [byte].
     held_memory: u64,
+    /// The configuration of each participant that is in force, and the layout that it gave.
+    configured: TiVec<ParticipantIndex, Option<(Configuration, Layout)>>,
     /// Current phase, for messages.
     pub phase: Phase,
 }
@@ -157,6 +163,7 @@ impl Peers {
         let supervisor = Arc::new(launch(seats, &info)?);
         let (screen, phase) = (silent(), Phase::Starting);
         let hearts = all.keys().map(Some).collect();
+        let configured = all.iter().map(|_| None).collect();
         let seats = seats.to_vec();
         Ok(Self {
             seats,
@@ -170,6 +177,7 @@ impl Peers {
             deadlines,
             screen,
             held_memory: 0,
+            configured,
             phase,
         })
     }
@@ -178,7 +186,8 @@ impl Peers {
     /// memory [byte].
     #[must_use]
     pub(crate) fn after_run(self, held_memory: u64) -> Self {
-        Self { recorder: None, screen: silent(), held_memory, ..self }
+        let configured = self.all.iter().map(|_| None).collect();
+        Self { recorder: None, screen: silent(), held_memory, configured, ..self }
     }
 
     /// Returns the shared memory that the participants hold between two runs [byte].
@@ -211,9 +220,11 @@ impl Peers {
             places.iter().position(|place| *place == usize::from(before)).map(Into::into)
         };
         self.hearts = self.hearts.iter().map(|heart| heart.and_then(now)).collect();
+        let mut known = |place: &usize| self.configured[ParticipantIndex::from(*place)].take();
+        let configured = places.iter().map(&mut known).collect();
         let mut before: Vec<Option<Peer>> = self.all.into_iter().map(Some).collect();
         let all = places.iter().filter_map(|place| before[*place].take()).collect();
-        Ok(Self { all, seats: seats.to_vec(), ..self })
+        Ok(Self { all, configured, seats: seats.to_vec(), ..self })
     }
 
     /// Returns the exits of the participants so far.

@@ -10,6 +10,7 @@ pub use origin::{check_origin, origin};
 
 use crate::checkpoint::{Checkpoint, Checkpoints};
 use crate::error::RunError;
+use crate::fleet::Fleet;
 use crate::format::counted;
 use crate::plan::{Plan, Planned};
 use crate::plan_file;
@@ -96,8 +97,14 @@ impl Default for RunOptions<'_> {
     }
 }
 
-/// Runs a plan and writes its results. The summary of a failed run states the failure.
-pub fn run(planned: &Planned, folder: &ResultFolder, options: RunOptions<'_>) -> Outcome {
+/// Runs a plan with the participants of a fleet, and writes its results. The summary of a failed
+/// run states the failure.
+pub fn run(
+    planned: &Planned,
+    fleet: &mut Fleet,
+    folder: &ResultFolder,
+    options: RunOptions<'_>,
+) -> Outcome {
     let RunOptions { progress, since, plan_seconds, from, record, driver } = options;
     let Planned { case, plan } = planned;
     let record = record.or_else(|| from.and_then(|checkpoint| checkpoint.state.recorded));
@@ -117,8 +124,14 @@ pub fn run(planned: &Planned, folder: &ResultFolder, options: RunOptions<'_>) ->
     let (ended, recorder) = match set_out(planned, folder, from, record) {
         Ok(recorder) => {
             let found = (&mut counts, &mut warnings);
-            let ended =
-                perform(planned, folder, &progress, found, (from, driver), recorder.clone());
+            let ended = perform(
+                (planned, fleet),
+                folder,
+                &progress,
+                found,
+                (from, driver),
+                recorder.clone(),
+            );
             (ended, recorder)
         }
         Err(error) => (Err(error), None),
@@ -275,7 +288,7 @@ pub fn place(case: &Case, error: RunError) -> RunError {
 }
 
 fn perform(
-    planned: &Planned,
+    (planned, fleet): (&Planned, &mut Fleet),
     folder: &ResultFolder,
     progress: &Rc<dyn Progress>,
     (counts, warnings): (&mut Counts, &mut Vec<Warning>),
@@ -286,7 +299,7 @@ fn perform(
     let mut tables = Tables::open(plan, folder, from)?;
     let mut fields = FieldWriter::within(folder.dir().clone(), "fields");
     let starting = Instant::now();
-    let session = || Session::start(plan, recorder.clone(), progress);
+    let session = || Session::start(plan, fleet, recorder.clone(), progress);
     let started = tracing::info_span!("start").in_scope(session);
     counts.start_seconds = starting.elapsed().as_secs_f64();
     let mut session = started?;
@@ -334,7 +347,7 @@ fn perform(
         return Err(error);
     }
     let finishing = Instant::now();
-    let finished = tracing::info_span!("finish").in_scope(|| session.finish());
+    let finished = tracing::info_span!("finish").in_scope(|| session.finish(fleet));
     counts.finish_seconds = finishing.elapsed().as_secs_f64();
     finished
 }

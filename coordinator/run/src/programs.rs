@@ -17,7 +17,6 @@ use serde::de::DeserializeOwned;
 use std::io;
 use std::os::fd::AsFd;
 use std::process::{Output, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use tokio::process::Command;
@@ -25,12 +24,6 @@ use tokio::sync::watch;
 
 /// Longest answer that is read [byte].
 const LONGEST_ANSWER: usize = 16 << 20;
-
-/// Descriptions of the programs asked so far.
-fn known() -> MutexGuard<'static, Vec<(Program, Description)>> {
-    static KNOWN: Mutex<Vec<(Program, Description)>> = Mutex::new(Vec::new());
-    KNOWN.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// Waits for the answer of a program outside of a run.
 ///
@@ -52,29 +45,6 @@ impl Program {
             Some(solver) => Ok(solver.describe()),
             None => self.ask(role, "--describe", Vec::new(), deadline).await,
         }
-    }
-
-    /// Returns the checked description. Each program is asked once in the life of this process,
-    /// because all runs of a study use the same programs. A description of another contract version
-    /// is not checked.
-    pub async fn known(&self, role: &str, deadline: Duration) -> Result<Description, RunError> {
-        if let Some((_, description)) = known().iter().find(|(program, _)| program == self) {
-            return Ok(description.clone());
-        }
-        let description = self.describe(role, deadline).await?;
-        self.learn(role, description.clone())?;
-        Ok(description)
-    }
-
-    /// Checks and stores a description.
-    pub(crate) fn learn(&self, role: &str, description: Description) -> Result<(), RunError> {
-        if description.protocol == contract::PROTOCOL_VERSION {
-            description.check().map_err(|fault| self.misled(role, fault))?;
-        }
-        let mut known = known();
-        known.retain(|(program, _)| program != self);
-        known.push((self.clone(), description));
-        Ok(())
     }
 
     /// Asks the program for its estimate of a run with this configuration.

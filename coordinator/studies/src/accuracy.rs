@@ -38,6 +38,7 @@ use console::case_arguments::Changes;
 use contract::accuracy::EDGE_ELEMENTS;
 use contract::figure::Measure;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::scratch::Scratch;
 use run::warnings::Warning;
 use section::{ResultSource, Stated, StatedFigure, StatedRun};
@@ -103,9 +104,14 @@ impl Search {
     /// # Errors
     /// The case cannot run, no models can meet the target, no run has the quantity, or the pilot
     /// fails.
-    pub fn begin(case: &Path, base: &Changes, target: Target) -> Result<Self, RunError> {
-        let standing = planned(case, base)?;
-        let Choice { level, step } = choice::choose(case, base, &standing, &target)?;
+    pub fn begin(
+        case: &Path,
+        base: &Changes,
+        target: Target,
+        fleet: &mut Fleet,
+    ) -> Result<Self, RunError> {
+        let standing = planned(case, base, fleet)?;
+        let Choice { level, step } = choice::choose(case, base, &standing, &target, fleet)?;
         choice::refuse_resolution(&level, base)?;
         let window = choice::window(&standing.plan).map(|times| (times, step));
         let mut search = Self {
@@ -120,7 +126,7 @@ impl Search {
             runs: Vec::new(),
         };
         if search.level.steps() > 1 {
-            search.try_out(0)?;
+            search.try_out(0, fleet)?;
             search.step = 1;
         }
         Ok(search)
@@ -134,8 +140,9 @@ impl Search {
         case: &Path,
         base: &Changes,
         quantity: Option<String>,
+        fleet: &mut Fleet,
     ) -> Result<Self, RunError> {
-        let planned = planned(case, base)?;
+        let planned = planned(case, base, fleet)?;
         let level = standing(&planned, base, &COARSER)?;
         let step = COARSER.len();
         let mut search = Self {
@@ -149,7 +156,7 @@ impl Search {
             step,
             runs: Vec::new(),
         };
-        (0..step).try_for_each(|coarser| search.try_out(coarser))?;
+        (0..step).try_for_each(|coarser| search.try_out(coarser, fleet))?;
         Ok(search)
     }
 
@@ -171,11 +178,11 @@ impl Search {
     }
 
     /// Performs a run without fields at a resolution and notes its quantities.
-    fn try_out(&mut self, step: usize) -> Result<(), RunError> {
+    fn try_out(&mut self, step: usize, fleet: &mut Fleet) -> Result<(), RunError> {
         let begun = Instant::now();
         let folder = Scratch::new()?;
         let variant = self.at(step).with("output.fields", "none");
-        let summary = run(&self.case, &variant, folder.path())?;
+        let summary = run(&self.case, &variant, folder.path(), fleet)?;
         self.note(step, &summary, begun.elapsed().as_secs_f64())
     }
 

@@ -11,6 +11,7 @@ use contract::advice::{Advice, Change, SIGNIFICANT_CHANGE};
 use contract::figure::FigureSpec;
 use run::advice::ask;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::format::{number, seconds};
 use run::plan::Planned;
 use std::fmt::Write as _;
@@ -70,13 +71,18 @@ impl Advised {
 ///
 /// # Errors
 /// A program fails.
-pub fn advise(case: &Path, base: &Changes, standing: &Planned) -> Result<Vec<Advised>, RunError> {
+pub fn advise(
+    case: &Path,
+    base: &Changes,
+    standing: &Planned,
+    fleet: &mut Fleet,
+) -> Result<Vec<Advised>, RunError> {
     let mut all = Vec::new();
     for advice in complete(ask(standing)?, standing.plan.effects.iter().map(|one| &*one.name)) {
         let active = standing.case.effects.contains(&advice.effect);
         let mut one = Advised { advice, active, other: Other::Open };
         if active || !one.advice.set.is_empty() {
-            one.other = other(case, &one.changes(base), standing)?;
+            one.other = other(case, &one.changes(base), standing, fleet)?;
         }
         all.push(one);
     }
@@ -96,8 +102,13 @@ fn complete<'a>(mut advice: Vec<Advice>, effects: impl Iterator<Item = &'a str>)
     advice
 }
 
-fn other(case: &Path, changes: &Changes, standing: &Planned) -> Result<Other, RunError> {
-    match planned(case, changes) {
+fn other(
+    case: &Path,
+    changes: &Changes,
+    standing: &Planned,
+    fleet: &mut Fleet,
+) -> Result<Other, RunError> {
+    match planned(case, changes, fleet) {
         Ok(other) => {
             let plans = [&standing.plan, &other.plan];
             Ok(Other::Runs {

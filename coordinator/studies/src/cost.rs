@@ -72,15 +72,15 @@ impl Command for CostCommand {
         &["coordinator cost CASE", "coordinator cost CASE --vary mech.resolution=5,10,20"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let _participants = self.folder.keep();
+        let mut fleet = self.folder.fleet();
         let request = request(self)?;
-        let standing = planned(&request.case, &request.base)?;
+        let standing = planned(&request.case, &request.base, &mut fleet)?;
         console::logging::log_warnings(&standing.plan.warnings);
         let none = FinishedRuns::none(&request.decides_runs(), &standing)?;
         let name = format!("{}-cost", standing.plan.name);
         let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut runner = Runner::new(&self.of.case, &self.folder, printing.is_silent())?
+        let mut runner = Runner::new(&self.of.case, &self.folder, fleet, printing.is_silent())?
             .keep_finished(none, &folder)?;
         (runner.repeat, runner.longest_run) = (request.repeat, request.longest_run);
         let swept = sweep::sweep(&request, &standing, &mut runner)?;

@@ -5,6 +5,8 @@
 //! study, its table and its page. Every study is a module with a command of its own. [`KINDS`]
 //! lists the studies whose page `coordinator report` can rebuild.
 
+#![forbid(unsafe_code)]
+
 pub mod ablate;
 pub mod accuracy;
 pub mod advise;

@@ -58,7 +58,6 @@ impl Command for ReproduceCommand {
         &["coordinator reproduce", "coordinator reproduce cases/paper/elements.toml"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let _participants = self.folder.keep();
         let request = Request {
             study: &self.study,
             folder: &self.folder,
@@ -94,9 +93,10 @@ pub(crate) fn reproduce(request: &Request, speaker: &mut Speaker) -> Result<(), 
     let study = Study::read(file)?;
     check::check(&study, file)?;
     render::rehearse(&study, file)?;
-    let runs = perform::rehearse(&study, file)?;
+    let mut fleet = request.folder.fleet();
+    let runs = perform::rehearse(&study, file, &mut fleet)?;
     let folder = request.folder.choose(Record::COMMAND, &study.name, &Record::is_unfinished)?;
-    let record = perform::perform(&study, file, &runs, &folder, speaker)?;
+    let record = perform::perform((&study, file), &runs, &folder, &mut fleet, speaker)?;
     let out = folder.open()?;
     let rendered = Rendered::of(&record, &out)?;
     rendered.write(&out.join(render::TEXT), "img")?;

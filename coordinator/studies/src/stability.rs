@@ -33,6 +33,7 @@ use console::steps::Steps;
 use contract::text::json;
 use judge::judge;
 use run::error::{Failure, RunError};
+use run::fleet::Fleet;
 use run::results::write::replace;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -68,7 +69,7 @@ impl Command for StabilityCommand {
         &["coordinator stability", "coordinator stability --only tiny-load --no-sweep"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let _participants = self.folder.keep();
+        let mut fleet = self.folder.fleet();
         let suite = Suite::read(&self.suite)?;
         // Report an unknown case before anything is printed.
         suite.chosen(&self.only)?;
@@ -81,7 +82,7 @@ impl Command for StabilityCommand {
         // folder.
         Report { schema: Report::SCHEMA, ..Report::default() }.write(&folder)?;
         speaker.say(&rows::head());
-        let report = stability(&request, &mut speaker)?;
+        let report = stability(&request, &mut fleet, &mut speaker)?;
         report.publish(&folder)?;
         if self.json {
             print(&json(&report))?;
@@ -126,17 +127,22 @@ pub(crate) struct Request {
 /// # Errors
 /// The suite lacks a requested case, a folder cannot be written, or the user interrupts. An
 /// unexpected outcome of a case is part of the report and not an error.
-pub(crate) fn stability(request: &Request, speaker: &mut Speaker) -> Result<Report, RunError> {
+pub(crate) fn stability(
+    request: &Request,
+    fleet: &mut Fleet,
+    speaker: &mut Speaker,
+) -> Result<Report, RunError> {
     let begun = Instant::now();
     let mut report =
         Report { schema: Report::SCHEMA, suite: request.suite.name(), ..Report::default() };
     let chosen = request.suite.chosen(&request.only)?;
     let quiet = speaker.is_quiet();
-    let expected = |entry: &&Entry| if quiet { 1.0 } else { expected_seconds(request, entry) };
+    let expected =
+        |entry: &&Entry| if quiet { 1.0 } else { expected_seconds(request, entry, fleet) };
     let mut steps = Steps::of_work(quiet, chosen.iter().map(expected).collect());
     for entry in chosen {
         steps.step(&entry.name);
-        let case = run_entry(request, entry)?;
+        let case = run_entry(request, entry, fleet)?;
         steps.aside(|| speaker.say(&rows::case(&case)));
         report.cases.push(case);
     }
@@ -148,9 +154,11 @@ pub(crate) fn stability(request: &Request, speaker: &mut Speaker) -> Result<Repo
 
 /// Expected time of a case and its sweeps \[s\]. In the sweeps of a quick case, every run counts
 /// like the case itself, because planning them would take longer.
-fn expected_seconds(request: &Request, entry: &Entry) -> f64 {
+fn expected_seconds(request: &Request, entry: &Entry, fleet: &mut Fleet) -> f64 {
     const QUICK: f64 = 0.5;
-    let of = |variant: &Changes| expected_run_seconds(planned(&entry.case, variant).ok().as_ref());
+    let mut of = |variant: &Changes| {
+        expected_run_seconds(planned(&entry.case, variant, fleet).ok().as_ref())
+    };
     let base = entry.variant();
     let own = of(&base);
     let sweeps = if request.sweeps { entry.sweeps.as_slice() } else { &[] };
@@ -162,10 +170,10 @@ fn expected_seconds(request: &Request, entry: &Entry) -> f64 {
     own + swept.sum::<f64>()
 }
 
-fn run_entry(request: &Request, entry: &Entry) -> Result<CaseReport, RunError> {
-    let row = run_one(request, entry, &entry.variant(), &entry.name, &entry.expect)?;
+fn run_entry(request: &Request, entry: &Entry, fleet: &mut Fleet) -> Result<CaseReport, RunError> {
+    let row = run_one(request, entry, &entry.variant(), (&entry.name, &entry.expect), fleet)?;
     let sweeps = match request.sweeps {
-        true => entry.sweeps.iter().map(|sweep| run_sweep(request, entry, sweep)).collect(),
+        true => entry.sweeps.iter().map(|sweep| run_sweep(request, entry, sweep, fleet)).collect(),
         false => Ok(Vec::new()),
     };
     Ok(CaseReport {
@@ -179,12 +187,23 @@ fn run_entry(request: &Request, entry: &Entry) -> Result<CaseReport, RunError> {
     })
 }
 
-fn run_sweep(request: &Request, entry: &Entry, sweep: &Sweep) -> Result<SweepReport, RunError> {
+fn run_sweep(
+    request: &Request,
+    entry: &Entry,
+    sweep: &Sweep,
+    fleet: &mut Fleet,
+) -> Result<SweepReport, RunError> {
     let mut rows = Vec::new();
     for value in &sweep.values {
         let name = format!("{}-{}-{value}", entry.name, sweep.parameter).replace(['/', ' '], "-");
         let variant = sweep.at(&entry.variant(), value);
-        let row = run_one(request, entry, &variant, &name, sweep.expected(value, &entry.expect))?;
+        let row = run_one(
+            request,
+            entry,
+            &variant,
+            (&name, sweep.expected(value, &entry.expect)),
+            fleet,
+        )?;
         rows.push((value.clone(), row));
     }
     Ok(SweepReport {
@@ -200,10 +219,10 @@ fn run_one(
     request: &Request,
     entry: &Entry,
     variant: &Changes,
-    name: &str,
-    expected: &Expected,
+    (name, expected): (&str, &Expected),
+    fleet: &mut Fleet,
 ) -> Result<RunResult, RunError> {
-    let run = CaseRun::run(&entry.case, variant, &folder(&request.out, name))?;
+    let run = CaseRun::run(&entry.case, variant, &folder(&request.out, name), fleet)?;
     Ok(judge(&run, expected, &entry.limits(&request.suite.every), &entry.checks))
 }
 

@@ -54,9 +54,10 @@ impl Command for StatesCommand {
     const EXAMPLES: &'static [&'static str] = &["coordinator states CASE --start KEY=0..330/12"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let _participants = self.folder.keep();
+        let mut fleet = self.folder.fleet();
         let (case, key) = (&self.of.case, &self.start.key);
-        let standing = planned(case, &self.of.changes.with(key, &self.start.values[0]))?;
+        let standing =
+            planned(case, &self.of.changes.with(key, &self.start.values[0]), &mut fleet)?;
         refuse_unread(&standing, key, "--start")?;
         console::logging::log_warnings(&standing.plan.warnings);
         refuse_one_state(&standing, case)?;
@@ -68,8 +69,8 @@ impl Command for StatesCommand {
         let name = format!("{}-states", standing.plan.name);
         let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut runner =
-            Runner::new(case, &self.folder, printing.is_silent())?.keep_finished(none, &folder)?;
+        let mut runner = Runner::new(case, &self.folder, fleet, printing.is_silent())?
+            .keep_finished(none, &folder)?;
         let study = self.study(&standing, &starts, &mut runner)?;
         study.publish(&folder)?;
         runner.complete()?;

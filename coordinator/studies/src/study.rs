@@ -27,6 +27,7 @@ pub mod table;
 use case::RawCase;
 use console::case_arguments::{Changes, read_case};
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::perform::{self, RunOptions};
 use run::plan::{Plan, Planned, plan};
 use run::results::{Existing, ResultFolder};
@@ -41,10 +42,10 @@ use std::time::Instant;
 ///
 /// # Errors
 /// The case is invalid, or a program that the case names cannot be used.
-pub fn planned(case: &Path, variant: &Changes) -> Result<Planned, RunError> {
+pub fn planned(case: &Path, variant: &Changes, fleet: &mut Fleet) -> Result<Planned, RunError> {
     let mut raw = read(case)?;
     raw.apply(&variant.set, &variant.unset)?;
-    plan(raw)
+    plan(raw, fleet)
 }
 
 /// Reads a case once per process, so that all runs of a study use the same text even if the file is
@@ -90,9 +91,15 @@ pub fn refuse_unread(standing: &Planned, key: &str, option: &str) -> Result<(), 
 ///
 /// # Errors
 /// The case cannot be planned or run, as with the command `run`.
-pub fn run(case: &Path, variant: &Changes, folder: &Path) -> Result<Value, RunError> {
+pub fn run(
+    case: &Path,
+    variant: &Changes,
+    folder: &Path,
+    fleet: &mut Fleet,
+) -> Result<Value, RunError> {
     let since = Instant::now();
-    perform(case, &planned(case, variant)?, since, folder)
+    let planned = planned(case, variant, fleet)?;
+    perform(case, &planned, since, folder, fleet)
 }
 
 /// Runs a planned case into a folder, replacing an earlier run there, and returns the summary.
@@ -105,10 +112,11 @@ pub fn perform(
     planned: &Planned,
     since: Instant,
     folder: &Path,
+    fleet: &mut Fleet,
 ) -> Result<Value, RunError> {
     let options = RunOptions::planned_since(since);
     let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-    let outcome = perform::run(planned, &folder, options);
+    let outcome = perform::run(planned, fleet, &folder, options);
     outcome.error.map_or(Ok(outcome.summary), Err)
 }
 

@@ -37,6 +37,7 @@ use design::{Part, PointArguments};
 use engine::{Name, Tasks};
 use rows::SweepInProgress;
 use run::error::{Failure, RunError};
+use run::fleet::Fleet;
 use run::format::counted;
 use run::identity::unseen;
 use run::plan::{Plan, Planned};
@@ -87,8 +88,10 @@ impl Command for SweepCommand {
         let (case, base) = (self.of.case.clone(), self.of.changes.clone());
         let design = self.points.design()?;
         let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
-        let standing = planned(&case, &design.vary.iter().fold(base.clone(), first))?;
-        refuse_unread_keys(&case, &base, &design.vary, &standing)?;
+        let first = design.vary.iter().fold(base.clone(), first);
+        let mut fleet = Fleet::default();
+        let standing = planned(&case, &first, &mut fleet)?;
+        refuse_unread_keys((&case, &base), &design.vary, &standing, &mut fleet)?;
         console::logging::log_warnings(&standing.plan.warnings);
         let mut study = Study::new(&standing, case.display().to_string(), &base, design)?;
         study.part = self.part;
@@ -149,10 +152,10 @@ fn without_answers(study: &Study) -> Result<(), RunError> {
 /// Refuses keys that no point of the sweep reads. Other varied keys, such as the choice of a model,
 /// may decide whether a key is read, so their values are tried one by one.
 fn refuse_unread_keys(
-    case: &Path,
-    base: &Changes,
+    (case, base): (&Path, &Changes),
     vary: &[Axis],
     standing: &Planned,
+    fleet: &mut Fleet,
 ) -> Result<(), RunError> {
     let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
     for Axis { key, .. } in vary {
@@ -163,7 +166,8 @@ fn refuse_unread_keys(
             values.map(move |value| vary.iter().fold(base.clone(), first).with(&other.key, value))
         });
         let reads = |variant: Changes| {
-            planned(case, &variant).is_ok_and(|other| refuse_unread(&other, key, "--vary").is_ok())
+            planned(case, &variant, fleet)
+                .is_ok_and(|other| refuse_unread(&other, key, "--vary").is_ok())
         };
         if !others.any(reads) {
             return Err(refused);
@@ -223,7 +227,7 @@ fn here(
     quiet: bool,
 ) -> Result<(), RunError> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let mut runner = Runner::new(&asked.of.case, &asked.folder, quiet)?;
+    let mut runner = Runner::new(&asked.of.case, &asked.folder, asked.folder.fleet(), quiet)?;
     runner.jobs = asked.jobs.map_or_else(cores, usize::from);
     let study = &sweep.study;
     let missing: Vec<Vec<usize>> = study.missing().into_iter().map(|n| study.point(n)).collect();

@@ -8,6 +8,8 @@
 //!
 //! A run writes more only while somebody looks ([`run::watching`]).
 
+#![forbid(unsafe_code)]
+
 mod index;
 mod offline;
 mod recording;

@@ -5,6 +5,8 @@
 //! folder with the same structure, from which mdBook builds the site. [`links`] then follows every
 //! link of every page.
 
+#![forbid(unsafe_code)]
+
 mod links;
 mod stage;
 

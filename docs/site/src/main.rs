@@ -1,6 +1,8 @@
 //! Makes the documentation site in `target/site`, or in the folder that is named:
 //! `cargo run --release --manifest-path docs/site/Cargo.toml`.
 
+#![forbid(unsafe_code)]
+
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command says how it ended")]
 
 use std::path::{Path, PathBuf};

@@ -1,3 +1,4 @@
+#![forbid(unsafe_code)]
 #![doc = include_str!("../README.md")]
 //! Both bodies consist of rows of equal elements: a cross-section of quadrilaterals, extruded along
 //! the motion for a straight body and revolved about its axis for one that rolls. Nodes are

@@ -28,6 +28,8 @@
 //! not depend on the contract. They are re-exported here as modules. This crate knows no transport
 //! and no process; it reads only files named by a user.
 
+#![forbid(unsafe_code)]
+
 pub use grids as grid;
 pub use tables::{input_file, plausible, quantity, suggest, table, unit};
 

@@ -7,6 +7,8 @@
 //! to the points. Fields on volumes of hexahedra and at points in blocks are output only. [`state`]
 //! writes values to a file and reads them back.
 
+#![forbid(unsafe_code)]
+
 mod geometry;
 mod hexahedron;
 mod points;

@@ -9,6 +9,8 @@
 //! | [`suggest`] | nearest valid word for a misspelt one |
 //! | [`text`] | checks of text from outside, before it reaches a terminal or a message |
 
+#![forbid(unsafe_code)]
+
 pub mod input_file;
 pub mod plausible;
 pub mod quantity;

@@ -1,6 +1,8 @@
 //! Participants of the tests, in one program. The first argument names the participant:
 //! `toy left --describe`.
 
+#![forbid(unsafe_code)]
+
 use proto::model::Solver;
 use std::process::ExitCode;
 use tests::linear::Linear;

@@ -7,9 +7,10 @@ use crate::stopping::Stopping;
 use ::case::RawCase;
 use mech_solver::MechSolver;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::linked::LinkedSolvers;
 use run::perform::{self, RunOptions};
-use run::plan::{Planned, plan_with};
+use run::plan::{Planned, plan};
 use run::results::{Existing, ResultFolder};
 use run::stopped::StoppedRun;
 use serde_json::Value;
@@ -119,7 +120,7 @@ impl Place {
         self.logged(|| {
             let stopped = StoppedRun::read(&self.out())?.expect("the run has not ended");
             let StoppedRun { folder, checkpoint, case } = stopped;
-            let planned = plan_with(case, &solvers())?;
+            let planned = plan(case, &mut Fleet::default().with(solvers()))?;
             perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned)?)?;
             let options = RunOptions { from: Some(&checkpoint), ..RunOptions::default() };
             completed_run(&planned, &folder, options)
@@ -188,7 +189,7 @@ impl Place {
 /// Answers like `check` of a case with this file name and text.
 pub(crate) fn checked(name: &str, text: &str) -> Ended {
     let planned = RawCase::parse(name, text).map_err(RunError::from);
-    match planned.and_then(|raw| plan_with(raw, &solvers())) {
+    match planned.and_then(|raw| plan(raw, &mut Fleet::default().with(solvers()))) {
         Err(error) => Ended::from(&error),
         Ok(planned) => {
             let warnings = planned.plan.warnings.iter();
@@ -216,7 +217,7 @@ pub(crate) fn planned(
         }
     }
     raw.apply(&set, &unset)?;
-    plan_with(raw, solvers)
+    plan(raw, &mut Fleet::default().with(solvers.clone()))
 }
 
 fn completed_run(
@@ -224,7 +225,7 @@ fn completed_run(
     folder: &ResultFolder,
     options: RunOptions<'_>,
 ) -> Result<String, RunError> {
-    let mut outcome = perform::run(planned, folder, options);
+    let mut outcome = perform::run(planned, &mut Fleet::default(), folder, options);
     match outcome.error.take() {
         Some(error) => Err(error),
         None => Ok(perform::report(&outcome, &planned.plan, folder)),

@@ -36,6 +36,8 @@
 //! | `markup`, `element`, `words` | XML within limits; elements and their attributes |
 //! | `parse`, `consistency` | the text as a configuration; checks of the names: unique, defined and in their place |
 
+#![forbid(unsafe_code)]
+
 pub mod acceleration;
 pub mod configuration;
 mod consistency;

@@ -13,6 +13,7 @@ use contract::description::Description;
 use contract::message::Interpolation;
 use contract::step::Step;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::plan::{Plan, plan};
 use run::programs::Program;
 use std::path::PathBuf;
@@ -210,7 +211,7 @@ fn one(
         }
     }
     raw.apply(&set, &[])?;
-    let plan = plan(raw)?.plan;
+    let plan = plan(raw, &mut Fleet::default())?.plan;
     let found = plan.participants.iter().find(|participant| participant.role == *role);
     let Some(participant) = found else {
         return Err(RunError::Usage("no active effect of the case needs it".to_owned()));

@@ -10,10 +10,9 @@ use super::route::{cannot_rewind, cannot_vary};
 use super::sampling;
 use super::threads;
 use super::volume;
-use crate::crew;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
-use crate::linked::LinkedSolvers;
+use crate::fleet::Fleet;
 use crate::peers::{COORDINATOR, ParticipantSlot};
 use crate::programs::{self, Program};
 use crate::warnings::Warning;
@@ -27,6 +26,7 @@ use contract::message::{MAX_INPUTS, MOST_PARTICIPANTS};
 use coupling::ParticipantIndex;
 use coupling::settings::{Implicit, Scheme};
 use coupling::windows::Windows;
+use std::collections::BTreeMap;
 use std::time::Duration;
 use typed_index_collections::{TiSlice, TiVec};
 
@@ -40,28 +40,23 @@ const MOST_WINDOWS: f64 = 1e9;
 /// Longest time that a program may take to describe itself or to estimate.
 const ANSWER: Duration = Duration::from_secs(30);
 
-/// Plans a case. Errors of the case are collected and reported together.
-pub fn plan(raw: RawCase) -> Result<Planned, RunError> {
-    plan_with(raw, &LinkedSolvers::default())
-}
-
-/// Plans a case with solvers that are linked into this program.
+/// Plans a case for a fleet. Errors of the case are collected and reported together.
 ///
 /// # Errors
 /// The case is invalid, a program fails, or a participant refuses the case.
-pub fn plan_with(raw: RawCase, solvers: &LinkedSolvers) -> Result<Planned, RunError> {
-    crew::start(&seats(&raw, solvers), ANSWER);
-    programs::wait_for(plan_async(raw, solvers))
+pub fn plan(raw: RawCase, fleet: &mut Fleet) -> Result<Planned, RunError> {
+    fleet.start(&seats(&raw, fleet), ANSWER);
+    programs::wait_for(plan_async(raw, fleet))
 }
 
 /// Returns the participants that the case probably has; empty if there are too many or a role is
 /// invalid.
-fn seats(raw: &RawCase, solvers: &LinkedSolvers) -> Vec<ParticipantSlot> {
+fn seats(raw: &RawCase, fleet: &Fleet) -> Vec<ParticipantSlot> {
     let is_participant = |section: &RawParticipant| {
         section.command.is_some() || WELL_KNOWN_ROLES.contains(&section.role.as_str())
     };
     let seat = |section: RawParticipant| ParticipantSlot {
-        program: Program::of_role_or_linked(&section.role, section.command.as_deref(), solvers),
+        program: fleet.program(&section.role, section.command.as_deref()),
         role: section.role,
         attach: section.attach,
     };
@@ -73,19 +68,19 @@ fn seats(raw: &RawCase, solvers: &LinkedSolvers) -> Vec<ParticipantSlot> {
     if seats.len() <= MOST_PARTICIPANTS && seats.iter().all(is_valid) { seats } else { Vec::new() }
 }
 
-async fn plan_async(raw: RawCase, solvers: &LinkedSolvers) -> Result<Planned, RunError> {
+async fn plan_async(raw: RawCase, fleet: &mut Fleet) -> Result<Planned, RunError> {
     let sections = raw.participants();
     // All programs are asked at the same time.
-    let (own, absent, replaced) = tokio::join!(
-        describe(&raw, &sections, solvers),
-        describe_absent(&sections, solvers),
-        describe_replaced(&sections),
-    );
-    let mut described = own?;
-    described.extend(absent);
+    let groups = [own(&sections, fleet), absent(&sections, fleet), replaced(&sections)];
+    let [count, absent_count, _] = groups.each_ref().map(Vec::len);
+    let mut own = ask_all(groups.concat(), fleet).await;
+    let mut absent = own.split_off(count);
+    let replaced = known(absent.split_off(absent_count));
+    let mut described = described(&raw, &sections, own)?;
+    described.extend(known(absent));
     let case = validate(&raw, &described, &replaced)?;
-    let mut plan = route_case(&case, &described, solvers)?;
-    estimate(&case, &mut plan).await?;
+    let mut plan = route_case(&case, &described, fleet)?;
+    estimate(&case, &mut plan, fleet).await?;
     plan.mappings = mapping::planned(&plan);
     let estimated = expected::estimated(&case, plan.participants.iter());
     let mapped = plan.warn_of_mappings(&case);
@@ -93,39 +88,75 @@ async fn plan_async(raw: RawCase, solvers: &LinkedSolvers) -> Result<Planned, Ru
     Ok(Planned { case, plan })
 }
 
-/// Asks programs for their descriptions at the same time, each under its role. Answers keep the
-/// order of the programs.
-async fn ask_all(programs: Vec<(String, Program)>) -> Vec<Result<Description, RunError>> {
+/// The description of a program, or the error of asking for it, by role.
+type Answer = (String, Result<Description, RunError>);
+
+/// Asks programs for their descriptions at the same time, each under its role; each program is
+/// asked once. Answers keep the order of the programs.
+async fn ask_all(programs: Vec<(String, Program)>, fleet: &mut Fleet) -> Vec<Answer> {
     let mut asked = tokio::task::JoinSet::new();
-    for (index, (role, program)) in programs.into_iter().enumerate() {
-        asked.spawn(async move { (index, program.known(&role, ANSWER).await) });
+    for (index, (role, program)) in programs.iter().cloned().enumerate() {
+        if fleet.description(&program).is_none() {
+            asked.spawn(async move { (index, program.describe(&role, ANSWER).await) });
+        }
     }
-    let mut answers = asked.join_all().await;
-    answers.sort_by_key(|(index, _)| *index);
-    answers.into_iter().map(|(_, answer)| answer).collect()
+    let mut failed = BTreeMap::new();
+    for (index, answer) in asked.join_all().await {
+        let (role, program) = &programs[index];
+        if let Err(error) = answer.and_then(|found| fleet.learn(role, program, found)) {
+            failed.insert(index, error);
+        }
+    }
+    let answer = |(index, (role, program)): (usize, (String, Program))| {
+        let answer = match failed.remove(&index) {
+            Some(error) => Err(error),
+            None => Ok(fleet.description(&program).expect("asked above").clone()),
+        };
+        (role, answer)
+    };
+    programs.into_iter().enumerate().map(answer).collect()
 }
 
-/// Asks for the descriptions that exist, by role.
-async fn ask_known(programs: Vec<(String, Program)>) -> Vec<(String, Description)> {
-    let roles: Vec<String> = programs.iter().map(|(role, _)| role.clone()).collect();
-    let answers = ask_all(programs).await;
-    roles.into_iter().zip(answers).filter_map(|(role, one)| Some((role, one.ok()?))).collect()
+/// Returns the descriptions that exist.
+fn known(answers: Vec<Answer>) -> Vec<(String, Description)> {
+    answers.into_iter().filter_map(|(role, answer)| Some((role, answer.ok()?))).collect()
 }
 
-/// Describes the programs of a case by role.
-async fn describe(
+/// Returns the programs of a case by role.
+fn own(sections: &[RawParticipant], fleet: &Fleet) -> Vec<(String, Program)> {
+    let program = |section: &RawParticipant| {
+        (section.role.clone(), fleet.program(&section.role, section.command.as_deref()))
+    };
+    sections.iter().map(program).collect()
+}
+
+/// Returns the well-known programs for which the case has no section. The case may hold keys for
+/// them, so that removing a section is enough to take a participant out of a case.
+fn absent(sections: &[RawParticipant], fleet: &Fleet) -> Vec<(String, Program)> {
+    let is_absent = |role: &&&str| sections.iter().all(|section| section.role != ***role);
+    let program = |role: &&str| ((*role).to_owned(), fleet.program(role, None));
+    WELL_KNOWN_ROLES.iter().filter(is_absent).map(program).collect()
+}
+
+/// Returns the default programs of roles that a `command` gives to another program. Their keys are
+/// known, but not used.
+fn replaced(sections: &[RawParticipant]) -> Vec<(String, Program)> {
+    let replaced = sections.iter().filter_map(|RawParticipant { role, command, .. }| {
+        let usual = Program::of_role(role, None);
+        let own = Program::of_role(role, command.as_deref());
+        (usual.path != own.path).then(|| (role.clone(), usual))
+    });
+    replaced.collect()
+}
+
+/// Returns the descriptions of the programs of a case by role.
+fn described(
     raw: &RawCase,
     sections: &[RawParticipant],
-    solvers: &LinkedSolvers,
+    answers: Vec<Answer>,
 ) -> Result<Vec<(String, Description)>, RunError> {
-    let program = |section: &RawParticipant| {
-        let command = section.command.as_deref();
-        let program = Program::of_role_or_linked(&section.role, command, solvers);
-        (section.role.clone(), program)
-    };
-    let answers = ask_all(sections.iter().map(program).collect()).await;
     let (mut described, mut problems) = (Vec::new(), Vec::new());
-    for (section, answer) in sections.iter().zip(answers) {
+    for (section, (_, answer)) in sections.iter().zip(answers) {
         match answer {
             Ok(description) => match misplaced(section, &description) {
                 Some(problem) => problems.push(problem),
@@ -209,33 +240,10 @@ fn check_roles(case: &Case) -> Result<(), RunError> {
     refuse(case, problems)
 }
 
-/// Describes the well-known programs for which the case has no section. The case may hold keys for
-/// them, so that removing a section is enough to take a participant out of a case.
-async fn describe_absent(
-    sections: &[RawParticipant],
-    solvers: &LinkedSolvers,
-) -> Vec<(String, Description)> {
-    let is_absent = |role: &&&str| sections.iter().all(|section| section.role != ***role);
-    let program =
-        |role: &&str| ((*role).to_owned(), Program::of_role_or_linked(role, None, solvers));
-    ask_known(WELL_KNOWN_ROLES.iter().filter(is_absent).map(program).collect()).await
-}
-
-/// Describes the default programs of roles that a `command` gives to another program. Their keys
-/// are known, but not used.
-async fn describe_replaced(sections: &[RawParticipant]) -> Vec<(String, Description)> {
-    let replaced = sections.iter().filter_map(|RawParticipant { role, command, .. }| {
-        let usual = Program::of_role(role, None);
-        let own = Program::of_role(role, command.as_deref());
-        (usual.path != own.path).then(|| (role.clone(), usual))
-    });
-    ask_known(replaced.collect()).await
-}
-
 fn route_case(
     case: &Case,
     described: &[(String, Description)],
-    solvers: &LinkedSolvers,
+    fleet: &Fleet,
 ) -> Result<Plan, RunError> {
     let candidates = case.participants.iter().filter_map(|p| {
         let description = &described.iter().find(|(role, _)| *role == p.role)?.1;
@@ -277,7 +285,7 @@ fn route_case(
         (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
     });
     let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
-    let mut participants = participants(case, &running, (&fields, &live), scheme.scheme, solvers)?;
+    let mut participants = participants(case, &running, (&fields, &live), scheme.scheme, fleet)?;
     let figures = figures::gather(participants.iter_mut(), case.bodies.as_ref());
     let diagrams = participants.iter().flat_map(|p| p.description.diagrams.clone()).collect();
     let sampled = sampling::warnings(case, participants.iter(), &windows);
@@ -407,7 +415,7 @@ fn participants(
     running: &TiSlice<ParticipantIndex, Candidate>,
     (fields, live): (&[Field], &[LiveValue]),
     scheme: Scheme,
-    solvers: &LinkedSolvers,
+    fleet: &Fleet,
 ) -> Result<TiVec<ParticipantIndex, Participant>, RunError> {
     let threads = threads::of_participants(case.limits.threads, scheme, running.len());
     let mut participants = TiVec::new();
@@ -440,7 +448,7 @@ fn participants(
         let values = case.values_for(one.description, &one.model.name);
         participants.push(Participant {
             role: one.role.to_owned(),
-            program: Program::of_role_or_linked(one.role, command, solvers),
+            program: fleet.program(one.role, command),
             attach: settings.is_some_and(|p| p.attach),
             description: one.description.clone(),
             configuration: Configuration {
@@ -464,17 +472,17 @@ fn participants(
 
 /// Asks every participant for its estimate, along the flow of data. Participants with an input on a
 /// moving grid are asked again, if the grid was found to move only after they had been asked.
-async fn estimate(case: &Case, plan: &mut Plan) -> Result<(), RunError> {
+async fn estimate(case: &Case, plan: &mut Plan, fleet: &mut Fleet) -> Result<(), RunError> {
     for index in plan.participants.keys() {
         fill_input_grids(plan, index);
         fill_input_moves(plan, index);
-        estimate_one(case, plan, index).await?;
+        estimate_one(case, plan, index, fleet).await?;
         // Refuses such a field before its consumer is asked for an estimate.
         refuse(case, volume::consumed(case, plan, index))?;
     }
     for index in plan.participants.keys() {
         if fill_input_moves(plan, index) {
-            estimate_one(case, plan, index).await?;
+            estimate_one(case, plan, index, fleet).await?;
         }
     }
     Ok(())
@@ -484,12 +492,13 @@ async fn estimate_one(
     case: &Case,
     plan: &mut Plan,
     index: ParticipantIndex,
+    fleet: &mut Fleet,
 ) -> Result<(), RunError> {
     let participant = &plan.participants[index];
     if !participant.description.estimates {
         return Ok(());
     }
-    let stayed = crew::estimate(&participant.program, &participant.configuration, ANSWER);
+    let stayed = fleet.estimate(&participant.program, &participant.configuration, ANSWER);
     let estimate = match stayed {
         Some(estimate) => estimate,
         None => participant.program.estimate(&participant.configuration, ANSWER).await?,

@@ -3,20 +3,18 @@
 
 use super::fields::{Consumer, CoupledField, FieldPublisher, FieldSubscription};
 use super::geometry::MovingGrid;
-use super::layout::layout_fault;
 use super::live::{self, LiveValues};
 use super::mapping::FieldMapping;
 use super::memory::SharedMemory;
 use super::reports::{Figures, SolveRecord};
 use super::{Recording, Session, open_files};
-use crate::crew;
 use crate::error::{Failure, RunError, machine_failure};
+use crate::fleet::Fleet;
 use crate::peers::{COORDINATOR, ParticipantSlot, Peers, Phase};
 use crate::plan::{Field, Participant, Plan, non_matching};
 use crate::progress::Progress;
 use crate::record::Recorder;
-use contract::configuration::{Configuration, Input, Layout};
-use contract::description::Description;
+use contract::configuration::{Input, Layout};
 use contract::grid::Grid;
 use contract::message::{Command, CommandKind, GeometryTopic, Topic, Topics};
 use contract::step::Step;
@@ -36,7 +34,7 @@ fn topics_of(plan: &Plan) -> usize {
 }
 
 impl Session {
-    /// Starts the participants of a plan, or takes those that have stayed ([`crate::crew`]), and
+    /// Starts the participants of a plan, or takes those that wait in a fleet, and
     /// prepares them for the first window. With a recorder, the whole exchange is recorded. Long
     /// work is shown on the screen.
     ///
@@ -45,6 +43,7 @@ impl Session {
     /// violates the contract.
     pub fn start(
         plan: &Plan,
+        fleet: &mut Fleet,
         recorder: Option<Arc<Recorder>>,
         screen: &Rc<dyn Progress>,
     ) -> Result<Self, RunError> {
@@ -52,9 +51,9 @@ impl Session {
         // actual layouts.
         let participants = plan.participants.len();
         if open_files::provide(participants, topics_of(plan), recorder.is_some())? {
-            crew::leave();
+            fleet.dismiss();
         }
-        let held = crew::held_memory();
+        let held = fleet.held_memory();
         let estimate =
             |participant: ParticipantIndex| plan.participants[participant].estimate.as_ref();
         let memory = SharedMemory::check(plan, held, estimate)?;
@@ -64,7 +63,7 @@ impl Session {
             attach: p.attach,
         };
         let seats: Vec<ParticipantSlot> = plan.participants.iter().map(seat).collect();
-        let stayed = crew::take(&seats);
+        let stayed = fleet.take(&seats);
         let is_new = stayed.is_none();
         let peers = match stayed {
             Some(peers) => peers.for_run(plan.deadlines, recorder),
@@ -126,11 +125,7 @@ impl Session {
         participant: ParticipantIndex,
         planned: &Participant,
     ) -> Result<(), RunError> {
-        self.peers.post(participant, Command::new(CommandKind::Describe), &[], true)?;
-        let message = self.peers.done(participant, self.peers.deadlines().solve)?;
-        let found: Description = serde_json::from_slice(message.body()).map_err(|e| {
-            self.peers.misbehaved(participant, format!("its description is not valid: {e}"))
-        })?;
+        let found = self.peers.describe(participant, self.peers.deadlines().solve)?;
         if found == planned.description {
             return Ok(());
         }
@@ -163,27 +158,10 @@ impl Session {
                 input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
                 input.moves = is_informed(plan, &layouts, input);
             }
-            let body = serde_json::to_vec(&configuration).expect("a configuration is plain data");
-            self.peers.post(participant, Command::new(CommandKind::Configure), &body, true)?;
-            let message = self.peers.done(participant, self.peers.deadlines().solve)?;
-            let layout: Layout = serde_json::from_slice(message.body()).map_err(|e| {
-                self.peers.misbehaved(participant, format!("its layout is not valid: {e}"))
-            })?;
-            drop(message);
-            self.check_layout(participant, &configuration, &layout)?;
-            layouts.push(layout);
+            let patience = self.peers.deadlines().solve;
+            layouts.push(self.peers.configure(participant, &configuration, patience)?);
         }
         Ok(layouts)
-    }
-
-    fn check_layout(
-        &self,
-        participant: ParticipantIndex,
-        configuration: &Configuration,
-        layout: &Layout,
-    ) -> Result<(), RunError> {
-        layout_fault(configuration, layout)
-            .map_or(Ok(()), |what| Err(self.peers.misbehaved(participant, what)))
     }
 
     /// Checks that every participant that subscribes to a field on a moving grid knows that the

@@ -2,8 +2,8 @@
 
 use super::reports::SolveRecord;
 use super::{Observed, Session, audit};
-use crate::crew;
 use crate::error::RunError;
+use crate::fleet::Fleet;
 use crate::peers::{Participants, Phase};
 use contract::message::{Command, CommandKind, FIGURES, Finished, OBSERVE, STAY};
 use contract::step::Step;
@@ -91,13 +91,16 @@ impl Session {
     ///
     /// # Errors
     /// A participant fails, has ended, is late, or reports negative times.
-    pub fn finish(mut self) -> Result<(Vec<Finished>, Option<PendingExits>), RunError> {
+    pub fn finish(
+        mut self,
+        fleet: &mut Fleet,
+    ) -> Result<(Vec<Finished>, Option<PendingExits>), RunError> {
         self.peers.phase = Phase::Finishing;
         if let Some(recorder) = self.peers.recorder() {
             recorder.stop_listening()?;
         }
         self.tell_mappings();
-        let stay = self.reusable && crew::stays();
+        let stay = self.reusable && fleet.stays();
         let flags = if stay { STAY } else { 0 };
         for participant in self.peers.all().keys() {
             let command = Command { flags, ..Command::new(CommandKind::Finish) };
@@ -122,7 +125,7 @@ impl Session {
             guard.spare();
             // The next run needs the same ports.
             drop((fields, coupled, mapped, moving, live));
-            crew::stay(peers.after_run(memory.taken()));
+            fleet.stay(peers.after_run(memory.taken()));
             return Ok((finished, None));
         }
         Ok((finished, Some(PendingExits(self))))

@@ -7,6 +7,7 @@ use console::case_arguments::Changes;
 use contract::accuracy::Simplification;
 use coupling::windows::Windows;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::format::{number, percent};
 use run::plan::{Plan, Planned};
 use std::path::Path;
@@ -23,11 +24,12 @@ pub(super) fn choose(
     base: &Changes,
     standing: &Planned,
     target: &Target,
+    fleet: &mut Fleet,
 ) -> Result<Choice, RunError> {
     let mut best: Option<(f64, Choice)> = None;
     for level in chosen(standing, base).into_iter().filter(|level| level.silent.is_empty()) {
         let Some(step) = coarsest(&level, target) else { continue };
-        match planned(case, &level.at(step)) {
+        match planned(case, &level.at(step), fleet) {
             Ok(planned) => {
                 let level = level.in_case(&planned);
                 // The simplifications of the models may be too large in this particular case.
@@ -41,7 +43,7 @@ pub(super) fn choose(
             Err(_) => {}
         }
     }
-    best.map(|(_, choice)| choice).ok_or_else(|| none(case, standing, base, target))
+    best.map(|(_, choice)| choice).ok_or_else(|| none((case, base), standing, target, fleet))
 }
 
 /// Lists all levels, restricted to models that the user has set.
@@ -97,12 +99,17 @@ fn coarsest(level: &Level, target: &Target) -> Option<usize> {
 }
 
 /// Error for a target that no models meet. Names the models that can run the case and come closest.
-fn none(case: &Path, standing: &Planned, base: &Changes, target: &Target) -> RunError {
+fn none(
+    (case, base): (&Path, &Changes),
+    standing: &Planned,
+    target: &Target,
+    fleet: &mut Fleet,
+) -> RunError {
     let mut best: Option<(f64, Level)> = None;
     let mut refused = Vec::new();
     for level in chosen(standing, base) {
         let name = level.name();
-        match planned(case, &level.variant) {
+        match planned(case, &level.variant, fleet) {
             Ok(_) if !level.silent.is_empty() => {
                 let silent = level.silent.join(", ");
                 refused.push(format!("{name}: {silent} does not state its accuracy"));

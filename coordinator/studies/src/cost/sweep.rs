@@ -51,7 +51,8 @@ pub(super) fn sweep(
     standing: &Planned,
     runner: &mut Runner<'_>,
 ) -> Result<Sweep, RunError> {
-    let ModelChoices { mut levels, refused } = offered(&request.case, &request.base)?;
+    let ModelChoices { mut levels, refused } =
+        offered(&request.case, &request.base, &mut runner.fleet)?;
     check(&levels, &refused, &request.vary)?;
     let set = request.base.values().map(|(key, value)| Axis::of_one(key, value));
     let held: Vec<Axis> = request.vary.iter().cloned().chain(set).collect();

@@ -8,6 +8,7 @@ use console::case_arguments::Changes;
 use console::output::Speaker;
 use console::steps::Steps;
 use run::error::{RunError, file_failure};
+use run::fleet::Fleet;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,8 +20,12 @@ use std::time::Instant;
 ///
 /// # Errors
 /// [`RunError::Usage`] if a case is invalid.
-pub(super) fn rehearse(study: &Study, file: &Path) -> Result<Vec<(Run, f64)>, RunError> {
-    let rehearsed = |run: Run| match study::planned(&run.case, &run.variant) {
+pub(super) fn rehearse(
+    study: &Study,
+    file: &Path,
+    fleet: &mut Fleet,
+) -> Result<Vec<(Run, f64)>, RunError> {
+    let rehearsed = |run: Run| match study::planned(&run.case, &run.variant, fleet) {
         Ok(planned) => Ok((run, study::expected_run_seconds(Some(&planned)))),
         Err(error) => Err(of_run(&run, file, error)),
     };
@@ -32,10 +37,10 @@ pub(super) fn rehearse(study: &Study, file: &Path) -> Result<Vec<(Run, f64)>, Ru
 /// # Errors
 /// A run fails, or the folder cannot be written.
 pub(super) fn perform(
-    study: &Study,
-    file: &Path,
+    (study, file): (&Study, &Path),
     runs: &[(Run, f64)],
     folder: &StudyFolder,
+    fleet: &mut Fleet,
     speaker: &mut Speaker,
 ) -> Result<Record, RunError> {
     let out = folder.open()?;
@@ -53,7 +58,7 @@ pub(super) fn perform(
         let key = key(run);
         let done = match known.get(&key) {
             Some(same) => Done { name: run.name.clone(), ..same.clone() },
-            None => one(run, &out).map_err(|error| of_run(run, file, error))?,
+            None => one(run, &out, fleet).map_err(|error| of_run(run, file, error))?,
         };
         let seconds = since.elapsed().as_secs_f64();
         let total = runs.len();
@@ -68,9 +73,9 @@ pub(super) fn perform(
     Ok(record)
 }
 
-fn one(run: &Run, out: &Path) -> Result<Done, RunError> {
+fn one(run: &Run, out: &Path, fleet: &mut Fleet) -> Result<Done, RunError> {
     let folder = Path::new("runs").join(&run.name);
-    let summary = study::run(&run.case, &run.variant, &out.join(&folder))?;
+    let summary = study::run(&run.case, &run.variant, &out.join(&folder), fleet)?;
     let Changes { set, unset } = run.variant.clone();
     Ok(Done { name: run.name.clone(), set, unset, folder, summary })
 }

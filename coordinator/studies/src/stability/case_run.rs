@@ -5,6 +5,7 @@ use conformance::inspect::{self, ListFilter, RecordingSummary};
 use conformance::recording_file;
 use console::case_arguments::Changes;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::perform::{self, RunOptions};
 use run::plan::{Plan, Planned};
 use run::record::Compression;
@@ -36,15 +37,20 @@ impl CaseRun {
     /// # Errors
     /// The folder cannot be used, or the user interrupts. A failure of the run is part of the
     /// outcome.
-    pub(super) fn run(case: &Path, variant: &Changes, folder: &Path) -> Result<Self, RunError> {
+    pub(super) fn run(
+        case: &Path,
+        variant: &Changes,
+        folder: &Path,
+        fleet: &mut Fleet,
+    ) -> Result<Self, RunError> {
         let since = Instant::now();
-        let planned = match study::planned(case, variant) {
+        let planned = match study::planned(case, variant, fleet) {
             Ok(planned) => planned,
             Err(error) if study::ends_study(&error) => return Err(error),
             Err(error) => return Ok(Self::refused(&error, since)),
         };
         let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-        Self::perform(&planned, &folder, since)
+        Self::perform(&planned, &folder, since, fleet)
     }
 
     fn refused(error: &RunError, since: Instant) -> Self {
@@ -56,10 +62,15 @@ impl CaseRun {
         }
     }
 
-    fn perform(planned: &Planned, folder: &ResultFolder, since: Instant) -> Result<Self, RunError> {
+    fn perform(
+        planned: &Planned,
+        folder: &ResultFolder,
+        since: Instant,
+        fleet: &mut Fleet,
+    ) -> Result<Self, RunError> {
         let record = Some(Compression::None);
         let options = RunOptions { record, ..RunOptions::planned_since(since) };
-        let outcome = perform::run(planned, folder, options);
+        let outcome = perform::run(planned, fleet, folder, options);
         let seconds = since.elapsed().as_secs_f64();
         let error = match outcome.error {
             Some(error) if study::ends_study(&error) => return Err(error),

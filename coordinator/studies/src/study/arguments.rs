@@ -2,8 +2,8 @@
 
 use super::folder::{FolderRequest, StudyFolder};
 use clap::Args;
-use run::crew::{self, RetentionGuard};
 use run::error::RunError;
+use run::fleet::{Fleet, Lifetime};
 use std::path::{Path, PathBuf};
 
 /// Number of repetitions of each run.
@@ -30,10 +30,10 @@ pub struct StudyArguments {
 }
 
 impl StudyArguments {
-    /// Keeps the participants of this thread running from one run to the next, unless `--fresh` is
-    /// set.
-    pub fn keep(&self) -> Option<RetentionGuard> {
-        (!self.fresh).then(crew::keep)
+    /// Returns a fleet whose participants stay from one run to the next, unless `--fresh` is set.
+    #[must_use]
+    pub fn fleet(&self) -> Fleet {
+        Fleet::new(if self.fresh { Lifetime::Run } else { Lifetime::Study })
     }
 
     /// Chooses the folder of a study, with the default name `name`. A folder that holds the same

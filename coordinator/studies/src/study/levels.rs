@@ -7,6 +7,7 @@ use case::Problem;
 use console::case_arguments::Changes;
 use contract::accuracy::{Refinement, Simplification};
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::plan::Planned;
 use std::path::Path;
 
@@ -170,10 +171,10 @@ fn set_to(participant: &run::plan::Participant, key: &str) -> Option<u32> {
 ///
 /// # Errors
 /// The case itself is invalid.
-pub fn offered(case: &Path, base: &Changes) -> Result<ModelChoices, RunError> {
+pub fn offered(case: &Path, base: &Changes, fleet: &mut Fleet) -> Result<ModelChoices, RunError> {
     let (mut levels, mut others) = (Vec::new(), Vec::new());
-    for level in all(&planned(case, base)?, base) {
-        match planned(case, &level.variant) {
+    for level in all(&planned(case, base, fleet)?, base) {
+        match planned(case, &level.variant, fleet) {
             Ok(planned) => levels.push(level.in_case(&planned)),
             Err(error) if ends_study(&error) => return Err(error),
             Err(error) => others.push((level, reason(&error))),

@@ -9,6 +9,7 @@ use super::{ends_study, expected_run_seconds, expected_seconds, perform, planned
 use console::case_arguments::Changes;
 use console::steps::Steps;
 use run::error::RunError;
+use run::fleet::Fleet;
 use run::plan::Planned;
 use run::scratch::Scratch;
 use std::collections::BTreeMap;
@@ -52,7 +53,6 @@ pub(crate) struct Attempt {
 struct Maker<'a> {
     case: &'a Path,
     arguments: &'a StudyArguments,
-    scratch: &'a Path,
     repeat: u32,
     longest_run: f64,
 }
@@ -61,6 +61,8 @@ struct Maker<'a> {
 pub(crate) struct Runner<'a> {
     case: &'a Path,
     arguments: &'a StudyArguments,
+    /// Participants of runs that are performed one by one.
+    pub(crate) fleet: Fleet,
     quiet: bool,
     scratch: Scratch,
     /// Repetitions of each run; the shortest times count.
@@ -81,11 +83,13 @@ impl<'a> Runner<'a> {
     pub(crate) fn new(
         case: &'a Path,
         arguments: &'a StudyArguments,
+        fleet: Fleet,
         quiet: bool,
     ) -> Result<Self, RunError> {
         Ok(Self {
             case,
             arguments,
+            fleet,
             quiet,
             scratch: Scratch::new()?,
             repeat: 1,
@@ -156,13 +160,15 @@ impl<'a> Runner<'a> {
         points: &[Point],
         mut take: impl FnMut(usize, Attempt) -> Result<(), RunError>,
     ) -> Result<(), RunError> {
-        let _participants = self.arguments.keep();
         let mut steps = Steps::of_work(self.quiet, self.work(points)?);
         for (n, point) in points.iter().enumerate() {
             steps.step(&point.name);
             let attempt = match self.finished(point) {
                 Some(known) => known,
-                None => self.maker(self.scratch.path()).make(&point.changes),
+                None => {
+                    let maker = self.maker();
+                    maker.make(&point.changes, self.scratch.path(), &mut self.fleet)
+                }
             };
             self.keep(point, &attempt)?;
             take_unless_ended(n, attempt, &mut take)?;
@@ -188,13 +194,14 @@ impl<'a> Runner<'a> {
         }
         let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
         let scratch = self.scratch.path().to_owned();
-        let maker = self.maker(&scratch);
+        let maker = self.maker();
         let outcome = thread::scope(|scope| {
             let (send, receive) = mpsc::channel();
             for job in 0..jobs {
-                let (send, maker, open, next, stopped) =
-                    (send.clone(), &maker, &open, &next, &stopped);
-                scope.spawn(move || maker.work_off(open, job, (next, stopped), &send));
+                let (send, maker, scratch, open, next, stopped) =
+                    (send.clone(), &maker, &scratch, &open, &next, &stopped);
+                let place = (scratch.as_path(), job);
+                scope.spawn(move || maker.work_off(open, place, (next, stopped), &send));
             }
             drop(send);
             let mut outcome = Ok(());
@@ -215,12 +222,9 @@ impl<'a> Runner<'a> {
         outcome
     }
 
-    fn maker<'s>(&self, scratch: &'s Path) -> Maker<'s>
-    where
-        'a: 's,
-    {
+    fn maker(&self) -> Maker<'a> {
         let Self { case, arguments, repeat, longest_run, .. } = *self;
-        Maker { case, arguments, scratch, repeat, longest_run }
+        Maker { case, arguments, repeat, longest_run }
     }
 
     /// Expected work of the points \[s\], used for the progress display only. Points that are
@@ -229,7 +233,7 @@ impl<'a> Runner<'a> {
     ///
     /// # Errors
     /// The user interrupted the study.
-    fn work(&self, points: &[Point]) -> Result<Vec<f64>, RunError> {
+    fn work(&mut self, points: &[Point]) -> Result<Vec<f64>, RunError> {
         if self.quiet || points.len() > MOST_PLANNED {
             return Ok(vec![1.0; points.len()]);
         }
@@ -237,7 +241,7 @@ impl<'a> Runner<'a> {
             if self.finished(point).is_some() {
                 return Ok(0.0);
             }
-            match planned(self.case, &point.changes) {
+            match planned(self.case, &point.changes, &mut self.fleet) {
                 Err(error) if ends_study(&error) => Err(error),
                 planned => {
                     let made = planned.ok();
@@ -282,30 +286,28 @@ impl Maker<'_> {
     fn work_off(
         &self,
         open: &[(usize, &Point)],
-        job: usize,
+        (scratch, job): (&Path, usize),
         (next, stopped): (&AtomicUsize, &AtomicBool),
         send: &Sender<(usize, Attempt)>,
     ) {
-        let _participants = self.arguments.keep();
-        let Self { case, arguments, scratch, repeat, longest_run } = *self;
+        let mut fleet = self.arguments.fleet();
         let folder = scratch.join(job.to_string());
-        let maker = Maker { case, arguments, scratch: &folder, repeat, longest_run };
         while !stopped.load(Ordering::Relaxed) {
             let next = next.fetch_add(1, Ordering::Relaxed);
             let Some((n, point)) = open.get(next) else { return };
-            if send.send((*n, maker.make(&point.changes))).is_err() {
+            if send.send((*n, self.make(&point.changes, &folder, &mut fleet))).is_err() {
                 return;
             }
         }
     }
 
     /// Performs a run with its repetitions.
-    fn make(&self, changes: &Changes) -> Attempt {
+    fn make(&self, changes: &Changes, scratch: &Path, fleet: &mut Fleet) -> Attempt {
         let silent = changes.with("output.fields", "none");
         let begun = Instant::now();
         let mut made: Option<Run> = None;
         for _ in 0..self.repeat {
-            match self.once(&silent) {
+            match self.once(&silent, scratch, fleet) {
                 Outcome::Finished(run) => made = Some(run.with_least_times_of(made)),
                 outcome => return Attempt { outcome, wall_s: begun.elapsed().as_secs_f64() },
             }
@@ -314,9 +316,9 @@ impl Maker<'_> {
         Attempt { wall_s: run.spent.wall_s, outcome: Outcome::Finished(run) }
     }
 
-    fn once(&self, changes: &Changes) -> Outcome {
+    fn once(&self, changes: &Changes, scratch: &Path, fleet: &mut Fleet) -> Outcome {
         let stopwatch = Stopwatch::start();
-        let planned = match planned(self.case, changes) {
+        let planned = match planned(self.case, changes, fleet) {
             Ok(planned) => planned,
             Err(error) => return Outcome::Failed(error),
         };
@@ -325,7 +327,7 @@ impl Maker<'_> {
             let why = format!("{seconds:.1} s expected, above --longest-run {limit} s");
             return Outcome::LeftOut(why);
         }
-        match perform(self.case, &planned, stopwatch.since, self.scratch) {
+        match perform(self.case, &planned, stopwatch.since, scratch, fleet) {
             Ok(summary) => {
                 let spent = RunCost::of(&summary, &stopwatch);
                 Outcome::Finished(Run { summary, spent, closed_forms: closed_forms(&planned) })
@@ -355,7 +357,8 @@ mod tests {
     #[test]
     fn a_long_table_is_not_planned_before_its_first_run() {
         let arguments = StudyArguments { out: None, replace: false, fresh: true };
-        let runner = Runner::new(Path::new("absent.toml"), &arguments, false).unwrap();
+        let mut runner =
+            Runner::new(Path::new("absent.toml"), &arguments, arguments.fleet(), false).unwrap();
         let point = Point { name: String::new(), changes: Changes::default() };
         // Points that cannot be planned have no work.
         assert_eq!(runner.work(&vec![point.clone(); 2]).unwrap(), [0.0; 2]);
