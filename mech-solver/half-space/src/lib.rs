@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`influence`] | displacement of an element's centre by a unit traction on another element |
 //! | [`normal`] | normal contact by bound-constrained conjugate gradients |
+//! | [`aligned`] | grids whose rows begin at the leading edge of the contact |
 //! | [`area`] | area of a contact, resolved below the size of its elements |
 //! | [`extent`] | a grid that grows until the contact fits; moments of a pressure |
 //! | [`conformal`] | contact of conforming, curved surfaces, by boundary elements |
@@ -29,6 +30,7 @@
 pub use elastic::{Elasticity, Material};
 pub use grids::Structured;
 
+pub mod aligned;
 pub mod area;
 pub mod conformal;
 pub mod coupling;

@@ -9,6 +9,7 @@ use super::half_space_model::{InTime, half_space, rolling};
 use super::viscoelastic;
 use elastic::Elasticity;
 use elastic::Material;
+use half_space::aligned::AlignedGrid;
 use half_space::difference::Difference;
 use half_space::extent::{elliptic, sample};
 use half_space::grid_continuation::{Contact, Levels, Motion};
@@ -60,7 +61,7 @@ fn solve(difference: Difference, creepage: [f64; 3], n: usize, position: [f64; 2
     let [nx, ny] = half.map(|half| 2 * half + 1);
     let grid = Structured::contact_plane(x0, y0, dx, dx, nx, ny);
     let mut bound = match difference {
-        Difference::Fromm => elliptic(&grid, AXES),
+        Difference::Fromm => elliptic(&AlignedGrid::regular(grid), AXES),
         Difference::Upwind => {
             sample(&grid, &|x, y| (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt())
         }
