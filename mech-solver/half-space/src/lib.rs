@@ -4,6 +4,7 @@
 //! | module | contents |
 //! |---|---|
 //! | [`influence`] | displacement of an element's centre by a unit traction on another element |
+//! | [`leading_edge`] | leading edges of a computed pressure, and its means over rows that begin there |
 //! | [`normal`] | normal contact by bound-constrained conjugate gradients |
 //! | [`aligned`] | grids whose rows begin at the leading edge of the contact |
 //! | [`area`] | area of a contact, resolved below the size of its elements |
@@ -41,6 +42,7 @@ pub mod friction;
 pub mod grid_continuation;
 pub mod influence;
 mod initial_pressure;
+pub mod leading_edge;
 pub mod normal;
 pub mod patches;
 mod prescribed;
