@@ -42,10 +42,14 @@ impl AlignedGrid {
         let beyond = |edge: f64| {
             let place = (edge - grid.x(0)) / grid.dx() - 0.5;
             let place = (place / ROUNDING).round() * ROUNDING;
-            place - place.round()
+            let by = place - place.round();
+            if by.abs() < ROUNDING { 0.0 } else { by }
         };
-        let displacements = (0..grid.nj).map(|j| edge(j).map_or(0.0, beyond)).collect();
-        Self { grid, displacements }
+        let displacements: Vec<f64> = (0..grid.nj).map(|j| edge(j).map_or(0.0, beyond)).collect();
+        match displacements.iter().all(|by| *by == 0.0) {
+            true => Self::regular(grid),
+            false => Self { grid, displacements },
+        }
     }
 
     /// Displaces the rows to the edge of an ellipse around the origin with the semi-axes `a` and

@@ -33,7 +33,7 @@ fn of_model(model: &str, resolution: usize) -> Value {
 fn a_narrow_slip_zone_is_resolved_by_the_advised_resolution() {
     let key = "contact.slip_zone_elements";
     for (model, traction, resolutions) in [
-        ("half-space", 0.2, [10, 20]),
+        ("half-space", 0.2, [10, 25]),
         ("half-space", 0.1, [20, 80]),
         ("hertz-carter", 0.1, [20, 80]),
         ("fastsim", 0.1, [20, 80]),

@@ -7,6 +7,7 @@ use crate::case::scene::{GivenPatch, Scene};
 use crate::models::varying::refuse_change_of_rolling;
 use crate::terms::Terms;
 use crate::terms::surface::KeptSurface;
+use half_space::aligned::AlignedGrid;
 use half_space::difference::Difference;
 use half_space::extent::{elliptic, sample};
 use half_space::retarded::Delay;
@@ -129,7 +130,7 @@ impl Case {
         let [a, b] = self.footprint.semi_axes;
         let at = |x: f64, y: f64| (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt();
         let mut pressure = match self.difference {
-            Difference::Fromm => elliptic(grid, [a, b]),
+            Difference::Fromm => elliptic(&AlignedGrid::regular(*grid), [a, b]),
             Difference::Upwind => sample(grid, &at),
         };
         let sum = pressure.iter().sum::<f64>() * grid.element_area();

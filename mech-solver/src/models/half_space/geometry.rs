@@ -81,6 +81,8 @@ pub(in crate::models) struct Footprint {
     pub(in crate::models) ellipse: Option<Ellipse>,
     /// Semi-axes, or equivalent values for other contacts [m].
     pub(in crate::models) semi_axes: [f64; 2],
+    /// Semi-axes of the smallest ellipse if values vary, otherwise of the ellipse [m].
+    pub(in crate::models) smallest: [f64; 2],
     pub(in crate::models) grid: Structured,
     /// Lateral position of the maximum pressure, if it is not the origin [m].
     pub(in crate::models) peak_y: Option<f64>,
@@ -167,8 +169,9 @@ pub(in crate::models) fn footprint(
         let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
         let across = if extent.line { [0.0; 2] } else { reach(wider * semi_axes[1], dy) };
         let mut smooth_grid = lay([reach(semi_axes[0], dx), across], [dx, dy])?;
+        let smallest = semi_axes.map(|axis| axis * extent.finest / semi_axes[0]);
         if second_order {
-            align(&mut smooth_grid, semi_axes.map(|axis| axis * extent.finest / semi_axes[0]));
+            align(&mut smooth_grid, smallest);
         }
         let (grid, peak_y) = match rough {
             true => {
@@ -179,7 +182,7 @@ pub(in crate::models) fn footprint(
         };
         let gap = given.is_none().then_some(gap);
         let ellipse = Some(ellipse);
-        return Ok(Footprint { gap, ellipse, semi_axes, grid, peak_y, remarks });
+        return Ok(Footprint { gap, ellipse, semi_axes, smallest, grid, peak_y, remarks });
     }
     let low = gap.settle()?;
     let coarse = coarse_contact(&gap, low, scene, bodies)?;
@@ -201,7 +204,8 @@ pub(in crate::models) fn footprint(
         (grid, peak_y) = (fitted.grid, highest(&fitted));
     }
     let (gap, peak_y) = (Some(gap), Some(peak_y));
-    Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
+    let smallest = semi_axes;
+    Ok(Footprint { gap, ellipse: None, semi_axes, smallest, grid, peak_y, remarks })
 }
 
 /// Refuses lateral variation for bodies in line contact.
@@ -264,8 +268,8 @@ fn delayed_footprint(
         let fitted = fit(&gap, shapes, grid)?;
         (grid, peak_y) = (fitted.grid, Some(highest(&fitted)));
     }
-    let (gap, remarks) = (Some(gap), Vec::new());
-    Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
+    let (gap, remarks, smallest) = (Some(gap), Vec::new(), semi_axes);
+    Ok(Footprint { gap, ellipse: None, semi_axes, smallest, grid, peak_y, remarks })
 }
 
 /// Ratio of the final size of a contact under constant load to its instantaneous size.

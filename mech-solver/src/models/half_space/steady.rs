@@ -173,7 +173,7 @@ impl Steady {
                 report.work = solution.operator_applications as u64;
                 let mut answer = ContactFields::partial(case, contact, &solution, None);
                 if let Some(power) = contact.numerical_dissipation(case, &solution.state) {
-                    answer.add_numerical_dissipation(case, &power);
+                    answer.add_numerical_dissipation(case, &contact.rows.onto_grid(&power));
                 }
                 found = Some(solution);
                 answer

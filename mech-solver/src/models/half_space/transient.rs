@@ -32,6 +32,7 @@ use super::balance::{Balance, Powers};
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::creeping::{CreepState, CreepingBodies, Instant};
+use super::power::RowStep;
 use super::steady::{Following, MOST_BYTES};
 use crate::models::contact_model::{CarriedLoad, Contact};
 use crate::models::shortfall::Shortfall;
@@ -172,6 +173,7 @@ impl StepState {
         pressure.fill(0.0);
         displacement.iter_mut().for_each(|u| u.fill(0.0));
         answer.pressure.fill(0.0);
+        answer.bounding_pressure.fill(0.0);
         Self { solution, pressure, displacement, answer, approach: None, ..self }
     }
 
@@ -250,7 +252,7 @@ impl Transient {
         let start = &mut self.start;
         start.answer = ContactFields::partial(case, &steady, &solution, None);
         if let Some(power) = steady.numerical_dissipation(case, &solution.state) {
-            start.answer.add_numerical_dissipation(case, &power);
+            start.answer.add_numerical_dissipation(case, &steady.rows.onto_grid(&power));
         }
         (start.pressure, start.approach) = (steady.pressure, steady.approach);
         self.contact.pressure.clone_from(&start.pressure);
@@ -380,7 +382,7 @@ impl Transient {
             ContactFields::partial(case, contact, &trial.solution, Some(&before.traction));
         let state = &trial.solution.state;
         if let Some(power) = contact.numerical_dissipation(case, state) {
-            trial.answer.add_numerical_dissipation(case, &power);
+            trial.answer.add_numerical_dissipation(case, &contact.rows.onto_grid(&power));
         }
         let (pressure, approach) = (contact.pressure.clone(), contact.approach);
         for contact in self.further.iter_mut().chain([&mut self.contact]) {
@@ -404,7 +406,7 @@ impl Transient {
         let after = trial.tangential();
         if let Some(earlier) = &earlier {
             let power = after.dissipated(&before, earlier, case.passage().duration);
-            trial.answer.add_numerical_dissipation(case, &power);
+            trial.answer.add_numerical_dissipation(case, &self.contact.rows.onto_grid(&power));
         }
         if !case.bodies.are_coupled() {
             let energy = match (&earlier, kept) {
@@ -413,9 +415,14 @@ impl Transient {
                 (None, None) => [before.energy_at_once(), after.energy_at_once()],
             };
             let taken = kept.map(|kept| kept.along_plane);
-            let creepage = trial.solution.state.creepage;
-            let balance =
-                Balance::step(case, &trial.answer, creepage, &before.traction, energy, taken);
+            let TangentialState { traction, creepage, .. } = &trial.solution.state;
+            let step = RowStep {
+                rows: &self.contact.rows,
+                before: &before.traction,
+                after: traction,
+                creepage: *creepage,
+            };
+            let balance = Balance::step(case, &trial.answer, &step, energy, taken);
             trial.answer.balance =
                 Some(balance.check().map_err(|error| no_solution(error.into()))?);
         }
