@@ -19,9 +19,10 @@
 //! Rows may be displaced along x by parts of an element ([`Convolution::displace_rows`]).
 
 mod displaced;
+mod near_rows;
 
 use crate::team::Team;
-use displaced::{NearRows, Phases};
+use near_rows::{NearRows, Phases};
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 pub use rustfft::FftNum;
 use rustfft::{Fft, FftPlanner, num_complex::Complex};

@@ -2,7 +2,8 @@
 //!
 //! Where the curvature along x is constant, as on wheels, the pressure along a row is nearly a half
 //! ellipse, p² = k²(c² − (x − m)²). Least squares over the loaded elements without the outermost
-//! ones give m, and k as a mean over some rows. The half chord follows from the load of the row q = ∫p dx,
+//! ones give m, and k as a mean over some rows. The half chord follows from the load of the row,
+//! q = ∫p dx,
 //!
 //! c = √(2q/(πk)),
 //!

@@ -139,7 +139,7 @@ fn errors(n: usize) -> [f64; 6] {
 
 /// Every position of the grid has nearly the same small error, and the power of the forces is that
 /// of friction and of the difference. The tolerance is the worst position of the reference program,
-/// 0.17 to 0.21 % at a/10 and 0.036 to 0.067 % at a/20. On regular grids it is 0.2 to 0.6 % at a/20.
+/// 0.09 to 0.21 % at a/10 and 0.036 to 0.067 % at a/20.
 #[test]
 fn forces_do_not_depend_on_the_position() {
     for (n, most) in [(10, 0.22), (20, 0.07)] {

@@ -552,9 +552,9 @@ impl ContactSolver {
     }
 }
 
-/// Returns whether the rows of a contact may be displaced to its leading edge: in rolling of elastic
-/// bodies of the same constants with a difference of second order, on a pressure that is a half
-/// ellipse along x. Other contacts keep a regular grid.
+/// Returns whether the rows of a contact may be displaced to its leading edge: in rolling of
+/// elastic bodies of the same constants with a difference of second order, on smooth surfaces.
+/// Other contacts keep a regular grid.
 fn displaces_rows(case: &Case, motion: Motion) -> bool {
     let smooth = [Kind::Gap, Kind::PressureBound].map(|kind| case.terms.effect_of(kind).is_none());
     motion != Motion::Shift

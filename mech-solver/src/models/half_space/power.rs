@@ -95,8 +95,8 @@ impl Balance {
         }
     }
 
-    /// Balance of a step. `energy` is the elastic energy before and after the step, and `taken` the work
-    /// along the plane dissipated by creeping bodies [Pa m].
+    /// Balance of a step. `energy` is the elastic energy before and after the step, and `taken` the
+    /// work along the plane dissipated by creeping bodies [Pa m].
     pub(super) fn step(
         case: &Case,
         answer: &ContactFields,
