@@ -160,11 +160,11 @@ cost() {
     unlink_both; link_both "$speed"
     begin toy-operator
     echo "us per iteration: one field each way, one participant far"
-    printf '%9s %10s %10s %10s %10s\n' values local none lz4 zstd
+    printf '%9s %10s %10s %10s\n' values local none lz4
     for one in "1000 200" "10000 100" "100000 20" "1000000 6"; do
       read -r values windows <<<"$one"
       printf '%9s %10s' "$values" "$(iteration "$values" "$windows")"
-      for compress in none lz4 zstd; do
+      for compress in none lz4; do
         printf ' %10s' "$(iteration "$values" "$windows" --set "$(command_of operator --compress "$compress")")"
       done
       echo

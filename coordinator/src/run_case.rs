@@ -37,7 +37,7 @@ pub(crate) struct RunCommand {
     /// Replace the results of an earlier run in DIR.
     #[arg(long)]
     replace: bool,
-    /// Record every exchange in DIR/recording.mcap; COMPRESSION is none or zstd.
+    /// Record every exchange in DIR/recording.mcap; COMPRESSION is none or lz4.
     #[arg(long, value_name = "COMPRESSION", num_args = 0..=1, require_equals = true,
           default_missing_value = "none", value_parser = compression)]
     record: Option<Compression>,
@@ -168,8 +168,8 @@ fn log_into(folder: &ResultFolder, log: &Logging) -> Result<(), RunError> {
 fn compression(word: &str) -> Result<Compression, String> {
     match word {
         "none" => Ok(Compression::None),
-        "zstd" => Ok(Compression::Zstd),
-        other => Err(format!("`{other}` is neither none nor zstd")),
+        "lz4" => Ok(Compression::Lz4),
+        other => Err(format!("`{other}` is neither none nor lz4")),
     }
 }
 

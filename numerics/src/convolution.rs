@@ -21,11 +21,9 @@
 mod displaced;
 mod near_rows;
 
+use crate::fourier::{Complex, ComplexToReal, Fft, Real, RealToComplex};
 use crate::team::Team;
 use near_rows::{NearRows, Phases};
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-pub use rustfft::FftNum;
-use rustfft::{Fft, FftPlanner, num_complex::Complex};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -131,7 +129,7 @@ impl<T> std::fmt::Debug for Convolution<T> {
     }
 }
 
-impl<T: FftNum> Convolution<T> {
+impl<T: Real> Convolution<T> {
     /// Plans the transforms for nx × ny elements, with enough padding to exclude periodic images.
     ///
     /// # Panics
@@ -166,12 +164,8 @@ impl<T: FftNum> Convolution<T> {
     }
 
     fn padded(nx: usize, ny: usize, padded_x: usize, padded_y: usize) -> Self {
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
-        let rows_forward = real.plan_fft_forward(padded_x);
-        let rows_inverse = real.plan_fft_inverse(padded_x);
-        let columns_forward = complex.plan_fft_forward(padded_y);
-        let columns_inverse = complex.plan_fft_inverse(padded_y);
+        let (rows_forward, rows_inverse) = T::real(padded_x);
+        let [columns_forward, columns_inverse] = T::complex(padded_y);
         let scratch = [
             rows_forward.get_scratch_len(),
             rows_inverse.get_scratch_len(),
@@ -449,7 +443,7 @@ impl<T: FftNum> Convolution<T> {
 
 /// Copies columns, starting at `first`, out of transformed rows of length `len`, moves displaced
 /// rows back, and pads the columns.
-fn gather<T: FftNum>(
+fn gather<T: Real>(
     rows: &[Complex<T>],
     phases: Option<&Phases<T>>,
     [len, ny, padded]: [usize; 3],

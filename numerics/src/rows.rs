@@ -8,7 +8,7 @@
 //! A product takes ny² nx operations, plus nx log nx per row.
 
 use crate::convolution::{Complex64, smooth_size};
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use crate::fourier::{ComplexToReal, Real, RealToComplex};
 use std::sync::Arc;
 
 /// Parity of a kernel in the distance along x.
@@ -57,9 +57,7 @@ impl Rows {
     pub fn new(nx: usize, ny: usize) -> Self {
         assert!(nx > 0 && ny > 0, "a grid of {nx} x {ny} elements is empty");
         let padded = 2 * smooth_size(nx);
-        let mut planner = RealFftPlanner::new();
-        let forward = planner.plan_fft_forward(padded);
-        let inverse = planner.plan_fft_inverse(padded);
+        let (forward, inverse) = f64::real(padded);
         let scratch = forward.get_scratch_len().max(inverse.get_scratch_len());
         let half = vec![Complex64::default(); ny * (padded / 2 + 1)];
         Self {

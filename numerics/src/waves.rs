@@ -5,8 +5,7 @@
 //! l. nx is even. Nothing is allocated after construction.
 
 use crate::convolution::{Complex64, signed};
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::{Fft, FftPlanner};
+use crate::fourier::{ComplexToReal, Fft, Real, RealToComplex};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -15,7 +14,7 @@ pub struct Waves {
     nx: usize,
     ny: usize,
     rows: (Arc<dyn RealToComplex<f64>>, Arc<dyn ComplexToReal<f64>>),
-    columns: (Arc<dyn Fft<f64>>, Arc<dyn Fft<f64>>),
+    columns: [Arc<dyn Fft<f64>>; 2],
     row: Vec<f64>,
     half: Vec<Complex64>,
     column: Vec<Complex64>,
@@ -31,14 +30,13 @@ impl Waves {
     pub fn new(nx: usize, ny: usize) -> Self {
         let even = nx > 0 && nx.is_multiple_of(2);
         assert!(even && ny > 0, "{nx} x {ny} elements are not an even number along x");
-        let (mut real, mut complex) = (RealFftPlanner::new(), FftPlanner::new());
-        let rows = (real.plan_fft_forward(nx), real.plan_fft_inverse(nx));
-        let columns = (complex.plan_fft_forward(ny), complex.plan_fft_inverse(ny));
+        let rows = f64::real(nx);
+        let columns = f64::complex(ny);
         let scratch = [
             rows.0.get_scratch_len(),
             rows.1.get_scratch_len(),
-            columns.0.get_inplace_scratch_len(),
-            columns.1.get_inplace_scratch_len(),
+            columns[0].get_inplace_scratch_len(),
+            columns[1].get_inplace_scratch_len(),
         ];
         let zeros = |len: usize| vec![Complex64::default(); len];
         Self {
@@ -80,7 +78,7 @@ impl Waves {
         }
         let scale = ((self.nx * self.ny) as f64).recip();
         waves.iter_mut().for_each(|wave| *wave *= scale);
-        let forward = Arc::clone(&self.columns.0);
+        let forward = Arc::clone(&self.columns[0]);
         self.along_y(waves, &*forward);
     }
 
@@ -93,7 +91,7 @@ impl Waves {
         assert!(field.len() == self.nx * self.ny && waves.len() == self.count());
         let mut half = std::mem::take(&mut self.half);
         half.copy_from_slice(waves);
-        let inverse = Arc::clone(&self.columns.1);
+        let inverse = Arc::clone(&self.columns[1]);
         self.along_y(&mut half, &*inverse);
         for (waves, values) in half.chunks_exact_mut(columns).zip(field.chunks_exact_mut(self.nx)) {
             // Real within rounding; the plan requires exactly real values.

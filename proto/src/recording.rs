@@ -1,7 +1,7 @@
 //! Recordings: all messages of a run, in one file.
 //!
 //! The container is [MCAP](https://mcap.dev), which many tools read. Its chunks have an index and a
-//! CRC-32 each, and are uncompressed or compressed with zstd. Content:
+//! CRC-32 each, and are uncompressed or compressed with LZ4. Content:
 //!
 //! | record | name | content |
 //! |---|---|---|
@@ -31,6 +31,7 @@ mod held;
 mod label;
 mod reader;
 mod writer;
+mod zstd;
 
 pub use chunks::{Chunk, Chunks};
 pub use event::{Event, Iteration, read_topics};

@@ -123,7 +123,7 @@ fn recording(criterion: &mut Criterion) {
     let folder = std::env::current_exe().expect("a running program has a path");
     let path = folder.with_file_name("bench-recording.mcap");
     for (name, compression) in
-        [("off", None), ("on", Some(Compression::None)), ("zstd", Some(Compression::Zstd))]
+        [("off", None), ("on", Some(Compression::None)), ("lz4", Some(Compression::Lz4))]
     {
         for points in SIZES {
             let plan = explicit(points).plan;

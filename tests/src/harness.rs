@@ -4,11 +4,17 @@
 
 mod answers;
 pub mod browser;
+pub mod compiled;
+pub mod failures;
+pub mod paper;
+pub mod precice;
 mod programs;
 pub mod python;
 pub mod slurm;
 pub mod snippets;
+pub mod sweeps;
 mod watchdog;
+pub mod watched;
 
 pub use answers::{Table, field, field_files, number};
 pub use programs::{example, library, programs, root};

@@ -66,7 +66,7 @@ pub struct Situation<'a> {
     /// Share of the contact length in which heat enters [-].
     slips: f64,
     /// Time for which heat has entered [s]; infinite in steady motion.
-    time: f64,
+    pub time: f64,
 }
 
 impl<'a> Situation<'a> {
@@ -184,21 +184,31 @@ impl<'a> Situation<'a> {
 
     /// Rise of a body behind the contact, or of a body at rest within it, integrated over the depth
     /// with the weight of the surface height ([`heat::moving_source::rise_integral`]) [K·m]. It is
-    /// the heat per area over the heat capacity, reduced because deep heat raises more than the
-    /// surface above it. Infinite for a stationary body in a steady case.
+    /// the heat per area over the heat capacity, reduced by [`Situation::spread`] because deep heat
+    /// raises more than the surface above it. Infinite for a stationary body in a steady case.
     #[must_use]
     pub fn rise_integral(&self, body: usize) -> f64 {
         let (material, [a, b]) = (&self.scene.materials[body], self.semi_axes);
-        let rests = self.speeds[body] == 0.0;
-        if rests && self.time == f64::INFINITY {
-            return f64::INFINITY;
-        }
-        let (left, heated) = match rests {
-            true => (1.5 * self.heat[body] / (PI * a * b) * self.time, self.time),
-            false => (self.left_behind(body), 2.0 * a / self.speeds[body]),
+        let left = match self.speeds[body] {
+            0.0 => 1.5 * self.heat[body] / (PI * a * b) * self.time,
+            _ => self.left_behind(body),
         };
-        let depth = (material.diffusivity() * heated).sqrt();
-        left / (material.density * material.specific_heat) / (1.0 + WEIGHED_LESS * depth / b)
+        match left {
+            f64::INFINITY => left,
+            _ => left / (material.density * material.specific_heat) / self.spread(body),
+        }
+    }
+
+    /// Factor by which heat spreads beyond the width of the contact below it, 1 + k d/b with the
+    /// depth d that it has reached.
+    #[must_use]
+    pub fn spread(&self, body: usize) -> f64 {
+        let heated = match self.speeds[body] {
+            0.0 => self.time,
+            speed => 2.0 * self.semi_axes[0] / speed,
+        };
+        let depth = (self.scene.materials[body].diffusivity() * heated).sqrt();
+        1.0 + WEIGHED_LESS * depth / self.semi_axes[1]
     }
 
     /// Péclet number Va/(2κ) of a body.
@@ -216,5 +226,14 @@ impl<'a> Situation<'a> {
         let biot = coefficient * self.semi_axes[0] / material.conductivity;
         let share = biot / (1.0 + self.peclet(body)).sqrt();
         -share / (1.0 + share)
+    }
+}
+
+/// Formats a power [W], in kilowatts from one on.
+#[must_use]
+pub fn watts(power: f64) -> String {
+    match power.abs() >= 1e3 {
+        true => format!("{:.2} kW", 1e-3 * power),
+        false => format!("{power:.2} W"),
     }
 }

@@ -232,7 +232,7 @@ mod tests {
             Frame::Ask { question: Question::Advise, input: b"{}" },
             Frame::Answer { code: 0, said: b"{}" },
             Frame::File { key: "bodies.rail.profile", ending: "csv", last: true, bytes: b"1,2" },
-            Frame::Join { packing: Packing::Zstd },
+            Frame::Join { packing: Packing::Lz4 },
             Frame::Joined,
             Frame::Command(command, b"body"),
             Frame::Reply(reply, b"body"),

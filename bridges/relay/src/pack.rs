@@ -26,10 +26,8 @@ pub enum Packing {
     /// Uncompressed.
     #[default]
     None,
-    /// LZ4: fast.
+    /// LZ4.
     Lz4,
-    /// Zstandard, level 1: smaller.
-    Zstd,
 }
 
 /// Error for bytes that do not unpack to the expected number of values.
@@ -39,15 +37,11 @@ pub(crate) struct Unpackable {
     values: usize,
 }
 
-/// Compression level of Zstandard. Higher levels take longer than the transfer time they save.
-const LEVEL: i32 = 1;
-
 impl fmt::Display for Packing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::None => "none",
             Self::Lz4 => "lz4",
-            Self::Zstd => "zstd",
         })
     }
 }
@@ -68,7 +62,6 @@ pub(crate) fn pack(values: &[f64], wanted: Packing) -> (Packing, Cow<'_, [u8]>) 
     let packed = match wanted {
         Packing::None => None,
         Packing::Lz4 => Some(lz4_flex::block::compress(&planes())),
-        Packing::Zstd => zstd::bulk::compress(&planes(), LEVEL).ok(),
     };
     match packed.filter(|packed| packed.len() < size_of_val(values)) {
         Some(packed) => (wanted, packed.into()),
@@ -79,21 +72,15 @@ pub(crate) fn pack(values: &[f64], wanted: Packing) -> (Packing, Cow<'_, [u8]>) 
 /// Unpacks into `values`; allocates at most the size of `values`.
 pub(crate) fn unpack(packing: Packing, bytes: &[u8], values: &mut [f64]) -> Result<(), Unpackable> {
     let (length, unpackable) = (size_of_val(values), Unpackable { values: values.len() });
-    let mut planes = match packing {
-        Packing::None => {
-            if bytes.len() != length {
-                return Err(unpackable);
-            }
-            values.as_mut_bytes().copy_from_slice(bytes);
-            return Ok(());
+    if packing == Packing::None {
+        if bytes.len() != length {
+            return Err(unpackable);
         }
-        Packing::Lz4 | Packing::Zstd => vec![0; length],
-    };
-    let unpacked = match packing {
-        Packing::Lz4 => lz4_flex::block::decompress_into(bytes, &mut planes).ok(),
-        _ => zstd::bulk::decompress_to_buffer(bytes, &mut planes[..]).ok(),
-    };
-    if unpacked != Some(length) {
+        values.as_mut_bytes().copy_from_slice(bytes);
+        return Ok(());
+    }
+    let mut planes = vec![0; length];
+    if lz4_flex::block::decompress_into(bytes, &mut planes).ok() != Some(length) {
         return Err(unpackable);
     }
     let count = values.len();
@@ -108,7 +95,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const ALL: [Packing; 3] = [Packing::None, Packing::Lz4, Packing::Zstd];
+    const ALL: [Packing; 2] = [Packing::None, Packing::Lz4];
 
     proptest! {
         #![proptest_config(crate::fuzz_config())]
@@ -139,15 +126,13 @@ mod tests {
     #[test]
     fn a_smooth_field_shrinks_and_a_wrong_length_is_refused() {
         let values: Vec<f64> = (0..10_000).map(|n| (f64::from(n) * 1e-3).sin()).collect();
-        for wanted in [Packing::Lz4, Packing::Zstd] {
-            let (packing, bytes) = pack(&values, wanted);
-            assert_eq!(packing, wanted);
-            assert!(bytes.len() < 70_000, "{wanted}: {}", bytes.len());
-            for length in [9_999, 10_001] {
-                assert!(unpack(packing, &bytes, &mut vec![0.0; length]).is_err());
-            }
+        let (packing, bytes) = pack(&values, Packing::Lz4);
+        assert_eq!(packing, Packing::Lz4);
+        assert!(bytes.len() < 70_000, "{}", bytes.len());
+        for length in [9_999, 10_001] {
+            assert!(unpack(packing, &bytes, &mut vec![0.0; length]).is_err());
         }
-        let (packing, bytes) = pack(&[1.0], Packing::Zstd);
+        let (packing, bytes) = pack(&[1.0], Packing::Lz4);
         assert_eq!((packing, bytes.len()), (Packing::None, 8), "shorter as it is");
     }
 }

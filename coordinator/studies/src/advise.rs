@@ -18,6 +18,8 @@ use std::path::Path;
 
 /// Relative difference below which costs count as equal.
 const SAME: f64 = 0.05;
+/// Relative change that is attributed to rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// An effect with its estimated influence and cost.
 #[derive(Clone, Debug)]
@@ -159,7 +161,7 @@ fn verdict(advice: &Advice, name: &impl Fn(&str) -> String) -> String {
     let figure = name(figure);
     match *relative {
         f64::INFINITY => format!("matters: no {figure} without this effect"),
-        0.0 => format!("does not matter: {figure} unchanged"),
+        relative if relative.abs() < ROUNDING => format!("does not matter: {figure} unchanged"),
         relative if relative.abs() >= SIGNIFICANT_CHANGE => {
             format!("matters: {figure} about {}", percent(relative))
         }
@@ -211,5 +213,12 @@ mod tests {
         assert_eq!((all.len(), &all[0]), (2, &given[0]));
         let verdict = verdict(&all[1], &|key: &str| key.to_owned());
         assert_eq!((&*all[1].effect, &*verdict), ("friction_heat", "not estimated"));
+    }
+
+    #[test]
+    fn a_change_by_rounding_is_none() {
+        let advice = Advice::new("wear", "a law").moves("contact.area_m2", -2.2e-16);
+        let verdict = verdict(&advice, &|_: &str| "area".to_owned());
+        assert_eq!(verdict, "does not matter: area unchanged");
     }
 }

@@ -48,7 +48,8 @@ use super::difference::Stencil;
 use super::influence::{EvenOffsetTable, Influence};
 use super::viscoelastic::{Bodies, RollingInfluenceNumbers};
 use grids::Structured;
-use numerics::convolution::{Complex64, Convolution, FftNum, Spectrum};
+use numerics::convolution::{Complex64, Convolution, Spectrum};
+use numerics::fourier::Real;
 
 /// Length of the memory of the damped shift, in semi-axes.
 const MEMORY: f64 = 1.5;
@@ -78,7 +79,7 @@ impl Tensor<f64> {
     }
 }
 
-impl<T: FftNum> Tensor<T> {
+impl<T: Real> Tensor<T> {
     fn apply(&mut self, input: [&[T]; 2], output: [&mut [T]; 2]) {
         let kernels = [[&self.xx, &self.xy], [&self.xy, &self.yy]];
         self.convolution.apply_tensor(&kernels, input, output);
@@ -143,7 +144,7 @@ impl RowInfluence {
     }
 
     /// Plans a convolution on this grid.
-    fn convolution<T: FftNum>(&self) -> Convolution<T> {
+    fn convolution<T: Real>(&self) -> Convolution<T> {
         let [nx, ny] = self.shape;
         Convolution::of_rows(nx, ny).displace_rows(&self.displacements)
     }

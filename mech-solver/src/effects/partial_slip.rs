@@ -6,6 +6,7 @@
 
 use crate::advice::situation::{POWER, PRESSURE, Situation};
 use crate::case::scene::Drive;
+use crate::effects::third_body_layer;
 use crate::registry::entry::Effect;
 use crate::terms::{Kind, Terms};
 use elastic::carter;
@@ -33,7 +34,8 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let scene = situation.scene;
     let friction = scene.friction_coefficient;
     let with = |key: &str| situation.otherwise(key, friction, true);
-    let figures = (with(POWER), with(PRESSURE), with("contact.normal_force_n"));
+    let power = third_body_layer::power_where_it_sticks(situation);
+    let figures = (power, with(PRESSURE), with("contact.normal_force_n"));
     let (Some(power), Some(pressure), Some(load)) = figures else {
         let why = "not estimated: the contact is not a rolling ellipse, or friction does not carry the force";
         return Advice::new(EFFECT.name, why).with(set);

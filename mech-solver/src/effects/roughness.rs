@@ -25,8 +25,9 @@ use crate::terms::{GapTerm, Kind, State, Terms};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
+use proto::figure::contact::{SEMI_AXIS_A, SEMI_AXIS_B};
 use proto::table::{Reading, Table};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 /// Registry entry of the effect.
@@ -303,12 +304,17 @@ impl SplitMix {
 
 /// Root mean square height of a run-in rail [m], used if the case has none.
 const TYPICAL: f64 = 1e-6;
-/// Highest pressure of a random field, approximately, relative to its root mean square.
+/// Highest pressure of a random field of many waves, approximately, relative to its root mean
+/// square.
 const HIGHEST: f64 = 3.0;
+/// Parts of a spectrum, over the logarithm of the wave number, in a sum of its waves.
+const PARTS: usize = 32;
 
-/// Estimates the change of the pressure. Pressing a wave of height h and wave number q flat takes
-/// the pressure ½ E* q h (Johnson, Contact Mechanics, 13.2).
+/// Estimates the change of the pressure, from the waves that the contact holds.
 fn advise(situation: &Situation<'_>) -> Advice {
+    if [FILE, AMPLITUDE].iter().any(|key| situation.case.has(key)) {
+        return Advice::new(EFFECT.name, "not estimated for a height map or a single wave");
+    }
     let number = |key: &str| {
         let default = keys().into_iter().find(|spec| spec.path == key)?.default?.as_f64();
         situation.case.maybe_number(key).ok().flatten().or(default)
@@ -317,26 +323,48 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let advice = Advice::new(
         EFFECT.name,
         format!(
-            "three times the root mean square pressure that flattens a roughness of {rms:.1e} m; where \
+            "pressure of the highest wave within the contact, of a roughness of {rms:.1e} m; where \
              the contact holds few waves, seeds differ by this much"
         ),
     )
     .with(format!("{RMS}={rms:e}"));
-    let (Some([pressure, approach]), Some(hurst), Some(longest), Some(shortest)) =
-        (situation.pressed(), number(HURST), number(LONGEST), number(SHORTEST))
+    let axes = [SEMI_AXIS_A, SEMI_AXIS_B].map(|key| situation.known(key));
+    let (
+        Some([pressure, approach]),
+        Some(hurst),
+        Some(longest),
+        Some(shortest),
+        [Some(a), Some(b)],
+    ) = (situation.pressed(), number(HURST), number(LONGEST), number(SHORTEST), axes)
     else {
         return advice;
     };
-    let mean_square = {
-        let ends = [TAU / longest, TAU / shortest];
-        let power = |exponent: f64| (ends[1].powf(exponent) - ends[0].powf(exponent)) / exponent;
-        power(2.0 - 2.0 * hurst + 1e-9) / power(-2.0 * hurst)
-    };
     let modulus = situation.scene.contact_compliance().recip();
-    let fluctuation = 0.5 * modulus * rms * mean_square.sqrt();
+    let fluctuation = modulus * rms * flattened(hurst, [longest, shortest], a.min(b));
+    let waves = PI * a * b / (0.5 * shortest).powi(2);
+    let highest = (1.0 + 2.0 * waves.ln_1p()).sqrt().min(HIGHEST);
     advice
         .number("roughness over approach", rms / approach)
-        .moves(PRESSURE, HIGHEST * fluctuation / pressure)
+        .moves(PRESSURE, highest * fluctuation / pressure)
+}
+
+/// Returns the root mean square pressure of a self-affine surface in a contact of a semi-axis [m],
+/// over the contact modulus and the root mean square height [1/m].
+///
+/// Pressing a wave of height h and wave number q flat takes the pressure ½ E* q h (Johnson, Contact
+/// Mechanics, 13.2). A wave much longer than the contact only changes its curvature by q² h, and
+/// with it Hertz's pressure by 2/(3π) E* a q² h. Between both limits the reciprocals are added.
+fn flattened(hurst: f64, [longest, shortest]: [f64; 2], semi_axis: f64) -> f64 {
+    let (first, last) = ((TAU / longest).ln(), (TAU / shortest).ln());
+    let (mut squares, mut heights) = (0.0, 0.0);
+    for part in 0..PARTS {
+        let q = (first + (part as f64 + 0.5) / PARTS as f64 * (last - first)).exp();
+        let height = q.powf(-2.0 * hurst);
+        let curved = 4.0 / (3.0 * PI) * q * semi_axis;
+        squares += height * (0.5 * q * curved / (1.0 + curved)).powi(2);
+        heights += height;
+    }
+    (squares / heights).sqrt()
 }
 
 #[cfg(test)]

@@ -195,7 +195,7 @@ fn a_driven_wheel_turns_by_the_torque_that_is_left() {
     let (radius, steady) = (0.46, rolled.number("creep_force_x_n"));
     let (mut creepage, mut largest) = (rolled.number("creepage_xi"), 0.0_f64);
     let window = 3.0 * rolled.passage();
-    for _ in 0..5 {
+    for _ in 0..3 {
         rolled.window(window);
         let left = steady - rolled.number("creep_force_x_n");
         creepage -= left * window * radius * radius / (inertia * SPEED);

@@ -213,7 +213,7 @@ fn elements_of_a_measured_crown() {
     let crown = File::new("crown", 0.15, 1e-3, |y| (0.3_f64 * 0.3 - y * y).sqrt() - 0.3);
     let measured = json!({"position": "lower", "profile": crown.0, "material": "steel"});
     let given = json!({"position": "lower", "radius_y": 0.3, "material": "steel"});
-    let [measured, given] = [measured, given].map(|rail| run(&of_elements(rail, 4)));
+    let [measured, given] = [measured, given].map(|rail| run(&of_elements(rail, 3)));
     for (key, tolerance) in [
         ("max_pressure_pa", 0.01),
         ("approach_m", 0.02),

@@ -16,14 +16,14 @@
 //! that nothing is cut off.
 
 use super::near_rows::{NearRows, Phases};
-use super::{Complex64, Convolution, FftNum, Spectrum, offset, smooth_size, wrapped};
-use rustfft::num_complex::Complex;
+use super::{Complex64, Convolution, Spectrum, offset, smooth_size, wrapped};
+use crate::fourier::{Complex, Real};
 use std::f64::consts::TAU;
 
 /// Elements of padding needed by differences along x over up to two elements.
 const MARGIN: usize = 2;
 
-impl<T: FftNum> Convolution<T> {
+impl<T: Real> Convolution<T> {
     /// Plans the transforms for nx × ny elements in rows that will be displaced, with padding for
     /// differences along x.
     ///

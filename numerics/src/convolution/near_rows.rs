@@ -1,13 +1,12 @@
 //! Phases and near rows of rows that are displaced along x ([`super::Convolution::displace_rows`]).
 
-use rustfft::FftNum;
-use rustfft::num_complex::Complex;
+use crate::fourier::{Complex, Real};
 
 /// Phases of displaced rows, row by row: index j (P_x/2 + 1) + m.
 #[derive(Clone, Debug)]
 pub(super) struct Phases<T>(pub(super) Vec<Complex<T>>);
 
-impl<T: FftNum> Phases<T> {
+impl<T: Real> Phases<T> {
     /// Displaces columns of ny values, from the wave `first` on, with `len` waves a row.
     pub(super) fn displace(&self, len: usize, first: usize, columns: &mut [Complex<T>]) {
         let ny = self.0.len() / len;
@@ -28,7 +27,7 @@ pub(super) struct NearRows<T> {
     pub(super) values: Vec<Complex<T>>,
 }
 
-impl<T: FftNum> NearRows<T> {
+impl<T: Real> NearRows<T> {
     /// Correction between a row and the `place`-th of its near rows.
     fn row(&self, row: usize, place: usize, columns: usize) -> &[Complex<T>] {
         let start = (row * 2 * self.reach + place) * columns;

@@ -36,13 +36,9 @@ pub unsafe extern "C" fn cosim_progress(done: u64, of: u64, what: *const c_char)
 mod tests {
     use super::*;
 
+    /// That a report arrives is tested with a program, because `REPORTS` belongs to the process.
     #[test]
-    fn a_report_arrives_and_null_is_reported() {
-        let progress = Progress::default();
-        report_to(&progress);
-        assert_eq!(unsafe { cosim_progress(3, 4, c"summing".as_ptr()) }, COSIM_OK);
-        assert_eq!(progress.newest().unwrap().to_string(), "3 of 4 summing");
+    fn null_is_refused() {
         assert_ne!(unsafe { cosim_progress(4, 4, std::ptr::null()) }, COSIM_OK);
-        assert_eq!(progress.newest().unwrap().done, 3);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::chunks::Chunk;
 use super::held::MemoryBudget;
+use super::zstd::Zstd;
 use super::{
     CONTROL, Event, FORMAT, Head, LONGEST_RECORD, RecordingError, STATE, admit, read_label,
 };
@@ -294,7 +295,9 @@ fn reader(at: At) -> LinearReader {
         .with_skip_end_magic(true)
         .with_validate_chunk_crcs(true)
         .with_record_length_limit(LONGEST_RECORD + 64);
-    LinearReader::new_with_options(options)
+    let mut reader = LinearReader::new_with_options(options);
+    reader.add_decompressor(Zstd::new()).expect("the decompressor has a name");
+    reader
 }
 
 impl<R: Read + Seek> Source<R> {

@@ -25,8 +25,8 @@ pub enum Compression {
     /// Uncompressed, as fast as the disk.
     #[default]
     None,
-    /// Zstandard, at its fastest standard level.
-    Zstd,
+    /// LZ4: less than half the size, if many values are zero.
+    Lz4,
 }
 
 /// A recording being written. [`RecordingWriter::finish`] adds index and footer; otherwise the file
@@ -188,13 +188,11 @@ impl<W: Write + Seek> RecordingWriter<W> {
 fn options(compression: Compression) -> mcap::WriteOptions {
     let compression = match compression {
         Compression::None => None,
-        Compression::Zstd => Some(mcap::Compression::Zstd),
+        Compression::Lz4 => Some(mcap::Compression::Lz4),
     };
     mcap::WriteOptions::new()
         .compression(compression)
         .compression_level(1)
-        // Compress in the calling thread: the processors belong to the solvers.
-        .compression_threads(0)
         .profile(PROFILE)
         .chunk_size(Some(CHUNK))
         // A chunk is written at once, not in pieces with lengths filled in later.

@@ -4,10 +4,10 @@
 //! A block is skipped if the line before it says so: `<!-- not run: it needs a cluster -->` gives a
 //! reason, `<!-- test -->` marks a command run elsewhere by the gate.
 
-use super::python::interpreter;
 use super::{programs, root};
 use std::fmt::Write;
 use std::os::unix::fs::symlink;
+use std::path::Path;
 use std::process::Command;
 
 /// Fenced block of a page.
@@ -52,18 +52,19 @@ pub fn blocks(page: &str) -> Vec<Block> {
 }
 
 /// Runs the blocks of a page in a copy of the repository's folders. Each line shown below a command
-/// must be the start of a printed line. Returns the number of commands and of lines.
+/// must be the start of a printed line. Python is the given interpreter. Returns the number of
+/// commands and of lines.
 ///
 /// # Panics
 /// Panics if a command fails or does not print a line shown on the page.
-pub fn run(page: &str) -> (usize, usize) {
+pub fn run(page: &str, interpreter: &Path) -> (usize, usize) {
     let folder = tempfile::tempdir().unwrap();
     for name in ["cases", "proto", "docs", "coordinator", "tests"] {
         symlink(root().join(name), folder.path().join(name)).unwrap();
     }
     std::fs::create_dir(folder.path().join("target")).unwrap();
     symlink(programs(), folder.path().join("target/release")).unwrap();
-    let python = interpreter().parent().unwrap().display();
+    let python = interpreter.parent().unwrap().display();
     let path = format!("{}:{python}:{}", programs().display(), std::env::var("PATH").unwrap());
     // `None` after a skipped block, whose output is unknown.
     let mut said: Option<String> = None;
@@ -75,7 +76,7 @@ pub fn run(page: &str) -> (usize, usize) {
                 continue;
             }
             "sh" => Command::new("bash"),
-            "python" => Command::new(interpreter()),
+            "python" => Command::new(interpreter),
             "text" => {
                 let Some(said) = &said else { continue };
                 for line in text.lines() {

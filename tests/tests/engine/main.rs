@@ -16,6 +16,7 @@ macro_rules! table_of_tests {
     };
 }
 
+mod advised;
 mod audit;
 mod contact_examples;
 mod figures;

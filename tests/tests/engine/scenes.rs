@@ -60,6 +60,28 @@ fn gear_flank() {
     assert!(largest > 50.0, "{largest}");
 }
 
+/// Heat between a pin and a disc, and between a locked wheel and a rail, in finite elements against
+/// half-spaces, whose windows and steps in time differ. Tolerance 1 %, the error of these steps.
+#[test]
+fn elements_share_heat_as_half_spaces_do() {
+    for (name, bodies, more) in [
+        ("pin-on-disc.toml", ["pin", "disc"], "time.end=200e-6"),
+        ("locked-wheel.toml", ["wheel", "rail"], "time.end=1e-3"),
+    ] {
+        let place = Place::new();
+        let [elements, half_spaces] = ["fe", "moving-source"].map(|model| {
+            let model = format!("thermal.model={model}");
+            place.summary(&case(name), &sets(&[&model, more, "mech.resolution=8"]))
+        });
+        for body in bodies {
+            let rise = |of: &Value| of["temperature"][body]["max_rise_k"].as_f64().unwrap();
+            let apart = rise(&elements) / rise(&half_spaces) - 1.0;
+            println!("{body}: {:.2} K, {:.2} %", rise(&elements), 1e2 * apart);
+            assert!(apart.abs() < 0.01, "{name} {body}: {apart}");
+        }
+    }
+}
+
 /// A fixed point heated by q0 = f p0 V/2 since the start: rise 2 q0 √(t/π)/β. Tolerance 0.5 %: the
 /// mean over the element in the middle. The model neglects conduction along the surface, and equal
 /// shares neglect that the surfaces touch; warnings say so.

@@ -1,9 +1,9 @@
 //! Interrupting and killing a coordinator that waits for a Slurm array.
 
-use crate::sweeps::{points, table};
 use rustix::process::Signal;
 use std::collections::BTreeSet;
 use tests::harness::slurm::Slurm;
+use tests::harness::sweeps::{points, table};
 use tests::harness::{Place, case, wait_until};
 
 /// Ctrl-C cancels the array and keeps the finished points. If the coordinator is killed, the array

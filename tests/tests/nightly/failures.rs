@@ -1,6 +1,6 @@
 //! A failing participant's message is never replaced by a report of a lost message, under any load.
 
-use crate::shared_failures::failures_keep_their_words;
+use tests::harness::failures::failures_keep_their_words;
 
 /// Default number of runs.
 const STARTS: u64 = 1000;

@@ -22,13 +22,7 @@ mod picture;
 mod precice;
 #[cfg(feature = "complete")]
 mod release;
-#[path = "../shared/failures.rs"]
-mod shared_failures;
-#[path = "../shared/paper.rs"]
-mod shared_paper;
 mod snippets;
 mod stability;
-#[path = "../shared/sweeps.rs"]
-mod sweeps;
 #[cfg(feature = "complete")]
 mod wheel;

@@ -1,12 +1,12 @@
 //! The paper on its own grids: the stored page is up to date, and its figures are correct.
 
-use crate::shared_paper::{
-    RISE, assert_carter_strips, assert_close, assert_methods, assert_shown, figure, record,
-    reproduce,
-};
 use serde_json::Value;
 use std::fs;
 use tests::harness::browser::{self, DESK, PHONE};
+use tests::harness::paper::{
+    RISE, assert_carter_strips, assert_close, assert_methods, assert_shown, figure, record,
+    reproduce,
+};
 use tests::harness::{Place, root};
 
 /// Runs everything again; the page is the same, and its figures agree with theory and CONTACT.

@@ -1,5 +1,6 @@
 //! Commands on pages that take long or compile code.
 
+use tests::harness::python::interpreter_with_packages;
 use tests::harness::snippets;
 
 /// Pages that take minutes, or need what only `--workspace` builds.
@@ -19,7 +20,7 @@ const PAGES: [&str; 10] = [
 #[test]
 fn what_takes_long_is_true() {
     for page in PAGES {
-        let (commands, _) = snippets::run(page);
+        let (commands, _) = snippets::run(page, interpreter_with_packages());
         assert!(commands > 0, "{page} has no commands");
     }
 }

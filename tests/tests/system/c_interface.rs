@@ -1,45 +1,9 @@
 //! Participants in C: the header and the library of `proto/c`, compiled and run as by a user.
 
-use crate::harness::{Place, case, field_files, library, number, root};
+use crate::harness::compiled::Compiled;
+use crate::harness::{Place, case, field_files, number, root};
 use rustix::process::Signal;
 use std::process::Command;
-
-/// C program, compiled into a folder of its own.
-pub(crate) struct Compiled {
-    folder: tempfile::TempDir,
-}
-
-impl Compiled {
-    pub(crate) fn from(source: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let (lib, root) = (library().display(), root());
-        let mut cc = Command::new("cc");
-        cc.args(["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-Iproto/c/include", source]);
-        cc.args([
-            format!("-L{lib}"),
-            format!("-Wl,-rpath,{lib}"),
-            "-Wl,--disable-new-dtags".to_owned(),
-        ])
-        .args(["-lcosim", "-lm"]);
-        let built = cc.arg("-o").arg(folder.path().join("solver")).current_dir(root).output();
-        let built = built.expect("a C compiler is on the search path as `cc`");
-        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        Self { folder }
-    }
-
-    /// Path of the program.
-    pub(crate) fn path(&self) -> String {
-        self.folder.path().join("solver").display().to_string()
-    }
-
-    /// `--set ROLE.command=[...]` for this program, with an optional word before the standard
-    /// arguments.
-    fn command(&self, role: &str, word: Option<&str>) -> [String; 2] {
-        let words = std::iter::once(self.folder.path().join("solver").display().to_string());
-        let words: Vec<String> = words.chain(word.map(str::to_owned)).collect();
-        ["--set".to_owned(), format!("{role}.command={words:?}")]
-    }
-}
 
 /// Arguments with these settings and a C program for a role.
 fn with<'a>(settings: &[&'a str], command: &'a [String; 2]) -> Vec<&'a str> {
@@ -98,8 +62,7 @@ fn the_closed_form_refuses_what_it_cannot() {
     assert!(ended.stderr.contains("materials.steel.conductivity"), "{}", ended.stderr);
     // Bypasses the checks of the coordinator: the program is started directly, without a
     // configuration.
-    let solver = program.folder.path().join("solver");
-    let ended = Command::new(solver).arg("--estimate").output().unwrap();
+    let ended = Command::new(program.path()).arg("--estimate").output().unwrap();
     assert_eq!(ended.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&ended.stderr).starts_with("error: "));
 }

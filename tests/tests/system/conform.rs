@@ -3,7 +3,7 @@
 
 mod contract;
 
-use crate::c_interface::Compiled;
+use crate::harness::compiled::Compiled;
 use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root};
 use serde_json::Value;
@@ -132,17 +132,6 @@ fn strip_columns_in_python_conform() {
     let quick = (&["--quick"][..], &command[..]);
     let steady = ["other-end", "no-duration", "volumes"];
     let settings = assert_conforms("thermal", &case("falling-friction.toml"), quick, &steady);
-    assert_eq!(settings, 1);
-}
-
-/// On a mesh that is generated quickly.
-#[test]
-fn finite_elements_of_scikit_fem_conform() {
-    let program = root().join("proto/python/examples/finite_elements.py");
-    let command = [interpreter(), &program].map(|path| path.display().to_string());
-    let mesh = ["--quick", "--set", "thermal.resolution=8", "--set", "thermal.layers=4"];
-    let steady = ["other-end", "no-duration", "volumes"];
-    let settings = assert_conforms("thermal", &case("wheel-rail.toml"), (&mesh, &command), &steady);
     assert_eq!(settings, 1);
 }
 

@@ -1,6 +1,5 @@
 //! FMUs as participants: comparison with FMPy, invalid uses, and failures inside the FMU.
 
-use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root, sets};
 use crate::resume::killed_and_resumed;
 use serde_json::Value;
@@ -74,23 +73,6 @@ const LIVE: [&str; 8] = [
 
 const WITHOUT_STATES: [&str; 2] =
     ["canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", ""];
-
-/// Runs `proto/python/tests/fmu_in.py`, which needs the executables.
-#[test]
-fn an_fmu_gives_what_it_gives_in_fmpy() {
-    let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
-    let ended = Command::new(interpreter())
-        .args(["-m", "pytest", "-p", "no:cacheprovider", "proto/python/tests/fmu_in.py"])
-        .env("COSIM_COORDINATOR", programs().join("coordinator"))
-        .env("COSIM_RUNTIME_DIR", runtime.path())
-        .current_dir(root())
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&ended.stdout);
-    assert!(ended.status.success(), "{said}{}", String::from_utf8_lossy(&ended.stderr));
-    assert_eq!(fs::read_dir(runtime.path()).unwrap().count(), 0, "the FMUs go with their runs");
-    println!("{said}");
-}
 
 /// An FMU that cannot save states is rejected if windows are repeated, and runs otherwise.
 #[test]

@@ -1,11 +1,9 @@
 //! Participants in other languages that use the C library: their declarations agree with the
-//! header, and a Fortran program gives the same results as one in C.
+//! header.
 
-use crate::c_interface::Compiled;
+use crate::harness::root;
 use crate::harness::snippets::blocks;
-use crate::harness::{Place, case, library, root};
 use std::collections::BTreeMap;
-use std::process::Command;
 
 fn read(file: &str) -> String {
     std::fs::read_to_string(root().join(file)).unwrap()
@@ -138,55 +136,4 @@ fn the_header_is_read() {
         (4, 1, 4)
     );
     assert_eq!(members("cosim_step"), ["window", "iteration", "start", "end"]);
-}
-
-/// Fortran example, compiled as by a user.
-fn fortran(folder: &std::path::Path) -> String {
-    let (lib, program) = (library().display(), folder.join("solver").display().to_string());
-    let mut compiler = Command::new("gfortran");
-    compiler.args(["-std=f2018", "-O2", "-Wall", "-Wno-unused-dummy-argument", "-Werror"]);
-    compiler.arg("-J").arg(folder);
-    compiler.args(["proto/c/include/cosim.f90", "proto/c/examples/short_columns.f90"]);
-    compiler.args([format!("-L{lib}"), format!("-Wl,-rpath,{lib}"), "-lcosim".to_owned()]);
-    let built = compiler.args(["-o", &program]).current_dir(root()).output();
-    let built = built
-        .expect("gfortran is needed to test participants in Fortran: apt-get install gfortran");
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    program
-}
-
-#[test]
-fn the_solver_in_fortran_conforms_and_answers_like_the_one_in_c() {
-    let folder = tempfile::tempdir().unwrap();
-    let program = fortran(folder.path());
-    let place = Place::new();
-    let arguments = ["conform", "--role", "thermal", "--json", "--", &program];
-    let ended = place.start(&arguments).wait();
-    assert_eq!(ended.code, Some(0), "{}\n{}", ended.stderr, ended.stdout);
-    place.assert_nothing_left();
-    let rail = |program: &str| {
-        let (place, command) = (Place::new(), format!("thermal.command={:?}", [program]));
-        let sets = ["thermal.model=short", "output.fields=all", &command];
-        let sets: Vec<&str> = sets.into_iter().flat_map(|set| ["--set", set]).collect();
-        place.summary(&case("wheel-rail.toml"), &sets);
-        place.field("thermal_passage_000000.vti", "rail_temperature")
-    };
-    let c = Compiled::from("proto/c/examples/short_columns.c");
-    let (expected, found) = (rail(&c.path()), rail(&program));
-    let peak = expected.iter().copied().fold(0.0, f64::max);
-    let off = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(expected.len() == found.len() && peak > 200.0, "{peak} K");
-    assert!(off < 1e-12 * peak, "sums in another order: {off:e} K");
-}
-
-#[test]
-fn what_the_solver_in_fortran_refuses_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    let program = fortran(folder.path());
-    // Started directly, without a configuration.
-    let ended = Command::new(&program).arg("--estimate").output().unwrap();
-    assert_eq!(ended.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&ended.stderr).starts_with("error: "));
-    let ended = Command::new(&program).arg("--fly").output().unwrap();
-    assert_eq!(ended.status.code(), Some(2), "{}", String::from_utf8_lossy(&ended.stderr));
 }

@@ -32,10 +32,7 @@ mod elsewhere;
 mod engines;
 mod exchange;
 mod explicit;
-#[path = "../shared/failures.rs"]
-mod failures;
 mod faults;
-mod fmi;
 mod fmu_in;
 mod folders;
 mod input_files;
@@ -46,9 +43,6 @@ mod machine;
 mod mistakes;
 mod new;
 mod new_solver;
-#[path = "../shared/paper.rs"]
-mod paper;
-mod paraview;
 mod picture;
 mod precice;
 mod python;
@@ -65,8 +59,6 @@ mod stability;
 mod start;
 mod surrogate;
 mod sweep;
-#[path = "../shared/sweeps.rs"]
-mod sweeps;
 mod terminal;
 mod threads;
 mod volume;

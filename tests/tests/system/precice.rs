@@ -1,96 +1,14 @@
 //! Programs with preCICE's interface as participants: the programs of `bridges/precice/tests`,
 //! compiled as a user compiles them, with the library in place of preCICE's.
 
-use crate::harness::{Ended, Place, number, programs, root};
+use crate::harness::precice::Pair;
+use crate::harness::{Ended, Place, root};
 use crate::resume::killed_and_resumed;
 use std::f64::consts::PI;
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-use tempfile::TempDir;
-
-/// Two programs of one source, in a folder of their own.
-struct Pair {
-    folder: TempDir,
-    /// Participants of the configuration.
-    names: [&'static str; 2],
-    source: &'static str,
-}
-
-impl Pair {
-    /// Compiles a program.
-    fn new(source: &'static str, names: [&'static str; 2]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let (compiler, standard) = match source.ends_with(".cpp") {
-            true => ("c++", "-std=c++17"),
-            false => ("cc", "-std=c11"),
-        };
-        let library = programs().display();
-        let built = Command::new(compiler)
-            .args([standard, "-O2", "-Wall", "-Wextra", "-Werror", "-Ibridges/precice/include"])
-            .arg(format!("bridges/precice/tests/programs/{source}"))
-            .args([format!("-L{library}").as_str(), "-lprecice", "-lm", "-o"])
-            .arg(folder.path().join("program"))
-            .current_dir(root())
-            .output()
-            .unwrap_or_else(|error| {
-                panic!("a compiler is on the search path: {compiler}: {error}")
-            });
-        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        Self { folder, names, source }
-    }
-
-    fn path(&self) -> &Path {
-        self.folder.path()
-    }
-
-    /// Configuration of both programs.
-    fn configuration(&self) -> PathBuf {
-        let (name, _) = self.source.split_once('.').unwrap();
-        let name = if matches!(name, "hostile" | "linked") { "dummy" } else { name };
-        root().join("bridges/precice/tests/programs").join(format!("{name}.xml"))
-    }
-
-    /// Command line of a participant, with the arguments of its program after the configuration.
-    fn words(&self, side: usize, arguments: &[&str]) -> Vec<String> {
-        let launcher = programs().join("precice-participant").display().to_string();
-        let configuration = self.configuration().display().to_string();
-        let program = self.path().join("program").display().to_string();
-        let name = self.names[side].to_owned();
-        let own = [launcher, configuration.clone(), "--participant".to_owned(), name.clone()];
-        let role = ["--role", ["first", "second"][side], "--resume-by-repeating"];
-        let directory = ["--directory".to_owned(), self.path().display().to_string()];
-        let own = own.into_iter().chain(role.map(str::to_owned)).chain(directory);
-        let started = ["--".to_owned(), program, name, configuration];
-        let arguments = arguments.iter().map(|word| (*word).to_owned());
-        own.chain(started).chain(arguments).collect()
-    }
-
-    /// Writes a case of both programs, with the sections of its own.
-    fn case(&self, arguments: [&[&str]; 2], sections: &str) -> String {
-        let [first, second] = [0, 1].map(|side| self.words(side, arguments[side]));
-        let text = format!(
-            "[case]\nname = \"pair\"\n[first]\nmodel = \"program\"\ncommand = {first:?}\n\
-             [second]\nmodel = \"program\"\ncommand = {second:?}\n{sections}"
-        );
-        let path = self.path().join("case.toml");
-        fs::write(&path, text).unwrap();
-        path.display().to_string()
-    }
-
-    /// Returns rows of numbers that a program has written.
-    fn rows(&self, file: &str) -> Vec<Vec<f64>> {
-        let text = fs::read_to_string(self.path().join(file)).unwrap();
-        let row = |line: &str| line.split(',').map(|word| word.parse().unwrap()).collect();
-        text.lines().skip(1).map(row).collect()
-    }
-}
 
 const HALF_A_SECOND: &str = "[time]\nmode = \"transient\"\nwindow = 0.05\nend = 0.5\n\
     [coupling]\nscheme = \"parallel-implicit\"\nrelative = 1e-10\ninterpolation = \"linear\"\n";
-
-const A_SECOND_OF_HEAT: &str = "[time]\nmode = \"transient\"\nwindow = 0.1\nend = 1.0\n\
-    [coupling]\nscheme = \"serial-implicit\"\nrelative = 1e-10\ninterpolation = \"linear\"\n";
 
 /// Runs the two masses with a number of substeps; returns the rows of both programs.
 fn oscillate(substeps: [&str; 2], more: &[&str]) -> (Place, Pair, [Vec<Vec<f64>>; 2]) {
@@ -170,119 +88,6 @@ fn a_killed_run_is_resumed_by_repeating_its_windows() {
     killed_and_resumed(&case, &settings, 100, &mut 5);
 }
 
-/// Skipped if there is no C++ compiler.
-#[test]
-fn a_program_behind_the_bridge_keeps_the_contract() {
-    if !has_cpp() {
-        return;
-    }
-    let pair = Pair::new("rod.cpp", ["Dirichlet", "Neumann"]);
-    let arguments = ["8", "rod.csv"];
-    let case = pair.case([&arguments, &arguments], A_SECOND_OF_HEAT);
-    let words = pair.words(1, &arguments);
-    let command: Vec<&str> = words.iter().map(String::as_str).collect();
-    let place = Place::new();
-    let begin = ["conform", "--role", "second", "--case", &case, "--"];
-    let ended = place.start(&[&begin[..], &command].concat()).wait();
-    assert_eq!(ended.code, Some(0), "{}{}", ended.stdout, ended.stderr);
-    assert!(ended.stdout.contains(" 0 failed"), "{}", ended.stdout);
-}
-
-fn has_cpp() -> bool {
-    let found = Command::new("c++").arg("--version").output().is_ok();
-    if !found {
-        println!("there is no C++ compiler");
-    }
-    found
-}
-
-/// Finite volumes and implicit steps reproduce the solution exactly, so that only the coupling's
-/// tolerance is left. Skipped if there is no C++ compiler.
-#[test]
-fn a_rod_of_two_programs_in_cpp_conducts_exactly() {
-    if !has_cpp() {
-        return;
-    }
-    let pair = Pair::new("rod.cpp", ["Dirichlet", "Neumann"]);
-    let case = pair.case([&["12", "d.csv"], &["12", "n.csv"]], A_SECOND_OF_HEAT);
-    let place = Place::new();
-    let summary = place.summary(&case, &[]);
-    assert_eq!(number(&summary, "/coupling/windows"), 10.0);
-    for file in ["d.csv", "n.csv"] {
-        for row in pair.rows(file) {
-            assert!(row[1] < 1e-8, "{file}: {row:?}");
-        }
-    }
-}
-
-/// The program calls every method, so that the compiler checks them. Started by hand, it catches
-/// the exception of its constructor.
-#[test]
-fn the_class_has_every_method_and_throws() {
-    if !has_cpp() {
-        return;
-    }
-    let pair = Pair::new("interface.cpp", ["One", "Two"]);
-    let library = pair.path().join("libprecice.so.3");
-    std::os::unix::fs::symlink(programs().join("libprecice.so"), library).unwrap();
-    let mut program = Command::new(pair.path().join("program"));
-    let ended = program.env("LD_LIBRARY_PATH", pair.path()).output().unwrap();
-    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
-}
-
-/// The two programs check what they read, so that a wrong value ends the run. Skipped if there is
-/// no C++ compiler.
-#[test]
-fn a_program_linked_with_precice_itself_finds_its_symbols() {
-    if !has_cpp() {
-        return;
-    }
-    let pair = Pair::new("linked.cpp", ["One", "Two"]);
-    let sections = "[time]\nmode = \"transient\"\nwindow = 1.0\nend = 3.0\n[coupling]\n\
-        scheme = \"parallel-explicit\"\n";
-    let case = pair.case([&[], &[]], sections);
-    let place = Place::new();
-    place.summary(&case, &[]);
-    let log = fs::read_to_string(place.out().join("log.jsonl")).unwrap();
-    assert!(log.contains("One: 3.4.0;cosim;") && log.contains("Two: 3.4.0;cosim;"), "{log}");
-}
-
-/// A user's simulation needs its configuration and the programs only.
-#[test]
-fn an_imported_simulation_runs() {
-    if !has_cpp() {
-        return;
-    }
-    let pair = Pair::new("rod.cpp", ["Dirichlet", "Neumann"]);
-    let configuration = pair.configuration().display().to_string();
-    let case = pair.path().join("rod.toml").display().to_string();
-    let folder = pair.path().display();
-    let options = pair.names.map(|name| {
-        let file = format!("{name}.csv");
-        [
-            format!("--command={name}={folder}/program {name} {configuration} 10 {file}"),
-            format!("--directory={name}={folder}"),
-        ]
-    });
-    let options: Vec<&str> = options.as_flattened().iter().map(String::as_str).collect();
-    let place = Place::new();
-    let begin = ["import", &configuration, "--out", &case];
-    let imported = place.start(&[&begin[..], &options].concat()).wait();
-    assert_eq!(imported.code, Some(0), "{}", imported.stderr);
-    assert!(imported.stdout.contains("next: coordinator check"), "{}", imported.stdout);
-    // `python3` and the solvers are on the search path of a user.
-    let launcher = programs().join("precice-participant").display().to_string();
-    let text = fs::read_to_string(&case).unwrap();
-    assert!(text.contains("\"precice-participant\""), "{text}");
-    fs::write(&case, text.replace("precice-participant\"", &(launcher + "\""))).unwrap();
-    place.summary(&case, &[]);
-    for name in pair.names {
-        for row in pair.rows(&format!("{name}.csv")) {
-            assert!(row[1] < 1e-7, "{name}: {row:?}");
-        }
-    }
-}
-
 /// Imports a configuration with a replacement in it; returns the ends of import and check.
 fn imported(from: &str, to: &str) -> (Ended, Ended) {
     let dummy = root().join("bridges/precice/tests/programs/dummy.xml");
@@ -322,20 +127,6 @@ fn import_and_check_agree() {
         "{}",
         import.stderr
     );
-}
-
-/// Two grids of different size, whose nodes do not match. Linear interpolation of α y² over
-/// elements of 1/8 errs by α/4/8² = 0.012; conduction smooths it.
-#[test]
-fn grids_that_do_not_match_are_mapped() {
-    if !has_cpp() {
-        return;
-    }
-    let pair = Pair::new("rod.cpp", ["Dirichlet", "Neumann"]);
-    let case = pair.case([&["8", "d.csv"], &["12", "n.csv"]], A_SECOND_OF_HEAT);
-    Place::new().summary(&case, &["--set", "mapping.method=nearest-projection"]);
-    let errors = ["d.csv", "n.csv"].map(|file| pair.rows(file).last().unwrap()[1]);
-    assert!(errors.iter().all(|error| (1e-6..0.012).contains(error)), "{errors:?}");
 }
 
 /// Runs a program with a defect beside one without; returns the end of the run.

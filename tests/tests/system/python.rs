@@ -2,11 +2,10 @@
 //! same behaviour on failure.
 
 use crate::harness::python::interpreter;
-use crate::harness::{Place, case, completed as run, number, programs, root, sets};
+use crate::harness::{Place, case, completed as run, number, root, sets};
 use proto::description::KeyKind;
 use rustix::process::Signal;
 use serde_json::Value;
-use std::path::PathBuf;
 use std::process::Command;
 
 /// Interpreter with the examples on its path.
@@ -14,37 +13,6 @@ fn python() -> Command {
     let mut command = Command::new(interpreter());
     command.env("PYTHONPATH", root().join("proto/python/examples"));
     command
-}
-
-/// Runs a file of `proto/python/tests` that needs the executables.
-fn pytest(file: &str) {
-    let ended = Command::new(interpreter())
-        .args(["-m", "pytest", "-p", "no:cacheprovider"])
-        .arg(root().join("proto/python/tests").join(file))
-        .env("COSIM_COORDINATOR", programs().join("coordinator"))
-        .current_dir(root())
-        .output()
-        .unwrap();
-    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stdout));
-    println!("{}", String::from_utf8_lossy(&ended.stdout));
-}
-
-/// Cases run from Python.
-#[test]
-fn cases_are_run_from_python() {
-    pytest("front_door.py");
-}
-
-/// `cosim.Model`, and the scripts that use it with SciPy and SALib.
-#[test]
-fn cases_are_functions_of_arrays_in_python() {
-    pytest("model_runs.py");
-}
-
-/// Notebooks of the how-to pages on `cosim.Model`, with small samples.
-#[test]
-fn notebooks_of_the_how_to_pages_run() {
-    pytest("model_notebooks.py");
 }
 
 fn strip_columns() -> String {
@@ -130,45 +98,6 @@ fn the_short_solver_agrees_with_the_long_one() {
     assert!(difference(&read(&short), &read(&long)) < 1e-14);
 }
 
-/// Trilinear bricks of scikit-fem converge with second order from below: errors of 4.2 % with 14
-/// elements along the flux and 6 layers, 1.2 % with twice as many. Our solver counts as exact here.
-#[test]
-fn finite_elements_of_a_library_come_closer_by_the_second_order() {
-    let program = "proto/python/examples/finite_elements.py";
-    let command =
-        format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string());
-    let (_, ours) = run("wheel-rail.toml", &["thermal.model=moving-source"]);
-    let of = |elements: u32, layers: u32| {
-        let mesh = [("resolution", elements), ("layers", layers)];
-        let mesh = mesh.map(|(key, value)| format!("thermal.{key}={value}"));
-        let (_, found) =
-            run("wheel-rail.toml", &["thermal.model=bricks", &command, &mesh[0], &mesh[1]]);
-        assert!(number(&found, IMBALANCE) <= 1e-12);
-        ["rail", "wheel"].map(|body| {
-            let rise = format!("/temperature/{body}/max_rise_k");
-            1.0 - number(&found, &rise) / number(&ours, &rise)
-        })
-    };
-    let (coarse, fine) = (of(14, 6), of(28, 12));
-    for (coarse, fine) in coarse.into_iter().zip(fine) {
-        let order = (coarse / fine).log2();
-        assert!(fine < 0.015 && (1.6..2.4).contains(&order), "{coarse} {fine}");
-    }
-}
-
-/// Heat that spreads beyond the mesh is rejected while planning.
-#[test]
-fn finite_elements_of_a_library_refuse_a_body_that_is_too_slow() {
-    let program = "proto/python/examples/finite_elements.py";
-    let command =
-        format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string());
-    let place = Place::new();
-    let settings = sets(&["thermal.model=bricks", &command, "motion.speed=1e-3"]);
-    let ended = place.run(&case("wheel-rail.toml"), &settings);
-    assert_eq!(ended.code, Some(2), "{}", ended.stderr);
-    assert!(ended.stderr.contains("passes too slowly"), "{}", ended.stderr);
-}
-
 /// A key that only our solver reads is a warning with a simpler solver; a misspelt key is still an
 /// error.
 #[test]
@@ -246,75 +175,6 @@ fn a_solver_started_by_hand_is_asked_by_its_command() {
         }
         place.assert_nothing_left();
     }
-}
-
-/// MPI launcher installed with the test dependencies.
-fn launcher() -> PathBuf {
-    let bin = interpreter().parent().unwrap();
-    // If `venv` is not available, packages are in a folder.
-    let places = [bin.join("mpiexec"), bin.with_file_name("packages").join("bin/mpiexec")];
-    places.into_iter().find(|path| path.exists()).expect("mpich is installed with the tests' needs")
-}
-
-/// Thermal solver with three ranks.
-fn ranks(script: &str) -> String {
-    let words = [
-        &launcher().display().to_string(),
-        "-n",
-        "3",
-        &interpreter().display().to_string(),
-        "-m",
-        "mpi4py",
-        script,
-    ];
-    format!("thermal.command={words:?}")
-}
-
-/// Rank 0 takes part and the others follow: each row is computed as by one process.
-#[test]
-fn several_ranks_are_one_participant() {
-    let program = "proto/python/examples/short_columns.py";
-    let one = format!("thermal.command=[{:?}, {program:?}]", interpreter().display().to_string());
-    let settings = ["mech.model=hertz-carter", "mech.resolution=20", "thermal.model=short"];
-    let (alone, _) = run("wheel-rail.toml", &[&settings[..], &[&one]].concat());
-    let spread = ranks("proto/python/examples/ranks.py");
-    let (together, summary) = run("wheel-rail.toml", &[&settings[..], &[&spread]].concat());
-    assert!(number(&summary, IMBALANCE) <= 1e-12);
-    let read = |place: &Place| place.field("thermal_contact_000000.vti", "rail_temperature");
-    assert!(difference(&read(&together), &read(&alone)) < 1e-14);
-    let work = together.table("iterations.csv").numbers("thermal_work");
-    assert_eq!(work[0], 3.0, "all ranks have computed");
-}
-
-/// Ranks that do not know of each other all answer and all join; the error says what to do.
-#[test]
-fn ranks_that_all_take_part_are_told_what_to_do() {
-    let place = Place::new();
-    let settings = ["mech.model=hertz-carter", "thermal.model=short"];
-    let command = ranks("proto/python/examples/short_columns.py");
-    let more = [&settings[..], &[&command]].concat();
-    let more = sets(&more);
-    let file = case("wheel-rail.toml");
-    let ended = place.start(&[&["plan", &file][..], &more].concat()).wait();
-    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    for part in ["asked to describe", "it answers more than once", "MPI ranks", "only one answers"]
-    {
-        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
-    }
-    let taken = format!(
-        "case $1 in --join) {0} \"$@\" & until [ -e $2/participant-left.lock ]; do sleep 0.01; done; \
-         sleep 0.3; esac; exec {0} \"$@\"",
-        programs().join("toy-left").display()
-    );
-    let command = format!("left.command=[\"sh\", \"-c\", {taken:?}, \"sh\"]");
-    let place = Place::new();
-    let more = ["--set", &command, "--set", "left.delay=600"];
-    let ended = place.run(&case("exchange.toml"), &more);
-    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    for part in ["left (sh) failed", "another process plays the role `left`", "only one joins"] {
-        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
-    }
-    place.assert_nothing_left();
 }
 
 /// The Python solver accepts the same keys as ours, with the same descriptions.

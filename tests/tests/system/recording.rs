@@ -1,7 +1,7 @@
 //! Recordings: all exchanged data are recorded, a participant replays identically, bit for bit, and
 //! differences are reported.
 
-use crate::c_interface::Compiled;
+use crate::harness::compiled::Compiled;
 use crate::harness::{Ended, Place, Table, case, programs, root, sets, wait_until};
 use rustix::process::{Pid, Resource, Rlimit, Signal, prlimit};
 use serde_json::Value;
@@ -54,7 +54,7 @@ fn toy(name: &str) -> String {
 
 #[test]
 fn a_two_way_implicit_run_replays_to_the_bit_on_both_sides() {
-    for flag in ["--record", "--record=zstd"] {
+    for flag in ["--record", "--record=lz4"] {
         let place = Place::new();
         let recording = record(&place, "falling-friction.toml", flag, &[]);
         let solves = ["mech", "thermal"].map(|role| {

@@ -1,8 +1,7 @@
-//! Report of a run: content of the file, and its rendering in a browser.
+//! Report of a run: content of the file.
 
 mod markup;
 
-use crate::harness::browser::{DESK, PHONE, Scheme, View, assert_shown, look};
 use crate::harness::{Place, case};
 use markup::{Element, elements};
 
@@ -236,80 +235,4 @@ fn a_folder_without_results_has_no_report() {
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
     assert!(ended.stderr.contains("holds no results of a run"), "{}", ended.stderr);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-}
-
-fn assert_run_is_shown(name: &str, views: &[View]) {
-    let place = Place::new();
-    place.summary(&case(name), &["--report"]);
-    assert_shown(&place.out().join("report.html"), views, 6);
-}
-
-#[test]
-fn a_browser_shows_every_plot_in_light_in_dark_and_on_a_phone() {
-    let other = [View { scheme: Scheme::Dark, ..DESK }, View { scheme: Scheme::Light, ..PHONE }];
-    assert_run_is_shown("wheel-rail.toml", &[DESK, PHONE, other[0], other[1]]);
-}
-
-#[test]
-fn a_browser_shows_every_plot_of_an_implicit_run() {
-    assert_run_is_shown("falling-friction.toml", &[DESK, PHONE]);
-}
-
-#[test]
-fn a_browser_shows_every_plot_of_a_transient_run() {
-    assert_run_is_shown("cold-start.toml", &[DESK, PHONE]);
-}
-
-/// Runs a study and checks its page in a browser.
-fn assert_study_is_drawn(command: &[&str], plots: usize) {
-    let place = Place::new();
-    let out = place.out().display().to_string();
-    let ended = place.start(&[command, &["--out", &out]].concat()).wait();
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert_shown(&place.out().join("report.html"), &[DESK, PHONE], plots);
-}
-
-// Each kind of study has its own page; the page of the paper is checked where it is generated.
-
-#[test]
-fn a_browser_shows_the_page_of_costs() {
-    let vary = ["--vary", "mech.resolution=5,10", "--longest-run", "2", "--repeat", "1"];
-    assert_study_is_drawn(&[&["cost", &case("full-slip.toml")], &vary[..]].concat(), 4);
-}
-
-#[test]
-fn a_browser_shows_the_page_of_effects() {
-    assert_study_is_drawn(&["ablate", &case("wheel-rail.toml"), "--set", "mech.resolution=10"], 4);
-}
-
-#[test]
-fn a_browser_shows_the_page_of_hard_cases() {
-    assert_study_is_drawn(&["stability", "--only", "coarse-columns"], 2);
-}
-
-/// The browser checks detect plots that are not drawn, a page that is too wide, and a network
-/// request.
-#[test]
-fn the_browser_checks_find_what_is_wrong() {
-    let place = Place::new();
-    place.summary(&case("cold-start.toml"), &["--report"]);
-    let page = page(&place);
-    let write = |page: &str, what: &str| {
-        let path = place.out().join("spoilt.html");
-        std::fs::write(&path, page.replace("</body>", &format!("{what}</body>"))).unwrap();
-        path
-    };
-    let spoilt = |what: &str| write(&page, what);
-    let (looks, _) = look(&spoilt("<style>.plot * { visibility: hidden }</style>"), &[PHONE]);
-    let hidden = &looks[0];
-    assert!((0..hidden.plots.len()).all(|plot| !hidden.is_drawn(plot)));
-    let image = "http://report.invalid/x.png";
-    let what = format!("<div style=\"width: 900px\">x</div><img src=\"{image}\"/>");
-    let (_, requests) = look(&spoilt(&what), &[PHONE]);
-    assert_eq!(requests, Vec::<String>::new(), "the page's policy forbids it");
-    let open = page.replace("http-equiv=\"Content-Security-Policy\"", "name=\"none\"");
-    let (looks, requests) = look(&write(&open, &what), &[PHONE]);
-    assert!(looks[0].scroll_width >= 900, "{}", looks[0].scroll_width);
-    assert_eq!(requests, [image]);
-    assert_eq!(looks[0].fetched, [image]);
 }

@@ -1,51 +1,11 @@
-//! Reproduction of studies: the paper on coarse grids, rejection of an invalid study before any
-//! run, and detection of an outdated page.
+//! Reproduction of studies: rejection of an invalid study before any run, and detection of an
+//! outdated page.
 
-use crate::harness::browser::{self, DESK, PHONE};
-use crate::harness::{Place, case, root};
-use crate::paper::{assert_carter_strips, assert_methods, assert_shown, record, reproduce};
+use crate::harness::{Place, case};
 use std::fs;
 use std::path::PathBuf;
-use std::process::Command;
 use tempfile::TempDir;
-
-/// Grids of the paper, and coarser ones that replace them.
-const COARSER: [(&str, &str); 4] = [
-    ("mech.resolution=160", "mech.resolution=14"),
-    ("mech.resolution=80", "mech.resolution=12"),
-    ("mech.resolution=40", "mech.resolution=10"),
-    ("mech.resolution=20", "mech.resolution=8"),
-];
-
-/// The complete study of the paper on coarse grids: every run, table, figure and sentence is
-/// produced, results that do not depend on the grid agree with theory, and the page is displayed.
-/// (The target `nightly` uses the grids of the paper and compares with the stored page.)
-#[test]
-fn the_paper_on_coarse_grids() {
-    let folder = tempfile::tempdir().unwrap();
-    let cases = folder.path().join("cases");
-    let mut copy = Command::new("cp");
-    copy.arg("-r").arg(root().join("cases")).arg(&cases);
-    assert!(copy.status().unwrap().success());
-    let study = cases.join("paper/study.toml");
-    let mut text = fs::read_to_string(&study).unwrap();
-    for (fine, coarse) in COARSER {
-        assert!(text.contains(fine), "no run has {fine}");
-        text = text.replace(fine, coarse);
-    }
-    fs::write(&study, text).unwrap();
-    let place = Place::new();
-    let ended = reproduce(&place, &study, &[]);
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    place.assert_nothing_left();
-    let record = record(&place);
-    assert_carter_strips(&record);
-    assert_methods(&record);
-    assert_shown(&place);
-    // One drawing for each file.
-    let drawings = fs::read_dir(place.out().join("img")).unwrap().count();
-    browser::assert_shown(&place.out().join("report.html"), &[DESK, PHONE], drawings);
-}
+use tests::harness::paper::reproduce;
 
 /// Small study in a folder of its own.
 struct Small {

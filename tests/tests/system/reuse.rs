@@ -4,9 +4,9 @@
 use crate::conform::counted;
 use crate::harness::python::interpreter;
 use crate::harness::{Place, Table, case, root, wait_until};
-use crate::sweeps::points;
 use rustix::process::{Pid, Signal, kill_process, test_kill_process};
 use std::fs::read_to_string;
+use tests::harness::sweeps::points;
 
 /// Runs a sweep on one thread; returns its table and the number of starts of the participant
 /// `role`.

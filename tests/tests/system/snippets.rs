@@ -1,19 +1,18 @@
 //! Commands on the pages print the output shown below them.
 
+use crate::harness::python::interpreter;
 use crate::harness::root;
 use crate::harness::snippets::{self, blocks};
 use crate::keys::{fits, flatten, known_keys};
 
 /// Pages tested here, each in a test of its own.
-const DAILY: [&str; 9] = [
+const DAILY: [&str; 7] = [
     "docs/install.md",
     "docs/tutorial.md",
     "docs/how-to/swap-a-solver.md",
     "docs/how-to/choose-accuracy.md",
     "docs/how-to/debug-a-coupling.md",
     "docs/how-to/run-on-a-cluster.md",
-    "docs/recording.md",
-    "docs/fmi.md",
     "docs/how-to/watch-a-run.md",
 ];
 
@@ -25,13 +24,11 @@ table_of_tests! {
     choose_accuracy(DAILY[3]);
     debug_a_coupling(DAILY[4]);
     run_on_a_cluster(DAILY[5]);
-    recordings(DAILY[6]);
-    fmus(DAILY[7]);
-    watch_a_run(DAILY[8]);
+    watch_a_run(DAILY[6]);
 }
 
 fn is_true(page: &str) {
-    let (commands, _) = snippets::run(page);
+    let (commands, _) = snippets::run(page, interpreter());
     assert!(commands > 0, "{page} has no commands");
 }
 
@@ -47,14 +44,15 @@ fn pages() -> Vec<String> {
         .collect()
 }
 
-/// Every block of commands is run, here or in the nightly test of the same name, or the page says
+/// Every block of commands is run, here or in a test of another target, or the page says
 /// why not.
 #[test]
 fn every_block_is_run_or_says_why_not() {
-    let nightly = include_str!("../nightly/snippets.rs");
+    let elsewhere = [include_str!("../nightly/snippets.rs"), include_str!("../external/pages.rs")];
     let mut seen = 0;
     for page in pages() {
-        let run = DAILY.contains(&page.as_str()) || nightly.contains(&format!("\"{page}\""));
+        let named = |tests: &&str| tests.contains(&format!("\"{page}\""));
+        let run = DAILY.contains(&page.as_str()) || elsewhere.iter().any(named);
         for block in blocks(&page).iter().filter(|block| block.is_typed()) {
             assert!(
                 run || block.left_out.is_some(),

@@ -4,9 +4,9 @@
 use crate::harness::Table;
 use crate::harness::python::interpreter;
 use crate::harness::{Ended, Place, case, programs, root, sets, wait_until};
-use crate::sweeps::points;
 use serde_json::Value;
 use std::path::Path;
+use tests::harness::sweeps::points;
 
 fn table(out: &Path) -> Table {
     Table::read(&out.join("sweep.csv"))

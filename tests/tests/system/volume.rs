@@ -1,6 +1,6 @@
 //! Fields on volumes: written, recorded and replayed; no participant consumes them.
 
-use crate::c_interface::Compiled;
+use crate::harness::compiled::Compiled;
 use crate::harness::python::interpreter;
 use crate::harness::{Place, case, completed, field_files, number, programs, root, sets};
 use run::plan::{sample_bytes, topic_bytes};

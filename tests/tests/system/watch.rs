@@ -1,106 +1,10 @@
-//! `coordinator watch`: a real server and real runs, asked over HTTP and shown by a browser.
+//! `coordinator watch`: a real server and real runs, asked over HTTP.
 
-use crate::harness::browser::{DESK, PHONE, act, assert_shown, opened};
-use crate::harness::{Place, Running, case, sets, wait_until};
+use crate::harness::watched::Server;
+use crate::harness::{Place, case, sets, wait_until};
 use rustix::process::Signal;
 use serde_json::Value;
-use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
-use std::path::Path;
-use std::time::Duration;
-
-/// A watching coordinator and its address.
-struct Server<'a> {
-    running: Running<'a>,
-    /// Host and port.
-    host: String,
-    token: String,
-}
-
-impl<'a> Server<'a> {
-    fn of(place: &'a Place, path: &Path, more: &[&str]) -> Self {
-        let path = path.display().to_string();
-        let arguments: Vec<&str> =
-            ["watch", &path].into_iter().chain(more.iter().copied()).collect();
-        let mut running = place.start(&arguments);
-        let address = running.first_line();
-        let rest = address.strip_prefix("http://").unwrap_or_else(|| panic!("`{address}`"));
-        let (host, token) = rest.trim_end_matches('/').split_once('/').unwrap();
-        assert!(host.starts_with("127.0.0.1:") && token.len() == 32, "{address}");
-        Self { running, host: host.to_owned(), token: token.to_owned() }
-    }
-
-    /// Sends a request and returns status and body.
-    fn send(&self, method: &str, path: &str, host: &str) -> (u16, String) {
-        let mut stream = TcpStream::connect(&self.host).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-        let head = format!("{method} {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
-        stream.write_all(head.as_bytes()).unwrap();
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).unwrap();
-        let answer = String::from_utf8_lossy(&answer);
-        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
-        (head.split(' ').nth(1).unwrap().parse().unwrap(), body.to_owned())
-    }
-
-    fn get(&self, path: &str) -> String {
-        let (status, body) = self.send("GET", &format!("/{}/{path}", self.token), &self.host);
-        assert_eq!(status, 200, "{path}: {body}");
-        body
-    }
-
-    fn json(&self, path: &str) -> Value {
-        serde_json::from_str(&self.get(path)).unwrap()
-    }
-
-    /// Waits until the whole recording has been read.
-    fn read(&self) -> Value {
-        wait_until("the index of the recording", || self.json("state")["read"] == 1.0);
-        self.json("state")
-    }
-
-    /// Returns the number of the series with this name.
-    fn series(&self, name: &str) -> u64 {
-        let state = self.read();
-        let mut fields = state["fields"].as_array().unwrap().iter();
-        let found = fields.find(|field| field[1] == name);
-        found.unwrap_or_else(|| panic!("no {name} in {state}"))[0].as_u64().unwrap()
-    }
-}
-
-#[test]
-fn a_run_is_shown_step_by_step() {
-    let place = Place::new();
-    place.summary(&case("falling-friction.toml"), &["--record"]);
-    let server = Server::of(&place, &place.out(), &[]);
-    let state = server.read();
-    let iterations = place.read_summary()["coupling"]["iterations"].as_u64().unwrap();
-    assert_eq!(state["steps"].as_u64(), Some(iterations));
-    assert_eq!((&state["live"], &state["remark"]), (&Value::Bool(false), &Value::Null));
-    let series = server.series("rail temperature (thermal)");
-    let view = server.json(&format!("view?series={series}&step=3&go=next&against=iteration"));
-    assert_eq!(view["step"], 4);
-    let caption = view["caption"].as_str().unwrap();
-    assert!(caption.starts_with("window 0, iteration 5 · residual "), "{caption}");
-    let html = view["html"].as_str().unwrap();
-    for title in ["rail temperature", "rail temperature minus that of the iteration before"] {
-        assert!(
-            html.contains(&format!("<figcaption>{title}</figcaption>")),
-            "{title}: {html:.900}"
-        );
-    }
-    // The last step shows the result of the run.
-    let last = server.json(&format!("view?series={series}&go=last"));
-    let rise = place.read_summary()["temperature"]["rail"]["max_rise_k"].as_f64().unwrap();
-    let largest = format!("Largest {:.1}", rise);
-    assert!(last["html"].as_str().unwrap().contains(&largest), "{largest}");
-    assert!(server.get("").contains("falling-friction · converged"));
-    // The report of the run stands below.
-    assert!(server.get("report").contains("energy audit"));
-    let page = opened(&format!("http://{}/{}/#{series},4,iteration", server.host, server.token));
-    assert!(page.contains("window 0, iteration 5 · residual "), "{page:.400}");
-    assert!(page.contains("rail temperature minus that of the iteration before"));
-}
 
 /// Only this machine is answered, and only who knows the address; nothing can be changed.
 #[test]
@@ -189,44 +93,6 @@ fn two_recordings_lie_over_each_other() {
         &["--against", &recordings[1].display().to_string()],
     );
     assert_eq!(same.read()["difference"], Value::Null);
-}
-
-/// The page as a file: all that it needs is in it, at any width; keys and buttons move it.
-#[test]
-fn the_page_is_written_as_a_file() {
-    let place = Place::new();
-    place.summary(&case("falling-friction.toml"), &["--record"]);
-    let (out, file) = (place.out().display().to_string(), place.out().join("steps.html"));
-    let shown = file.display().to_string();
-    let ended = place.start(&["watch", &out, "--page", &shown]).wait();
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert!(ended.stdout.starts_with(&format!("{shown}: 12 steps, ")), "{}", ended.stdout);
-    assert_shown(&file, &[DESK, PHONE], 10);
-    let script = r##"
-      const told = [];
-      const caption = () => document.querySelector("#caption").textContent.split(" · ")[0];
-      const rest = () => new Promise(done => setTimeout(done, 300));
-      const press = key => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
-      const titles = () => [...document.querySelectorAll("#view figcaption")]
-        .map(node => node.firstChild.textContent);
-      addEventListener("load", async () => {
-        await rest(); told.push(caption());
-        press("ArrowLeft"); await rest(); told.push(caption());
-        press("Home"); await rest(); told.push(caption());
-        document.querySelector("[data-go=next]").click(); await rest(); told.push(caption());
-        press("ArrowDown"); await rest(); told.push(caption());
-        press("ArrowUp"); await rest(); told.push(caption());
-        press("d"); await rest(); told.push(titles()[1]);
-        press("f"); await rest(); told.push(titles()[0]);
-        document.title = JSON.stringify(told);
-      });"##;
-    let told: Vec<String> =
-        act(&file, script).iter().map(|text| text.as_str().unwrap().to_owned()).collect();
-    let steps: Vec<String> =
-        [12, 11, 1, 2, 1, 12].map(|n| format!("window 0, iteration {n}")).into();
-    assert_eq!(told[..6], steps[..]);
-    assert!(told[6].ends_with("minus that of the iteration before"), "{told:?}");
-    assert_ne!(told[7], told[6], "another field is shown");
 }
 
 #[test]

@@ -23,7 +23,7 @@ use crate::effects::contact_conductance;
 use crate::effects::friction_heat::{self, Partition};
 use crate::effects::integrated;
 use crate::scene::Scene;
-use crate::situation::Situation;
+use crate::situation::{Situation, watts};
 use crate::{LOWER, UPPER};
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};
@@ -192,11 +192,20 @@ const IN_AIR: f64 = 22.5;
 /// Radius of a railway wheel, used if the case has none [m].
 const OF_A_WHEEL: f64 = 0.46;
 
-/// Estimates the heat loss of a whole body, if the case has none: that of a sphere of its radius in
-/// air [W/K]. `None` for a body without a radius.
-fn typical(situation: &Situation<'_>, body: usize) -> Option<f64> {
+/// Returns the radius of a body in the plane of rolling [m], if the case has one.
+fn radius(situation: &Situation<'_>, body: usize) -> Option<f64> {
     let radius = situation.case.maybe_number(&situation.scene.names.key(body, "radius_x"));
-    radius.ok().flatten().filter(|radius| *radius > 0.0).map(of_radius)
+    radius.ok().flatten().filter(|radius| *radius > 0.0)
+}
+
+/// Estimates the rise of a whole body with this heat loss [W/K] by the end of the case [K]: that of
+/// a sphere of its radius, which begins at P t/(m c) and ends at P/(h A).
+fn of_whole(situation: &Situation<'_>, body: usize, loss: f64) -> f64 {
+    let material = &situation.scene.materials[body];
+    let radius = radius(situation, body).unwrap_or(OF_A_WHEEL);
+    let volume = 4.0 / 3.0 * PI * radius.powi(3);
+    let times = situation.time * loss / (volume * material.density * material.specific_heat);
+    -situation.heat[body] / loss * (-times).exp_m1()
 }
 
 /// Heat loss of a sphere in air, to two digits [W/K].
@@ -216,7 +225,7 @@ fn remembered(situation: &Situation<'_>, body: usize) -> Option<[f64; 2]> {
     if loss.is_none() && interval.is_none() {
         return None;
     }
-    let bulk = loss.map_or(0.0, |loss| situation.heat[body] / loss);
+    let bulk = loss.map_or(0.0, |loss| of_whole(situation, body, loss));
     Some([bulk, interval.map_or(0.0, |interval| left(situation, body, passages, interval))])
 }
 
@@ -246,18 +255,22 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
             over_flash(*a, own.iter().sum()).total_cmp(&over_flash(*b, other.iter().sum()))
         })
     };
-    let bulk = |body: usize, loss: f64| [situation.heat[body] / loss, 0.0];
+    let bulk = |body: usize, loss: f64| [of_whole(situation, body, loss), 0.0];
     let known = most([UPPER, LOWER].map(|body| remembered(situation, body)));
-    let losses = [UPPER, LOWER].map(|body| typical(situation, body));
+    let losses = [UPPER, LOWER].map(|body| radius(situation, body).map(of_radius));
     let assumed = most([UPPER, LOWER].map(|body| Some(bulk(body, losses[body]?))));
     let (body, [bulk, residual]) =
         known.or(assumed).unwrap_or((UPPER, bulk(UPPER, of_radius(OF_A_WHEEL))));
-    let heat = 1e-3 * situation.heat[body];
+    let heat = watts(situation.heat[body]);
     let name = &scene.names.0[body];
     let loss = known.is_none().then(|| losses[body].unwrap_or(of_radius(OF_A_WHEEL)));
     let with = loss.map_or(String::new(), |loss| format!(" with an assumed loss of {loss} W/K"));
+    let when = match situation.time.is_finite() {
+        true => format!("in {} s", situation.time),
+        false => "over a long time".to_owned(),
+    };
     let why = format!(
-        "{heat:.2} kW into {name} raise the whole body by {bulk:.1} K over a long time{with}; earlier passages leave {residual:.1} K"
+        "{heat} into {name} raise the whole body by {bulk:.1} K {when}{with}; earlier passages leave {residual:.1} K"
     );
     let relative = over_flash(body, bulk + residual);
     let advice = Advice::new(NAME, why).number("rise of the whole body over flash", relative);

@@ -14,7 +14,7 @@
 
 use crate::capability::{Capability, Need};
 use crate::scene::Scene;
-use crate::situation::Situation;
+use crate::situation::{Situation, watts};
 use crate::{LOWER, UPPER};
 use heat::Material;
 use proto::advice::Advice;
@@ -155,7 +155,7 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let name = &situation.scene.names.0[body];
     let advice = Advice::new(
         NAME,
-        format!("{:.2} kW of friction warm {name} by about {rise:.1} K", 1e-3 * situation.power),
+        format!("{} of friction warm {name} by about {rise:.1} K", watts(situation.power)),
     )
     .number("Peclet number V a/(2 kappa)", situation.peclet(body))
     .with(format!("effects.{NAME}={{}}"));

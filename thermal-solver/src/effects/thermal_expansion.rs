@@ -24,6 +24,10 @@ const STEEL: f64 = 1.2e-5;
 /// in runs of `half-space` with `columns` of `cases/wheel-spin.toml` at 10 and 40 m/s, 20 and 60
 /// kN, creepages of 0.2 and 0.5.
 const PRESSED: f64 = 0.35;
+/// Relative change of the largest pressure per that ratio for a body at rest, whose surface is
+/// raised in the shape of the flux, as long as the heat has not spread beyond the contact. Found in
+/// runs of `cases/pin-on-disc.toml` and `cases/locked-wheel.toml` over different times.
+const PRESSED_AT_REST: f64 = 1.1;
 
 /// Estimates how much the effect matters in a scene.
 #[must_use]
@@ -40,12 +44,19 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
         let coefficient = materials.get(body).and_then(|material| given(material)).unwrap_or(STEEL);
         2.0 * (1.0 + 0.3) * coefficient * situation.rise_integral(body)
     };
-    let height: f64 = (0..2).map(raised).filter(|height| height.is_finite()).sum();
-    let share = height / situation.approach;
-    let why = "height by which heat raises the surfaces behind the contact, over the approach; the pressure changes by about a third of this ratio";
+    let pressed = |body: usize| match situation.speeds[body] {
+        0.0 => PRESSED_AT_REST / situation.spread(body),
+        _ => PRESSED,
+    };
+    let shares = [0, 1].map(|body| raised(body) / situation.approach);
+    let known = (0..2).filter(|body| shares[*body].is_finite());
+    let (share, change) = known.fold((0.0, 0.0), |(share, change), body| {
+        (share + shares[body], change + pressed(body) * shares[body])
+    });
+    let why = "height by which heat raises the surfaces behind the contact, or within that of a body at rest, over the approach; the pressure changes by a third of this ratio, at rest by up to all of it";
     let advice = Advice::new(NAME, why)
         .number("thermal rise over approach", share)
-        .moves(MAX_PRESSURE, PRESSED * share);
+        .moves(MAX_PRESSURE, change);
     let advice = lacking
         .iter()
         .fold(advice, |advice, material| advice.with(format!("{}={STEEL:e}", key(material))));

@@ -3,7 +3,7 @@
 //! A model computes its surface rises for a given exchanged flux. The corrections of that flux come
 //! from half-spaces in the same windows ([`heat::moving_source::exchange`]). The half-spaces need
 //! only resemble the bodies of the model, because the model itself evaluates the error after each
-//! correction.
+//! correction, and each correction learns from the earlier ones ([`numerics::secants`]).
 
 use super::conduction::InterfaceLoad;
 use super::frame::Frame;
@@ -16,7 +16,9 @@ use heat::moving_source::contact_basis::{ContactBasis, Shapes};
 use heat::moving_source::exchange::{Exchange, Resisting};
 use heat::moving_source::half_space::{Influence, convolution};
 use numerics::convolution::Convolution;
+use numerics::secants::Secants;
 use numerics::team;
+use numerics::vector::add_scaled;
 use proto::grid::Structured;
 use proto::model::StepError;
 use proto::state::read_bytes;
@@ -87,6 +89,10 @@ pub(super) struct Interface {
     correction: Vec<f64>,
     /// Temperature errors in the basis functions [K].
     errors: Vec<f64>,
+    /// Steps of the coefficients in this window, and what they changed.
+    secants: Secants,
+    /// Step of these coefficients [W/m²].
+    step: Vec<f64>,
     /// Exchanged flux at the elements in contact [W/m²].
     flow: Vec<f64>,
     /// Temperature errors at the elements in contact [K].
@@ -116,6 +122,8 @@ impl Interface {
             flows: Vec::new(),
             correction: Vec::new(),
             errors: Vec::new(),
+            secants: Secants::default(),
+            step: Vec::new(),
             flow: Vec::new(),
             differences: Vec::new(),
             touched: Vec::new(),
@@ -192,10 +200,11 @@ impl Interface {
     ) -> Result<u64, StepError> {
         self.touching.find(rub.pressure.unwrap_or(&[]), grid.ni);
         self.resist(grid.ni, rub.pressure);
-        for values in [&mut self.flows, &mut self.correction, &mut self.errors] {
+        for values in [&mut self.flows, &mut self.correction, &mut self.errors, &mut self.step] {
             values.clear();
             values.resize(self.touching.shapes(), 0.0);
         }
+        self.secants.clear();
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let friction = largest(rub.flux);
         let mut work = 0;
@@ -278,8 +287,11 @@ impl Interface {
             Exchange::new(grid, influences.each_ref().map(|one| &**one), self.least)
         });
         let contact = Resisting { touching: &self.touching, resistances: &self.resistances };
+        self.secants.step(&mut self.errors, &mut self.step);
         let products = exchange.correct(plan, &contact, &self.errors, &mut self.correction);
-        self.flows.iter_mut().zip(&self.correction).for_each(|(flow, more)| *flow += more);
+        add_scaled(&mut self.step, &self.correction, 1.0);
+        self.secants.took(&self.step);
+        add_scaled(&mut self.flows, &self.step, 1.0);
         self.exchange = Some((windows, exchange));
         products as u64
     }

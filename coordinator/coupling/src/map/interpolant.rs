@@ -24,9 +24,7 @@ use super::error::MapError;
 use super::nodes::{Nodes, Target};
 use super::patch::{COINCIDENT, Row, Vector};
 use crate::settings::Kernel;
-use faer::Mat;
-use faer::linalg::solvers::PartialPivLu;
-use faer::prelude::Solve;
+use nalgebra::{DMatrix, Dyn, LU};
 use rstar::primitives::GeomWithData;
 use rstar::{PointDistance, RTree};
 
@@ -147,7 +145,7 @@ fn rounded_up(length: f64) -> f64 {
 pub(super) struct Interpolant {
     points: Vec<u32>,
     functions: Functions,
-    system: PartialPivLu<f64>,
+    system: LU<f64, Dyn, Dyn>,
 }
 
 /// The functions of an interpolant: a radial one at each point, and the polynomial.
@@ -168,20 +166,20 @@ impl Interpolant {
         let (count, size) = (functions.places.len(), functions.len());
         let ridge = RIDGE * functions.kernel.basis.sign();
         let columns = functions.at(&functions.places);
-        let matrix = Mat::from_fn(size, size, |m, n| match (m < count, n < count) {
+        let matrix = DMatrix::from_fn(size, size, |m, n| match (m < count, n < count) {
             (_, true) if m == n => columns[(m, n)] + ridge,
             (_, true) => columns[(m, n)],
             (true, false) => columns[(n, m)],
             (false, false) => 0.0,
         });
-        Self { points, functions, system: matrix.partial_piv_lu() }
+        Self { points, functions, system: matrix.lu() }
     }
 
     /// Solves for the weights of targets at these points, with a column for each target. The rows
     /// after the weights have the multipliers of the polynomial.
-    fn solve(&self, targets: &[Vector]) -> Mat<f64> {
+    fn solve(&self, targets: &[Vector]) -> DMatrix<f64> {
         let mut weights = self.functions.at(targets);
-        self.system.solve_in_place(weights.as_mut());
+        self.system.solve_mut(&mut weights);
         weights
     }
 
@@ -200,11 +198,10 @@ impl Interpolant {
         let weights = self.solve(targets);
         let count = self.points.len();
         let sound = targets.iter().enumerate().all(|(column, target)| {
-            self.functions.are_sound(&weights.col_as_slice(column)[..count], *target)
+            self.functions.are_sound(weights.column(column).rows(0, count).as_slice(), *target)
         });
         let row = move |column: usize| -> Row {
-            let weights = weights.col_as_slice(column)[..count].iter();
-            self.points.iter().copied().zip(weights.copied()).collect()
+            self.points.iter().copied().zip(weights.column(column).iter().copied()).collect()
         };
         sound.then(|| (0..targets.len()).map(row))
     }
@@ -227,11 +224,10 @@ impl Functions {
     }
 
     /// Returns the values of all functions, with a column for each target.
-    fn at(&self, targets: &[Vector]) -> Mat<f64> {
-        let mut values = Mat::zeros(self.len(), targets.len());
-        for (column, target) in targets.iter().enumerate() {
-            let (radial, polynomial) =
-                values.col_as_slice_mut(column).split_at_mut(self.places.len());
+    fn at(&self, targets: &[Vector]) -> DMatrix<f64> {
+        let mut values = DMatrix::zeros(self.len(), targets.len());
+        for (mut column, target) in values.column_iter_mut().zip(targets) {
+            let (radial, polynomial) = column.as_mut_slice().split_at_mut(self.places.len());
             for (value, place) in radial.iter_mut().zip(&self.places) {
                 let p = (target - place).norm() / self.length;
                 *value = self.factor * self.kernel.basis.value(p);

@@ -26,7 +26,7 @@ fn state(next: u64) -> CoordinatorState {
         table_bytes: 99,
         history_bytes: 33,
         series: Vec::new(),
-        recorded: Some(Compression::Zstd),
+        recorded: Some(Compression::Lz4),
     }
 }
 

@@ -139,7 +139,8 @@ async fn describe(
                     section.place.clone(),
                     format!("{role}.command"),
                     format!("there is no program `{}`", program.path.display()),
-                    "correct the command, or build the program (`cargo build --release`)",
+                    "correct the command, or build the program: `cargo build --release --workspace` \
+                     builds all of this project",
                 ));
             }
             Err(error) => return Err(error),

@@ -16,7 +16,7 @@ use super::{Element, SurfaceLoad, UnitStresses};
 use elastic::Stress;
 use grids::Structured;
 use numerics::convolution::{Complex64, smooth_size};
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use numerics::fourier::{ComplexToReal, Real, RealToComplex};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -101,9 +101,7 @@ impl Section {
             "{grid:?}, depths {depths:?}"
         );
         let padded = 2 * smooth_size(grid.ni);
-        let mut planner = RealFftPlanner::new();
-        let (forward, inverse) =
-            (planner.plan_fft_forward(padded), planner.plan_fft_inverse(padded));
+        let (forward, inverse) = f64::real(padded);
         let scratch = forward.get_scratch_len().max(inverse.get_scratch_len());
         let zeros = |len: usize| vec![Complex64::default(); len];
         let (rows, base) = distances(grid, y);

@@ -39,8 +39,8 @@
 use elastic::Stress;
 use grids::Structured;
 use numerics::convolution::{Complex64, smooth_size};
+use numerics::fourier::{Fft, Real};
 use numerics::quadrature::GAUSS_8;
-use rustfft::{Fft, FftPlanner};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -243,7 +243,7 @@ impl<'a> Sources<'a> {
         assert_eq!(heat.values.len(), grid.points(), "integrals on the grid");
         // A single row represents a load that is uniform across.
         let rows = if grid.nj == 1 { 1 } else { smooth_size(2 * grid.nj) };
-        let transform = FftPlanner::new().plan_fft_forward(rows);
+        let [transform, _] = f64::complex(rows);
         Self { heat, rows, from_first: y - grid.y(0), transform }
     }
 

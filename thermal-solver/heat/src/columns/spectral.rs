@@ -9,8 +9,7 @@
 
 use super::reconstruction::FluxRow;
 use super::stencil::Part;
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use numerics::fourier::{Complex, ComplexToReal, Real, RealToComplex};
 use std::sync::Arc;
 
 type Spectrum = Vec<Complex<f64>>;
@@ -33,8 +32,7 @@ impl Spectral {
     #[must_use]
     pub fn new(part: &Part<'_>, columns: usize) -> Self {
         let length = padded_length(columns);
-        let mut planner = RealFftPlanner::new();
-        let (forward, back) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+        let (forward, back) = f64::real(length);
         let scratch = forward.get_scratch_len().max(back.get_scratch_len());
         let spectrum = vec![Complex::default(); length / 2 + 1];
         let mut new = Self {

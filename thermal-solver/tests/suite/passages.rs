@@ -1,16 +1,12 @@
 //! Rises left by earlier passages, and layers transformed by a passage.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use support::*;
 use thermal_solver::ThermalSolver;
 
 const CONDUCTIVITY: f64 = 50.0;

@@ -1,14 +1,10 @@
 //! Rise integrals through the contract: in time and steady, for both models that compute them.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::grid::Structured;
 use proto::model::Solver;
 use serde_json::{Value, json};
-use support::*;
 use thermal_solver::ThermalSolver;
 
 const MODELS: [&str; 2] = ["columns", "moving-source"];

@@ -1,16 +1,12 @@
 //! The three-dimensional models through the contract: the paper's case, heat flow between the
 //! surfaces, saved states.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
 use proto::model::Solver;
 use serde_json::{Value, json};
-use support::*;
 use thermal_solver::ThermalSolver;
 
 const B: f64 = 6.01e-3;

@@ -1,15 +1,11 @@
 //! Behaviour through the contract: descriptions, layouts, refusals, errors, work.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
 use proto::history::Histories;
 use proto::model::{Solver, StepError};
-use support::*;
 use thermal_solver::{ThermalSolver, effects, models};
 
 #[test]

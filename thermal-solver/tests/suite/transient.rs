@@ -1,9 +1,6 @@
 //! Transient motion: windows of any length against closed forms and a slow quadrature.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use heat::closed_form::uniform;
 use numerics::quadrature::integrate;
 use proptest::prelude::*;
@@ -14,7 +11,6 @@ use proto::history::Histories;
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use support::*;
 use thermal_solver::ThermalSolver;
 
 /// A smooth hump of the flux, different in every window.

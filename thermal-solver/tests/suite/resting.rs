@@ -1,17 +1,13 @@
 //! Bodies at rest: heat flow between bodies of different temperature, and an electric current
 //! through their contact.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::{Grid, Structured};
 use proto::model::{Model, Solver, Step};
 use proto::progress::Progress;
 use serde_json::{Value, json};
-use support::*;
 use thermal_solver::ThermalSolver;
 
 const RADIUS: f64 = 1e-3;

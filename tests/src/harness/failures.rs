@@ -1,11 +1,11 @@
 //! Repeated runs with a participant that fails while the other one is working.
 
-use tests::harness::{Place, case, sets};
+use super::{Place, case, sets};
 
 /// Starts `starts` runs in which one participant fails, at the start or in a window, while the
 /// other one is working or has just replied; `busy` threads keep the processors busy. Asserts that
 /// every run reports the message of the failed participant.
-pub(crate) fn failures_keep_their_words(starts: u64, busy: usize) {
+pub fn failures_keep_their_words(starts: u64, busy: usize) {
     let stop = std::sync::atomic::AtomicBool::new(false);
     std::thread::scope(|scope| {
         for _ in 0..busy {

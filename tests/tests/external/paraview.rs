@@ -1,7 +1,5 @@
 //! Fields on disk as read by VTK, and the state file that opens them in ParaView.
 
-use crate::harness::python::interpreter;
-use crate::harness::{Place, Table, case, programs, root, sets};
 use proto::bodies::Bodies;
 use proto::description::Description;
 use proto::field::{self, FieldSpec};
@@ -10,6 +8,8 @@ use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
+use tests::harness::python::interpreter_with_packages;
+use tests::harness::{Place, Table, case, programs, root, sets};
 use tests::moving::{flux, patch};
 use tests::volume::{KINDS, VOLUME_PLACE, VOLUME_TEMPERATURE, block, temperature};
 
@@ -50,8 +50,8 @@ struct Array {
 
 /// Reads a folder with VTK.
 fn look(folder: &Path) -> Seen {
-    let script = root().join("tests/tests/system/paraview/read.py");
-    let read = Command::new(interpreter()).arg(script).arg(folder).output().unwrap();
+    let script = root().join("tests/tests/external/paraview/read.py");
+    let read = Command::new(interpreter_with_packages()).arg(script).arg(folder).output().unwrap();
     let errors = String::from_utf8_lossy(&read.stderr);
     assert!(read.status.success() && errors.is_empty(), "{errors}");
     serde_json::from_slice(&read.stdout).unwrap()

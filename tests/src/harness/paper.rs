@@ -1,12 +1,13 @@
 //! Checks of a reproduction of the paper: figures against theory and CONTACT, and the resulting
 //! files.
 
+use super::{Ended, Place};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use tests::harness::{Ended, Place};
 
-pub(crate) fn reproduce(place: &Place, study: &Path, more: &[&str]) -> Ended {
+/// Reproduces a study into the result folder of the place.
+pub fn reproduce(place: &Place, study: &Path, more: &[&str]) -> Ended {
     let (study, out) = (study.display().to_string(), place.out().display().to_string());
     let mut arguments = vec!["reproduce", &study, "--out", &out, "--replace"];
     arguments.extend(more);
@@ -14,29 +15,31 @@ pub(crate) fn reproduce(place: &Place, study: &Path, more: &[&str]) -> Ended {
 }
 
 /// Figure of one run of a reproduction.
-pub(crate) fn figure(record: &Value, run: &str, pointer: &str) -> f64 {
+pub fn figure(record: &Value, run: &str, pointer: &str) -> f64 {
     let runs = record["runs"].as_array().unwrap();
     let found = runs.iter().find(|one| one["name"] == run);
     let found = found.unwrap_or_else(|| panic!("there is no run {run}"));
     found["summary"].pointer(pointer).and_then(Value::as_f64).unwrap()
 }
 
-pub(crate) fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
+/// Asserts that a figure is within a tolerance.
+pub fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
     let off = (found - expected).abs();
     assert!(off <= tolerance, "{what}: {found}, expected {expected} ± {tolerance}");
 }
 
-pub(crate) const RISE: &str = "/temperature/rail/max_rise_k";
+/// Largest rise of the rail in a summary.
+pub const RISE: &str = "/temperature/rail/max_rise_k";
 
 /// Reads the record of the runs of a reproduction.
-pub(crate) fn record(place: &Place) -> Value {
+pub fn record(place: &Place) -> Value {
     let record = fs::read_to_string(place.out().join("reproduce.json")).unwrap();
     serde_json::from_str(&record).unwrap()
 }
 
 /// Carter strips on the patch of Table 2. The tolerances are the last digits of the reference
 /// figures plus the error of the grid, 0.2 %.
-pub(crate) fn assert_carter_strips(record: &Value) {
+pub fn assert_carter_strips(record: &Value) {
     let rows = [
         ("0.58", 298.2, -0.829, -0.01149),
         ("0.50", 209.0, -0.857, -0.00832),
@@ -52,7 +55,7 @@ pub(crate) fn assert_carter_strips(record: &Value) {
 }
 
 /// Closed forms of the paper with its own inputs, to the last digit of the reference figures.
-pub(crate) fn assert_methods(record: &Value) {
+pub fn assert_methods(record: &Value) {
     for (run, rise, x_over_a) in [("knothe-liebelt", 260.9, -0.652), ("ertz-knothe", 261.9, -0.647)]
     {
         assert_close(figure(record, run, RISE), rise, 0.06, run);
@@ -61,7 +64,7 @@ pub(crate) fn assert_methods(record: &Value) {
 }
 
 /// The page of the folder can be written again, and shows every drawing stored there as a file.
-pub(crate) fn assert_shown(place: &Place) {
+pub fn assert_shown(place: &Place) {
     let page = place.out().join("report.html");
     let first = fs::read_to_string(&page).unwrap();
     fs::remove_file(&page).unwrap();

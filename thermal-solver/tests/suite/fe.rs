@@ -1,10 +1,7 @@
 //! Model `fe` through the contract: accuracy in time and in steady motion, solvers against each
 //! other, properties over temperature.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use heat::Material;
 use heat::closed_form::ellipse::{peak, surface};
 use heat::columns::reconstruction::Flux;
@@ -17,7 +14,6 @@ use proto::grid::{Grid, Shape, Structured};
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::io::Write;
-use support::*;
 use thermal_solver::ThermalSolver;
 use thermal_solver::effects::volume_temperature::VOLUMES;
 use thermal_solver::{LOWER, UPPER};

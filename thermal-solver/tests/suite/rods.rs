@@ -1,15 +1,11 @@
 //! Model `rod` against closed forms.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::{DIFFUSIVITY, Run, configuration, effusivity, steel};
 use proto::configuration::Mode;
 use proto::grid::Structured;
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use support::{DIFFUSIVITY, Run, configuration, effusivity, steel};
 use thermal_solver::ThermalSolver;
 
 const LENGTH: f64 = 0.02;

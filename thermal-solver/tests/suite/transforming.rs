@@ -1,15 +1,11 @@
 //! Transformation in time, against closed forms of heated columns.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use proto::configuration::Mode;
 use proto::grid::Structured;
 use proto::model::Solver;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-use support::*;
 use thermal_solver::ThermalSolver;
 
 const COLUMNS: usize = 400;

@@ -1,9 +1,6 @@
 //! Estimates for a scene before a run, against the results of the models.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use proto::advice::{Advice, Known, Opinion, Scene};
 use proto::configuration::Mode;
 use proto::grid::Structured;
@@ -11,7 +8,6 @@ use proto::model::Solver;
 use proto::params::Params;
 use serde_json::{Value, json};
 use std::io::Write;
-use support::*;
 use thermal_solver::ThermalSolver;
 
 /// Friction power [W].

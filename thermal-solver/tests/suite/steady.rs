@@ -1,16 +1,12 @@
 //! Steady motion: reference values, orders of convergence, invariances.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, and so does what it calls")]
-
-mod support;
-
+use crate::support::*;
 use heat::closed_form::{ellipse, polynomial, scales, uniform};
 use heat::columns::convolution::CROSSOVER;
 use proto::configuration::Mode;
 use proto::field;
 use proto::grid::Structured;
 use serde_json::json;
-use support::*;
 
 /// Flux of full slip q = f V_s p₀ √(1 − ξ²) [W/m²].
 fn full_slip(grid: &Structured) -> Vec<f64> {
