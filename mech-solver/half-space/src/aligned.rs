@@ -20,6 +20,29 @@ use grids::Structured;
 /// Displacements below this are rounding: mirrored rows are displaced alike [elements].
 const ROUNDING: f64 = 1e-9;
 
+/// Part of a row that is in contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chord {
+    /// Trailing edge [m].
+    pub trailing: f64,
+    /// Leading edge [m].
+    pub leading: f64,
+}
+
+impl Chord {
+    /// Chords of the rows of a grid in an ellipse around the origin with the semi-axes `a` and `b`
+    /// [m]; a single row is a line contact.
+    #[must_use]
+    pub fn of_ellipse(grid: &Structured, [a, b]: [f64; 2]) -> Vec<Option<Self>> {
+        let half = |j: usize| match grid.nj {
+            1 => a,
+            _ => a * (1.0 - (grid.y(j) / b).powi(2)).max(0.0).sqrt(),
+        };
+        let chord = |half: f64| (half > 0.0).then_some(Self { trailing: -half, leading: half });
+        (0..grid.nj).map(|j| chord(half(j))).collect()
+    }
+}
+
 /// A grid and the displacements of its rows along x.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlignedGrid {
@@ -55,12 +78,9 @@ impl AlignedGrid {
     /// Displaces the rows to the edge of an ellipse around the origin with the semi-axes `a` and
     /// `b` [m]; a single row is a line contact.
     #[must_use]
-    pub fn of_ellipse(grid: Structured, [a, b]: [f64; 2]) -> Self {
-        let chord = |j: usize| match grid.nj {
-            1 => a,
-            _ => a * (1.0 - (grid.y(j) / b).powi(2)).max(0.0).sqrt(),
-        };
-        Self::new(grid, |j| Some(chord(j)).filter(|chord| *chord > 0.0))
+    pub fn of_ellipse(grid: Structured, semi_axes: [f64; 2]) -> Self {
+        let chords = Chord::of_ellipse(&grid, semi_axes);
+        Self::new(grid, |j| chords[j].map(|chord| chord.leading))
     }
 
     /// Regular grid.

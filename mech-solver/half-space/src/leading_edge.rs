@@ -17,7 +17,7 @@
 //!
 //! Pressures of other shapes, as under a bound or on rough surfaces, have no such rows.
 
-use super::aligned::AlignedGrid;
+use super::aligned::{AlignedGrid, Chord};
 use grids::Structured;
 use std::f64::consts::PI;
 
@@ -31,6 +31,17 @@ const SHARE: f64 = 0.05;
 
 /// Rows on either side over which k is averaged, weighted with the squares of the loads.
 const NEAR: usize = 2;
+
+/// Pressure of elements in rows that begin at the leading edge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AlignedPressure {
+    /// Grid whose rows begin at the leading edge.
+    pub rows: AlignedGrid,
+    /// Mean pressure of the elements [Pa].
+    pub means: Vec<f64>,
+    /// Edges of each row in contact.
+    pub chords: Vec<Option<Chord>>,
+}
 
 /// Half ellipse of a row, and its load per unit of width [N/m].
 #[derive(Clone, Copy, Debug)]
@@ -58,13 +69,17 @@ impl HalfEllipse {
     }
 }
 
-/// Displaces the rows of a grid to the leading edges of a pressure. Returns the grid and the
-/// pressure of its elements; `None` if the rows are no half ellipses.
+/// Displaces the rows of a grid to the leading edges of a pressure. Returns `None` if the rows are
+/// no half ellipses.
 #[must_use]
-pub fn align(grid: &Structured, pressure: &[f64]) -> Option<(AlignedGrid, Vec<f64>)> {
+pub fn align(grid: &Structured, pressure: &[f64]) -> Option<AlignedPressure> {
     let rows = half_ellipses(grid, pressure)?;
-    let edge = |j: usize| rows[j].map(|row| row.middle + row.half_chord);
-    let aligned = AlignedGrid::new(*grid, edge);
+    let chord = |row: &HalfEllipse| Chord {
+        trailing: row.middle - row.half_chord,
+        leading: row.middle + row.half_chord,
+    };
+    let chords: Vec<_> = rows.iter().map(|row| row.as_ref().map(chord)).collect();
+    let aligned = AlignedGrid::new(*grid, |j| chords[j].map(|chord: Chord| chord.leading));
     let mut means = Vec::with_capacity(pressure.len());
     for (j, (row, pressure)) in rows.iter().zip(pressure.chunks_exact(grid.ni)).enumerate() {
         let offset = aligned.offset(j);
@@ -75,7 +90,7 @@ pub fn align(grid: &Structured, pressure: &[f64]) -> Option<(AlignedGrid, Vec<f6
     }
     let [before, after] = [pressure, &means].map(|of| of.iter().sum::<f64>());
     means.iter_mut().for_each(|mean| *mean *= before / after);
-    Some((aligned, means))
+    Some(AlignedPressure { rows: aligned, means, chords })
 }
 
 /// Pressure of the elements of a row displaced by `offset` [m].
@@ -85,22 +100,7 @@ fn row_means(row: &HalfEllipse, pressure: &[f64], grid: &Structured, offset: f64
     let ratio = |i: usize| pressure[i] / row.mean(grid.x(i), side);
     let ratios: Vec<(usize, f64)> =
         (0..pressure.len()).filter(|i| inner(*i)).map(|i| (i, ratio(i))).collect();
-    let at = |place: f64| match (ratios.first(), ratios.last()) {
-        (Some((first, low)), Some((last, high))) => {
-            let (first, last) = (*first as f64, *last as f64);
-            let place = place.clamp(first, last);
-            let k = (place - first).floor() as usize;
-            match ratios.get(k + 1) {
-                Some((_, next)) => {
-                    let share = place - first - k as f64;
-                    (1.0 - share) * ratios[k].1 + share * next
-                }
-                None if place > first => *high,
-                None => *low,
-            }
-        }
-        _ => 1.0,
-    };
+    let at = |place: f64| interpolated(&ratios, place);
     let mean = |i: usize| row.mean(grid.x(i) + offset, side) * at(i as f64 + offset / side);
     let mut means: Vec<f64> = (0..pressure.len()).map(mean).collect();
     let sum: f64 = means.iter().sum::<f64>() * side;
@@ -108,6 +108,26 @@ fn row_means(row: &HalfEllipse, pressure: &[f64], grid: &Structured, offset: f64
         means.iter_mut().for_each(|mean| *mean *= row.load / sum);
     }
     means
+}
+
+/// Interpolates ratios at ascending, consecutive elements of a row at any place [elements]. Beyond
+/// the ends the ratio is that of the nearest element; without ratios it is 1.
+pub(super) fn interpolated(ratios: &[(usize, f64)], place: f64) -> f64 {
+    let (Some((first, low)), Some((last, high))) = (ratios.first(), ratios.last()) else {
+        return 1.0;
+    };
+    if place <= *first as f64 {
+        return *low;
+    }
+    let from_first = place - *first as f64;
+    let k = from_first.floor() as usize;
+    match ratios.get(k + 1) {
+        Some((_, next)) if place < *last as f64 => {
+            let share = from_first - k as f64;
+            (1.0 - share) * ratios[k].1 + share * next
+        }
+        _ => *high,
+    }
 }
 
 /// Half ellipses of the rows with a pressure; `None` if they are none.

@@ -17,6 +17,7 @@
 //! | [`dissipation`] | numerical dissipation of these differences |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
+//! | [`slip_zone`] | slip zones at the trailing edges of rows, resolved below the size of elements |
 //! | [`slip_iteration`] | friction that depends on the slip of each element |
 //! | [`grid_continuation`] | the tangential problem by continuation in resolution |
 //! | [`viscoelastic`] | influence numbers of viscoelastic bodies in steady rolling |
@@ -49,6 +50,7 @@ mod prescribed;
 pub mod retarded;
 pub mod slip_iteration;
 pub mod slip_operator;
+pub mod slip_zone;
 pub mod subsurface;
 pub mod tangential;
 pub mod viscoelastic;

@@ -201,7 +201,8 @@ fn edges_follow_from_a_computed_pressure() {
             solver
                 .solve(&distance, Prescribed::Load(LOAD), &mut pressure)
                 .expect("a Hertz contact");
-            (rolling.rows, rolling.bound) = align(&grid, &pressure).expect("rows of half ellipses");
+            let aligned = align(&grid, &pressure).expect("rows of half ellipses");
+            (rolling.rows, rolling.bound) = (aligned.rows, aligned.means);
             rolling.levels = Levels::of_rows(&rolling.rows, &rolling.contact);
             for (largest, (creepage, limit)) in largest.iter_mut().zip(LIMITS) {
                 for (force, limit) in rolling.roll(creepage).forces.iter().zip(limit) {

@@ -9,7 +9,6 @@ use crate::models::contact_model::CarriedLoad;
 use crate::models::summary::{add_limited_area, add_patches};
 use crate::terms::Accepted;
 use crate::terms::surface::KeptSurface;
-use half_space::aligned::AlignedGrid;
 use half_space::area::contact_area;
 use half_space::dissipation::without_negative;
 use half_space::extent::Moments;
@@ -119,8 +118,8 @@ impl ContactFields {
         answer
     }
 
-    /// Answer of a solution with partial slip; `before` are the tractions of the previous instant,
-    /// `None` in steady rolling.
+    /// Answer of a solution with partial slip, in the rows of the contact; `before` are the
+    /// tractions of the previous instant, `None` in steady rolling.
     pub(super) fn partial(
         case: &Case,
         contact: &ContactSolver,
@@ -138,25 +137,29 @@ impl ContactFields {
         let before = before.map(|before| before.concat());
         let fields = [state.traction.concat(), state.slip.concat()];
         answer.set(case, contact, fields, before.as_deref());
-        answer.slip_zone =
-            SlipZone::new(case.footprint.grid.ni, &state.element, &answer.friction_power);
         answer.flowed =
             LayerFlow::of(state, &answer.friction_power, case.footprint.grid.element_area());
         answer.largest = [&answer.traction, &answer.slip_velocity].map(|field| largest(field));
-        answer.leave_rows(&contact.rows);
         answer
     }
 
-    /// Takes fields in displaced rows to the regular grid.
-    fn leave_rows(&mut self, rows: &AlignedGrid) {
-        if rows.displacements().is_none() {
-            return;
-        }
-        let onto_grid = |values: &[f64]| rows.onto_grid(values);
+    /// Takes the fields from the rows of the contact to the grid of the case, once the friction
+    /// power is complete, and measures the slip zone.
+    pub(super) fn leave_rows(
+        &mut self,
+        case: &Case,
+        contact: &ContactSolver,
+        state: &TangentialState,
+    ) {
+        let grid = &case.footprint.grid;
+        let rows = contact.slipping_rows(state, case.scene.speeds.rolling);
+        let (zones, power) = rows.power_on_grid(&self.friction_power);
+        self.slip_zone = SlipZone::of_rows(grid, &state.element, &self.friction_power, &zones);
+        self.friction_power = power;
+        let onto_grid = |values: &[f64]| contact.rows.onto_grid(values);
         for field in [&mut self.traction, &mut self.slip_velocity] {
             *field = field.chunks_exact(self.pressure.len()).flat_map(onto_grid).collect();
         }
-        self.friction_power = rows.onto_grid(&self.friction_power);
     }
 
     /// Adds the numerical dissipation of the difference along x to the friction power [W/m²], of

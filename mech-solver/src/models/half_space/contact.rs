@@ -11,19 +11,20 @@ use crate::models::shortfall::Shortfall;
 use crate::terms::Kind;
 use crate::terms::friction::{FrictionState, lateral};
 use elastic::slip::RigidSlip;
-use half_space::aligned::AlignedGrid;
+use half_space::aligned::{AlignedGrid, Chord};
 use half_space::coupling::Coupling;
 use half_space::difference::{Difference, Stencil};
 use half_space::extent::elliptic;
 use half_space::friction::ElementFriction;
 use half_space::grid_continuation::{Contact, History, Levels, Motion, Solution, TangentialError};
 use half_space::influence::Influence;
-use half_space::leading_edge::align;
+use half_space::leading_edge::{AlignedPressure, align};
 use half_space::normal::{NormalError, NormalSolver, Prescribed};
 use half_space::slip_iteration::{
     SlipFrictionIteration, Unsettled, first_velocities, slip_velocities,
 };
 use half_space::slip_operator::Displacement;
+use half_space::slip_zone::SlippingRows;
 use half_space::tangential::{self, Creepage, TangentialState};
 use proto::model::{Inputs, StepError};
 
@@ -73,6 +74,8 @@ pub(super) struct ContactSolver {
     pub(super) rows: AlignedGrid,
     /// Pressure of the elements in displaced rows; empty on a regular grid.
     row_pressure: Vec<f64>,
+    /// Edges of displaced rows; empty on a regular grid.
+    chords: Vec<Option<Chord>>,
     coupling: Option<Coupling>,
     /// Displacements by which viscoelastic bodies dissipate, built when first needed.
     dissipating: Option<Dissipating>,
@@ -158,6 +161,7 @@ impl ContactSolver {
             settings: contact,
             rows: AlignedGrid::regular(*grid),
             row_pressure: Vec::new(),
+            chords: Vec::new(),
             coupling: (case.terms.adhesion && coupled).then(|| {
                 let stencil = motion.stencil(case.difference);
                 if case.bodies.remember() {
@@ -231,12 +235,32 @@ impl ContactSolver {
         let found = displaces_rows(case, self.settings.motion)
             .then(|| aligned(case, &self.pressure))
             .flatten();
-        let regular = || (AlignedGrid::regular(grid), Vec::new());
-        let (rows, pressure) = found.unwrap_or_else(regular);
+        let regular = || AlignedPressure {
+            rows: AlignedGrid::regular(grid),
+            means: Vec::new(),
+            chords: Vec::new(),
+        };
+        let AlignedPressure { rows, means, chords } = found.unwrap_or_else(regular);
         if case.terms.adhesion && (self.levels.is_none() || rows != self.rows) {
             self.levels = Some(Levels::of_rows(&rows, &self.settings));
         }
-        (self.rows, self.row_pressure) = (rows, pressure);
+        (self.rows, self.row_pressure, self.chords) = (rows, means, chords);
+    }
+
+    /// Rows of the tractions, with a solution under the latest pressure.
+    pub(super) fn slipping_rows<'a>(
+        &'a self,
+        state: &'a TangentialState,
+        speed: f64,
+    ) -> SlippingRows<'a> {
+        SlippingRows {
+            rows: &self.rows,
+            chords: &self.chords,
+            state,
+            bound: &self.bound,
+            elasticity: self.settings.bodies.instantaneous,
+            speed,
+        }
     }
 
     /// Pressure of the elements in the rows of the tractions [Pa].
@@ -568,7 +592,7 @@ fn displaces_rows(case: &Case, motion: Motion) -> bool {
 /// Rows that begin at the leading edge, with their pressure: in closed form for an ellipse,
 /// otherwise from the pressure; `None` if its rows are no half ellipses. Tractions with memory have
 /// the same rows under all loads, those of the smallest.
-fn aligned(case: &Case, pressure: &[f64]) -> Option<(AlignedGrid, Vec<f64>)> {
+fn aligned(case: &Case, pressure: &[f64]) -> Option<AlignedPressure> {
     let grid = &case.footprint.grid;
     let known = case.footprint.gap.is_none() || case.is_hertzian();
     let Some(ellipse) = case.footprint.ellipse.filter(|_| known) else {
@@ -580,7 +604,8 @@ fn aligned(case: &Case, pressure: &[f64]) -> Option<(AlignedGrid, Vec<f64>)> {
     let mut means = elliptic(&rows, axes);
     let [before, after] = [pressure, &means].map(|of| of.iter().sum::<f64>());
     means.iter_mut().for_each(|mean| *mean *= before / after);
-    (after > 0.0).then_some((rows, means))
+    let chords = Chord::of_ellipse(grid, axes);
+    (after > 0.0).then_some(AlignedPressure { rows, means, chords })
 }
 
 fn add(sum: &mut [f64], more: &[f64]) {

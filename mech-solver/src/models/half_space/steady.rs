@@ -173,8 +173,9 @@ impl Steady {
                 report.work = solution.operator_applications as u64;
                 let mut answer = ContactFields::partial(case, contact, &solution, None);
                 if let Some(power) = contact.numerical_dissipation(case, &solution.state) {
-                    answer.add_numerical_dissipation(case, &contact.rows.onto_grid(&power));
+                    answer.add_numerical_dissipation(case, &power);
                 }
+                answer.leave_rows(case, contact, &solution.state);
                 found = Some(solution);
                 answer
             }

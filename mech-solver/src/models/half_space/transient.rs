@@ -252,8 +252,9 @@ impl Transient {
         let start = &mut self.start;
         start.answer = ContactFields::partial(case, &steady, &solution, None);
         if let Some(power) = steady.numerical_dissipation(case, &solution.state) {
-            start.answer.add_numerical_dissipation(case, &steady.rows.onto_grid(&power));
+            start.answer.add_numerical_dissipation(case, &power);
         }
+        start.answer.leave_rows(case, &steady, &solution.state);
         (start.pressure, start.approach) = (steady.pressure, steady.approach);
         self.contact.pressure.clone_from(&start.pressure);
         self.contact.displacement(&solution.state, &mut start.displacement);
@@ -382,7 +383,7 @@ impl Transient {
             ContactFields::partial(case, contact, &trial.solution, Some(&before.traction));
         let state = &trial.solution.state;
         if let Some(power) = contact.numerical_dissipation(case, state) {
-            trial.answer.add_numerical_dissipation(case, &contact.rows.onto_grid(&power));
+            trial.answer.add_numerical_dissipation(case, &power);
         }
         let (pressure, approach) = (contact.pressure.clone(), contact.approach);
         for contact in self.further.iter_mut().chain([&mut self.contact]) {
@@ -406,8 +407,13 @@ impl Transient {
         let after = trial.tangential();
         if let Some(earlier) = &earlier {
             let power = after.dissipated(&before, earlier, case.passage().duration);
-            trial.answer.add_numerical_dissipation(case, &self.contact.rows.onto_grid(&power));
+            trial.answer.add_numerical_dissipation(case, &power);
         }
+        let contact = match (&self.further, &earlier) {
+            (Some(further), Some(_)) => further,
+            _ => &self.contact,
+        };
+        trial.answer.leave_rows(case, contact, &trial.solution.state);
         if !case.bodies.are_coupled() {
             let energy = match (&earlier, kept) {
                 (Some(earlier), _) => [before.energy(earlier), after.energy(&before)],
