@@ -19,12 +19,17 @@
 //! **Border.** A zone of up to three elements has the width that its power gives. In wider zones the
 //! squares of the slip at the second and the third element from the border lie on a straight line,
 //! s² ∝ (x_b − x)(x_l − x). Fromm's difference displaces its zero upstream by 0.20 elements,
-//! whatever the width and the position of the edges (on Carter's strip, ± 0.03). The border is between
-//! the centres of the elements that slip and stick.
+//! whatever the width and the position of the edges (on Carter's strip, ± 0.03). The border is at
+//! most half an element beyond the centres of the elements that slip and stick.
 //!
 //! **Power.** Between the edge and the border the density is that of the strip times the ratio of
-//! the computed power to it, interpolated between the inner elements; narrow zones have none. The
-//! sum of a row stays, numerical dissipation included.
+//! the computed power to it, interpolated between the inner elements; narrow zones have none.
+//! Numerical dissipation is included, and the sum stays.
+//!
+//! **Rows.** Trailing edges are ragged: an element is in contact if its centre is. In narrow zones
+//! the powers of neighbouring rows err by 5 to 15 % in turn, and their means by 3 %. Neighbours with
+//! narrow zones therefore exchange a quarter of their difference. This smooths the power across by
+//! an error of second order.
 //!
 //! Source: F. W. Carter, Proc. Roy. Soc. A 112 (1926) 151. The application is this project's.
 
@@ -42,6 +47,9 @@ const WIDE: usize = 4;
 const DISPLACED: f64 = 0.20;
 /// Distance of inner elements from the ends of the zone [elements].
 const INNER: f64 = 1.5;
+
+/// Least width of a zone [elements].
+const NARROWEST: f64 = 0.01;
 
 /// Contact in rows with known edges, and its tractions and slip.
 #[derive(Clone, Copy, Debug)]
@@ -102,16 +110,11 @@ impl SlippingRows<'_> {
     pub fn power_on_grid(&self, power: &[f64]) -> (Vec<Option<TrailingZone>>, Vec<f64>) {
         let nx = self.rows.grid().ni;
         let mut elsewhere = power.to_vec();
-        let mut zones = Vec::with_capacity(self.rows.grid().nj);
-        for (row, rest) in elsewhere.chunks_exact_mut(nx).enumerate() {
-            let zone = self.zone(row, rest);
-            if zone.is_some() {
-                let stick = self.first_stick(row).unwrap_or(nx);
-                let slips = |i: usize| i > stick && self.elements(row)[i] == ElementState::Slip;
-                (0..nx).filter(|i| !slips(*i)).for_each(|i| rest[i] = 0.0);
-            }
-            zones.push(zone);
-        }
+        let rows = elsewhere.chunks_exact_mut(nx).enumerate();
+        let mut sums: Vec<_> = rows.map(|(row, power)| self.take(row, power)).collect();
+        self.exchange(&mut sums);
+        let zone = |(row, sum): (usize, Option<f64>)| sum.map(|sum| self.zone(row, sum));
+        let zones: Vec<_> = sums.into_iter().enumerate().map(zone).collect();
         let mut onto_grid = self.rows.onto_grid(&elsewhere);
         let rows = onto_grid.chunks_exact_mut(nx).zip(power.chunks_exact(nx)).enumerate();
         for (row, (values, power)) in rows {
@@ -139,15 +142,44 @@ impl SlippingRows<'_> {
         values.iter_mut().zip(densities).for_each(|(value, density)| *value += scale * density);
     }
 
-    /// Slip zone of a row whose trailing edge slips or, on a coarse grid, should.
-    fn zone(&self, row: usize, power: &[f64]) -> Option<TrailingZone> {
-        let chord = (*self.chords.get(row)?)?;
-        let grid = self.rows.grid();
+    /// Takes the power of the slip zone at the trailing edge from the elements of a row [W/m²]:
+    /// all but that of slip elsewhere. `None` for rows without adhesion or with unknown edges.
+    fn take(&self, row: usize, power: &mut [f64]) -> Option<f64> {
+        let (_, stick) = self.chords.get(row).copied().flatten().zip(self.first_stick(row))?;
         let elements = self.elements(row);
-        let first = elements.iter().position(|element| *element != ElementState::Exterior)?;
-        let stick = self.first_stick(row)?;
-        let slips = |(i, _): &(usize, &f64)| *i > stick && elements[*i] == ElementState::Slip;
-        let sum: f64 = power.iter().enumerate().filter(|at| !slips(at)).map(|(_, q)| q).sum();
+        let slips = |i: usize| i > stick && elements[i] == ElementState::Slip;
+        let own = || (0..power.len()).filter(|i| !slips(*i));
+        let sum: f64 = own().map(|i| power[i]).sum();
+        if sum <= 0.0 {
+            return None;
+        }
+        let own: Vec<usize> = own().collect();
+        own.into_iter().for_each(|i| power[i] = 0.0);
+        Some(sum)
+    }
+
+    /// Moves a quarter of the difference of the powers of neighbouring rows with narrow zones.
+    fn exchange(&self, sums: &mut [Option<f64>]) {
+        let narrow = |row: usize| self.slipping(row).is_some_and(|count| count < WIDE);
+        let before = sums.to_vec();
+        for row in 1..sums.len() {
+            if let (Some(low), Some(high)) = (before[row - 1], before[row])
+                && (narrow(row - 1) || narrow(row))
+            {
+                let moved = 0.25 * (high - low);
+                sums[row - 1] = sums[row - 1].map(|sum| sum + moved);
+                sums[row] = sums[row].map(|sum| sum - moved);
+            }
+        }
+    }
+
+    /// Slip zone of a row with this sum of powers [W/m²], that slips at its trailing edge or, on a
+    /// coarse grid, should.
+    fn zone(&self, row: usize, sum: f64) -> TrailingZone {
+        let grid = self.rows.grid();
+        let chord = self.chords[row].expect("rows with a power have edges");
+        let stick = self.first_stick(row).expect("rows with a power stick");
+        let count = self.slipping(row).unwrap_or(0);
         let zone = |width: f64| TrailingZone {
             trailing: chord.trailing,
             border: chord.trailing + width,
@@ -155,13 +187,16 @@ impl SlippingRows<'_> {
             power: sum * grid.dx(),
         };
         let place = |i: usize| grid.x(i) + self.rows.offset(row) - chord.trailing;
-        let least = if stick > first { place(stick - 1) } else { 0.0 };
-        let width = match stick - first {
-            count if count >= WIDE => self.width_by_slip(row, stick, &chord),
-            _ => self.width_by_power(row, first..stick + 1, &zone(0.0))?,
+        let least = if count > 0 { place(stick - 1) } else { 0.0 };
+        let [least, most] = [least - 0.5 * grid.dx(), place(stick) + 0.5 * grid.dx()];
+        let width = match count {
+            WIDE.. => self.width_by_slip(row, stick, &chord),
+            _ => self
+                .width_by_power(row, stick - count..stick + 1, &zone(0.0))
+                .unwrap_or_else(|| place(stick)),
         };
-        let width = width.max(least).min(place(stick)).min(chord.leading - chord.trailing);
-        (width > 0.0 && sum > 0.0).then(|| zone(width))
+        let width = width.max(least).min(most).min(chord.leading - chord.trailing);
+        zone(width.max(NARROWEST * grid.dx()))
     }
 
     /// Width of a zone by the slip of the second and the third element from the border.
@@ -236,6 +271,13 @@ impl SlippingRows<'_> {
     fn elements(&self, row: usize) -> &[ElementState] {
         let grid: &Structured = self.rows.grid();
         &self.state.element[row * grid.ni..(row + 1) * grid.ni]
+    }
+
+    /// Number of elements that slip at the trailing edge of a row; `None` without adhesion.
+    fn slipping(&self, row: usize) -> Option<usize> {
+        let elements = self.elements(row);
+        let first = elements.iter().position(|element| *element != ElementState::Exterior)?;
+        Some(self.first_stick(row)? - first)
     }
 
     /// First element of a row that sticks.
