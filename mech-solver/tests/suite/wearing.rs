@@ -99,15 +99,15 @@ fn a_worn_contact_flattens_and_steps_converge() {
     assert!(first.abs() < 0.03 && (0.35..0.65).contains(&(second / first)), "{first} {second}");
 }
 
-/// Too many passages in a row are refused with the possible number. Four fifths of that number are
-/// accepted: the limit sinks while the contact flattens.
+/// Too many passages in a row are refused with the possible number; nine tenths of that number are
+/// accepted.
 #[test]
 fn a_row_that_wears_too_much_is_refused() {
     let refused = wear(&rows(2, 1e6)).err().expect("a million passages").to_string();
     let (_, after) = refused.split_once("write at most ").expect("what to write");
     let most: f64 = after.split_whitespace().next().unwrap().parse().unwrap();
     assert!((100.0..1e6).contains(&most), "{refused}");
-    wear(&rows(3, 0.8 * most)).unwrap();
+    wear(&rows(3, 0.9 * most)).unwrap();
 }
 
 /// A resumed sequence continues with the worn profile, to the bit.

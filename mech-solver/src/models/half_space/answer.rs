@@ -236,6 +236,7 @@ impl ContactFields {
     pub(super) fn accepted(&self) -> Accepted<'_> {
         Accepted {
             pressure: &self.bounding_pressure,
+            normal_pressure: &self.pressure,
             traction: &self.traction,
             slip_velocity: &self.slip_velocity,
             friction_power: &self.friction_power,
