@@ -12,24 +12,24 @@
 //! q = V C k² (x_l − x) √((x − x_t)(x_b − x)),   P = ∫ q dx = V C k² (π/8) L² (2c − L/2),
 //!
 //! with the compliance C of a half-plane: 2(1 − ν)/G along x, 2/G along y. The border and the edge
-//! of an ellipse are inclined by ψ against y. Traction and slip along the unit vector e, with
-//! the components e_n across the edge and e_t along it, then have C = cos ψ (2(1 − ν) e_n² + 2 e_t²)/G,
-//! exactly for narrow zones and pure e_n or e_t.
+//! of an ellipse are inclined by ψ against y. Traction and slip along the unit vector e, with the
+//! components e_n across the edge and e_t along it, then have
+//! C = cos ψ (2(1 − ν) e_n² + 2 e_t²)/G, exactly for narrow zones and pure e_n or e_t.
 //!
-//! **Border.** A zone of up to three elements has the width that its power gives. In wider zones the
-//! squares of the slip at the second and the third element from the border lie on a straight line,
-//! s² ∝ (x_b − x)(x_l − x). Fromm's difference displaces its zero upstream by 0.20 elements,
-//! whatever the width and the position of the edges (on Carter's strip, ± 0.03). The border is at
-//! most half an element beyond the centres of the elements that slip and stick.
+//! **Border.** A zone of up to three elements has the width that its power gives. In wider zones
+//! the squares of the slip at the second and the third element from the border lie on a straight
+//! line, s² ∝ (x_b − x)(x_l − x). Fromm's difference displaces its zero upstream by 0.20
+//! elements, whatever the width and the position of the edges (Carter's strip: ± 0.03). The border
+//! is at most half an element beyond the centres of the elements that slip and stick.
 //!
 //! **Power.** Between the edge and the border the density is that of the strip times the ratio of
 //! the computed power to it, interpolated between the inner elements; narrow zones have none.
 //! Numerical dissipation is included, and the sum stays.
 //!
 //! **Rows.** Trailing edges are ragged: an element is in contact if its centre is. In narrow zones
-//! the powers of neighbouring rows err by 5 to 15 % in turn, and their means by 3 %. Neighbours with
-//! narrow zones therefore exchange a quarter of their difference. This smooths the power across by
-//! an error of second order.
+//! the powers of neighbouring rows err by 5 to 15 % in turn, and their means by 3 %. Neighbours
+//! with narrow zones therefore exchange a quarter of their difference. This smooths the power
+//! across by an error of second order.
 //!
 //! Source: F. W. Carter, Proc. Roy. Soc. A 112 (1926) 151. The application is this project's.
 

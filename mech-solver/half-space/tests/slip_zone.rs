@@ -18,8 +18,8 @@ fn elasticity() -> Elasticity {
     Elasticity::of_pair(&body(), &body())
 }
 
-/// Slip zones of the rows and the friction power on the grid [W/m²] under a creepage, for a traction
-/// bound with the maximum 1 on an ellipse.
+/// Slip zones of the rows and the friction power on the grid [W/m²] under a creepage, for a
+/// traction bound with the maximum 1 on an ellipse.
 fn roll(
     grid: Structured,
     semi_axes: [f64; 2],
@@ -96,9 +96,9 @@ fn zones_are_those_of_carters_strip() {
     }
 }
 
-/// On an ellipse, widths and powers of the rows are those of a grid eight times as fine along x, also
-/// where the zone is hardly wider than an element and the edge is inclined. Rows with little power
-/// do not count. Tolerances: the ragged trailing edge, which makes rows err in turn.
+/// On an ellipse, widths and powers of the rows are those of a grid eight times as fine along x,
+/// also where the zone is hardly wider than an element and the edge is inclined. Rows with little
+/// power do not count. Tolerances: the ragged trailing edge, which makes rows err in turn.
 #[test]
 fn narrow_zones_on_an_ellipse_are_those_of_a_fine_grid() {
     let axes = [1.0, 0.75];
