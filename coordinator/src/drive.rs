@@ -16,7 +16,6 @@ use run::perform::{self, Driven, Driver, DriverError, RunOptions};
 use run::plan::Planned;
 use run::results::{Existing, ResultFolder};
 use run::scratch::Scratch;
-use serde_json::Value;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -125,8 +124,7 @@ pub(crate) fn planned(of: &CaseArguments) -> Result<Planned, RunError> {
     planned.plan.windows = open(&planned.case, &planned.plan.windows)?;
     // The end of the case is not that of the run, which a participant may rely on.
     for participant in &mut planned.plan.participants {
-        let time = participant.configuration.case.0.get_mut("time").and_then(Value::as_object_mut);
-        time.and_then(|time| time.remove("end"));
+        participant.configuration.windows.iter_mut().for_each(|windows| windows.end = None);
     }
     Ok(planned)
 }

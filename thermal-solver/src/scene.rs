@@ -68,9 +68,10 @@ impl Scene {
     pub fn resting_row(&self, body: usize, given: &Configuration) -> Option<usize> {
         let speeds = self.speeds_in(body, given);
         let instants = given.histories.as_ref().filter(|histories| !histories.rows);
+        let end = given.windows.and_then(|windows| windows.end);
         let lasts = |row: usize| match (instants, speeds.get(row + 1)) {
             (Some(_), Some(next)) => *next == 0.0,
-            (Some(histories), None) => given.end.is_none_or(|end| end > histories.times[row]),
+            (Some(histories), None) => end.is_none_or(|end| end > histories.times[row]),
             (None, _) => true,
         };
         (0..speeds.len()).find(|row| speeds[*row] == 0.0 && lasts(*row))

@@ -9,16 +9,14 @@ use crate::start;
 use crate::wiring::Wiring;
 use proto::accuracy::Accuracy;
 use proto::configuration::{Configuration, Refusal};
-use proto::description::{Description, KeySpec, ModelSpec};
+use proto::description::{Description, ModelSpec};
 use proto::field;
 use proto::model::{Setup, Solver};
 use proto::text::one_line;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// Key of the end of the run, which an FMU may need before it starts.
-const END: &str = "time.end";
 /// Name of the only model.
 const MODEL: &str = "co-simulation";
 
@@ -99,7 +97,6 @@ impl Solver for FmuSolver {
     fn description(&self) -> Description {
         let Fmu { role, description, wiring, figures, .. } = &*self.fmu;
         let mut keys = start::keys(role, description);
-        keys.push(KeySpec::quantity(END, "s", "end of a transient case").above(0.0));
         if wiring.has_arrays() {
             keys.extend(placed::keys(role));
         }
@@ -128,7 +125,7 @@ impl Solver for FmuSolver {
         let Fmu { role, description, wiring, .. } = &*self.fmu;
         let starts = start::read(role, description, &configuration.case)?;
         let (placed, layout) = placed::place(role, wiring, configuration)?;
-        let end = configuration.case.get(END).and_then(Value::as_f64);
+        let end = configuration.windows.and_then(|windows| windows.end);
         let folder = self.folder.as_ref().map(|folder| folder.join(format!("fmu-{role}")));
         let fmu = Rc::clone(&self.fmu);
         Ok(Setup::new(layout, move |_| {

@@ -274,7 +274,7 @@ mod tests {
             role: "right".to_owned(),
             model: "linear".to_owned(),
             mode: Mode::Transient,
-            end: None,
+            windows: None,
             case: Params::default(),
             histories: None,
             inputs: vec![input],

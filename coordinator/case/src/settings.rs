@@ -5,7 +5,7 @@
 //! words from here and from [`coupling::settings`].
 
 use contract::bodies::Bodies;
-use contract::configuration::Mode;
+use contract::configuration::{Mode, Windows};
 use contract::message::Interpolation;
 use contract::params::Params;
 use contract::words;
@@ -218,13 +218,15 @@ impl Timing {
         }
     }
 
-    /// Returns the end of a transient case [s].
+    /// Returns the windows of a transient case.
     #[must_use]
-    pub fn end(&self) -> Option<f64> {
-        match self {
-            Self::Steady | Self::Sequence { .. } => None,
-            Self::Transient { end, .. } => Some(*end),
-        }
+    pub fn windows(&self) -> Option<Windows> {
+        let Self::Transient { window: usual, end, control } = *self else { return None };
+        let shortest = match control {
+            Control::Fixed => usual,
+            Control::Adaptive { shortest, .. } => shortest.min(usual),
+        };
+        Some(Windows { shortest, usual, end: Some(end) })
     }
 }
 

@@ -13,7 +13,7 @@ mod live;
 mod make;
 mod mapping;
 mod route;
-mod sampling;
+pub(crate) mod sampling;
 mod show;
 mod threads;
 mod volume;

@@ -120,12 +120,12 @@ impl Varying {
 
     /// Configuration of a window, with constant values.
     pub(super) fn configuration(&self, step: &Step) -> Configuration {
-        let Configuration { role, model, mode, end, .. } = &self.configuration;
+        let Configuration { role, model, mode, windows, .. } = &self.configuration;
         Configuration {
             role: role.clone(),
             model: model.clone(),
             mode: *mode,
-            end: *end,
+            windows: *windows,
             case: self.case(step),
             histories: None,
             inputs: Vec::new(),

@@ -116,7 +116,7 @@ pub(crate) fn configuration(case: &Value) -> Configuration {
         role: "mech".to_owned(),
         model: case["mech"]["model"].as_str().unwrap_or("hertz-carter").to_owned(),
         mode: Mode::Steady,
-        end: None,
+        windows: None,
         case: Params(case.clone()),
         histories: None,
         inputs: Vec::new(),

@@ -36,7 +36,7 @@ pub unsafe extern "C" fn cosim_progress(done: u64, of: u64, what: *const c_char)
 mod tests {
     use super::*;
 
-    /// That a report arrives is tested with a program, because `REPORTS` belongs to the process.
+    /// Whether a report arrives is tested with a program, because `REPORTS` belongs to the process.
     #[test]
     fn null_is_refused() {
         assert_ne!(unsafe { cosim_progress(4, 4, std::ptr::null()) }, COSIM_OK);

@@ -23,6 +23,18 @@ pub enum Mode {
     Transient,
 }
 
+/// Windows of a transient case, as expected before the run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Windows {
+    /// Shortest window [s]: a run with adaptive windows begins with it.
+    pub shortest: f64,
+    /// Usual window [s].
+    pub usual: f64,
+    /// End of the last window [s]; `None` if whoever drives the run chooses it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
+}
+
 /// Configuration of a participant, sent with `Configure` and on standard input of `--estimate`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Configuration {
@@ -32,9 +44,9 @@ pub struct Configuration {
     pub model: String,
     /// Steady or transient case.
     pub mode: Mode,
-    /// End of a transient case [s]; `None` in a steady case.
+    /// Windows of a transient case; `None` in a steady case.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub end: Option<f64>,
+    pub windows: Option<Windows>,
     /// Case values that this participant reads, in SI units, with defaults filled in, nested by
     /// table. `effects` holds one table for each active effect that this participant claims, and no
     /// other.

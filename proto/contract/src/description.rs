@@ -621,7 +621,7 @@ mod tests {
             role: "mech".to_owned(),
             model: model.to_owned(),
             mode,
-            end: None,
+            windows: None,
             case: Params(case),
             histories: None,
             inputs: Vec::new(),

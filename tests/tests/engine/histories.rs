@@ -368,3 +368,35 @@ fn unlikely_values_of_tables_are_told() {
         "coupling.relative is 2, at most 1 is expected",
     );
 }
+
+/// A peak between the middles of adaptive windows is told after the run, and the advised
+/// `time.window_max` finds it.
+#[test]
+fn a_peak_that_adaptive_windows_miss_is_told() {
+    let data = Data::new("t [s],Q [kN]\n0,100\n0.0022,100\n0.0023,300\n0.0024,100\n0.04,100\n");
+    let settings = [
+        data.column("load.normal_force", "Q"),
+        data.column("time.history", "t"),
+        "time.end=4 ms".to_owned(),
+        "time.control=adaptive".to_owned(),
+        "mech.model=hertz-carter".to_owned(),
+        "mech.resolution=5".to_owned(),
+    ];
+    let warned = |window: &str, longest: &str| {
+        let times = [format!("time.window={window}"), format!("time.window_max={longest}")];
+        let words: Vec<&str> = settings.iter().chain(&times).map(String::as_str).collect();
+        let summary = Place::new().summary(&case("cold-start.toml"), &sets(&words));
+        let warnings = summary["warnings"].as_array().cloned().unwrap_or_default();
+        warnings
+            .into_iter()
+            .filter(|warning| warning["key"] == "load.normal_force")
+            .collect::<Vec<_>>()
+    };
+    let told = warned("0.3 ms", "1 ms");
+    let [warning] = told.as_slice() else { panic!("{told:?}") };
+    let reason = warning["reason"].as_str().unwrap();
+    assert!(reason.contains("reaches 300000 N at 0.0023 s"), "{reason}");
+    let advised = warning["fix"].as_str().unwrap().split('"').nth(1).unwrap();
+    let none: Vec<serde_json::Value> = Vec::new();
+    assert_eq!(warned(advised, advised), none, "{advised}");
+}

@@ -8,8 +8,8 @@ use super::names;
 use super::normal_only::{along_the_surface, along_the_surface_at};
 use super::setup::{resolution, section_key, wake};
 use super::summary::{Peak, hottest};
-use crate::UPPER;
 use crate::capability::Capability;
+use crate::{LOWER, UPPER};
 use heat::columns::convolution::{
     CROSSOVER, Steady, accumulate, at_point, remove_negative_rounding,
 };
@@ -131,16 +131,6 @@ impl Conduction for Columns {
 
     fn cost(frame: &Frame) -> Cost {
         cost(frame)
-    }
-
-    fn remarks(frame: &Frame) -> Vec<String> {
-        match frame.mode {
-            Mode::Steady => Vec::new(),
-            Mode::Transient => {
-                let count = History::expected_windows(frame.grid.ni);
-                vec![format!("the memory covers a history of {count} short windows")]
-            }
-        }
     }
 
     fn left_out(frame: &Frame) -> Option<Simplification> {
@@ -364,10 +354,7 @@ fn heat(flux: &Flux, team: &mut Team<Scratch>, row_sums: &mut [f64]) -> f64 {
 
 fn cost(frame: &Frame) -> Cost {
     let (columns, rows) = (frame.grid.ni, frame.grid.nj);
-    let windows = match frame.mode {
-        Mode::Steady => 2,
-        Mode::Transient => History::expected_windows(columns),
-    };
+    let windows = frame.kept_windows(UPPER) + frame.kept_windows(LOWER);
     let grid_bytes = (8 * columns * rows) as u64;
     let (n, rows) = (columns as f64, rows as f64);
     let per_row = match frame.mode {
@@ -377,6 +364,6 @@ fn cost(frame: &Frame) -> Cost {
     };
     Cost {
         solve_seconds: rows * (per_row + n * SECONDS_PER_POINT),
-        memory_bytes: 2 * windows as u64 * Flux::bytes(columns, frame.grid.nj) + 8 * grid_bytes,
+        memory_bytes: windows as u64 * Flux::bytes(columns, frame.grid.nj) + 8 * grid_bytes,
     }
 }

@@ -78,7 +78,9 @@ pub trait Conduction: Sized + 'static {
     fn cost(frame: &Frame) -> Cost;
 
     /// Returns remarks for the plan of the run.
-    fn remarks(frame: &Frame) -> Vec<String>;
+    fn remarks(_: &Frame) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Returns warnings about the case.
     fn warnings(_: &Frame) -> Vec<Refusal> {

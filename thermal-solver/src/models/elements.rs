@@ -28,14 +28,8 @@ const PASSAGES: &str = "thermal.passages";
 const RETURNS: &str = "return_distance";
 const THICKNESS: &str = "thickness";
 const BACK: &str = "back";
-const WINDOW: &str = "time.window";
-const SHORTEST: &str = "time.window_min";
-const CONTROL: &str = "time.control";
-const ADAPTIVE: &str = "adaptive";
 /// Missing share of a rise that is not worth a warning.
 const NEGLIGIBLE: f64 = 0.01;
-/// Shortest adaptive window over the first one, if the case does not give it.
-const SHORTEST_OVER_FIRST: f64 = 1.0 / 1024.0;
 const BACKS: [&str; 2] = ["insulated", "fixed"];
 const SOLVERS: [&str; 3] = ["auto", "iterative", "direct"];
 
@@ -100,16 +94,6 @@ pub(super) fn keys() -> Vec<KeySpec> {
         ),
         KeySpec::choice(SOLVER, &SOLVERS, "solver of the equations of the elements")
             .default_value("auto"),
-        // Described as the coordinator does, whose keys they are.
-        KeySpec::quantity(WINDOW, "s", "coupling window of a transient case").above(0.0),
-        KeySpec::quantity(
-            SHORTEST,
-            "s",
-            "shortest adaptive window, with which a run begins; absent: a 1024th of time.window",
-        )
-        .above(0.0),
-        KeySpec::choice(CONTROL, &["fixed", ADAPTIVE], "lengths of the windows")
-            .default_value("fixed"),
     ]
 }
 
@@ -119,22 +103,13 @@ pub(super) fn keys() -> Vec<KeySpec> {
 /// A value that is out of range; a word that is not one of the choices.
 pub(super) fn read(given: &Configuration, scene: &Scene) -> Result<[Elements; 2], Refusal> {
     let case = &given.case;
-    let window = if given.mode == Mode::Steady { f64::INFINITY } else { shortest_window(case)? };
+    let window = given.windows.map_or(f64::INFINITY, |windows| windows.shortest);
     let common = Elements { window, ..read_common(case)? };
     let of = |body| {
         let [_, fastest] = scene.speed_range(given, body);
         of_body(Elements { fastest, ..common }, case, &scene.names, body)
     };
     Ok([of(UPPER)?, of(LOWER)?])
-}
-
-/// Returns the shortest window of a transient case [s]; infinite if it is unknown.
-fn shortest_window(case: &Params) -> Result<f64, Refusal> {
-    let window = case.maybe_number(WINDOW)?.unwrap_or(f64::INFINITY);
-    if !(case.has(CONTROL) && case.text(CONTROL)? == ADAPTIVE) {
-        return Ok(window);
-    }
-    Ok(case.maybe_number(SHORTEST)?.unwrap_or(SHORTEST_OVER_FIRST * window).min(window))
 }
 
 /// Reads the settings that both bodies share.

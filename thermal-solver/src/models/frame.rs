@@ -8,9 +8,10 @@ use crate::effects::joule_heat::Current;
 use crate::effects::phase_transformation::Criterion;
 use crate::scene::Scene;
 use crate::{LOWER, UPPER};
+use heat::columns::history::History;
 use heat::fe::block::Elements;
 use heat::fe::body_properties::BodyProperties;
-use proto::configuration::Mode;
+use proto::configuration::{Mode, Windows};
 use proto::grid::{Grid, Structured};
 
 /// Levels of a section in depth, the surface included.
@@ -26,6 +27,8 @@ pub(super) const SECTION_GRIDS: [&str; 2] = ["upper_section", "lower_section"];
 /// Where a grid has fewer, the semi-axes are too small and the errors that follow from them are
 /// upper bounds.
 const BEYOND: usize = 3;
+/// Assumed number of windows of a run without a known end.
+const MANY: f64 = 1e3;
 
 /// Settings of a model that are known before it is built.
 #[derive(Clone, Debug)]
@@ -40,8 +43,8 @@ pub struct Frame {
     pub slowest: [f64; 2],
     /// Mode of the case: steady or transient.
     pub mode: Mode,
-    /// End of a transient case [s].
-    pub end: Option<f64>,
+    /// Windows of a transient case.
+    pub windows: Option<Windows>,
     /// Speeds of the upper and the lower body for the error of models that neglect conduction along
     /// the surface [m/s]: the lowest of the rows; of steady rows, the lowest at which a body moves.
     pub slowest_motion: [f64; 2],
@@ -91,6 +94,15 @@ impl Frame {
             0.5 * length * if within > 0 { within } else { count } as f64
         };
         [half(self.arriving.ni, self.arriving.dx()), half(self.arriving.nj, self.arriving.dy())]
+    }
+
+    /// Returns the number of windows that the history of a body keeps; 1 in a steady case.
+    #[must_use]
+    pub fn kept_windows(&self, body: usize) -> usize {
+        let Some(Windows { usual, end, .. }) = self.windows else { return 1 };
+        let passage = self.grid.dx() / self.scene.speeds[body];
+        let end = end.unwrap_or(MANY * usual);
+        History::expected_windows(self.grid.ni, passage, usual, end)
     }
 
     /// Returns the row of elements below which the sections lie.

@@ -78,8 +78,6 @@ const WORTH: usize = 1_500_000;
 const INFLUENCE: usize = 500;
 /// Multiply-adds per element of a convolution.
 const TRANSFORMS: usize = 60;
-/// Approximate number of earlier windows in a transient case.
-const WINDOWS: usize = 100;
 /// Memory per element of the grid, for spectra and fields on padded grids [byte].
 const BYTES_PER_POINT: u64 = 400;
 
@@ -219,19 +217,12 @@ impl Conduction for MovingSource {
 
     fn cost(frame: &Frame) -> Cost {
         let points = frame.grid.points();
-        let windows = match frame.mode {
-            Mode::Steady => 1,
-            Mode::Transient => WINDOWS,
-        };
+        let windows = frame.kept_windows(UPPER) + frame.kept_windows(LOWER);
         Cost {
-            solve_seconds: (points * windows) as f64 * SECONDS_PER_POINT,
+            solve_seconds: (points * windows) as f64 * 0.5 * SECONDS_PER_POINT,
             memory_bytes: points as u64 * BYTES_PER_POINT
-                + 2 * windows as u64 * Flux::bytes(frame.grid.ni, frame.grid.nj),
+                + windows as u64 * Flux::bytes(frame.grid.ni, frame.grid.nj),
         }
-    }
-
-    fn remarks(_: &Frame) -> Vec<String> {
-        Vec::new()
     }
 
     fn left_out(_: &Frame) -> Option<Simplification> {

@@ -43,7 +43,8 @@ fn in_body(frame: &Frame, body: usize) -> Simplification {
     let diffusivity = frame.scene.materials[body].diffusivity();
     let peclet = 0.5 * frame.slowest_motion[body] * axes[0] / diffusivity;
     let moving = (ACROSS * (axes[0] / axes[1]).powi(2)).max(ALONG) / peclet;
-    let spread = (4.0 * diffusivity * frame.end.unwrap_or(f64::INFINITY)).sqrt();
+    let end = frame.windows.and_then(|windows| windows.end).unwrap_or(f64::INFINITY);
+    let spread = (4.0 * diffusivity * end).sqrt();
     let resting = match frame.mode {
         Mode::Steady => f64::INFINITY,
         Mode::Transient => {

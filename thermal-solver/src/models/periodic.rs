@@ -138,10 +138,6 @@ impl Conduction for Periodic {
         }
     }
 
-    fn remarks(_: &Frame) -> Vec<String> {
-        Vec::new()
-    }
-
     fn left_out(_: &Frame) -> Option<Simplification> {
         None
     }

@@ -218,10 +218,6 @@ impl Conduction for Rods {
         Cost { solve_seconds: 1e-5, memory_bytes: 4 * 8 * WAVES as u64 }
     }
 
-    fn remarks(_: &Frame) -> Vec<String> {
-        Vec::new()
-    }
-
     fn left_out(_: &Frame) -> Option<Simplification> {
         None
     }

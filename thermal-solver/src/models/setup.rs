@@ -153,7 +153,7 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
         ends: Ends::read(&given.case, &scene.names)?,
         slowest: [UPPER, LOWER].map(|body| scene.speed_range(given, body)[0]),
         mode: given.mode,
-        end: given.end,
+        windows: given.windows,
         slowest_motion: [UPPER, LOWER].map(|body| slowest_motion(&scene, body, given)),
         arriving: *arriving,
         threads: given.threads,

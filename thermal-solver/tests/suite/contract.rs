@@ -1,7 +1,7 @@
 //! Behaviour through the contract: descriptions, layouts, refusals, errors, work.
 
 use crate::support::*;
-use proto::configuration::Mode;
+use proto::configuration::{Mode, Windows};
 use proto::field;
 use proto::grid::Structured;
 use proto::history::Histories;
@@ -177,7 +177,7 @@ fn a_row_at_rest_is_refused_before_the_run() {
         let values = [("bodies.wheel.surface_speed".to_owned(), speeds.to_vec())].into();
         let times = (0..speeds.len()).map(|row| row as f64).collect();
         given.histories = Some(Histories { rows, times, values, live: None });
-        given.end = (!rows).then_some(end);
+        given.windows = (!rows).then_some(Windows { shortest: 1e-3, usual: 1e-3, end: Some(end) });
         ThermalSolver.configure(&given).err().map(|refusal| refusal.to_string())
     };
     let partition = "effects.friction_heat.partition";

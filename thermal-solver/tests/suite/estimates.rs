@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use proto::advice::{Advice, Known, Opinion, Scene};
-use proto::configuration::Mode;
+use proto::configuration::{Mode, Windows};
 use proto::grid::Structured;
 use proto::model::Solver;
 use proto::params::Params;
@@ -390,7 +390,7 @@ fn columns_state_the_error_of_a_body_at_rest() {
         // As many elements as elastic half-spaces have: one and a half beyond each edge.
         let grid = Structured { ni: grid.ni - 2, nj: grid.nj - 2, ..grid };
         let mut given = configuration("columns", Mode::Transient, grid, case);
-        given.end = Some(time);
+        given.windows = Some(Windows { shortest: time, usual: time, end: Some(time) });
         let layout = ThermalSolver.configure(&given).unwrap().layout().clone();
         let [stated] = &layout.left_out[..] else { panic!("{layout:?}") };
         println!("{axes:?} {part}: {:.4} stated, {found:.4} found", stated.error);

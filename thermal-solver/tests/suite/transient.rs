@@ -417,7 +417,7 @@ fn finite_elements_follow_heat_that_begins() {
     for (speed, window, solver) in ways {
         let mut case = steel();
         case["motion"]["speed"] = json!(speed);
-        case["time"] = json!({"window": window});
+        case["time"] = windows(window, window);
         case["thermal"] = json!({"solver": solver, "wake": 25e-3});
         let mut run = Run::new("fe", Mode::Transient, grid, case);
         run.given.speeds = vec![speed; 2];
@@ -433,6 +433,10 @@ fn finite_elements_follow_heat_that_begins() {
             assert!(error.abs() < 6e-3, "{solver} {speed} {count}: {error}");
         }
     }
+}
+
+fn windows(shortest: f64, usual: f64) -> Value {
+    json!({"shortest": shortest, "usual": usual, "end": 9.0 * usual})
 }
 
 /// A first layer that is thicker than the depth of the heat of a window is a warning with its size,
@@ -456,7 +460,7 @@ fn first_layers_follow_the_shortest_heating() {
         let given = Configuration { histories: Some(histories), ..given };
         ThermalSolver.configure(&given).unwrap().layout().clone()
     };
-    let window = json!({"window": 1e-5});
+    let window = windows(1e-5, 1e-5);
     let good = layout(Mode::Transient, window.clone(), json!({}), &[0.04]);
     assert!(good.warnings.is_empty() && good.left_out[0].error < 0.021, "{:?}", good.left_out);
     let thick = layout(Mode::Transient, window, json!({"first_layer": 5e-5}), &[0.04]);
@@ -470,7 +474,7 @@ fn first_layers_follow_the_shortest_heating() {
         let at = words.iter().position(|word| word == "from").unwrap();
         words[at + 1].parse::<f64>().unwrap()
     };
-    let adaptive = json!({"window": 1e-5, "control": "adaptive", "window_min": 1e-7});
+    let adaptive = windows(1e-7, 1e-5);
     let shortest = layout(Mode::Transient, adaptive, json!({}), &[0.04]);
     assert!((first(&good) / first(&shortest) - 10.0).abs() < 0.5, "{:?}", shortest.remarks);
     let [rising, fast] = [&[0.4, 40.0][..], &[40.0]]

@@ -85,7 +85,7 @@ pub(crate) fn configuration(
         role: "thermal".to_owned(),
         model: model.to_owned(),
         mode,
-        end: None,
+        windows: serde_json::from_value(case["time"].clone()).ok(),
         case: Params(case),
         histories: None,
         inputs,

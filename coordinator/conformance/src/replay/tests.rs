@@ -167,7 +167,7 @@ fn configuration() -> Vec<u8> {
         role: "thermal".to_owned(),
         model: "columns".to_owned(),
         mode: Mode::Steady,
-        end: None,
+        windows: None,
         case: Params(serde_json::json!({"rail": {"profile": "files/bodies.rail.profile"}})),
         histories: None,
         inputs: Vec::new(),

@@ -3,10 +3,12 @@
 use crate::checkpoint::Checkpoint;
 use crate::error::RunError;
 use crate::plan::Plan;
+use crate::plan::sampling::Sampled;
 use crate::results::ResultFolder;
 use crate::results::history::{self, HistoryTable};
 use crate::results::iterations::IterationTable;
 use crate::session::Session;
+use crate::warnings::Warning;
 use contract::history::Histories;
 use contract::step::Step;
 use std::collections::BTreeSet;
@@ -21,6 +23,8 @@ pub(super) struct Tables {
 pub(super) struct Inputs<'a> {
     keys: Vec<&'a str>,
     tables: Vec<&'a Histories>,
+    /// Values of the keys in accepted windows.
+    sampled: Vec<Sampled>,
 }
 
 impl<'a> Inputs<'a> {
@@ -32,19 +36,33 @@ impl<'a> Inputs<'a> {
         let columns = tables.iter().flat_map(|histories| histories.values.keys());
         let live = plan.live.iter().map(|live| live.kind.name.as_str());
         let keys: BTreeSet<&str> = columns.map(String::as_str).chain(live).collect();
-        Self { keys: keys.into_iter().collect(), tables }
+        Self { sampled: vec![Sampled::NONE; keys.len()], keys: keys.into_iter().collect(), tables }
     }
 
     /// Returns the heads of the columns: keys with SI units.
     fn heads(&self, plan: &Plan) -> Vec<String> {
-        let head = |key: &&str| {
-            let described = plan.participants.iter().find_map(|p| p.description.key(key));
-            match described.map_or("1", |spec| spec.kind.unit()) {
-                "1" => (*key).to_owned(),
-                unit => format!("{key} [{unit}]"),
-            }
+        let head = |key: &&str| match unit(plan, key) {
+            "1" => (*key).to_owned(),
+            unit => format!("{key} [{unit}]"),
         };
         self.keys.iter().map(head).collect()
+    }
+
+    /// Keeps the values of an accepted window.
+    pub(super) fn keep(&mut self, step: &Step, values: &[Option<f64>]) {
+        for (sampled, value) in self.sampled.iter_mut().zip(values) {
+            value.iter().for_each(|value| sampled.add(step, *value));
+        }
+    }
+
+    /// Returns a warning for each column with a peak that no accepted window has used.
+    pub(super) fn missed_peaks(&self, plan: &Plan) -> Vec<Warning> {
+        let warning = |(key, sampled): (&&str, &Sampled)| {
+            let columns = self.tables.iter().filter(|table| !table.rows);
+            let table = columns.clone().find(|table| table.values.contains_key(*key))?;
+            sampled.warning(table, key, unit(plan, key))
+        };
+        self.keys.iter().zip(&self.sampled).filter_map(warning).collect()
     }
 
     /// Returns the values of the inputs in a window.
@@ -56,6 +74,12 @@ impl<'a> Inputs<'a> {
         };
         self.keys.iter().map(value).collect()
     }
+}
+
+/// Returns the unit of a key; "1" if it has none.
+fn unit<'a>(plan: &'a Plan, key: &str) -> &'a str {
+    let described = plan.participants.iter().find_map(|p| p.description.key(key));
+    described.map_or("1", |spec| spec.kind.unit())
 }
 
 impl Tables {

@@ -208,6 +208,11 @@ impl<'a> TimeLoop<'a> {
             }
             self.counts.output_seconds += writing.elapsed().as_secs_f64();
         }
+        // Fixed windows were judged by the plan.
+        if self.time.is_adaptive() {
+            let missed = self.inputs.missed_peaks(self.plan);
+            missed.into_iter().for_each(|warning| self.session.warn(warning));
+        }
         Ok(())
     }
 
@@ -298,6 +303,7 @@ impl<'a> TimeLoop<'a> {
         self.session.accept(self.coupling.step(), observed)?;
         let given = Some(self.session.figures());
         let inputs = &self.inputs.values(self.session, step);
+        self.inputs.keep(step, inputs);
         self.tables.history.row(&HistoryRecord { step, status, iterations, inputs, given })?;
         if due || watched {
             let wanted = self.session.fields().iter().filter(|field| field.wanted());

@@ -447,7 +447,7 @@ fn participants(
                 role: one.role.to_owned(),
                 model: one.model.name.clone(),
                 mode: case.timing.mode(),
-                end: case.timing.end(),
+                windows: case.timing.windows(),
                 histories: case.histories_of(&values),
                 case: values,
                 inputs,

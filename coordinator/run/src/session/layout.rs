@@ -37,7 +37,7 @@ mod tests {
             role: "one".to_owned(),
             model: "law".to_owned(),
             mode: Mode::Steady,
-            end: None,
+            windows: None,
             case: Default::default(),
             histories: None,
             threads: 1,

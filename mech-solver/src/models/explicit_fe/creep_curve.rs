@@ -36,7 +36,7 @@ impl CreepCurve {
         let configuration = Configuration {
             model: half_space::MODEL.name.to_owned(),
             mode: Mode::Steady,
-            end: None,
+            windows: None,
             case,
             inputs: Vec::new(),
             outputs: Vec::new(),

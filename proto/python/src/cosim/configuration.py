@@ -189,6 +189,8 @@ class Configuration:
     """Names of the fields to publish when an accepted window is observed."""
     histories: Histories | None = None
     """Varying case values; `case` holds the values of their first row."""
+    windows: Mapping[str, float] | None = None
+    """Windows of a transient case [s]: `shortest`, `usual` and, if it is known, the `end`."""
     threads: int = 1
     """Number of threads to compute on. Results must be independent of this number."""
 
@@ -234,6 +236,7 @@ class Configuration:
             outputs=list(value["outputs"]),
             observed=list(value["observed"]),
             histories=Histories(**value["histories"]) if "histories" in value else None,
+            windows=value.get("windows"),
             threads=int(value.get("threads", 1)),
         )
 

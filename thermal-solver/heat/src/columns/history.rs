@@ -65,7 +65,7 @@ impl History {
     /// which heat spreads with a diffusivity [m²/s].
     #[must_use]
     pub fn new(columns: usize, rows: usize, element_length: f64, diffusivity: f64) -> Self {
-        let expected = Self::expected_windows(columns);
+        let expected = columns + 128;
         let mut spare = Vec::with_capacity(expected);
         spare.push(empty_window(columns, rows));
         Self {
@@ -79,11 +79,20 @@ impl History {
         }
     }
 
-    /// Returns the typical number of windows that a row with `columns` elements keeps when windows
-    /// are short.
+    /// Returns the number of windows of some length \[s\] that a body keeps until `end` \[s\].
+    /// `passage` is the time in which its material passes one of the `columns` elements \[s\],
+    /// infinite at rest. Up to twice what is kept, but never less.
     #[must_use]
-    pub fn expected_windows(columns: usize) -> usize {
-        columns + 128
+    pub fn expected_windows(columns: usize, passage: f64, window: f64, end: f64) -> usize {
+        let all = (end / window).ceil();
+        let kept = if passage.is_finite() {
+            let doublings = (passage / window).log2().max(0.0);
+            let elements = end.min(columns as f64 * passage) / passage.max(window);
+            8.0 * doublings + 2.0 * elements + 2.0
+        } else {
+            16.0 * all.log2() + 1.0
+        };
+        all.min(kept.ceil()) as usize
     }
 
     /// Returns the trial window, to be filled in.
@@ -255,6 +264,10 @@ mod tests {
         history.accept();
     }
 
+    fn assert_expected(most: usize, expected: usize) {
+        assert!(most <= expected && expected <= 2 * most, "{most} kept, {expected} expected");
+    }
+
     #[test]
     fn short_windows_stay_bounded_and_cover_the_grid() {
         let (columns, h, speed) = (16, 1e-3, 1.0);
@@ -265,8 +278,7 @@ mod tests {
             most = most.max(history.accepted.len());
         }
         // Ten factors of two lie between 1e-6 s and h/V.
-        assert!(most <= 2 * columns + 200, "{most}");
-        assert!(most <= History::expected_windows(columns), "{most}");
+        assert_expected(most, History::expected_windows(columns, h / speed, 1e-6, 0.06));
         let covered: f64 = history.windows(Stage::Accepted).map(|w| w.duration).sum();
         assert!(covered >= columns as f64 * h / speed && covered < 1.1 * columns as f64 * h);
         assert!(
@@ -306,8 +318,7 @@ mod tests {
             push(&mut history, 1e-4, &[1.0; 4], 0.0);
             most = most.max(history.accepted.len());
         }
-        let doublings = 1e5_f64.log2();
-        assert!((most as f64) < 16.0 * doublings, "{most}");
+        assert_expected(most, History::expected_windows(4, f64::INFINITY, 1e-4, 10.0));
         let time: f64 = history.windows(Stage::Accepted).map(|w| w.duration).sum();
         // Tolerance: rounding of 10⁵ terms.
         assert!((time - 10.0).abs() < 1e-9, "{time}");
@@ -320,6 +331,7 @@ mod tests {
             push(&mut history, 10.0, &[1.0; 4], 1.0);
         }
         assert_eq!(history.accepted.len(), 1);
+        assert!(History::expected_windows(4, 1.0, 10.0, 30.0) <= 3);
         push(&mut history, f64::INFINITY, &[2.0; 4], 1.0);
         assert_eq!(history.accepted.len(), 1);
         assert_eq!(history.accepted[0].heat, 8.0);
