@@ -63,11 +63,11 @@ unlink_both() {
 "$programs/cosim-relay" --new-key "$work/other"
 at_home() { COSIM_RUNTIME_DIR="$shm/home" ip netns exec "$home" "$programs/coordinator" "$@"; }
 
-# Starts the far end of a program; further words are options.
+# Starts the far end of a program and its arguments, in one word; further words are options.
 begin() {
   local program=$1; shift
   COSIM_RUNTIME_DIR="$shm/far" ip netns exec "$far" "$programs/cosim-relay" --listen 10.77.0.2:7447 --key "$work/key" "$@" \
-    -- "$program" 2>"$work/far.log" &
+    -- $program 2>"$work/far.log" &
   far_pid=$!
   for _ in $(seq 200); do grep -qs "listening" "$work/far.log" && return; sleep 0.05; done
   echo "the far end does not listen" >&2; cat "$work/far.log" >&2; exit 1
@@ -115,7 +115,7 @@ same() {
 }
 
 cut() {
-  begin toy-left
+  begin "toy left"
   at_home run cases/exchange.toml --set left.delay=600 --set "$(command_of left)" --out "$work/cut" --replace 2>"$work/cut.err" &
   local run=$!
   for _ in $(seq 400); do grep -q "every participant is ready" "$work/cut/log.jsonl" 2>/dev/null && break; sleep 0.05; done
@@ -133,7 +133,7 @@ cut() {
 }
 
 key() {
-  begin toy-left
+  begin "toy left"
   local code=0
   at_home run cases/exchange.toml --set "$(command_of left | sed "s#$work/key#$work/other#")" --out "$work/wrong" --replace 2>"$work/wrong.err" || code=$?
   printf 'wrong key: exit code %s\n  home: ' "$code"; grep "^error" "$work/wrong.err"
@@ -158,7 +158,7 @@ PY
 cost() {
   for speed in fast slow; do
     unlink_both; link_both "$speed"
-    begin toy-operator
+    begin "toy operator"
     echo "us per iteration: one field each way, one participant far"
     printf '%9s %10s %10s %10s\n' values local none lz4
     for one in "1000 200" "10000 100" "100000 20" "1000000 6"; do

@@ -26,12 +26,12 @@ const SIZES: [usize; 4] = [1_000, 10_000, 100_000, 1_000_000];
 const ITERATIONS: u32 = 10;
 
 /// Cargo puts executables one folder above the one of the bench.
-fn program(name: &str) -> String {
+fn toy(name: &str) -> [String; 2] {
     let bench = std::env::current_exe().expect("a running program has a path");
     let folder = bench.parent().and_then(|deps| deps.parent()).expect("target/PROFILE/deps");
-    let path = folder.join(name);
+    let path = folder.join("toy");
     assert!(path.is_file(), "{} is missing: run `cargo build --release`", path.display());
-    path.display().to_string()
+    [path.display().to_string(), name.to_owned()]
 }
 
 fn planned(case: &str) -> Planned {
@@ -42,11 +42,11 @@ const TIME: &str = "[time]\nmode = \"transient\"\nwindow = 1\nend = 1e9\n\
                     [output]\nfields = \"none\"\n";
 
 fn explicit(points: usize) -> Planned {
-    let (left, right) = (program("toy-left"), program("toy-right"));
+    let (left, right) = (toy("left"), toy("right"));
     planned(&format!(
         "[case]\nname = \"exchange\"\n\
-         [left]\nmodel = \"increment\"\ncommand = [{left:?}]\npoints = {points}\n\
-         [right]\nmodel = \"increment\"\ncommand = [{right:?}]\npoints = {points}\n\
+         [left]\nmodel = \"increment\"\ncommand = {left:?}\npoints = {points}\n\
+         [right]\nmodel = \"increment\"\ncommand = {right:?}\npoints = {points}\n\
          {TIME}[coupling]\nscheme = \"serial-explicit\"\n"
     ))
 }
@@ -54,13 +54,13 @@ fn explicit(points: usize) -> Planned {
 /// Ten iterations per window, regardless of the residual. Columns of enough earlier windows are
 /// reused to fill `columns`; if zero, each window starts without columns.
 fn implicit(points: usize, columns: u32) -> Planned {
-    let (relay, operator) = (program("toy-relay"), program("toy-operator"));
+    let (relay, operator) = (toy("relay"), toy("operator"));
     let (reuse, most) = (columns.div_ceil(ITERATIONS - 1), columns.max(ITERATIONS));
     planned(&format!(
         "[case]\nname = \"linear\"\n\
          [linear]\nproblem = \"diagonal\"\nsize = {points}\n\
-         [relay]\nmodel = \"identity\"\ncommand = [{relay:?}]\n\
-         [operator]\nmodel = \"affine\"\ncommand = [{operator:?}]\n\
+         [relay]\nmodel = \"identity\"\ncommand = {relay:?}\n\
+         [operator]\nmodel = \"affine\"\ncommand = {operator:?}\n\
          {TIME}[coupling]\nacceleration = \"iqn-ils\"\nreuse_windows = {reuse}\n\
          max_columns = {most}\nmin_iterations = {ITERATIONS}\nmax_iterations = {ITERATIONS}\n"
     ))

@@ -17,7 +17,7 @@ mod watchdog;
 pub mod watched;
 
 pub use answers::{Table, field, field_files, number};
-pub use programs::{example, library, programs, root};
+pub use programs::{example, library, programs, root, toy};
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -42,6 +42,15 @@ pub fn case(name: &str) -> String {
 /// Replaces line breaks and runs of spaces by single spaces.
 pub fn flat(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Generates a solver in a folder with `coordinator new-solver`; returns the exit code and the
+/// output.
+pub fn new_solver(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut coordinator = Command::new(programs().join("coordinator"));
+    let ended = coordinator.arg("new-solver").args(arguments).current_dir(folder).output().unwrap();
+    let said = [ended.stdout, ended.stderr].concat();
+    (ended.status.code(), String::from_utf8(said).unwrap())
 }
 
 /// Puts `--set` before each setting.

@@ -13,19 +13,15 @@ use proto::run_dir::RunDir;
 use proto::transport::{
     Beat, Doorbell, Endpoint, FieldReader, FieldWriter, Receiver, Ringer, TransportError,
 };
+use std::ffi::OsString;
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Describes itself like `left`, and joins a run as the rogue.
-pub fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().collect();
+/// Describes itself like `left`, and joins a run as the rogue. Returns the exit code.
+pub fn main_from(arguments: Vec<OsString>) -> u8 {
     match arguments.iter().position(|a| a == "--join").and_then(|at| arguments.get(at + 1)) {
-        Some(folder) => match take_part(Path::new(folder)) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(_) => ExitCode::FAILURE,
-        },
-        None => proto::participant::main(&Toy::LEFT),
+        Some(folder) => u8::from(take_part(Path::new(folder)).is_err()),
+        None => proto::participant::main_from(arguments, &Toy::LEFT),
     }
 }
 

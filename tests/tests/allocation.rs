@@ -13,7 +13,7 @@ use run::progress::silent;
 use run::session::{Observed, Session};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use tests::harness::programs;
+use tests::harness::toy;
 
 /// Commands sent by the coordinator in a window without iteration: two solves, two acceptances.
 const LOANS: u64 = 4;
@@ -53,17 +53,13 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-fn program(name: &str) -> String {
-    programs().join(name).display().to_string()
-}
-
 #[test]
 fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
-    let (left, right) = (program("toy-left"), program("toy-right"));
+    let (left, right) = (toy("left"), toy("right"));
     let case = format!(
         "[case]\nname = \"steady\"\n\
-         [left]\nmodel = \"increment\"\ncommand = [{left:?}]\n\
-         [right]\nmodel = \"increment\"\ncommand = [{right:?}]\n\
+         [left]\nmodel = \"increment\"\ncommand = {left:?}\n\
+         [right]\nmodel = \"increment\"\ncommand = {right:?}\n\
          [time]\nmode = \"transient\"\nwindow = 1\nend = 1e6\n\
          [coupling]\nscheme = \"serial-explicit\"\n[output]\nfields = \"none\"\n"
     );
@@ -113,12 +109,12 @@ fn a_steady_iteration_with_mappings_does_not_allocate() {
 
 /// Windows of four iterations; the accelerator's history is full after the first one.
 fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
-    let (relay, operator) = (program("toy-relay"), program("toy-operator"));
+    let (relay, operator) = (toy("relay"), toy("operator"));
     let case = format!(
         "[case]\nname = \"steady\"\n\
          [linear]\nproblem = \"P1\"\n\
-         [relay]\nmodel = \"identity\"\ncommand = [{relay:?}]\npoints = {points}\n\
-         [operator]\nmodel = \"affine\"\ncommand = [{operator:?}]\n\
+         [relay]\nmodel = \"identity\"\ncommand = {relay:?}\npoints = {points}\n\
+         [operator]\nmodel = \"affine\"\ncommand = {operator:?}\n\
          [time]\nmode = \"transient\"\nwindow = 1\nend = 1e6\n\
          [coupling]\nacceleration = \"{acceleration}\"\nmax_columns = 9\n\
          min_iterations = 4\nmax_iterations = 4\n[output]\nfields = \"none\"\n"

@@ -75,6 +75,7 @@
 mod axes;
 mod by_kernel;
 mod cloud;
+mod dense;
 mod error;
 mod interpolant;
 mod intersection;

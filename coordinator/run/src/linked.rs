@@ -63,21 +63,21 @@ fn text(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref().copied()).unwrap_or("without a message")
 }
 
-/// Linked solvers by the name of the program that each replaces: `ROLE-solver`, or the command of a
-/// case.
+/// Linked solvers by the command that each replaces: `ROLE-solver`, or the name and the arguments
+/// in the command of a case, separated by spaces.
 #[derive(Clone, Debug, Default)]
 pub struct LinkedSolvers(BTreeMap<String, LinkedSolver>);
 
 impl LinkedSolvers {
-    /// Adds a solver that replaces the program of this name.
+    /// Adds a solver that replaces this command.
     #[must_use]
-    pub fn with(mut self, program: &str, solver: impl Solver + Send + Sync + 'static) -> Self {
-        self.0.insert(program.to_owned(), LinkedSolver(Arc::new(solver)));
+    pub fn with(mut self, command: &str, solver: impl Solver + Send + Sync + 'static) -> Self {
+        self.0.insert(command.to_owned(), LinkedSolver(Arc::new(solver)));
         self
     }
 
-    /// Returns the solver that replaces the program of this name.
-    pub(crate) fn get(&self, program: &str) -> Option<LinkedSolver> {
-        self.0.get(program).cloned()
+    /// Returns the solver that replaces this command.
+    pub(crate) fn get(&self, command: &str) -> Option<LinkedSolver> {
+        self.0.get(command).cloned()
     }
 }

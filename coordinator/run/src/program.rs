@@ -41,8 +41,8 @@ impl Program {
         solvers: &LinkedSolvers,
     ) -> Self {
         let program = Self::of_role(role, command);
-        let is_bare = program.arguments.is_empty();
-        let linked = solvers.get(&program.name()).filter(|_| is_bare);
+        let words = std::iter::once(program.name()).chain(program.arguments.iter().cloned());
+        let linked = solvers.get(&words.collect::<Vec<_>>().join(" "));
         Self { linked, ..program }
     }
 

@@ -1,6 +1,6 @@
 //! Surfaces raised by heat.
 
-use super::common::{SPEED, Store, configuration, driven, paper, refusal};
+use super::common::{HEAVY, SPEED, Store, configuration, driven, paper, refusal};
 use mech_solver::MechSolver;
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
@@ -62,7 +62,7 @@ fn elements_that_expand_change_as_half_spaces_that_are_raised() {
     let changes =
         [("explicit-fe", 2), ("explicit-fe", 4), ("half-space", 20)].map(|(model, resolution)| {
             let mut case = case(1.2e-5);
-            case["materials"]["steel"]["density"] = json!(7850.0);
+            case["materials"]["steel"]["density"] = json!(HEAVY);
             case["motion"] = json!({"speed": 38.889, "creepage": {"xi": -0.002}});
             case["mech"] = json!({"model": model, "resolution": resolution});
             let [warm, cold] = [&bell, &flat].map(|inputs| contact(&case, inputs).unwrap());
@@ -123,7 +123,7 @@ fn paraboloids_of_heat_change_the_radii() {
 #[test]
 fn a_repeated_window_of_elements_begins_in_the_accepted_state() {
     let mut case = case(1.2e-5);
-    case["materials"]["steel"]["density"] = json!(7850.0);
+    case["materials"]["steel"]["density"] = json!(HEAVY);
     case["motion"] = json!({"speed": 38.889, "traction_coefficient": 0.3});
     case["mech"] = json!({"model": "explicit-fe", "resolution": 2});
     let configuration = configuration(&case);

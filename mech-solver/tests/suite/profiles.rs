@@ -1,7 +1,7 @@
 //! Contacts of measured profiles: every touching place is found and resolved, corners are kept, and
 //! mirrored shapes touch in mirrored places.
 
-use super::common::{Run, STEEL, assert_close, configuration, paper, run};
+use super::common::{HEAVY, Run, STEEL, assert_close, configuration, paper, run};
 use elastic::hertz::{EllipticContact, elliptic_contact};
 use mech_solver::MechSolver;
 use proto::model::Solver;
@@ -203,6 +203,7 @@ fn of_elements(rail: Value, resolution: usize) -> Value {
     case["bodies"]["rail"] = rail;
     case["motion"] = json!({"speed": 38.889, "creepage": {"xi": -3e-3}});
     case["mech"] = json!({"model": "explicit-fe", "resolution": resolution});
+    case["materials"]["steel"]["density"] = json!(HEAVY);
     case
 }
 

@@ -12,25 +12,14 @@ use std::time::SystemTime;
 use toml::Table;
 
 /// Executables, with the folder of the package and the main source file.
-const PROGRAMS: [(&str, &str, &str); 18] = [
+const PROGRAMS: [(&str, &str, &str); 7] = [
     ("coordinator", "coordinator", "src/main.rs"),
     ("cosim-relay", "bridges/relay", "src/main.rs"),
     ("fmu-participant", "bridges/fmu-participant", "src/main.rs"),
     ("mech-solver", "mech-solver", "src/main.rs"),
     ("thermal-solver", "thermal-solver", "src/main.rs"),
     ("precice-participant", "bridges/precice", "src/main.rs"),
-    ("rogue", "tests", "src/bin/rogue.rs"),
-    ("toy-body", "tests", "src/bin/toy-body.rs"),
-    ("toy-future", "tests", "src/bin/toy-future.rs"),
-    ("toy-left", "tests", "src/bin/toy-left.rs"),
-    ("toy-long", "tests", "src/bin/toy-long.rs"),
-    ("toy-mover", "tests", "src/bin/toy-mover.rs"),
-    ("toy-operator", "tests", "src/bin/toy-operator.rs"),
-    ("toy-plate", "tests", "src/bin/toy-plate.rs"),
-    ("toy-relay", "tests", "src/bin/toy-relay.rs"),
-    ("toy-right", "tests", "src/bin/toy-right.rs"),
-    ("toy-source", "tests", "src/bin/toy-source.rs"),
-    ("toy-volume", "tests", "src/bin/toy-volume.rs"),
+    ("toy", "tests", "src/bin/toy.rs"),
 ];
 
 /// Returns the folder of the executables, `target/PROFILE`.
@@ -55,6 +44,11 @@ pub fn programs() -> &'static Path {
         Ok(folder)
     });
     checked.as_ref().unwrap_or_else(|told| panic!("{told}"))
+}
+
+/// Returns the command of a participant of the tests: the program, and the name of the participant.
+pub fn toy(name: &str) -> [String; 2] {
+    [programs().join("toy").display().to_string(), name.to_owned()]
 }
 
 /// Returns the folder of `libcosim.so`, where cargo puts the libraries of a test.

@@ -37,15 +37,15 @@ pub(crate) fn solvers_that_stop_at(window: u64) -> LinkedSolvers {
     LinkedSolvers::default()
         .with("mech-solver", Stopping { solver: MechSolver, window })
         .with("thermal-solver", Stopping { solver: ThermalSolver, window })
-        .with("toy-left", Stopping { solver: Toy::LEFT, window })
-        .with("toy-right", Stopping { solver: Toy::RIGHT, window })
-        .with("toy-operator", Stopping { solver: Linear::Operator, window })
-        .with("toy-relay", Stopping { solver: Linear::Relay, window })
-        .with("toy-source", Stopping { solver: Lumped::Source, window })
-        .with("toy-body", Stopping { solver: Lumped::Body, window })
-        .with("toy-mover", Stopping { solver: Moving::Mover, window })
-        .with("toy-plate", Stopping { solver: Moving::Plate, window })
-        .with("toy-volume", Stopping { solver: Block, window })
+        .with("toy left", Stopping { solver: Toy::LEFT, window })
+        .with("toy right", Stopping { solver: Toy::RIGHT, window })
+        .with("toy operator", Stopping { solver: Linear::Operator, window })
+        .with("toy relay", Stopping { solver: Linear::Relay, window })
+        .with("toy source", Stopping { solver: Lumped::Source, window })
+        .with("toy body", Stopping { solver: Lumped::Body, window })
+        .with("toy mover", Stopping { solver: Moving::Mover, window })
+        .with("toy plate", Stopping { solver: Moving::Plate, window })
+        .with("toy volume", Stopping { solver: Block, window })
 }
 
 /// Runs a shipped case with these settings and asserts success. Returns the place and the summary.
@@ -70,6 +70,16 @@ pub(crate) struct Ended {
     pub(crate) stdout: String,
     /// Warnings and the error.
     pub(crate) stderr: String,
+}
+
+impl From<&RunError> for Ended {
+    fn from(error: &RunError) -> Self {
+        let stderr = match error {
+            RunError::Case(problems) => problems.render(false),
+            other => format!("error: {other}"),
+        };
+        Self { code: Some(error.exit_code().into()), stdout: String::new(), stderr }
+    }
 }
 
 impl Place {
@@ -129,12 +139,8 @@ impl Place {
         match ended {
             Ok(stdout) => Ended { code: Some(0), stdout, stderr: warnings },
             Err(error) => {
-                let said = match &error {
-                    RunError::Case(problems) => problems.render(false),
-                    other => format!("error: {other}"),
-                };
-                let code = Some(error.exit_code().into());
-                Ended { code, stdout: String::new(), stderr: warnings + &said }
+                let failed = Ended::from(&error);
+                Ended { stderr: warnings + &failed.stderr, ..failed }
             }
         }
     }
@@ -176,6 +182,21 @@ impl Place {
     /// Reads a table of the results, by its path in the result folder.
     pub(crate) fn table(&self, file: &str) -> Table {
         Table::read(&self.out().join(file))
+    }
+}
+
+/// Answers like `check` of a case with this file name and text.
+pub(crate) fn checked(name: &str, text: &str) -> Ended {
+    let planned = RawCase::parse(name, text).map_err(RunError::from);
+    match planned.and_then(|raw| plan_with(raw, &solvers())) {
+        Err(error) => Ended::from(&error),
+        Ok(planned) => {
+            let warnings = planned.plan.warnings.iter();
+            let warnings: String =
+                warnings.map(|warning| format!("warning: {warning}\n")).collect();
+            let stdout = format!("{warnings}{name}: no errors\n");
+            Ended { code: Some(0), stdout, stderr: String::new() }
+        }
     }
 }
 

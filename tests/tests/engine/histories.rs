@@ -369,8 +369,8 @@ fn unlikely_values_of_tables_are_told() {
     );
 }
 
-/// A peak between the middles of adaptive windows is told after the run, and the advised
-/// `time.window_max` finds it.
+/// The run warns of a peak between the middles of adaptive windows. The advised `time.window_max`
+/// finds it.
 #[test]
 fn a_peak_that_adaptive_windows_miss_is_told() {
     let data = Data::new("t [s],Q [kN]\n0,100\n0.0022,100\n0.0023,300\n0.0024,100\n0.04,100\n");

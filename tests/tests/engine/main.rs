@@ -18,6 +18,7 @@ macro_rules! table_of_tests {
 
 mod advised;
 mod audit;
+mod bad_cases;
 mod contact_examples;
 mod figures;
 mod harness;
@@ -25,14 +26,18 @@ mod histories;
 mod implicit;
 mod instability;
 mod mapping;
+mod mistakes;
 mod moving;
 mod off_means_off;
 mod order_of_effects;
 mod patches;
+mod results;
 mod resume;
+mod rods;
 mod scenes;
 mod stopping;
 mod strict;
 mod time;
 mod two_way;
 mod wake;
+mod warnings;

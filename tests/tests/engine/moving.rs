@@ -164,7 +164,7 @@ fn files_are_on_the_grid_of_their_window() {
 fn what_is_fed_back_does_not_grow() {
     let ended = failed(&["mover.motion=grow", "coupling.scheme=parallel-implicit"]);
     for part in [
-        "mover (toy-mover) failed while accepting window 0",
+        "mover (toy) failed while accepting window 0",
         "grid `patch` has changed from 384 to 400 elements, but `moving_flux` on it is compared",
         "keep the number of its elements",
     ] {
@@ -176,7 +176,7 @@ fn what_is_fed_back_does_not_grow() {
 #[test]
 fn what_varies_within_a_window_does_not_grow() {
     let ended = failed(&["mover.motion=grow", "coupling.interpolation=linear"]);
-    for part in ["mover (toy-mover) failed in window 1", "from 384 values to 400", "constant"] {
+    for part in ["mover (toy) failed in window 1", "from 384 values to 400", "constant"] {
         assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);
     }
     run(&["mover.motion=translate", "coupling.interpolation=linear"]);

@@ -6,15 +6,7 @@ use std::process::Command;
 use tests::harness::compiled::Compiled;
 use tests::harness::precice::Pair;
 use tests::harness::python::interpreter;
-use tests::harness::{Place, case, example, library, number, programs, root};
-
-/// Generates a solver in a folder; returns the exit code and the output.
-fn write(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
-    let mut coordinator = Command::new(programs().join("coordinator"));
-    let ended = coordinator.arg("new-solver").args(arguments).current_dir(folder).output().unwrap();
-    let said = [ended.stdout, ended.stderr].concat();
-    (ended.status.code(), String::from_utf8(said).unwrap())
-}
+use tests::harness::{Place, case, example, library, new_solver, number, programs, root};
 
 /// Asserts that the solver passes the quick conformance checks; returns the temperature of the rail
 /// in the main case.
@@ -40,7 +32,7 @@ fn conforms(command: &[&str]) -> Vec<f64> {
 
 /// Generates and builds a solver; returns the program.
 fn made(folder: &Path, name: &str, language: &str) -> String {
-    let (code, said) = write(folder, &[name, "--lang", language]);
+    let (code, said) = new_solver(folder, &[name, "--lang", language]);
     assert_eq!(code, Some(0), "{said}");
     let library = format!("LIBRARY={}", library().display());
     let made = Command::new("make").arg(library).current_dir(folder.join(name)).output().unwrap();
@@ -58,7 +50,7 @@ fn assert_alike(a: &[f64], b: &[f64]) {
 #[test]
 fn in_every_language_they_conform_and_are_alike() {
     let folder = tempfile::tempdir().unwrap();
-    let (code, said) = write(folder.path(), &["my_strips", "--lang", "python"]);
+    let (code, said) = new_solver(folder.path(), &["my_strips", "--lang", "python"]);
     assert_eq!(code, Some(0), "{said}");
     assert!(
         said.contains(
@@ -76,7 +68,7 @@ fn in_every_language_they_conform_and_are_alike() {
 
     // The generated Rust solver equals this example; the nightly test compiles it in a folder of
     // its own.
-    let (code, said) = write(folder.path(), &["in_rust", "--lang", "rust"]);
+    let (code, said) = new_solver(folder.path(), &["in_rust", "--lang", "rust"]);
     assert_eq!(code, Some(0), "{said}");
     let shipped = std::fs::read_to_string(root().join("proto/examples/short_columns.rs")).unwrap();
     let written = std::fs::read_to_string(folder.path().join("in_rust/src/main.rs")).unwrap();

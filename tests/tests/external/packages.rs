@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 use tests::harness::python::interpreter_with_packages;
-use tests::harness::{Place, case, completed as run, number, programs, root, sets};
+use tests::harness::{Place, case, completed as run, number, programs, root, sets, toy};
 
 const IMBALANCE: &str = "/coupling/energy_imbalance";
 
@@ -163,7 +163,7 @@ fn ranks_that_all_take_part_are_told_what_to_do() {
     let taken = format!(
         "case $1 in --join) {0} \"$@\" & until [ -e $2/participant-left.lock ]; do sleep 0.01; done; \
          sleep 0.3; esac; exec {0} \"$@\"",
-        programs().join("toy-left").display()
+        toy("left").join(" ")
     );
     let command = format!("left.command=[\"sh\", \"-c\", {taken:?}, \"sh\"]");
     let place = Place::new();

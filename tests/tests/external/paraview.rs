@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 use tests::harness::python::interpreter_with_packages;
-use tests::harness::{Place, Table, case, programs, root, sets};
+use tests::harness::{Place, Table, case, root, sets, toy};
 use tests::moving::{flux, patch};
 use tests::volume::{KINDS, VOLUME_PLACE, VOLUME_TEMPERATURE, block, temperature};
 
@@ -215,7 +215,8 @@ fn surfaces_and_their_export_read_as_they_were_sent() {
     let mut more = sets(&["mover.motion=stretch", "output.fields=all"]);
     more.push("--record");
     place.summary(&case("moving.toml"), &more);
-    let described = Command::new(programs().join("toy-mover")).arg("--describe").output().unwrap();
+    let [program, name] = toy("mover");
+    let described = Command::new(program).args([&name, "--describe"]).output().unwrap();
     let described: Description = serde_json::from_slice(&described.stdout).unwrap();
     let kind = |name| described.fields.iter().find(|kind| kind.name == name).unwrap().clone();
     let expected = ["moving_flux", "moving_place"].map(|name| FieldLabel::of(&kind(name), None));

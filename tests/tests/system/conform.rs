@@ -5,7 +5,7 @@ mod contract;
 
 use crate::harness::compiled::Compiled;
 use crate::harness::python::interpreter;
-use crate::harness::{Ended, Place, case, programs, root};
+use crate::harness::{Ended, Place, case, programs, root, toy};
 use serde_json::Value;
 
 /// Runs the conformance checks on a program; returns the outcome and the report.
@@ -96,7 +96,7 @@ table_of_tests! { ours_conform:
 /// A fixed volume, and one that moves in every window.
 #[test]
 fn a_participant_with_a_volume_conforms() {
-    let command = [programs().join("toy-volume").display().to_string()];
+    let command = toy("volume");
     let mut alone = vec!["missing-key"];
     alone.extend(ALONE.iter().filter(|check| **check != "volumes"));
     alone.push("figures");
@@ -185,7 +185,7 @@ fn the_thermal_solver_conforms_with_every_model_in_few_processes() {
 /// A program that describes itself but fails to join: one failure, with its last words.
 #[test]
 fn a_participant_that_cannot_start_is_told_once() {
-    let program = programs().join("toy-left").display().to_string();
+    let program = toy("left").join(" ");
     let script =
         format!("case \"$1\" in --join) echo no licence >&2; exit 3;; esac; exec {program} \"$@\"");
     let command = ["sh", "-c", &script, "sh"].map(str::to_owned);
@@ -200,7 +200,7 @@ fn a_participant_that_cannot_start_is_told_once() {
 /// The same message in several checks is reported as one cause.
 #[test]
 fn a_cause_is_told_once() {
-    let rogue = [programs().join("rogue").display().to_string()];
+    let rogue = toy("rogue");
     let checks = ["solve", "repeat", "accept"];
     let mut options = vec!["--set", "left.fault=silence"];
     options.extend(checks.iter().flat_map(|name| ["--only", name]));
@@ -228,7 +228,7 @@ fn recorded_inputs_are_used() {
 
 /// The rogue breaks a label, a length or a number.
 fn the_rogue_is_told(fault: &str, words: &str) {
-    let rogue = [programs().join("rogue").display().to_string()];
+    let rogue = toy("rogue");
     let fault = format!("left.fault={fault}");
     let options = ["--only", "solve", "--set", &fault];
     assert_fails(&conform("left", &case("exchange.toml"), &options, &rogue), "solve", words);
@@ -247,7 +247,7 @@ table_of_tests! { the_rogue_is_told:
 /// inputs. All checks run, and none affects another.
 #[test]
 fn an_honest_rogue_goes_through_all_checks() {
-    let rogue = [programs().join("rogue").display().to_string()];
+    let rogue = toy("rogue");
     let options = ["--deadline", "10"];
     let (ended, report) = conform("left", &case("exchange.toml"), &options, &rogue);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
@@ -263,7 +263,7 @@ fn an_honest_rogue_goes_through_all_checks() {
 
 #[test]
 fn a_participant_that_hangs_spoils_no_other_check() {
-    let command = [programs().join("toy-left").display().to_string()];
+    let command = toy("left");
     let checks = ["describe", "solve", "unknown-command"];
     let mut options = vec!["--deadline", "4", "--set", "left.fault=hang"];
     options.extend(checks.iter().flat_map(|name| ["--only", name]));
@@ -305,7 +305,7 @@ table_of_tests! { faulty_python_is_told:
 
 /// Names of all checks, from a report.
 fn check_names() -> Vec<String> {
-    let command = [programs().join("toy-future").display().to_string()];
+    let command = toy("future");
     let (_, report) = conform("left", &case("exchange.toml"), &[], &command);
     let rows = report["checks"].as_array().unwrap().iter();
     rows.map(|row| row["name"].as_str().unwrap().to_owned()).collect()
@@ -313,7 +313,7 @@ fn check_names() -> Vec<String> {
 
 /// Each check has a participant that fails it for the tested reason.
 mod every_check_can_fail {
-    use super::{COARSE, assert_fails, case, check_names, conform, programs, script};
+    use super::{COARSE, assert_fails, case, check_names, conform, script, toy};
     use std::collections::BTreeSet;
 
     /// Nobody consumes a temperature in the scene of the tutorial: the observed field is checked.
@@ -342,7 +342,7 @@ mod every_check_can_fail {
 
     /// The rogue fails checks that the library satisfies for every other participant.
     fn goes_rogue(check: &str, words: &str) {
-        let rogue = [programs().join("rogue").display().to_string()];
+        let rogue = toy("rogue");
         let options = ["--only", check, "--deadline", "10"];
         assert_fails(&conform("left", &case("exchange.toml"), &options, &rogue), check, words);
     }
@@ -427,12 +427,12 @@ fn what_cannot_be_asked_is_refused() {
 #[test]
 fn the_table_is_for_people() {
     let place = Place::new();
-    let rogue = programs().join("rogue").display().to_string();
+    let [program, name] = toy("rogue");
     let exchange = case("exchange.toml");
     let only = ["--only", "describe", "--only", "solve", "--set", "left.fault=silence"];
     let mut arguments = vec!["conform", "--role", "left", "--case", &exchange];
     arguments.extend(only);
-    arguments.extend(["--", &rogue]);
+    arguments.extend(["--", &program, &name]);
     let ended = place.start(&arguments).wait();
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
     let line = |word: &str| ended.stdout.lines().find(|line| line.contains(word)).unwrap();

@@ -1,7 +1,7 @@
 //! Untrusted files: cases and recordings from other people, with arbitrary content. Without consent
 //! no program they name is started and no file is written. No escape sequence reaches a terminal.
 
-use crate::harness::{Ended, Place, case, flat, programs};
+use crate::harness::{Ended, Place, case, flat, programs, toy};
 use proto::message::{CommandKind, Topics};
 use proto::recording::{Compression, Event, Head, Item, Recording, RecordingWriter};
 use std::fs::File;
@@ -110,13 +110,13 @@ fn a_replay_starts_no_program_that_the_recording_names() {
     let place = Place::new();
     place.summary(&case("exchange.toml"), &["--record", "--set", "time.end=3"]);
     let path = place.out().join("recording.mcap").display().to_string();
-    // `toy-left` is in the folder of the coordinator and is the recorded program.
+    // `toy` is in the folder of the coordinator and is the recorded program.
     let Ended { code, stderr, .. } = place.start(&["replay", &path, "--only", "left"]).wait();
     assert_eq!(code, Some(2), "{stderr}");
-    for words in ["no left-solver beside the coordinator", "--command PROGRAM", "`toy-left`"] {
+    for words in ["no left-solver beside the coordinator", "--command PROGRAM", "`toy`"] {
         assert!(stderr.contains(words), "{stderr}");
     }
-    let program = programs().join("toy-left").display().to_string();
+    let program = toy("left").join(" ");
     let given = ["replay", &path, "--only", "left", "--command", &program];
     assert_eq!(place.start(&given).wait().code, Some(0));
 }

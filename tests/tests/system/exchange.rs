@@ -1,6 +1,6 @@
 //! Exchange of fields: three processes, two fields, many windows.
 
-use crate::harness::{Place, case, sets};
+use crate::harness::{Place, case, sets, toy};
 
 #[test]
 fn every_window_passes_through_both_participants() {
@@ -42,8 +42,9 @@ fn a_participant_started_by_hand_is_waited_for() {
     let running = place.start_run(&case("exchange.toml"), &attach);
     place.wait_for_log("participant started");
     let folder = place.created("folder");
-    let by_hand = std::process::Command::new(crate::harness::programs().join("toy-left"))
-        .args(["--join", &folder, "--role", "left"])
+    let [program, name] = toy("left");
+    let by_hand = std::process::Command::new(program)
+        .args([&name, "--join", &folder, "--role", "left"])
         .status();
     assert!(by_hand.unwrap().success());
     let ended = running.wait();

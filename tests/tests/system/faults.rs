@@ -2,9 +2,12 @@
 //! to do, and no leftovers on the machine.
 
 use crate::harness::failures::failures_keep_their_words;
-use crate::harness::{Ended, Place, Running, case, programs, sets, wait_until};
+use crate::harness::{Ended, Place, Running, case, sets, toy, wait_until};
 use rustix::process::{Signal, kill_process};
 use tests::toy::SOLVING;
+
+/// Makes the rogue the participant `left`.
+const ROGUE: &str = "left.command=[\"toy\", \"rogue\"]";
 
 /// Starts a run in which participant `role` takes long over the first window, and waits until it is
 /// in that window.
@@ -43,7 +46,7 @@ fn a_killed_participant_is_named() {
         let place = Place::new();
         let running = in_mid_window(&place, role, &[]);
         kill_process(place.pid_of(role), Signal::KILL).unwrap();
-        let who = format!("{role} (toy-{role}) failed");
+        let who = format!("{role} (toy) failed");
         let what = ["in window 0, iteration 1", "killed by signal 9", "see its messages"];
         assert_failed(&place, &running.wait(), &[&who, what[0], what[1], what[2]]);
     }
@@ -56,7 +59,7 @@ fn a_stopped_participant_is_noticed_by_its_silence() {
         let deadline = ["--set", "coupling.heartbeat_deadline=1.5"];
         let running = in_mid_window(&place, role, &deadline);
         kill_process(place.pid_of(role), Signal::STOP).unwrap();
-        let who = format!("{role} (toy-{role}) failed");
+        let who = format!("{role} (toy) failed");
         let what = ["in window 0, iteration 1", "no heartbeat for", "coupling.heartbeat_deadline"];
         assert_failed(&place, &running.wait(), &[&who, what[0], what[1], what[2]]);
     }
@@ -69,7 +72,7 @@ fn a_hanging_model_is_noticed_by_its_deadline() {
     let ended = place.run(&case("exchange.toml"), &more);
     let what =
         ["in window 0, iteration 1", "its heartbeat is still received", "coupling.solve_deadline"];
-    assert_failed(&place, &ended, &["left (toy-left) failed", what[0], what[1], what[2]]);
+    assert_failed(&place, &ended, &["left (toy) failed", what[0], what[1], what[2]]);
 }
 
 #[test]
@@ -140,7 +143,7 @@ fn a_participant_that_exits_is_named_with_its_last_words() {
         let fault = format!("left.fault={fault}");
         let more = ["--set", &fault, "--set", "left.fault_window=2"];
         let ended = place.run(&case("exchange.toml"), &more);
-        assert_failed(&place, &ended, &["left (toy-left) failed", when, what]);
+        assert_failed(&place, &ended, &["left (toy) failed", when, what]);
     }
 }
 
@@ -153,7 +156,7 @@ fn a_failure_beside_one_still_at_work_keeps_its_words() {
         let (fault, delay) = (format!("{failing}.fault=error"), format!("{working}.delay=0.3"));
         let settings = ["coupling.scheme=parallel-explicit", &fault, &delay];
         let ended = place.run(&case("exchange.toml"), &sets(&settings));
-        let who = format!("{failing} (toy-{failing}) failed");
+        let who = format!("{failing} (toy) failed");
         assert_failed(&place, &ended, &[&who, "in window 0, iteration 1", "told to fail"]);
     }
 }
@@ -172,7 +175,7 @@ fn values_that_are_not_finite_are_refused() {
             (format!("{role}.fault=not-finite"), format!("{role}.fault_window=3"));
         let more = ["--set", &fault, "--set", &window];
         let ended = place.run(&case("exchange.toml"), &more);
-        let who = format!("{role} (toy-{role}) failed");
+        let who = format!("{role} (toy) failed");
         let what = format!("field `{role}_value` holds NaN at index 500");
         assert_failed(&place, &ended, &[&who, "in window 3, iteration 1", &what]);
     }
@@ -193,7 +196,7 @@ fn what_a_model_leaves_out_is_noticed_in_every_build() {
         let fault = format!("left.fault={fault}");
         let more = ["--set", &fault, "--set", "left.fault_window=3"];
         let ended = place.run(&case("exchange.toml"), &more);
-        assert_failed(&place, &ended, &["left (toy-left) failed", "window 3, iteration 1", what]);
+        assert_failed(&place, &ended, &["left (toy) failed", "window 3, iteration 1", what]);
     }
 }
 
@@ -206,7 +209,7 @@ fn what_is_not_finite_enters_no_checkpoint() {
     let more = sets(&settings);
     let ended = place.run(&case("exchange.toml"), &more);
     let what = "field `right_value` holds NaN at index 500";
-    assert_failed(&place, &ended, &["right (toy-right) failed", "window 3, iteration 1", what]);
+    assert_failed(&place, &ended, &["right (toy) failed", "window 3, iteration 1", what]);
     let kept = std::fs::read_dir(place.out().join("checkpoints")).unwrap().flatten();
     let mut kept: Vec<_> = kept.map(|entry| entry.file_name().into_string().unwrap()).collect();
     kept.sort();
@@ -232,20 +235,19 @@ fn a_participant_that_breaks_the_contract_is_told_how() {
     for (fault, what) in faults {
         let place = Place::new();
         let fault = format!("left.fault={fault}");
-        let more =
-            ["--set", "left.command=[\"rogue\"]", "--set", &fault, "--set", "left.fault_window=3"];
-        let ended = place.run(&case("exchange.toml"), &more);
-        assert_failed(&place, &ended, &["left (rogue) failed", "in window 3, iteration 1", what]);
+        let ended =
+            place.run(&case("exchange.toml"), &sets(&[ROGUE, &fault, "left.fault_window=3"]));
+        assert_failed(&place, &ended, &["left (toy) failed", "in window 3, iteration 1", what]);
     }
 }
 
 #[test]
 fn a_participant_cannot_stop_reporting_heat() {
     let place = Place::new();
-    let settings = ["left.command=[\"rogue\"]", "left.fault=heat-once", "left.fault_window=3"];
+    let settings = [ROGUE, "left.fault=heat-once", "left.fault_window=3"];
     let ended = place.run(&case("exchange.toml"), &sets(&settings));
     let what = "it has stopped reporting the heat it receives";
-    assert_failed(&place, &ended, &["left (rogue) failed", "in window 4, iteration 1", what]);
+    assert_failed(&place, &ended, &["left (toy) failed", "in window 4, iteration 1", what]);
 }
 
 /// A grid that moves incorrectly in window 3, where its third revision holds; its fifth one
@@ -273,10 +275,9 @@ fn a_grid_that_moves_wrongly_is_refused() {
     for (fault, when, what) in faults {
         let place = Place::new();
         let fault = format!("left.fault={fault}");
-        let more =
-            ["--set", "left.command=[\"rogue\"]", "--set", &fault, "--set", "left.fault_window=3"];
-        let ended = place.run(&case("exchange.toml"), &more);
-        assert_failed(&place, &ended, &["left (rogue) failed", when, what]);
+        let ended =
+            place.run(&case("exchange.toml"), &sets(&[ROGUE, &fault, "left.fault_window=3"]));
+        assert_failed(&place, &ended, &["left (toy) failed", when, what]);
     }
 }
 
@@ -295,7 +296,7 @@ fn a_moving_grid_that_nobody_was_told_of_is_refused() {
     let late = format!(
         "case $1 in --join) mkdir {0}/tried && exit 1;; esac; exec {1} \"$@\"",
         folder.path().display(),
-        programs().join("rogue").display()
+        toy("rogue").join(" ")
     );
     let command = format!("left.command=[\"sh\", \"-c\", {late:?}, \"sh\"]");
     let more = ["--set", &command, "--set", "left.fault=flat"];
@@ -315,9 +316,9 @@ fn a_wish_for_a_wrong_grid_is_refused() {
     for (fault, what) in wishes {
         let place = Place::new();
         let fault = format!("left.fault={fault}");
-        let more = ["--set", "left.command=[\"rogue\"]", "--set", &fault];
+        let more = ["--set", ROGUE, "--set", &fault];
         let ended = place.run(&case("exchange.toml"), &more);
-        assert_failed(&place, &ended, &["left (rogue) failed", "while being configured", what]);
+        assert_failed(&place, &ended, &["left (toy) failed", "while being configured", what]);
     }
 }
 
@@ -352,10 +353,7 @@ fn an_interrupt_at_any_moment_leaves_nothing() {
 fn what_a_participant_starts_ends_with_it() {
     let place = Place::new();
     let mark = format!("{}", 700_000 + std::process::id());
-    let script = format!(
-        "sleep {mark} >/dev/null 2>&1 & exec {} \"$@\"",
-        programs().join("toy-left").display()
-    );
+    let script = format!("sleep {mark} >/dev/null 2>&1 & exec {} \"$@\"", toy("left").join(" "));
     let command = format!("left.command=[\"sh\", \"-c\", {script:?}, \"sh\"]");
     place.summary(&case("exchange.toml"), &["--set", &command, "--set", "time.end=2"]);
     wait_until("the end of the grandchildren", || {
@@ -373,21 +371,22 @@ fn a_participant_started_by_hand_that_dies_is_noticed_by_its_lock() {
     let running = place.start_run(&case("exchange.toml"), &attach);
     place.wait_for_log("participant started");
     let folder = place.created("folder");
-    let mut by_hand = std::process::Command::new(programs().join("toy-left"))
-        .args(["--join", &folder, "--role", "left"])
+    let [program, name] = toy("left");
+    let mut by_hand = std::process::Command::new(program)
+        .args([&name, "--join", &folder, "--role", "left"])
         .spawn()
         .unwrap();
     place.wait_for_log("every participant is ready");
     by_hand.kill().unwrap();
     by_hand.wait().unwrap();
     let what = ["in window 0, iteration 1", "its process is gone"];
-    assert_failed(&place, &running.wait(), &["left (toy-left) failed", what[0], what[1]]);
+    assert_failed(&place, &running.wait(), &["left (toy) failed", what[0], what[1]]);
 }
 
 #[test]
 fn an_honest_rogue_goes_through() {
     let place = Place::new();
-    let more = ["--set", "left.command=[\"rogue\"]", "--set", "time.end=5"];
+    let more = ["--set", ROGUE, "--set", "time.end=5"];
     // A summary that is not an object neither replaces the summaries of others nor ends the run.
     let summary = place.summary(&case("exchange.toml"), &more);
     assert_eq!((&summary["schema"], &summary["status"]), (&1.into(), &"completed".into()));
@@ -426,7 +425,7 @@ fn a_program_that_does_not_exist_is_an_error_of_the_case() {
 #[test]
 fn another_version_of_the_contract_is_refused() {
     let place = Place::new();
-    let ended = place.run(&case("exchange.toml"), &["--set", "left.command=[\"toy-future\"]"]);
+    let ended = place.run(&case("exchange.toml"), &["--set", "left.command=[\"toy\", \"future\"]"]);
     assert_eq!(ended.code, Some(2), "{}", ended.stderr);
     assert!(ended.stderr.contains("speaks protocol 999"), "{}", ended.stderr);
     place.assert_nothing_left();
@@ -447,7 +446,7 @@ fn a_participant_that_never_joins_is_waited_for_until_the_deadline() {
     // Describes itself, but does not join the run.
     let script = format!(
         "case \"$1\" in --join) sleep 600;; *) exec {} \"$@\";; esac",
-        programs().join("toy-left").display()
+        toy("left").join(" ")
     );
     let command = format!("left.command=[\"sh\", \"-c\", {script:?}, \"sh\"]");
     let more = ["--set", &command, "--set", "coupling.start_deadline=1"];

@@ -1,6 +1,6 @@
 //! Result folders: ownership, replacement of results, and their state when the disk is full.
 
-use crate::harness::{Place, Running, case, programs, sets, wait_until};
+use crate::harness::{Place, Running, case, sets, toy, wait_until};
 use rustix::process::{Resource, Rlimit, Signal, prlimit};
 use serde_json::Value;
 use std::fs;
@@ -137,7 +137,7 @@ fn a_flood_of_words_is_cut_and_counted() {
     let place = Place::new();
     let script = format!(
         "case \"$*\" in *--join*) seq -f 'word %.0f' 300000 ;; esac; exec {} \"$@\"",
-        programs().join("toy-left").display()
+        toy("left").join(" ")
     );
     let command = format!("left.command=[\"sh\", \"-c\", {script:?}, \"sh\"]");
     let ended = place.run(&case("exchange.toml"), &["--set", &command, "--set", "time.end=3"]);

@@ -2,13 +2,13 @@
 //! cannot rewind.
 
 use crate::harness::python::interpreter;
-use crate::harness::{Ended, Place, case, programs, root, sets};
+use crate::harness::{Ended, Place, case, programs, root, sets, toy};
 
 /// Runs the smallest case with [`tests::long`] as `right`.
 fn run(settings: &[&str]) -> (Place, Ended) {
     let place = Place::new();
     let long = [
-        r#"right={command=["toy-long"], model="patient"}"#,
+        r#"right={command=["toy", "long"], model="patient"}"#,
         "right.steps=60",
         "time.end=2",
         "coupling.solve_deadline=1",
@@ -49,7 +49,7 @@ fn progress_that_stops_ends_the_run_and_says_how_far_it_came() {
         let (_, ended) = run(&[&format!("right.{time}=1.2"), "right.stop_at=37"]);
         assert_eq!(ended.code, Some(1), "{}", ended.stderr);
         let error = format!(
-            "right (toy-long) failed {when}: it stopped at 37 of 60 {what}: no progress for 1.0 s; \
+            "right (toy) failed {when}: it stopped at 37 of 60 {what}: no progress for 1.0 s; \
              its heartbeat is still received; raise coupling."
         );
         assert!(ended.stderr.contains(&error), "{}", ended.stderr);
@@ -86,7 +86,7 @@ fn long_work_is_shown_in_plain_lines() {
 
 #[test]
 fn a_model_that_cannot_go_back_runs_where_windows_are_solved_once() {
-    let once = r#"right={command=["toy-long"], model="once"}"#;
+    let once = r#"right={command=["toy", "long"], model="once"}"#;
     let (place, ended) = run(&[once]);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     assert_eq!(place.read_summary()["right"]["solves"], 2);
@@ -119,13 +119,13 @@ fn a_model_that_cannot_go_back_is_refused_adaptive_windows() {
 #[test]
 fn a_model_that_cannot_go_back_conforms() {
     let place = Place::new();
-    let program = programs().join("toy-long").display().to_string();
+    let [program, name] = toy("long");
     let exchange = case("exchange.toml");
     let mut arguments = vec!["conform", "--role", "right", "--case", &exchange, "--json"];
     let settings = [r#"right={model="patient"}"#, "time.window=1", "time.end=1000"];
     let settings = sets(&settings);
     arguments.extend(&settings);
-    arguments.extend(["--", &program]);
+    arguments.extend(["--", &program, &name]);
     let ended = place.start(&arguments).wait();
     assert_eq!(ended.code, Some(0), "{}\n{}", ended.stdout, ended.stderr);
 }

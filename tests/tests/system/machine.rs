@@ -1,7 +1,7 @@
 //! Effects of the machine on a run and of a run on the machine: foreign folders, ignored signals,
 //! orphaned processes, damaged shared memory.
 
-use crate::harness::{Ended, Place, case, programs, sets, wait_until};
+use crate::harness::{Ended, Place, case, programs, sets, toy, wait_until};
 use rustix::process::{Pid, Signal, kill_process};
 use std::fs::File;
 use std::path::Path;
@@ -162,8 +162,8 @@ fn processes(arguments: &[&str]) -> Vec<Pid> {
 /// Participant that starts a process whenever it is started itself; the argument of `sleep`
 /// identifies the process.
 fn with_a_descendant(descendant: &str) -> String {
-    let left = programs().join("toy-left");
-    let script = format!("{descendant} & exec {} \"$@\"", left.display());
+    let left = toy("left").join(" ");
+    let script = format!("{descendant} & exec {left} \"$@\"");
     format!("left.command=[\"sh\", \"-c\", {script:?}, \"sh\"]")
 }
 

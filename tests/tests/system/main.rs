@@ -40,7 +40,6 @@ mod keys;
 mod languages;
 mod long_work;
 mod machine;
-mod mistakes;
 mod new;
 mod new_solver;
 mod picture;

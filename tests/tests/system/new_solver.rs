@@ -2,17 +2,7 @@
 //! in every language.
 
 use crate::harness::python::interpreter;
-use crate::harness::{Place, case, flat, programs};
-use std::path::Path;
-use std::process::Command;
-
-/// Generates a solver in a folder; returns the exit code and the output.
-fn write(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
-    let mut coordinator = Command::new(programs().join("coordinator"));
-    let ended = coordinator.arg("new-solver").args(arguments).current_dir(folder).output().unwrap();
-    let said = [ended.stdout, ended.stderr].concat();
-    (ended.status.code(), String::from_utf8(said).unwrap())
-}
+use crate::harness::{Place, case, flat, new_solver};
 
 /// A locked wheel has no steady temperature by conduction normal to the surface: the generated
 /// solver refuses it. A solver that neither reads nor receives the speeds computes a rolling wheel,
@@ -20,7 +10,7 @@ fn write(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
 #[test]
 fn a_locked_wheel_is_refused_or_told() {
     let folder = tempfile::tempdir().unwrap();
-    let (code, said) = write(folder.path(), &["mine", "--lang", "python"]);
+    let (code, said) = new_solver(folder.path(), &["mine", "--lang", "python"]);
     assert_eq!(code, Some(0), "{said}");
     let script = folder.path().join("mine/mine.py");
     let python = interpreter().display().to_string();
@@ -53,11 +43,12 @@ fn a_locked_wheel_is_refused_or_told() {
 fn nothing_that_is_there_is_replaced() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("mine")).unwrap();
-    let (code, said) = write(folder.path(), &["mine", "--lang", "python"]);
+    let (code, said) = new_solver(folder.path(), &["mine", "--lang", "python"]);
     assert!(code == Some(2) && said.contains("mine is there already"), "{said}");
-    let (code, said) = write(folder.path(), &["../mine", "--lang", "python"]);
+    let (code, said) = new_solver(folder.path(), &["../mine", "--lang", "python"]);
     assert!(code == Some(2) && said.contains("begins with a letter"), "{said}");
-    let (code, said) = write(folder.path(), &["other", "--lang", "rust", "--sources", "nowhere"]);
+    let (code, said) =
+        new_solver(folder.path(), &["other", "--lang", "rust", "--sources", "nowhere"]);
     assert!(code == Some(2) && said.contains("name their folder by --sources"), "{said}");
     assert!(!folder.path().join("other").exists());
 }

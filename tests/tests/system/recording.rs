@@ -2,7 +2,7 @@
 //! differences are reported.
 
 use crate::harness::compiled::Compiled;
-use crate::harness::{Ended, Place, Table, case, programs, root, sets, wait_until};
+use crate::harness::{Ended, Place, Table, case, programs, root, sets, toy, wait_until};
 use rustix::process::{Pid, Resource, Rlimit, Signal, prlimit};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -46,10 +46,6 @@ fn inspect(place: &Place, recording: &Path, more: &[&str]) -> Value {
     let ended = place.start(&arguments).wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     serde_json::from_str(&ended.stdout).unwrap()
-}
-
-fn toy(name: &str) -> String {
-    programs().join(name).display().to_string()
 }
 
 #[test]
@@ -114,8 +110,8 @@ fn a_replay_stops_before_a_window() {
 fn a_loop_over_many_windows_replays_to_the_bit() {
     let place = Place::new();
     let recording = record(&place, "linear.toml", "--record", &["linear.problem=P5"]);
-    for (role, program) in [("relay", "toy-relay"), ("operator", "toy-operator")] {
-        let program = toy(program);
+    for role in ["relay", "operator"] {
+        let program = toy(role).join(" ");
         assert_identical(&place, &recording, role, &["--command", &program]);
     }
 }
@@ -130,8 +126,8 @@ fn adaptive_windows_and_subcycles_replay_to_the_bit() {
     let recording = record(&place, "lumped.toml", "--record", &settings);
     let seen = inspect(&place, &recording, &[]);
     assert!(seen["repeated_windows"].as_u64().unwrap() > 0, "{seen:#}");
-    for (role, program) in [("source", "toy-source"), ("body", "toy-body")] {
-        let program = toy(program);
+    for role in ["source", "body"] {
+        let program = toy(role).join(" ");
         assert_identical(&place, &recording, role, &["--command", &program]);
     }
 }
@@ -153,8 +149,8 @@ fn grids_that_move_replay_to_the_bit() {
     let seen = inspect(&place, &recording, &[]);
     let topics = seen["fields"].as_array().unwrap().iter();
     assert!(topics.clone().any(|f| f["topic"].as_str().unwrap().starts_with("geometry/")));
-    for (role, program) in [("mover", "toy-mover"), ("plate", "toy-plate")] {
-        let program = toy(program);
+    for role in ["mover", "plate"] {
+        let program = toy(role).join(" ");
         assert_identical(&place, &recording, role, &["--command", &program]);
         assert_identical(&place, &recording, role, &["--from", "6", "--command", &program]);
     }
@@ -216,7 +212,7 @@ fn a_program_that_does_not_know_the_recorded_model_is_told_what_to_do() {
     let remark = "`lower_section_temperature` is not compared: the program does not provide it";
     assert!(replay["remarks"].as_array().unwrap().iter().any(|one| one == remark), "{replay:#}");
     assert!(replay["comparison"]["samples"].as_u64().unwrap() > 0, "{replay:#}");
-    let (left, right) = (toy("toy-left"), toy("toy-right"));
+    let (left, right) = (toy("left").join(" "), toy("right").join(" "));
     for program in [left, right] {
         let (code, _, stderr) =
             self::replay(&place, &recording, "thermal", &["--command", &program]);
@@ -361,11 +357,13 @@ fn fields_are_inspected_by_the_names_of_the_case() {
 #[test]
 fn a_full_disk_ends_the_run_in_order() {
     let place = Place::new();
-    let (program, case) = (toy("coordinator"), case("cold-start.toml"));
+    let (program, case) = (programs().join("coordinator"), case("cold-start.toml"));
     let runtime = tempfile::Builder::new().prefix("ct-").tempdir_in("/dev/shm").unwrap();
     let mut child = std::process::Command::new("bash")
         // A limit on the file size simulates a full disk; its signal is ignored.
-        .args(["-c", "trap '' XFSZ; exec \"$@\"", "bash", &program, "run", &case, "--record"])
+        .args(["-c", "trap '' XFSZ; exec \"$@\"", "bash"])
+        .arg(program)
+        .args(["run", &case, "--record"])
         .args(["--set", "time.window=1e-7", "--set", "output.every=100000", "--out"])
         .arg(place.out())
         .env("COSIM_RUNTIME_DIR", runtime.path().join("r"))
@@ -399,7 +397,7 @@ fn a_recording_carries_no_path_and_replays_without_the_files_of_the_case() {
     let file = |key: &str, name: &str| format!("{key}={:?}", secret.path().join(name));
     let rail = file("bodies.rail.profile", "rail-worn.csv");
     let wheel = file("bodies.wheel.profile", "wheel-hollow.csv");
-    let command = format!("thermal.command=[{:?}]", toy("thermal-solver"));
+    let command = format!("thermal.command=[{:?}]", programs().join("thermal-solver"));
     let settings = [rail.as_str(), &wheel, &command, "mech.resolution=10"];
     let recording = record(&place, "measured-profile.toml", "--record", &settings);
     let bytes = std::fs::read(&recording).unwrap();
@@ -495,7 +493,7 @@ fn what_cannot_be_replayed_is_told() {
     told(&["replay", &path, "--only", "middle"], 2, "give --only one of: left, right");
     told(&["replay", "nowhere.mcap", "--only", "left"], 2, "there is no recording nowhere.mcap");
     told(&["inspect", &case("linear.toml")], 1, "damaged");
-    let (left, right) = (toy("toy-left"), toy("toy-right"));
+    let (left, right) = (toy("left").join(" "), toy("right").join(" "));
     let other = ["replay", &path, "--only", "left", "--command", &right];
     let ended = place.start(&other).wait();
     assert_ne!(ended.code, Some(0), "another program passes for the recorded one");
@@ -514,7 +512,7 @@ fn a_cut_recording_is_compared_up_to_the_cut() {
     let whole = std::fs::read(record(&place, "exchange.toml", "--record", &settings)).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cut.mcap");
-    let (mut compared, program) = (0, toy("toy-left"));
+    let (mut compared, program) = (0, toy("left").join(" "));
     for part in 10..39 {
         std::fs::write(&path, &whole[..whole.len() * part / 40]).unwrap();
         let (code, replay, stderr) = replay(&place, &path, "left", &["--command", &program]);

@@ -59,7 +59,8 @@ impl<'a> Far<'a> {
         let endpoint = format!("127.0.0.1:{port}");
         let mut arguments = vec!["--listen", &endpoint, "--key", key];
         arguments.extend(more);
-        arguments.extend(["--", program]);
+        arguments.push("--");
+        arguments.extend(program.split(' '));
         let command = Command::new(programs().join("cosim-relay"));
         let running = place.launch(place.becoming(command, &arguments));
         wait_until("the far end to listen", || TcpStream::connect(("127.0.0.1", port)).is_ok());
@@ -92,8 +93,8 @@ fn same_to_the_bit(name: &str, role: &str, program: &str, settings: &[&str], com
     let here = Place::new();
     let mut settings = settings.to_vec();
     settings.push("output.fields=all");
-    let program_path = programs().join(program).display().to_string();
-    let command = format!("{role}.command=[{program_path:?}]");
+    let words: Vec<&str> = program.split(' ').collect();
+    let command = format!("{role}.command={words:?}");
     settings.push(&command);
     here.summary(&case(name), &sets(&settings));
     settings.pop();
@@ -114,9 +115,9 @@ table_of_tests! { same_to_the_bit:
     wheel_rail("wheel-rail.toml", "thermal", "thermal-solver", &[], "none");
     a_loop_with_iterations("falling-friction.toml", "thermal", "thermal-solver", &[], "lz4");
     a_loop_with_the_mechanics_far("falling-friction.toml", "mech", "mech-solver", &[], "lz4");
-    a_grid_that_moves("moving.toml", "mover", "toy-mover", &["mover.motion=grow", "coupling.scheme=serial-explicit"], "lz4");
-    a_grid_of_others_that_moves("moving.toml", "plate", "toy-plate", &["mover.motion=stretch"], "none");
-    a_volume("volume.toml", "volume", "toy-volume", &["volume.swells=true"], "lz4");
+    a_grid_that_moves("moving.toml", "mover", "toy mover", &["mover.motion=grow", "coupling.scheme=serial-explicit"], "lz4");
+    a_grid_of_others_that_moves("moving.toml", "plate", "toy plate", &["mover.motion=stretch"], "none");
+    a_volume("volume.toml", "volume", "toy volume", &["volume.swells=true"], "lz4");
     files_of_the_case("wheel-on-track.toml", "mech", "mech-solver", &[], "none");
 }
 
@@ -129,7 +130,7 @@ fn a_killed_run_is_resumed_to_the_bit() {
     let undisturbed = Place::new();
     undisturbed.summary(&case("exchange.toml"), &sets(&settings));
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let command = command_of("left", far.port, &key.path(), &[]);
     let more: Vec<&str> = settings.iter().copied().chain([command.as_str()]).collect();
     let running = place.start_run(&case("exchange.toml"), &sets(&more));
@@ -190,7 +191,7 @@ const WHEN: &str = "left (cosim-relay) failed in window 0, iteration 1";
 #[test]
 fn a_far_end_that_is_killed_is_named_with_the_window() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let running = in_mid_window(&place, &command_of("left", far.port, &key.path(), &[]), &[]);
     far.running.signal(Signal::KILL);
     assert_eq!(far.running.wait().code, None);
@@ -233,7 +234,7 @@ fn proxy(to: u16) -> (u16, Arc<AtomicBool>) {
 #[test]
 fn a_link_that_swallows_everything_is_noticed_at_both_ends() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &["--silence", "2"]);
+    let far = Far::start(&there, &key.path(), "toy left", &["--silence", "2"]);
     let (port, swallows) = proxy(far.port);
     let command = command_of("left", port, &key.path(), &["--silence", "2"]);
     let running = in_mid_window(&place, &command, &[]);
@@ -250,7 +251,7 @@ fn a_link_that_swallows_everything_is_noticed_at_both_ends() {
 #[test]
 fn an_interrupt_at_home_ends_the_far_participant_and_the_next_run_goes() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let command = command_of("left", far.port, &key.path(), &[]);
     let running = in_mid_window(&place, &command, &[]);
     assert!(there.runtime().exists());
@@ -266,7 +267,7 @@ fn an_interrupt_at_home_ends_the_far_participant_and_the_next_run_goes() {
 #[test]
 fn once_is_one_run() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &["--once"]);
+    let far = Far::start(&there, &key.path(), "toy left", &["--once"]);
     let command = command_of("left", far.port, &key.path(), &[]);
     place.summary(&case("exchange.toml"), &sets(&["time.end=3", &command]));
     assert_eq!(far.running.wait().code, Some(0));
@@ -275,7 +276,7 @@ fn once_is_one_run() {
 #[test]
 fn a_far_participant_that_exits_is_reported_with_its_last_words() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let command = command_of("left", far.port, &key.path(), &[]);
     for (fault, how) in [
         ("exit", "ended with exit code 9"),
@@ -293,7 +294,7 @@ fn a_far_participant_that_exits_is_reported_with_its_last_words() {
 #[test]
 fn a_far_participant_that_is_killed_or_stopped_is_reported() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let command = command_of("left", far.port, &key.path(), &[]);
     let running = in_mid_window(&place, &command, &[]);
     kill_process(child_of(far.running.pid()), Signal::KILL).unwrap();
@@ -321,7 +322,7 @@ fn child_of(parent: Pid) -> Pid {
 #[test]
 fn another_key_is_refused_at_both_ends() {
     let (key, other, there, place) = (KeyFile::new(), KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let command = command_of("left", far.port, &other.path(), &[]);
     let ended = place.run(&case("exchange.toml"), &sets(&[&command]));
     assert_ne!(ended.code, Some(0));
@@ -345,7 +346,7 @@ fn nobody_who_listens_is_named_within_the_patience() {
 #[test]
 fn the_coordinator_becomes_the_relay() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let endpoint = format!("127.0.0.1:{}", far.port);
     let ended =
         place.start(&["relay", "--connect", &endpoint, "--key", &key.path(), "--describe"]).wait();
@@ -358,7 +359,7 @@ fn the_coordinator_becomes_the_relay() {
     let other = free_port();
     let endpoint = format!("127.0.0.1:{other}");
     let listens =
-        ["relay", "--listen", &endpoint, "--key", &key.path(), "--once", "--", "toy-left"];
+        ["relay", "--listen", &endpoint, "--key", &key.path(), "--once", "--", "toy", "left"];
     let running = there.start(&listens);
     wait_until("the far end to listen", || TcpStream::connect(("127.0.0.1", other)).is_ok());
     let command = command_of("left", other, &key.path(), &[]);
@@ -369,7 +370,7 @@ fn the_coordinator_becomes_the_relay() {
 /// Callers without the key do not disturb a run, and later clients are served.
 fn goes_on_beside(attack: impl Fn(u16)) {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let command = command_of("left", far.port, &key.path(), &["--silence", "2"]);
     let more = ["left.delay=0.05", "time.end=40", &command];
     let running = place.start_run(&case("exchange.toml"), &sets(&more));
@@ -422,7 +423,7 @@ fn greetings_without_a_proof_keep_nobody_out() {
 #[test]
 fn a_far_end_that_stops_is_lost_at_home() {
     let (key, there, place) = (KeyFile::new(), Place::new(), Place::new());
-    let far = Far::start(&there, &key.path(), "toy-left", &[]);
+    let far = Far::start(&there, &key.path(), "toy left", &[]);
     let command = command_of("left", far.port, &key.path(), &["--silence", "1"]);
     let running = in_mid_window(&place, &command, &[]);
     far.running.signal(Signal::STOP);

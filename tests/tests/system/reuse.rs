@@ -74,7 +74,7 @@ fn a_failed_point_takes_no_other_with_it() {
     let faults = "none,error,none,exit,none,panic,none,refuse-build,not-finite,none,none";
     let vary = format!("left.fault={faults}");
     let words = ["--set", "time.end=3", "--set", "left.fault_window=1", "--vary", &vary];
-    let program = ["toy-left".to_owned()];
+    let program = ["toy", "left"].map(str::to_owned);
     let (table, starts) = swept("exchange.toml", "left", &program, &words);
     let failed = table.texts("failed");
     for (fault, failed) in faults.split(',').zip(&failed) {
@@ -120,7 +120,7 @@ fn loses_one_point(signal: Signal) {
     let vary = ["--vary", "right.delay=0,1e-5,2e-5,3e-5", "--jobs", "1", "--out", &out];
     let running = place.start(&[&["sweep", &file][..], &settings, &vary].concat());
     wait_until("the first point", || points(&place.out()).len() == 1);
-    let left = child(running.pid(), "toy-left");
+    let left = child(running.pid(), "left");
     kill_process(left, signal).unwrap();
     let ended = running.wait();
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
@@ -133,13 +133,14 @@ fn loses_one_point(signal: Signal) {
     place.assert_nothing_left();
 }
 
-/// Child of a process that runs this program.
-fn child(of: Pid, program: &str) -> Pid {
+/// Child of a process with this argument.
+fn child(of: Pid, argument: &str) -> Pid {
     let tasks = std::fs::read_dir(format!("/proc/{}/task", of.as_raw_nonzero())).unwrap();
     let children = tasks.flatten().map(|task| read_to_string(task.path().join("children")));
     let all: String = children.map(Result::unwrap_or_default).collect();
-    let name = |pid: &&str| read_to_string(format!("/proc/{pid}/comm")).unwrap_or_default();
-    let found = all.split_whitespace().find(|pid| name(pid).trim() == program).unwrap();
+    let line = |pid: &&str| read_to_string(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+    let has = |pid: &&str| line(pid).split('\0').any(|word| word == argument);
+    let found = all.split_whitespace().find(has).unwrap();
     Pid::from_raw(found.parse().unwrap()).unwrap()
 }
 

@@ -41,7 +41,7 @@ fn building_may_take_longer_than_starting() {
 fn who_is_still_building_is_named_with_the_key() {
     let (_, ended) = exchange(&["coupling.build_deadline=1", "right.build_delay=600"]);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    let what = "right (toy-right) failed while building its model: it is still building its model \
+    let what = "right (toy) failed while building its model: it is still building its model \
                 after 1.0 s; its heartbeat is still received; raise coupling.build_deadline";
     assert!(ended.stderr.contains(what), "{}", ended.stderr);
 }

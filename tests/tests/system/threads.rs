@@ -107,6 +107,6 @@ fn a_parallel_scheme_shares_the_threads() {
         let threads = [0, 1].map(|index| plan["participants"][index]["threads"].as_u64().unwrap());
         assert_eq!(threads, shares);
         let text = std::fs::read_to_string(place.out().join("plan.txt")).unwrap();
-        assert!(text.contains(&format!("toy-left, {} thread", shares[0])), "{text}");
+        assert!(text.contains(&format!("toy, {} thread", shares[0])), "{text}");
     }
 }

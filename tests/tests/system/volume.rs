@@ -2,7 +2,7 @@
 
 use crate::harness::compiled::Compiled;
 use crate::harness::python::interpreter;
-use crate::harness::{Place, case, completed, field_files, number, programs, root, sets};
+use crate::harness::{Place, case, completed, field_files, number, root, sets, toy};
 use run::plan::{sample_bytes, topic_bytes};
 use serde_json::{Value, json};
 use tests::volume::{KINDS, hexahedra};
@@ -50,7 +50,7 @@ fn every_kind_is_recorded_and_replays_to_the_bit() {
             let values = 3 * hexahedra(kind, 8).vectors() as u64;
             assert_eq!(samples("geometry/volume/block"), (geometries, values), "{settings:?}");
             assert_eq!(samples("field/volume/volume_temperature"), (4, 64), "{settings:?}");
-            let program = programs().join("toy-volume").display().to_string();
+            let program = toy("volume").join(" ");
             let only = ["--only", "volume", "--command", &program];
             for from in [&[][..], &["--from", "3"]] {
                 let replay = of_recording(&place, "replay", &[from, &only].concat());
@@ -147,7 +147,7 @@ fn a_volume_without_a_right_geometry_is_told() {
         let ended = place.run(&case(CASE), &sets(&[&fault]));
         place.assert_nothing_left();
         assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-        assert!(ended.stderr.contains("volume (toy-volume) failed"), "{}", ended.stderr);
+        assert!(ended.stderr.contains("volume (toy) failed"), "{}", ended.stderr);
         assert!(ended.stderr.contains(part), "{part}: {}", ended.stderr);
     }
 }

@@ -32,31 +32,6 @@ fn a_mistyped_radius_is_told() {
     assert!(page.contains(words));
 }
 
-/// Warnings about material and grid: a rail of 500 MPa flows in every passage under the paper's
-/// traction, because its limit p₀/k is at most 1/0.58; three elements per semi-axis are too coarse,
-/// for the contact and for its slip zone.
-#[test]
-fn what_a_material_or_a_grid_does_not_bear_is_told() {
-    let of = |settings: &[&str]| Place::new().summary(&case("wheel-rail.toml"), &sets(settings));
-    let summary = of(&["materials.steel.yield_stress=500 MPa", "mech.resolution=3"]);
-    let keys: Vec<_> =
-        summary["warnings"].as_array().unwrap().iter().map(|one| &one["key"]).collect();
-    let coarse = ["contact.elements_across", "contact.slip_zone_elements"];
-    assert_eq!(keys, ["contact.shakedown_ratio", coarse[0], coarse[1]]);
-    let figure = |name: &str| summary["contact"][name].as_f64().unwrap();
-    let expected = figure("max_pressure_pa") / (500e6 / 3.0_f64.sqrt());
-    let (ratio, limit) = (figure("pressure_over_shear_strength"), 1.0 / 0.58);
-    assert!((ratio / expected - 1.0).abs() < 1e-12, "{ratio} {expected}");
-    assert!((figure("shakedown_ratio") * limit / ratio - 1.0).abs() < 1e-6);
-    let usual = of(&[
-        "mech.model=hertz-carter",
-        "materials.steel.yield_stress=1200 MPa",
-        "motion.traction_coefficient=0.1",
-    ]);
-    assert_eq!(usual.get("warnings"), None, "{}", usual["warnings"]);
-    assert!(usual["contact"]["shakedown_ratio"].as_f64().unwrap() < 1.0);
-}
-
 /// An implausible result produces a warning at the end, and an error with `--strict`; a usual one
 /// does not.
 #[test]
@@ -133,67 +108,6 @@ fn a_mapping_that_does_not_bound_a_density_is_told() {
     let words = "mapping.method: `friction_power` is mapped for thermal by nearest-neighbour, which \
                  conserves the integral but does not bound the density";
     reaches_everybody("wheel-rail.toml", &settings, "mapping.method", words);
-}
-
-#[test]
-fn keys_that_an_option_replaces_are_told() {
-    let settings = ["mech.model=hertz-carter", "motion.creepage.xi=-0.002"];
-    let words = "motion.traction_coefficient: --set motion.creepage.xi=-0.002 replaces it";
-    reaches_everybody("wheel-rail.toml", &settings, "motion.traction_coefficient", words);
-}
-
-/// A single warning names all keys without effect, and the models or effects that would read them.
-#[test]
-fn keys_that_nothing_reads_are_told() {
-    let settings = ["mech.resolution=10", "load.normal_force=5e4", "mech.slope_factor=0.3"];
-    let key = "load.normal_force, mech.slope_factor";
-    let words = format!("{key}: nothing in this case reads them: they have no effect");
-    reaches_everybody("wheel-on-track.toml", &settings, key, &words);
-    let set = sets(&settings);
-    let place = Place::new();
-    let checked =
-        place.start(&[&["check", &case("wheel-on-track.toml")], &set[..]].concat()).wait();
-    let text = flat(&checked.stdout);
-    assert_eq!(text.matches("warning: ").count(), 1, "{text}");
-    assert!(text.contains("mech.model = \"half-space\""), "{text}");
-}
-
-/// A load of 300 kN for a millisecond, between the middles of two windows, gives a warning. The
-/// advised window sees it.
-#[test]
-fn a_peak_between_two_windows_is_told() {
-    let place = Place::new();
-    let folder = tempfile::tempdir().unwrap();
-    let table = folder.path().join("load.csv");
-    std::fs::write(&table, "t [s],Q [kN]\n0,100\n0.0115,100\n0.012,300\n0.0125,100\n0.04,100\n")
-        .unwrap();
-    let column =
-        |name: &str| format!("{{ file = {:?}, column = {name:?} }}", table.display().to_string());
-    let settings = [
-        format!("load.normal_force={}", column("Q")),
-        format!("time.history={}", column("t")),
-        "time.end=40 ms".to_owned(),
-    ];
-    let file = case("cold-start.toml");
-    let warned = |window: &str| {
-        let window = format!("time.window={window}");
-        let words: Vec<&str> = settings.iter().map(String::as_str).chain([&*window]).collect();
-        let arguments = [&["check", &file, "--json"], &sets(&words)[..]].concat();
-        let checked = place.start(&arguments).wait();
-        assert_eq!(checked.code, Some(0), "{} {}", checked.stdout, checked.stderr);
-        let answer: Value = serde_json::from_str(&checked.stdout).unwrap();
-        answer["warnings"].as_array().cloned().unwrap_or_default()
-    };
-    let told = warned("4 ms");
-    let [warning] = told.as_slice() else { panic!("{told:?}") };
-    assert_eq!(warning["key"], "load.normal_force");
-    let reason = warning["reason"].as_str().unwrap();
-    assert!(
-        reason.contains("reaches 300000 N at 0.012 s") && reason.contains("100000 N"),
-        "{reason}"
-    );
-    let advised = warning["fix"].as_str().unwrap().split('"').nth(1).unwrap();
-    assert_eq!(warned(advised), Vec::<Value>::new(), "{advised}");
 }
 
 /// A study that varies a key without effect would repeat the same run, and is rejected.

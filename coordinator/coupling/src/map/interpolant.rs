@@ -20,11 +20,12 @@
 //! Source of the ridge: G. Wahba, *Spline Models for Observational Data*, SIAM (1990).
 
 use super::axes::{Axes, Place};
+use super::dense::Factorised;
 use super::error::MapError;
 use super::nodes::{Nodes, Target};
 use super::patch::{COINCIDENT, Row, Vector};
 use crate::settings::Kernel;
-use nalgebra::{DMatrix, Dyn, LU};
+use nalgebra::DMatrix;
 use rstar::primitives::GeomWithData;
 use rstar::{PointDistance, RTree};
 
@@ -145,7 +146,7 @@ fn rounded_up(length: f64) -> f64 {
 pub(super) struct Interpolant {
     points: Vec<u32>,
     functions: Functions,
-    system: LU<f64, Dyn, Dyn>,
+    system: Factorised,
 }
 
 /// The functions of an interpolant: a radial one at each point, and the polynomial.
@@ -172,14 +173,14 @@ impl Interpolant {
             (true, false) => columns[(n, m)],
             (false, false) => 0.0,
         });
-        Self { points, functions, system: matrix.lu() }
+        Self { points, functions, system: Factorised::new(matrix) }
     }
 
     /// Solves for the weights of targets at these points, with a column for each target. The rows
     /// after the weights have the multipliers of the polynomial.
     fn solve(&self, targets: &[Vector]) -> DMatrix<f64> {
         let mut weights = self.functions.at(targets);
-        self.system.solve_mut(&mut weights);
+        self.system.solve(&mut weights);
         weights
     }
 

@@ -81,18 +81,23 @@ impl History {
 
     /// Returns the number of windows of some length \[s\] that a body keeps until `end` \[s\].
     /// `passage` is the time in which its material passes one of the `columns` elements \[s\],
-    /// infinite at rest. Up to twice what is kept, but never less.
+    /// infinite at rest. Two neighbours together last longer than the bound of the merging, which
+    /// limits their number; up to twice what is kept.
     #[must_use]
     pub fn expected_windows(columns: usize, passage: f64, window: f64, end: f64) -> usize {
-        let all = (end / window).ceil();
-        let kept = if passage.is_finite() {
-            let doublings = (passage / window).log2().max(0.0);
-            let elements = end.min(columns as f64 * passage) / passage.max(window);
-            8.0 * doublings + 2.0 * elements + 2.0
+        let all = end / window;
+        let (part, longest, needed) = if passage.is_finite() {
+            (PART_OF_AGE, passage, end.min(columns as f64 * passage))
         } else {
-            16.0 * all.log2() + 1.0
+            (PART_AT_REST, f64::INFINITY, end)
         };
-        all.min(kept.ceil()) as usize
+        // Windows up to the age from which on they are merged, up to that from which on they are
+        // as long as they may be, and beyond.
+        let oldest = needed.min(longest / part);
+        let merged = (oldest / window * part / 2.0).max(1.0).ln();
+        let beyond = (needed - oldest) / longest.max(window);
+        let kept = 2.0 / part * (1.0 + merged) + 2.0 * beyond;
+        (all.min(kept).ceil() as usize).max(1)
     }
 
     /// Returns the trial window, to be filled in.

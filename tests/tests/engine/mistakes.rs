@@ -1,22 +1,8 @@
 //! Common mistakes in a case and the messages about them: `mistakes.toml`, and docs/mistakes.md
 //! generated from it.
 
-use crate::harness::{Place, root};
+use crate::harness::{checked, root};
 use std::fmt::Write as _;
-use std::io::Write as _;
-use std::process::Stdio;
-
-/// Returns the message of `check` for a case on standard input, and its exit code.
-fn told(case: &str) -> (String, Option<i32>) {
-    let place = Place::new();
-    let mut command = place.command(&["check", "-"]);
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
-    let _ = child.stdin.take().unwrap().write_all(case.as_bytes());
-    let ended = child.wait_with_output().unwrap();
-    let text = [ended.stdout, ended.stderr].concat();
-    (String::from_utf8(text).unwrap().replace("<stdin>", "case.toml"), ended.status.code())
-}
 
 /// An error as `check` prints it.
 struct Told<'a> {
@@ -176,8 +162,8 @@ fn assert_followed(what: &str, case: &str, said: &str) -> usize {
     count
 }
 
-/// Every mistake is reported with place, reason and fix. The page quotes the message exactly. Advice
-/// that is followed as it stands removes the error.
+/// Every mistake is reported with place, reason and fix. The page quotes the message exactly.
+/// Advice that is followed as it stands removes the error.
 /// `COSIM_WRITE_MISTAKES=1` writes the page.
 #[test]
 fn every_mistake_is_told() {
@@ -185,7 +171,7 @@ fn every_mistake_is_told() {
     let list: toml::Table = include_str!("mistakes.toml").parse().unwrap();
     let mut page = String::from(
         "# Mistakes in a case, and what is said of them\n\nEach is made in `cases/wheel-rail.toml`, and answered by `coordinator check`, as \
-         the tests do it (`tests/tests/system/mistakes.toml`; this page is written by them). Several at once are told at once.\n",
+         the tests do it (`tests/tests/engine/mistakes.toml`; this page is written by them). Several at once are told at once.\n",
     );
     let all = list["mistake"].as_array().unwrap();
     assert!(all.len() >= 50, "{}", all.len());
@@ -201,12 +187,13 @@ fn every_mistake_is_told() {
             case = case.replacen(from, to, 1);
             written.push(to);
         }
-        let (said, code) = told(&case);
+        let ended = checked("case.toml", &case);
+        let said = [ended.stdout, ended.stderr].concat();
         let expected = one.get("code").map_or(2, |code| code.as_integer().unwrap());
-        assert_eq!(code.map(i64::from), Some(expected), "{what}: {said}");
+        assert_eq!(ended.code.map(i64::from), Some(expected), "{what}: {said}");
         for words in one["says"].as_array().unwrap() {
-            let words = words.as_str().unwrap().replace("<stdin>", "case.toml");
-            assert!(said.contains(&words), "{what}: `{words}` is not in\n{said}");
+            let words = words.as_str().unwrap();
+            assert!(said.contains(words), "{what}: `{words}` is not in\n{said}");
         }
         followed += assert_followed(what, &case, &said);
         let _ = write!(page, "\n## {what}\n\n");

@@ -1,7 +1,0 @@
-//! Heated body of the lumped pair.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    proto::participant::main(&tests::lumped::Lumped::Body)
-}
