@@ -5,8 +5,8 @@ use super::geometry::Footprint;
 use crate::case::ellipse::Ellipse;
 use crate::case::scene::{GivenPatch, Scene};
 use crate::models::varying::refuse_change_of_rolling;
-use crate::terms::Terms;
 use crate::terms::surface::KeptSurface;
+use crate::terms::{Kind, Terms};
 use half_space::aligned::AlignedGrid;
 use half_space::difference::Difference;
 use half_space::extent::{elliptic, sample};
@@ -87,6 +87,11 @@ impl Case {
         self.terms.leave_hertz() && elastic
     }
 
+    /// Returns whether rows that roll begin at the leading edge of the contact.
+    pub(super) fn displaces_rows(&self) -> bool {
+        displaces_rows(&self.terms, &self.bodies, self.difference)
+    }
+
     /// Undeformed distance at the element centres [m]; `None` if the pressure is given.
     pub(super) fn distance(&self) -> Option<Vec<f64>> {
         let gap = self.footprint.gap.as_ref()?;
@@ -137,6 +142,18 @@ impl Case {
         pressure.iter_mut().for_each(|value| *value *= ellipse.normal_force / sum);
         pressure
     }
+}
+
+/// Returns whether the rows of a rolling contact begin at its leading edge: those of elastic bodies
+/// of the same constants with a difference of second order, on smooth surfaces. Other contacts keep
+/// a regular grid.
+pub(super) fn displaces_rows(terms: &Terms, bodies: &Bodies, difference: Difference) -> bool {
+    let smooth = [Kind::Gap, Kind::PressureBound].map(|kind| terms.effect_of(kind).is_none());
+    terms.adhesion
+        && difference == Difference::Fromm
+        && !bodies.are_coupled()
+        && !bodies.remember()
+        && smooth == [true; 2]
 }
 
 /// A step of the surface particles.

@@ -8,12 +8,11 @@ use super::balance::{Hysteresis, PowerError, PressurePower};
 use super::case::Case;
 use super::drive::Driven;
 use crate::models::shortfall::Shortfall;
-use crate::terms::Kind;
 use crate::terms::friction::{FrictionState, lateral};
 use elastic::slip::RigidSlip;
 use half_space::aligned::{AlignedGrid, Chord};
 use half_space::coupling::Coupling;
-use half_space::difference::{Difference, Stencil};
+use half_space::difference::Stencil;
 use half_space::extent::elliptic;
 use half_space::friction::ElementFriction;
 use half_space::grid_continuation::{Contact, History, Levels, Motion, Solution, TangentialError};
@@ -232,7 +231,7 @@ impl ContactSolver {
     /// Places the rows under the latest pressure, and builds the operators of other rows.
     fn place_rows(&mut self, case: &Case) {
         let grid = case.footprint.grid;
-        let found = displaces_rows(case, self.settings.motion)
+        let found = (self.settings.motion != Motion::Shift && case.displaces_rows())
             .then(|| aligned(case, &self.pressure))
             .flatten();
         let regular = || AlignedPressure {
@@ -574,19 +573,6 @@ impl ContactSolver {
             }
         }
     }
-}
-
-/// Returns whether the rows of a contact may be displaced to its leading edge: in rolling of
-/// elastic bodies of the same constants with a difference of second order, on smooth surfaces.
-/// Other contacts keep a regular grid.
-fn displaces_rows(case: &Case, motion: Motion) -> bool {
-    let smooth = [Kind::Gap, Kind::PressureBound].map(|kind| case.terms.effect_of(kind).is_none());
-    motion != Motion::Shift
-        && case.terms.adhesion
-        && case.difference == Difference::Fromm
-        && !case.bodies.are_coupled()
-        && !case.bodies.remember()
-        && smooth == [true; 2]
 }
 
 /// Rows that begin at the leading edge, with their pressure: in closed form for an ellipse,
