@@ -8,33 +8,43 @@ const RISE: &str = "/temperature/rail/max_rise_k";
 /// Ratio of a stated error to the true one above which it is too large to be useful.
 const TOO_LARGE: f64 = 10.0;
 
-/// Number of stated errors that cover the true ones, and of those that are ten times too large.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Stated errors on one grid: those that cover the true ones, and those ten times too large.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coverage {
+    /// Elements per semi-axis.
+    pub resolution: u32,
+    /// Number of contacts.
     pub cases: usize,
+    /// Number of stated errors that are at least the true one.
     pub covered: usize,
+    /// Number of stated errors above ten times the true one.
     pub too_large: usize,
 }
 
-/// States the errors of the first `count` random contacts on grids of a/`resolution` (by
+/// States the errors of the first `count` random contacts on grids of these resolutions (by
 /// `run --extrapolate`), and compares them with grids of a/`reference`.
-pub fn cover(count: u64, resolution: u32, reference: u32) -> Coverage {
-    let mut coverage = Coverage::default();
+pub fn cover(count: u64, resolutions: &[u32], reference: u32) -> Vec<Coverage> {
+    let new = |&resolution: &u32| Coverage { resolution, cases: 0, covered: 0, too_large: 0 };
+    let mut coverage: Vec<Coverage> = resolutions.iter().map(new).collect();
     for seed in 0..count {
         let settings = contact(seed);
-        let summary = |more: &[&str]| -> Value {
-            let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
-            Place::new().summary(&case("wheel-rail.toml"), &[&settings[..], more].concat())
+        let summary = |resolution: u32, more: &[&str]| -> Value {
+            let resolution = format!("mech.resolution={resolution}");
+            let mut arguments: Vec<&str> = settings.iter().map(String::as_str).collect();
+            arguments.extend(["--set", &resolution]);
+            Place::new().summary(&case("wheel-rail.toml"), &[&arguments[..], more].concat())
         };
-        let [own, fine] = [resolution, reference].map(|n| format!("mech.resolution={n}"));
-        let stated = summary(&["--set", &own, "--extrapolate"]);
-        let truth = number(&summary(&["--set", &fine]), RISE);
-        let error = (number(&stated, "/accuracy/value") / truth - 1.0).abs();
-        let bound = number(&stated, "/accuracy/estimated_error");
-        coverage.cases += 1;
-        coverage.covered += usize::from(error <= bound);
-        coverage.too_large += usize::from(bound > TOO_LARGE * error);
-        println!("{seed}: error {:.3} %, stated {:.3} %", 100.0 * error, 100.0 * bound);
+        let truth = number(&summary(reference, &[]), RISE);
+        for one in &mut coverage {
+            let stated = summary(one.resolution, &["--extrapolate"]);
+            let error = (number(&stated, "/accuracy/value") / truth - 1.0).abs();
+            let bound = number(&stated, "/accuracy/estimated_error");
+            one.cases += 1;
+            one.covered += usize::from(error <= bound);
+            one.too_large += usize::from(bound > TOO_LARGE * error);
+            let [error, bound] = [error, bound].map(|error| 100.0 * error);
+            println!("{seed}, a/{}: error {error:.3} %, stated {bound:.3} %", one.resolution);
+        }
     }
     coverage
 }
