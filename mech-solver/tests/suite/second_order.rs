@@ -143,7 +143,7 @@ fn positions(difference: Difference, creepage: [f64; 3], n: usize) -> Vec<Found>
 
 /// Elements per semi-axis of the reference: `FINEST` in the environment, or 80.
 fn finest() -> usize {
-    std::env::var("FINEST").map_or(80, |finest| finest.parse().unwrap())
+    std::env::var("FINEST").map_or(80, |finest| finest.parse().expect("FINEST is a number"))
 }
 
 /// Solutions of a creepage with Fromm's difference on the finest grids, for all tests.

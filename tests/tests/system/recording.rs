@@ -288,13 +288,13 @@ fn a_replay_begins_at_a_recorded_state() {
 #[test]
 fn a_killed_and_resumed_run_is_recorded_in_two_files_that_replay() {
     let place = Place::new();
-    let slow = ["output.checkpoint_every=3", "time.window=1e-6", "output.every=10"];
+    let slow = ["output.checkpoint_every=3", "time.window=2e-6", "output.every=10"];
     let slow = [&slow[..], &["mech.resolution=10"]].concat();
     let more: Vec<&str> = ["--record"].into_iter().chain(sets(&slow)).collect();
     let running = place.start_run(&case("cold-start.toml"), &more);
     let first = place.out().join("recording.mcap");
     let length = || std::fs::metadata(&first).map_or(0, |file| file.len());
-    wait_until("a recording of some length", || length() > 1_000_000);
+    wait_until("a recording of some length", || length() > 400_000);
     running.signal(Signal::KILL);
     let killed = running.wait().code.is_none();
     place.assert_nothing_left();
