@@ -62,7 +62,7 @@ fn a_narrow_slip_zone_is_resolved_by_the_advised_resolution() {
 fn elements_follow_the_slip_zone() {
     let creepage = |xi: f64, eta: f64, phi: f64| json!({"xi": xi, "eta": eta, "phi": phi});
     let motions = [
-        ("traction_coefficient", json!(0.02)),
+        ("traction_coefficient", json!(0.05)),
         ("traction_coefficient", json!(-0.2)),
         ("creepage", creepage(-5e-4, 0.0, 0.0)),
         ("creepage", creepage(0.0, 1e-3, 0.0)),

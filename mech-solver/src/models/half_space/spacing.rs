@@ -24,8 +24,9 @@ use half_space::viscoelastic::Bodies;
 
 /// Minimum number of elements across the slip zone, as a share of those of a semi-axis.
 const SHARE: f64 = 0.5;
-/// Lower limit of dx over a/n.
-const SHORTEST: f64 = 1.0 / 24.0;
+/// Lower limit of dx over a/n. At a twenty-fourth Newton's method fails for some of the smallest
+/// creepages.
+const SHORTEST: f64 = 1.0 / 8.0;
 /// Length of a slip zone over a, below which a contact counts as stuck. Its force is that of the
 /// linear theory within a thousandth, and its friction power below a millionth of that of sliding.
 const STUCK: f64 = 1e-3;
