@@ -473,7 +473,7 @@ mod tests {
             summary
         };
         let mut search = search(0.02, 1.0, 120.0, 240.0);
-        search.runs[0].slip_zone = Some(2.0);
+        search.runs[0].slip_zone = Some(1.5);
         let mut second = narrow(summary(110.0, 220.0), 3.0);
         assert_eq!(search.judge(&mut second, 0.2).unwrap(), Decision::Refine);
         search.refine();
@@ -481,7 +481,7 @@ mod tests {
         assert_eq!(search.judge(&mut last, 0.4).unwrap(), Decision::Missed);
         let stated = &last["accuracy"];
         assert_eq!((&stated["taken"], &stated["value"]), (&json!("run"), &json!(105.0)));
-        assert_eq!(stated["narrow_slip_zone"], json!(2.0));
+        assert_eq!(stated["narrow_slip_zone"], json!(1.5));
         assert!(stated.get("extrapolated").is_none(), "{stated}");
         assert!(stated["grid_error"].as_f64().unwrap() >= 10.0 / 105.0, "{stated}");
     }

@@ -2,8 +2,8 @@
 
 use tests::harness::coverage::cover;
 
-/// Of 200 random contacts on three grids, 95 in 100 stated errors cover the true one. Errors that
-/// change sign at random are less than a tenth of such a bound in 16 of 100; a third is accepted.
+/// Stated errors of 200 random contacts on three grids cover the true ones in 95 of 100. Errors that
+/// change sign at random are less than a tenth of such a bound in 16 of 100; a half is accepted.
 /// The table of docs/theory/accuracy.md: `cargo test --release --workspace --test nightly --
 /// coverage --nocapture`.
 #[test]

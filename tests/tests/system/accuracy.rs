@@ -90,7 +90,7 @@ fn the_true_error_of_partial_slip_is_below_the_target() {
     });
 }
 
-/// Of random contacts, 95 in 100 stated errors cover the true one; the nightly test has 200 of them.
+/// Stated errors of random contacts cover the true ones in 95 of 100. The nightly test has 200.
 #[test]
 fn stated_errors_cover_the_true_ones() {
     for coverage in cover(20, &[12], 36) {

@@ -29,14 +29,16 @@
 //! **Edges inside the contact.** Where a body sticks behind a narrow slip zone, the formulas hold
 //! only if the zone is resolved. Its width in elements is a figure of the run
 //! ([`contract::accuracy::EDGE_ELEMENTS`]). Measurements (see the tests) show: with fewer than
-//! three elements on the coarsest of three grids, values follow the accident of the edges. The
-//! error then is at least the largest difference of neighbouring grids, times the factor of safety
-//! (three for two grids). With fewer than twelve, two limits may agree on a wrong value, so that
-//! there is no limit. A zone over the whole contact has no edge inside.
+//! two elements on the coarsest of three grids, or three on the coarser of two, values follow the
+//! accident of the edges. The error then is at least the largest difference of neighbouring
+//! grids, times the factor of safety (three for two grids). With fewer than twelve, two limits
+//! may agree on a wrong value, so that there is no limit. A zone over the whole contact has no
+//! edge inside.
 //!
-//! **Factors of safety.** They are the smallest with which 95 of 100 stated errors of random rolling
-//! contacts cover the true ones (docs/theory/accuracy.md). Errors of grids change sign at random: of
-//! a normal distribution, 16 of 100 are less than a tenth of a bound that holds for 95.
+//! **Factors of safety.** They are the smallest with which 95 of 100 stated errors of random
+//! rolling contacts cover the true ones (docs/theory/accuracy.md). Errors of grids change sign at
+//! random: of a normal distribution, 16 of 100 are less than a tenth of a bound that holds for
+//! 95.
 
 /// Factor of safety for the difference of two grids.
 const SAFETY_OF_TWO: f64 = 2.0;
@@ -51,7 +53,9 @@ const SAFETY_OF_LIMITS: f64 = 2.0;
 const LEAST_SHARE: f64 = 0.2;
 /// Width of the slip zone on the coarsest of three grids, below which values have no order
 /// [element].
-const NARROW: f64 = 3.0;
+const NARROW: f64 = 2.0;
+/// The same width of two grids, which do not show whether they have an order.
+const NARROW_OF_TWO: f64 = 3.0;
 /// The same width, below which there is no limit.
 const NARROW_FOR_LIMIT: f64 = 12.0;
 /// Order of the remaining error of a limit, relative to the expected order.
@@ -103,7 +107,7 @@ impl Estimate {
     #[must_use]
     pub fn of(samples: &[Sample], expected_order: f64) -> Option<Self> {
         let [.., coarse, fine] = samples else { return None };
-        let narrow = narrowest(samples) < NARROW;
+        let narrow = narrowest(samples) < if samples.len() > 2 { NARROW } else { NARROW_OF_TWO };
         let observed_order = observed_order(samples);
         let believed = observed_order.filter(|_| !narrow).unwrap_or(expected_order);
         let order = believed.min(expected_order);

@@ -192,7 +192,7 @@ pub(in crate::models) fn footprint(
             [-elements, elements].map(|end| end + end.signum() * margin)
         };
         let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
-        // A grid that is aligned, and its rows, move by up to half an element each. The rows limit the
+        // An aligned grid and its rows move by up to half an element each. The rows limit the
         // accuracy of the extent along x.
         let ahead = match second_order {
             true => MARGIN - WHOLE + 0.5 * (side / dx - 1.0),
