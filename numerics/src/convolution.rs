@@ -15,9 +15,15 @@
 //! Kernels are transformed in double precision. Where seven digits suffice, as within Krylov
 //! iterations, a spectrum is rounded to single precision ([`Spectrum::rounded`]) and applied to
 //! single-precision fields in half the time.
+//!
+//! Rows may be displaced along x by parts of an element ([`Convolution::displace_rows`]).
+
+mod displaced;
+mod near_rows;
 
 use crate::fourier::{Complex, ComplexToReal, Fft, Real, RealToComplex};
 use crate::team::Team;
+use near_rows::{NearRows, Phases};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -36,6 +42,8 @@ pub struct Spectrum<T = f64> {
     values: Vec<Complex<T>>,
     /// P_x P_y.
     size: f64,
+    /// Corrections between near rows, if rows are displaced.
+    near: Option<NearRows<T>>,
 }
 
 impl Spectrum {
@@ -49,7 +57,7 @@ impl Spectrum {
         let (len, size) = (spectra[0].values.len(), spectra[0].size);
         assert!(spectra.iter().all(|other| other.values.len() == len && other.size == size));
         let value = |at| function(spectra.map(|spectrum| spectrum.values[at] * size)) / size;
-        Self { values: (0..len).map(value).collect(), size }
+        Self { values: (0..len).map(value).collect(), size, near: None }
     }
 
     /// Maps a single spectrum wave by wave, like [`Spectrum::combine`].
@@ -61,17 +69,20 @@ impl Spectrum {
     /// Returns the spectrum times a factor, in single precision.
     #[must_use]
     pub fn rounded(&self, factor: f64) -> Spectrum<f32> {
-        let single = |value: &Complex64| {
-            let value = value * factor;
-            Complex::new(value.re as f32, value.im as f32)
-        };
-        Spectrum { values: self.values.iter().map(single).collect(), size: self.size }
+        let values = self.values.iter().map(|value| single(value * factor)).collect();
+        let near = self.near.as_ref().map(|near| near.rounded(factor));
+        Spectrum { values, size: self.size, near }
     }
 
     /// Returns the values Â(k, l), in unspecified order.
     pub fn values(&self) -> impl Iterator<Item = Complex64> + '_ {
         self.values.iter().map(|value| value * self.size)
     }
+}
+
+/// Rounds to single precision.
+fn single(value: Complex64) -> Complex<f32> {
+    Complex::new(value.re as f32, value.im as f32)
 }
 
 /// A sum of convolutions in Fourier space, see [`Convolution::add`].
@@ -95,6 +106,8 @@ pub struct Convolution<T = f64> {
     rows: [Vec<Complex<T>>; 2],
     /// Columns after the inverse transform, (P_x/2 + 1) × ny, for each component.
     columns: [Vec<Complex<T>>; 2],
+    /// Phases of displaced rows.
+    phases: Option<Phases<T>>,
     team: Team<Workspace<T>>,
 }
 
@@ -180,6 +193,7 @@ impl<T: Real> Convolution<T> {
             columns_inverse,
             rows: [half.clone(), half.clone()],
             columns: [half.clone(), half],
+            phases: None,
             team: Team::of_process(work),
         }
     }
@@ -203,11 +217,12 @@ impl<T: Real> Convolution<T> {
     pub fn apply(&mut self, kernel: &Spectrum<T>, input: &[T], output: &mut [T]) {
         self.check(&[kernel], &[input], &[output]);
         self.rows_in(0, input);
-        self.through([true, false], [true, false], |range, [block, _]| {
-            for (value, factor) in block.iter_mut().zip(&kernel.values[range]) {
+        let multiply = |range, [block, _]: [&mut [Complex<T>]; 2]| {
+            for (value, factor) in block.iter_mut().zip(&kernel.values[Range::clone(&range)]) {
                 *value = *value * factor;
             }
-        });
+        };
+        self.through([true, false], [true, false], multiply, [[Some(kernel), None], [None; 2]]);
         self.rows_out(0, output);
     }
 
@@ -219,12 +234,13 @@ impl<T: Real> Convolution<T> {
         self.check(&kernels, &input, &[output]);
         self.rows_in(0, input[0]);
         self.rows_in(1, input[1]);
-        self.through([true, true], [true, false], |range, [block, other]| {
+        let multiply = |range: Range<usize>, [block, other]: [&mut [Complex<T>]; 2]| {
             let [one, two] = kernels.map(|kernel| &kernel.values[range.clone()]);
             for (((x, y), a), b) in block.iter_mut().zip(other.iter()).zip(one).zip(two) {
                 *x = a * *x + b * y;
             }
-        });
+        };
+        self.through([true, true], [true, false], multiply, [kernels.map(Some), [None; 2]]);
         self.rows_out(0, output);
     }
 
@@ -243,14 +259,15 @@ impl<T: Real> Convolution<T> {
         self.check(&[kernel], &[input], &[]);
         assert_eq!(sum.values.len(), kernel.values.len(), "the sum is not of this grid");
         self.rows_in(0, input);
-        let Self { rows, team, columns_forward, ny, padded_y, .. } = self;
+        assert!(kernel.near.is_none(), "a sum has no corrections between near rows");
+        let Self { rows, team, columns_forward, ny, padded_y, phases, .. } = self;
         let (ny, padded, len) = (*ny, *padded_y, rows[0].len() / *ny);
         let work = team.first();
         for first in (0..len).step_by(BLOCK) {
             let count = BLOCK.min(len - first);
             let range = first * padded..(first + count) * padded;
             let block = &mut work.block[0][..range.len()];
-            gather(&rows[0], [len, ny, padded], first, block);
+            gather(&rows[0], phases.as_ref(), [len, ny, padded], first, block);
             columns_forward.process_with_scratch(block, &mut work.scratch);
             let factors = block.iter().zip(&kernel.values[range.clone()]);
             for (sum, (value, factor)) in sum.values[range].iter_mut().zip(factors) {
@@ -266,9 +283,10 @@ impl<T: Real> Convolution<T> {
     pub fn finish(&mut self, sum: &SpectralSum<T>, output: &mut [T]) {
         self.check(&[], &[], &[output]);
         assert_eq!(sum.values.len(), self.columns() * self.padded_y, "the sum is not of this grid");
-        self.through([false, false], [true, false], |range, [block, _]| {
-            block.copy_from_slice(&sum.values[range]);
-        });
+        let copy = |range, [block, _]: [&mut [Complex<T>]; 2]| {
+            block.copy_from_slice(&sum.values[Range::clone(&range)]);
+        };
+        self.through([false, false], [true, false], copy, [[None; 2]; 2]);
         self.rows_out(0, output);
     }
 
@@ -288,14 +306,16 @@ impl<T: Real> Convolution<T> {
         self.check(&[xx, xy, yx, yy], &input, &[output_x, output_y]);
         self.rows_in(0, input[0]);
         self.rows_in(1, input[1]);
-        self.through([true, true], [true, true], |range, [block_x, block_y]| {
+        let multiply = |range: Range<usize>, [block_x, block_y]: [&mut [Complex<T>]; 2]| {
             let rows = xx.values[range.clone()].iter().zip(&xy.values[range.clone()]);
             let rows = rows.zip(yx.values[range.clone()].iter().zip(&yy.values[range]));
             let fields = block_x.iter_mut().zip(block_y.iter_mut());
             for ((x, y), ((xx, xy), (yx, yy))) in fields.zip(rows) {
                 (*x, *y) = (xx * *x + xy * *y, yx * *x + yy * *y);
             }
-        });
+        };
+        let kernels = kernels.map(|row| row.map(Some));
+        self.through([true, true], [true, true], multiply, kernels);
         self.rows_out(0, output_x);
         self.rows_out(1, output_y);
     }
@@ -342,15 +362,18 @@ impl<T: Real> Convolution<T> {
 
     /// Processes blocks of columns. Components marked in `into` are padded and transformed.
     /// `multiply` modifies them, given the range of their indices in a [`Spectrum`]. Components
-    /// marked in `out` are transformed back and cut.
+    /// marked in `out` are transformed back and cut. The corrections between near rows of
+    /// `kernels`, for each component that leaves, are added.
     fn through(
         &mut self,
         into: [bool; 2],
         out: [bool; 2],
         multiply: impl Fn(Range<usize>, [&mut [Complex<T>]; 2]) + Sync,
+        kernels: [[Option<&Spectrum<T>>; 2]; 2],
     ) {
         let len = self.columns();
-        let Self { ny, padded_y, columns_forward, columns_inverse, rows, columns, team, .. } = self;
+        let Self { ny, padded_y, columns_forward, columns_inverse, rows, columns, .. } = self;
+        let (phases, team) = (self.phases.as_ref(), &mut self.team);
         let (ny, padded) = (*ny, *padded_y);
         let [along, across] = columns;
         let pieces = along.chunks_mut(BLOCK * ny).zip(across.chunks_mut(BLOCK * ny)).enumerate();
@@ -362,17 +385,28 @@ impl<T: Real> Convolution<T> {
             let [x, y] = &mut work.block;
             let mut blocks = [&mut x[..count * padded], &mut y[..count * padded]];
             for (component, block) in blocks.iter_mut().enumerate().filter(|(k, _)| into[*k]) {
-                gather(&rows[component], [len, ny, padded], first, block);
+                gather(&rows[component], phases, [len, ny, padded], first, block);
                 columns_forward.process_with_scratch(block, &mut work.scratch);
             }
             let [x, y] = &mut blocks;
             multiply(first * padded..(first + count) * padded, [x, y]);
-            for ((block, kept), _) in
-                blocks.iter_mut().zip([along, across]).zip(out).filter(|(_, on)| *on)
+            for ((block, kept), (_, kernels)) in blocks
+                .iter_mut()
+                .zip([along, across])
+                .zip(out.iter().zip(kernels))
+                .filter(|(_, (on, _))| **on)
             {
                 columns_inverse.process_with_scratch(block, &mut work.scratch);
                 for (column, kept) in block.chunks_exact(padded).zip(kept.chunks_exact_mut(ny)) {
                     kept.copy_from_slice(&column[..ny]);
+                }
+                if let Some(phases) = phases {
+                    phases.displace(len, first, kept);
+                }
+                for (kernel, rows) in kernels.iter().zip(rows.iter()) {
+                    if let Some(near) = kernel.and_then(|kernel| kernel.near.as_ref()) {
+                        near.add(rows, len, first, kept);
+                    }
                 }
             }
             0
@@ -407,9 +441,11 @@ impl<T: Real> Convolution<T> {
     }
 }
 
-/// Copies columns, starting at `first`, out of transformed rows of length `len`, and pads them.
+/// Copies columns, starting at `first`, out of transformed rows of length `len`, moves displaced
+/// rows back, and pads the columns.
 fn gather<T: Real>(
     rows: &[Complex<T>],
+    phases: Option<&Phases<T>>,
     [len, ny, padded]: [usize; 3],
     first: usize,
     block: &mut [Complex<T>],
@@ -418,6 +454,12 @@ fn gather<T: Real>(
     for (line, row) in rows.chunks_exact(len).enumerate() {
         for (column, value) in row[first..first + count].iter().enumerate() {
             block[column * padded + line] = *value;
+        }
+        if let Some(Phases(phases)) = phases {
+            for (column, phase) in phases[line * len + first..][..count].iter().enumerate() {
+                let value = &mut block[column * padded + line];
+                *value = *value * phase.conj();
+            }
         }
     }
     for column in block.chunks_exact_mut(padded) {
@@ -431,12 +473,16 @@ impl Convolution<f64> {
     /// |dj| < ny, limited to half the padded grid.
     #[must_use]
     pub fn spectrum(&mut self, kernel: impl Fn(i32, i32) -> f64) -> Spectrum {
+        self.transform(offset((self.nx - 1).min(self.padded_x / 2)), &kernel)
+    }
+
+    /// Returns the transform of a kernel that is zero beyond `reach_x` elements along x.
+    fn transform(&mut self, reach_x: i32, kernel: &dyn Fn(i32, i32) -> f64) -> Spectrum {
         let columns = self.columns();
         let Self { team, rows_forward, columns_forward, .. } = self;
         let Workspace { row, scratch, .. } = team.first();
         let mut values = vec![Complex64::default(); columns * self.padded_y];
         let mut transformed = vec![Complex64::default(); columns];
-        let reach_x = offset((self.nx - 1).min(self.padded_x / 2));
         let reach_y = offset((self.ny - 1).min(self.padded_y / 2));
         for dj in -reach_y..=reach_y {
             row.fill(0.0);
@@ -454,7 +500,7 @@ impl Convolution<f64> {
         columns_forward.process_with_scratch(&mut values, scratch);
         let size = (self.padded_x * self.padded_y) as f64;
         values.iter_mut().for_each(|value| *value /= size);
-        Spectrum { values, size }
+        Spectrum { values, size, near: None }
     }
 
     /// Returns a factor for every wave e^{2πi(ik/P_x + jl/P_y)}: `factor(k, l)`, called for 0 ≤ k ≤
@@ -468,7 +514,7 @@ impl Convolution<f64> {
             .flat_map(|column| lines().map(move |line| (column, line)))
             .map(|(column, line)| factor(column, line) / size)
             .collect();
-        Spectrum { values, size }
+        Spectrum { values, size, near: None }
     }
 }
 

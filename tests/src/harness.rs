@@ -5,6 +5,7 @@
 mod answers;
 pub mod browser;
 pub mod compiled;
+pub mod coverage;
 pub mod failures;
 pub mod paper;
 pub mod precice;

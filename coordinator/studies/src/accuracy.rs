@@ -406,9 +406,9 @@ mod tests {
         let mut search = search(0.07, 1.0, 102.0, 102.0);
         let mut summary = summary(100.0, 100.0);
         assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Met);
-        // The limit is 98. The stated error is three times 2 %, plus the error of the models.
+        // The limit is 98. The stated error is two times 2 %, plus the error of the models.
         let stated = summary["accuracy"]["estimated_error"].as_f64().unwrap();
-        assert!((stated - 0.061).abs() < 1e-12, "{stated}");
+        assert!((stated - 0.041).abs() < 1e-12, "{stated}");
         assert!((summary["accuracy"]["extrapolated"].as_f64().unwrap() - 98.0).abs() < 1e-9);
     }
 
@@ -418,7 +418,7 @@ mod tests {
         let mut search = search(0.05, 1.0, 100.0, 110.0);
         let mut summary = summary(100.0, 100.0);
         assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Refine);
-        assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.3).abs() < 1e-12);
+        assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.2).abs() < 1e-12);
     }
 
     /// If grids agree, the stated error is still at least the one that the model expects.
@@ -480,15 +480,15 @@ mod tests {
             summary
         };
         let mut search = search(0.02, 1.0, 120.0, 240.0);
-        search.runs[0].slip_zone = Some(2.0);
-        let mut second = narrow(summary(110.0, 220.0), 4.0);
+        search.runs[0].slip_zone = Some(1.5);
+        let mut second = narrow(summary(110.0, 220.0), 3.0);
         assert_eq!(search.judge(&mut second, 0.2).unwrap(), Decision::Refine);
         search.refine();
-        let mut last = narrow(summary(105.0, 210.0), 8.0);
+        let mut last = narrow(summary(105.0, 210.0), 6.0);
         assert_eq!(search.judge(&mut last, 0.4).unwrap(), Decision::Missed);
         let stated = &last["accuracy"];
         assert_eq!((&stated["taken"], &stated["value"]), (&json!("run"), &json!(105.0)));
-        assert_eq!(stated["narrow_slip_zone"], json!(2.0));
+        assert_eq!(stated["narrow_slip_zone"], json!(1.5));
         assert!(stated.get("extrapolated").is_none(), "{stated}");
         assert!(stated["grid_error"].as_f64().unwrap() >= 10.0 / 105.0, "{stated}");
     }

@@ -18,7 +18,12 @@ pub struct RigidSlip {
 impl RigidSlip {
     /// V |(ξ − φ y, η + φ x)| at an element [m/s].
     pub fn at(&self, grid: &Structured, index: usize) -> f64 {
-        let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
+        self.at_place([grid.x(index % grid.ni), grid.y(index / grid.ni)])
+    }
+
+    /// V |(ξ − φ y, η + φ x)| at a place [m/s].
+    #[must_use]
+    pub fn at_place(&self, [x, y]: [f64; 2]) -> f64 {
         let [xi, eta, phi] = self.creepage;
         self.speed * (xi - phi * y).hypot(eta + phi * x)
     }

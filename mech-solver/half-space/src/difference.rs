@@ -127,11 +127,16 @@ impl Stencil {
     /// Stencil of the displacement itself.
     pub const DISPLACEMENT: Self = Self { along: None, own: 1.0 };
 
-    /// Applies the stencil to displacements given as a function of the position upstream.
-    pub(super) fn of<const N: usize>(self, value: impl Fn(i32) -> [f64; N]) -> [f64; N] {
+    /// Positions upstream, in elements, and the weights of the displacements there.
+    pub(super) fn weights(self) -> impl Iterator<Item = (i32, f64)> {
         let along = self.along.map_or(&[][..], Difference::weights).iter().copied();
         let own = (self.own != 0.0).then_some((0, self.own));
-        along.chain(own).fold([0.0; N], |mut sum, (upstream, weight)| {
+        along.chain(own)
+    }
+
+    /// Applies the stencil to displacements given as a function of the position upstream.
+    pub(super) fn of<const N: usize>(self, value: impl Fn(i32) -> [f64; N]) -> [f64; N] {
+        self.weights().fold([0.0; N], |mut sum, (upstream, weight)| {
             sum.iter_mut().zip(value(upstream)).for_each(|(sum, value)| *sum += weight * value);
             sum
         })

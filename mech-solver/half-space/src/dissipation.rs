@@ -33,14 +33,15 @@ pub struct Dissipation {
 }
 
 impl Dissipation {
-    /// Builds the operators, with the flexibility of a layer [m/Pa]. Returns `None` for the upwind
-    /// difference, which has no dissipation.
+    /// Builds the operators, with the flexibility of a layer [m/Pa]. `displacement` is the operator
+    /// of displaced rows. Returns `None` for the upwind difference, which has no dissipation.
     #[must_use]
     pub fn new(
         difference: Difference,
         bodies: &Bodies,
         layer: f64,
         grid: &Structured,
+        displacement: Option<Displacement>,
     ) -> Option<Self> {
         if difference == Difference::Upwind {
             return None;
@@ -53,7 +54,8 @@ impl Dissipation {
                 Coupling::new(&influence, grid.ni, grid.nj, Stencil::DISPLACEMENT)
             }
         });
-        let operator = Displacement::new(bodies, layer, grid, counts);
+        let regular = || Displacement::new(bodies, layer, grid, counts);
+        let operator = displacement.unwrap_or_else(regular);
         Some(Self { nx: grid.ni, dx: grid.dx(), operator, coupling })
     }
 

@@ -1,6 +1,7 @@
 //! A grid that holds a contact: enlarged until the contact stays off its edge and the bodies touch
 //! nowhere beside it.
 
+use super::aligned::AlignedGrid;
 use super::influence::Influence;
 use super::normal::{NormalContact, NormalError, NormalSolver, Prescribed};
 use super::viscoelastic::Bodies;
@@ -104,7 +105,8 @@ pub fn sample(grid: &Structured, function: &dyn Fn(f64, f64) -> f64) -> Vec<f64>
 /// single row, a line contact, means of √(1 − (x/a)²). The integral is exact along x and uses
 /// Gauss's rule of eight points across.
 #[must_use]
-pub fn elliptic(grid: &Structured, [a, b]: [f64; 2]) -> Vec<f64> {
+pub fn elliptic(rows: &AlignedGrid, [a, b]: [f64; 2]) -> Vec<f64> {
+    let grid = rows.grid();
     let (dx, dy) = (grid.dx() / a, grid.dy() / b);
     // Mean along x over the part inside a half chord, in the unit circle.
     let along = |x: f64, chord: f64| {
@@ -127,7 +129,7 @@ pub fn elliptic(grid: &Structured, [a, b]: [f64; 2]) -> Vec<f64> {
             |place: f64| Some(chord(place)).filter(|c| *c > 0.0).map_or(0.0, |c| along(x, c));
         GAUSS_8.iter().map(|(place, weight)| 0.5 * weight * mean(*place)).sum()
     };
-    sample(grid, &at)
+    rows.sample(at)
 }
 
 /// Returns which sides a pressure reaches: those of least x, largest x, least y and largest y.

@@ -7,11 +7,15 @@
 //! bilinearly over the elements in contact, the state of an element from its nearest neighbour.
 //!
 //! Prescribed forces are met on every grid, from the creepages of the coarser one.
+//!
+//! Displaced rows ([`super::aligned`]) keep their places on the coarser grids, which only provide a
+//! start.
 
+use super::aligned::AlignedGrid;
 use super::difference::{Difference, Stencil};
 use super::dissipation::Dissipation;
 use super::influence::Influence;
-use super::slip_operator::SlipOperator;
+use super::slip_operator::{Accuracy, Displacement, RowInfluence, SlipOperator};
 use super::tangential::{
     ElementState, Layer, NotConverged, PrescribedForces, PrescribedMotion, Problem,
     TangentialSolver, TangentialState,
@@ -118,6 +122,8 @@ struct Level {
     ahead: f64,
     area: f64,
     x: Vec<f64>,
+    /// Displacement of each row along x [m].
+    offset: Vec<f64>,
     y: Vec<f64>,
     bound: Vec<f64>,
     yields: Option<Yield>,
@@ -125,15 +131,21 @@ struct Level {
 }
 
 impl Level {
-    fn new(grid: &Structured, contact: &Contact) -> Self {
+    fn new(rows: &AlignedGrid, contact: &Contact, influence: Option<&RowInfluence>) -> Self {
+        let grid = rows.grid();
         let (dx, dy) = (grid.dx(), grid.dy());
         let Contact { bodies, layer, yields, semi_axes: [a, _], motion, difference, .. } = *contact;
-        let influence = Influence::of_grid(grid, bodies.instantaneous);
         let (nx, ny) = (grid.ni, grid.nj);
         let stencil = motion.stencil(difference);
-        let operator = match bodies.remember() {
-            true => SlipOperator::of_memory(&bodies, stencil, layer, [nx, ny], [dx, dy], a / dx),
-            false => SlipOperator::new(&influence, stencil, layer, [nx, ny], a / dx),
+        let operator = match influence {
+            Some(influence) => SlipOperator::of_rows(influence, stencil, a / dx),
+            None if bodies.remember() => {
+                SlipOperator::of_memory(&bodies, stencil, layer, [nx, ny], [dx, dy], a / dx)
+            }
+            None => {
+                let influence = Influence::of_grid(grid, bodies.instantaneous);
+                SlipOperator::new(&influence, stencil, layer, [nx, ny], a / dx)
+            }
         };
         let (distance, ahead) = match motion {
             Motion::Shift => (1.0, 0.0),
@@ -146,6 +158,7 @@ impl Level {
             ahead,
             area: dx * dy,
             x: (0..nx).map(|i| grid.x(i)).collect(),
+            offset: (0..ny).map(|j| rows.offset(j)).collect(),
             y: (0..ny).map(|j| grid.y(j)).collect(),
             bound: vec![0.0; grid.points()],
             yields,
@@ -161,7 +174,7 @@ impl Level {
         state: &mut TangentialState,
     ) -> Result<usize, TangentialError> {
         let most_force = self.most_force();
-        let Self { nx, distance, ahead, area, x, y, bound, yields, solver, .. } = self;
+        let Self { nx, distance, ahead, area, x, offset, y, bound, yields, solver, .. } = self;
         let Target { prescribed, history, .. } = *target;
         let before = history.and_then(|history| history.plastic);
         let mut problem = Problem {
@@ -170,6 +183,7 @@ impl Level {
             ahead: *ahead,
             element_area: *area,
             x,
+            offset,
             y,
             bound,
             slip_history: history.map(|history| history.slip),
@@ -214,11 +228,12 @@ impl Level {
 
     /// Moment of a contact that spins about the origin, Σ g r dA [N m].
     fn most_moment(&self) -> f64 {
-        let row = |(bounds, y): (&[f64], &f64)| -> f64 {
-            let most = |g: &f64| self.yields.map_or(*g, |law| law.most(*g));
-            bounds.iter().zip(&self.x).map(|(g, x)| most(g) * x.hypot(*y)).sum()
+        let most = |g: &f64| self.yields.map_or(*g, |law| law.most(*g));
+        let row = |(bounds, (y, offset)): (&[f64], (&f64, &f64))| -> f64 {
+            bounds.iter().zip(&self.x).map(|(g, x)| most(g) * (x + offset).hypot(*y)).sum()
         };
-        self.bound.chunks_exact(self.nx).zip(&self.y).map(row).sum::<f64>() * self.area
+        let places = self.y.iter().zip(&self.offset);
+        self.bound.chunks_exact(self.nx).zip(places).map(row).sum::<f64>() * self.area
     }
 
     fn refuse_beyond_friction(&self, prescribed: &PrescribedMotion) -> Result<(), TangentialError> {
@@ -355,25 +370,34 @@ impl Levels {
     /// Creates the operators for this grid and all coarser grids.
     #[must_use]
     pub fn new(grid: &Structured, contact: &Contact) -> Self {
+        Self::of_rows(&AlignedGrid::regular(*grid), contact)
+    }
+
+    /// Creates the operators for a grid whose rows may be displaced, and all coarser grids. The
+    /// bodies of displaced rows are elastic.
+    #[must_use]
+    pub fn of_rows(rows: &AlignedGrid, contact: &Contact) -> Self {
         let Contact { bodies, layer, difference, .. } = contact;
+        let influence = RowInfluence::new(rows, bodies, *layer, Accuracy::Full);
+        let mut levels = vec![Level::new(rows, contact, influence.as_ref())];
         let dissipation = match contact.motion {
-            Motion::SteadyRolling | Motion::RollingStep => {
-                Dissipation::new(*difference, bodies, *layer, grid)
-            }
+            Motion::SteadyRolling | Motion::RollingStep => Dissipation::new(
+                *difference,
+                bodies,
+                *layer,
+                rows.grid(),
+                influence.map(Displacement::from),
+            ),
             Motion::FirstRollingStep | Motion::Shift => None,
         };
-        let mut levels = vec![Level::new(grid, contact)];
-        let mut grid = *grid;
+        let mut rows = rows.clone();
         let coarsens = matches!(contact.motion, Motion::SteadyRolling | Motion::Shift);
         let narrow = |grid: &Structured| grid.nj > 1 && grid.ni.min(grid.nj) <= 4;
-        while coarsens && grid.ni.max(grid.nj) > COARSEST && !narrow(&grid) {
-            grid.ni = grid.ni.div_ceil(2);
-            grid.step_i = grid.step_i.map(|value| 2.0 * value);
-            if grid.nj > 1 {
-                grid.nj = grid.nj.div_ceil(2);
-                grid.step_j = grid.step_j.map(|value| 2.0 * value);
-            }
-            levels.push(Level::new(&grid, contact));
+        let longest = |grid: &Structured| grid.ni.max(grid.nj);
+        while coarsens && longest(rows.grid()) > COARSEST && !narrow(rows.grid()) {
+            rows = rows.coarser();
+            let influence = RowInfluence::new(&rows, bodies, *layer, Accuracy::Start);
+            levels.push(Level::new(&rows, contact, influence.as_ref()));
         }
         Self { contact: *contact, levels, dissipation }
     }

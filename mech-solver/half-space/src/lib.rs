@@ -5,7 +5,9 @@
 //! | module | contents |
 //! |---|---|
 //! | [`influence`] | displacement of an element's centre by a unit traction on another element |
+//! | [`leading_edge`] | leading edges of a computed pressure, and its means over rows that begin there |
 //! | [`normal`] | normal contact by bound-constrained conjugate gradients |
+//! | [`aligned`] | grids whose rows begin at the leading edge of the contact |
 //! | [`area`] | area of a contact, resolved below the size of its elements |
 //! | [`extent`] | a grid that grows until the contact fits; moments of a pressure |
 //! | [`conformal`] | contact of conforming, curved surfaces, by boundary elements |
@@ -16,6 +18,7 @@
 //! | [`dissipation`] | numerical dissipation of these differences |
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
+//! | [`slip_zone`] | slip zones at the trailing edges of rows, resolved below the size of elements |
 //! | [`slip_iteration`] | friction that depends on the slip of each element |
 //! | [`grid_continuation`] | the tangential problem by continuation in resolution |
 //! | [`viscoelastic`] | influence numbers of viscoelastic bodies in steady rolling |
@@ -30,6 +33,7 @@
 pub use elastic::{Elasticity, Material};
 pub use grids::Structured;
 
+pub mod aligned;
 pub mod area;
 pub mod conformal;
 pub mod coupling;
@@ -40,12 +44,14 @@ pub mod friction;
 pub mod grid_continuation;
 pub mod influence;
 mod initial_pressure;
+pub mod leading_edge;
 pub mod normal;
 pub mod patches;
 mod prescribed;
 pub mod retarded;
 pub mod slip_iteration;
 pub mod slip_operator;
+pub mod slip_zone;
 pub mod subsurface;
 pub mod tangential;
 pub mod viscoelastic;

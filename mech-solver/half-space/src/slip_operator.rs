@@ -23,6 +23,10 @@
 //! **Memory.** Viscoelastic bodies have the K of [`super::viscoelastic`] in place of A. The layer
 //! has no memory.
 //!
+//! **Displaced rows** ([`super::aligned`]) have a phase before and behind A and the approximate
+//! inverse ([`numerics::convolution::Convolution::displace_rows`]), and exact influence numbers
+//! between near rows. The difference multiplies A wave by wave.
+//!
 //! **Layer.** A third body of tangential flexibility L [m/Pa] adds L to the diagonal of A_xx, A_yy.
 //!
 //! **Approximate inverse.** In Fourier space B is (1 − e^{iθ}) Â with the wave number θ along x in
@@ -39,6 +43,7 @@
 //! discretisation; Vollebregt, Wear 314 (2014) for Fourier preconditioning of the shift problem.
 //! The damped shift is this project's.
 
+use super::aligned::AlignedGrid;
 use super::difference::Stencil;
 use super::influence::{EvenOffsetTable, Influence};
 use super::viscoelastic::{Bodies, RollingInfluenceNumbers};
@@ -48,6 +53,8 @@ use numerics::fourier::Real;
 
 /// Length of the memory of the damped shift, in semi-axes.
 const MEMORY: f64 = 1.5;
+/// Share of a side that is rounding.
+const ROUNDING: f64 = 1e-6;
 
 /// A symmetric tensor of spectra, and the convolution that applies it.
 #[derive(Debug)]
@@ -79,9 +86,79 @@ impl<T: Real> Tensor<T> {
     }
 }
 
+/// Influence of elastic bodies on a grid whose rows are displaced, A.
+#[derive(Debug)]
+pub struct RowInfluence {
+    tensor: Tensor<f64>,
+    displacements: Vec<f64>,
+    /// Influence numbers over whole elements.
+    table: Table,
+    shape: [usize; 2],
+}
+
+/// Purpose of an operator of displaced rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accuracy {
+    /// The solution: exact between near rows.
+    Full,
+    /// A start for a finer grid.
+    Start,
+}
+
+impl Accuracy {
+    /// Number of rows on either side whose influence is exact.
+    fn reach(self, grid: &Structured) -> usize {
+        match self {
+            Self::Start => 0,
+            Self::Full if grid.dy() > (1.0 - ROUNDING) * grid.dx() => 1,
+            Self::Full => (grid.dx() / grid.dy()).ceil() as usize + 1,
+        }
+    }
+}
+
+impl RowInfluence {
+    /// Creates the operator, with the flexibility of a layer [m/Pa]; `None` on a regular grid.
+    #[must_use]
+    pub fn new(
+        rows: &AlignedGrid,
+        bodies: &Bodies,
+        layer: f64,
+        accuracy: Accuracy,
+    ) -> Option<Self> {
+        let (grid, displacements) = (rows.grid(), rows.displacements()?);
+        let influence = Influence::of_grid(grid, bodies.instantaneous);
+        let (nx, ny) = (grid.ni, grid.nj);
+        let mut convolution = Convolution::of_rows(nx, ny).displace_rows(displacements);
+        let table = Table::reaching(&influence, layer, convolution.padded_shape().0 / 2 + 1, ny);
+        let mut component = |k: usize, between: fn(&Influence, f64, f64) -> f64| {
+            let between =
+                |x: f64, j: i32| between(&influence, x * influence.dx, f64::from(j) * influence.dy);
+            let kernel = |i, j| table.value(i, j)[k];
+            let reach = accuracy.reach(grid);
+            convolution.spectrum_of_rows(displacements, reach, kernel, between)
+        };
+        let (xx, yy) = (component(0, Influence::xx_at), component(1, Influence::yy_at));
+        let xy = component(2, Influence::xy_at);
+        let tensor = Tensor { convolution, xx, yy, xy };
+        Some(Self { tensor, displacements: displacements.to_vec(), table, shape: [nx, ny] })
+    }
+
+    /// Plans a convolution on this grid.
+    fn convolution<T: Real>(&self) -> Convolution<T> {
+        let [nx, ny] = self.shape;
+        Convolution::of_rows(nx, ny).displace_rows(&self.displacements)
+    }
+}
+
 /// Displacement operator: A of elastic bodies, K of viscoelastic ones.
 #[derive(Debug)]
 pub struct Displacement(Tensor<f64>);
+
+impl From<RowInfluence> for Displacement {
+    fn from(influence: RowInfluence) -> Self {
+        Self(influence.tensor)
+    }
+}
 
 impl Displacement {
     /// Creates the operator of nx × ny elements of the grid's size, with the flexibility of a layer
@@ -148,6 +225,30 @@ impl SlipOperator {
         let growth = |upstream| bodies.growth(upstream, dx);
         let inverse = Inverse { table: &elastic, stencil, damping, growth: Some(&growth) };
         Self::of(nx, ny, inverse, |i, j| table.slip(stencil, i, j))
+    }
+
+    /// Creates the operator with this stencil on displaced rows.
+    #[must_use]
+    pub fn of_rows(
+        influence: &RowInfluence,
+        stencil: Stencil,
+        elements_per_semi_axis: f64,
+    ) -> Self {
+        let RowInfluence { tensor, table, displacements, shape: [nx, ny] } = influence;
+        let convolution: Convolution = influence.convolution();
+        let weights: Vec<(i32, f64)> = stencil.weights().collect();
+        let factors = convolution.factors_along(&weights);
+        let [xx, yy, xy] = [&tensor.xx, &tensor.yy, &tensor.xy].map(|part| part.along(&factors));
+        let operator = Tensor { convolution, xx, yy, xy };
+        let [self_influence, ..] = table.slip(stencil, 0, 0);
+        let single = operator.rounded(influence.convolution(), self_influence.recip());
+        let damping = damping(elements_per_semi_axis);
+        let inverse = Inverse { table, stencil, damping, growth: None };
+        let inverse = inverse.tensor(Convolution::barely_padded(*nx, *ny));
+        let plan = Convolution::barely_padded(*nx, *ny).displace_rows(displacements);
+        let inverse = inverse.rounded(plan, self_influence);
+        let (applications, preconditionings) = (0, 0);
+        Self { operator, single, inverse, self_influence, applications, preconditionings }
     }
 
     fn of(
@@ -241,6 +342,7 @@ impl Inverse<'_> {
 }
 
 /// Influence numbers [xx, yy, xy] at all offsets needed.
+#[derive(Debug)]
 enum Table {
     /// Numbers of elastic bodies.
     Elastic(EvenOffsetTable<[f64; 3]>),
@@ -250,12 +352,17 @@ enum Table {
 
 impl Table {
     fn new(influence: &Influence, layer_flexibility: f64, nx: usize, ny: usize) -> Self {
+        // The upstream neighbours need two more elements than the grid along x.
+        Self::reaching(influence, layer_flexibility, nx + 2, ny)
+    }
+
+    /// Table of the numbers over up to `width` − 1 elements along x.
+    fn reaching(influence: &Influence, layer_flexibility: f64, width: usize, ny: usize) -> Self {
         let value = |i, j| {
             let own = if (i, j) == (0, 0) { layer_flexibility } else { 0.0 };
             [influence.xx(i, j) + own, influence.yy(i, j) + own, influence.xy(i, j)]
         };
-        // The upstream neighbours need two more elements than the grid along x.
-        Self::Elastic(EvenOffsetTable::new(nx + 2, ny, value))
+        Self::Elastic(EvenOffsetTable::new(width, ny, value))
     }
 
     fn with_memory(bodies: &Bodies, layer: f64, counts: [usize; 2], sides: [f64; 2]) -> Self {

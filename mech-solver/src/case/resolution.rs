@@ -13,7 +13,7 @@ pub(crate) const MOST: usize = 2000;
 
 /// Returns the key with the default of a model.
 pub(crate) fn key(default: usize) -> KeySpec {
-    KeySpec::integer(RESOLUTION, "elements per semi-axis a: dx = dy = a/resolution")
+    KeySpec::integer(RESOLUTION, "elements per semi-axis a: dx = dy = a/resolution; half-space: dx less where the slip zone is short")
         .default_value(default)
         .at_least(1.0)
         .at_most(MOST as f64)

@@ -166,20 +166,21 @@ impl FrictionFactor for Falling {
         _coefficient: f64,
         factors: &mut [f64],
     ) -> Result<(), StepError> {
-        let FrictionState { speed, rigid_slip, grid, pressure, velocity, .. } = state;
+        let FrictionState { speed, rigid_slip, rows, pressure, velocity, .. } = state;
+        let columns = rows.grid().ni;
         let rolls = *speed > 0.0 && self.memory > 0.0;
-        for (j, row) in factors.chunks_exact_mut(grid.ni).enumerate() {
+        for (j, row) in factors.chunks_exact_mut(columns).enumerate() {
             // Particles enter at the leading edge, where x is largest.
             let (mut before, mut touches) = (1.0, false);
             for (i, factor) in row.iter_mut().enumerate().rev() {
-                let index = j * grid.ni + i;
+                let index = j * columns + i;
                 let velocity = velocity.map_or_else(|| rigid_slip(index), |own| own[index]);
                 let settled = self.share(velocity);
                 touches |= pressure[index] > 0.0;
                 if !rolls {
                     *factor = settled;
                 } else if touches {
-                    let slid = 0.5 * velocity / speed * grid.dx();
+                    let slid = 0.5 * velocity / speed * rows.grid().dx();
                     let kept = (-slid / self.memory).exp();
                     let towards = |before: f64| settled + (before - settled) * kept;
                     let middle = towards(before);

@@ -150,10 +150,10 @@ impl FrictionFactor for TemperatureLaw {
         coefficient: f64,
         factors: &mut [f64],
     ) -> Result<(), StepError> {
-        let FrictionState { inputs: Some(inputs), grid, .. } = *state else { return Ok(()) };
+        let FrictionState { inputs: Some(inputs), rows, .. } = *state else { return Ok(()) };
         let surfaces = [Surface::of(inputs, &SURFACES[0])?, Surface::of(inputs, &SURFACES[1])?];
         for (index, factor) in factors.iter_mut().enumerate() {
-            let (x, y) = (grid.x(index % grid.ni), grid.y(index / grid.ni));
+            let [x, y] = rows.centre(index);
             let [upper, lower] = surfaces.each_ref().map(|surface| surface.at(x, y));
             let temperature = (0.5 * upper + 0.5 * lower).max(0.0);
             let friction = self.coefficient(coefficient, temperature).ok_or_else(|| {
@@ -209,17 +209,18 @@ fn advise(situation: &Situation<'_>) -> Advice {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use half_space::aligned::AlignedGrid;
     use proto::grid::Structured;
     use proto::model::Inputs;
     use proto::table::{Reading, Table};
 
-    fn state<'a>(inputs: &'a Surfaces, grid: &'a Structured) -> FrictionState<'a> {
+    fn state<'a>(inputs: &'a Surfaces, rows: &'a AlignedGrid) -> FrictionState<'a> {
         FrictionState {
             velocity: None,
             inputs: Some(inputs),
             speed: 0.0,
             rigid_slip: &|_| 0.0,
-            grid,
+            rows,
             coordinate: &|_, _, _| None,
             pressure: &[],
         }
@@ -258,14 +259,16 @@ mod tests {
             let mut shape = Structured::contact_plane(shift - 1.0, -1.0, 0.5, 0.5, 7, 7);
             let values = (0..49).map(|k| 2.0 + shape.x(k % 7)).collect();
             let mut surfaces = Surfaces(proto::grid::Grid::structured("contact", shape), values);
-            law.write(&state(&surfaces, &own), 0.5, &mut factors).unwrap();
+            law.write(&state(&surfaces, &AlignedGrid::regular(own)), 0.5, &mut factors).unwrap();
             for (k, found) in factors.iter().enumerate() {
                 let expected = (1.0 + 0.1 * (2.0 + own.x(k % 3))) / 0.5;
                 assert!((found - expected).abs() < 1e-14, "rounding: {found} {expected}");
             }
             shape.step_i = [0.3, 0.4, 0.0];
             surfaces.0 = proto::grid::Grid::structured("contact", shape);
-            let refused = law.write(&state(&surfaces, &own), 0.5, &mut factors).unwrap_err();
+            let refused = law
+                .write(&state(&surfaces, &AlignedGrid::regular(own)), 0.5, &mut factors)
+                .unwrap_err();
             assert!(refused.to_string().contains("along x and y"), "{refused}");
         }
     }
@@ -279,7 +282,7 @@ mod tests {
         let decay = TemperatureLaw::Decay { hot: 0.0, scale: 10.0 };
         for law in [decay, table(b"0 0.6\n10 0.2")] {
             let mut factors = vec![0.0; 6];
-            law.write(&state(&surfaces, &own), 0.6, &mut factors).unwrap();
+            law.write(&state(&surfaces, &AlignedGrid::regular(own)), 0.6, &mut factors).unwrap();
             assert_eq!(factors, [1.0; 6]);
         }
     }

@@ -158,6 +158,29 @@ impl SlipZone {
         zone
     }
 
+    /// Measures the slip zone of rows of a grid, whose zones at the trailing edges may be known to
+    /// parts of an element.
+    pub(crate) fn of_rows(
+        grid: &Structured,
+        elements: &[ElementState],
+        power: &[f64],
+        zones: &[Option<half_space::slip_zone::TrailingZone>],
+    ) -> Self {
+        let mut zone = Self::default();
+        let rows = elements.chunks(grid.ni).zip(power.chunks(grid.ni)).zip(zones);
+        for ((elements, power), known) in rows {
+            let stick = elements.iter().position(|at| *at == ElementState::Adhesion);
+            match (known, stick) {
+                (Some(known), Some(stick)) => {
+                    zone.add_run(known.width() / grid.dx(), known.power / grid.dx());
+                    zone.add(grid.ni, &elements[stick..], &power[stick..]);
+                }
+                _ => zone.add(grid.ni, elements, power),
+            }
+        }
+        zone
+    }
+
     /// Adds the slip zone of a further patch whose elements have the same area.
     pub(crate) fn add(&mut self, count: usize, elements: &[ElementState], power: &[f64]) {
         let slips = |at: &ElementState| *at == ElementState::Slip;

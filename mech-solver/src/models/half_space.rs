@@ -23,6 +23,7 @@ pub(super) mod gap;
 pub(super) mod geometry;
 mod power;
 mod retardation;
+mod spacing;
 mod steady;
 mod transient;
 
@@ -170,7 +171,7 @@ fn spec() -> ModelSpec {
             &field::CONTACT_FORCE,
         ]),
         keys,
-        accuracy: Accuracy { refinement: Some(refinement(1.5, 0.035)), ..Accuracy::default() },
+        accuracy: Accuracy { refinement: Some(refinement(1.5, 0.025)), ..Accuracy::default() },
     }
 }
 
@@ -199,6 +200,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, R
     let varying = Varying::of(configuration, &terms, patch)?;
     retardation::refuse(&scene, patch, &terms, memory, varying.is_some())?;
     let extent = varying.as_ref().map(|varying| varying.extent(patch)).transpose()?;
+    let difference = difference::read(&configuration.case)?;
     let shapes = geometry::Shapes {
         scene: &scene,
         given,
@@ -207,6 +209,11 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, R
         delays: &delays,
         terms: &terms,
         resolution: resolution::read(&configuration.case, RESOLUTION)?,
+        // Steps with memory are as long as elements, and rows of a history share a grid.
+        follows_slip: scene.speeds.rolling > 0.0
+            && !memory
+            && varying.is_none()
+            && case::displaces_rows(&terms, &bodies, difference),
     };
     let footprint = geometry::footprint(configuration, &shapes)?;
     let ellipse = footprint.ellipse.as_ref();
@@ -217,7 +224,7 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, R
     terms.removal.iter_mut().for_each(|removal| removal.place(&grid));
     let mut case = Case {
         memory,
-        difference: difference::read(&configuration.case)?,
+        difference,
         begins_steady: begins_steady(configuration, &scene, memory)?,
         terms,
         shift_duration: 0.0,

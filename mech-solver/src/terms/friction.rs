@@ -15,6 +15,7 @@
 
 use crate::terms::bands::{At, Over};
 use elastic::slip::RigidSlip;
+use half_space::aligned::AlignedGrid;
 use half_space::friction::ElementFriction;
 use half_space::slip_iteration::SlipStart;
 use proto::grid::Structured;
@@ -30,8 +31,8 @@ pub(crate) struct FrictionState<'a> {
     pub(crate) speed: f64,
     /// Slip velocity of an element for rigid bodies [m/s].
     pub(crate) rigid_slip: &'a dyn Fn(usize) -> f64,
-    /// Grid of the elements.
-    pub(crate) grid: &'a Structured,
+    /// Grid of the elements, whose rows may be displaced.
+    pub(crate) rows: &'a AlignedGrid,
     /// Coordinate of an element, or of the patch that it belongs to; `None` where there is no
     /// contact.
     pub(crate) coordinate: &'a dyn Fn(Over, At, usize) -> Option<f64>,
@@ -151,7 +152,7 @@ impl FrictionLaw {
             inputs: Some(inputs),
             speed: slip.speed,
             rigid_slip: &|index| slip.at(grid, index),
-            grid,
+            rows: &AlignedGrid::regular(*grid),
             coordinate: &lateral(grid, 0.0),
             pressure,
             velocity: None,
@@ -168,7 +169,7 @@ impl FrictionLaw {
         coefficient: f64,
         state: &FrictionState<'_>,
     ) -> Result<ElementFriction, StepError> {
-        let count = state.grid.points();
+        let count = state.rows.grid().points();
         let mut coefficients = vec![coefficient; count];
         for factor in &self.factors {
             let mut factors = vec![1.0; count];

@@ -47,7 +47,7 @@ impl Law {
             Self::Energy(_) => contact.friction_power[element],
             Self::Archard(_) => {
                 let (x, y) = contact.slip_velocity.split_at(contact.pressure.len());
-                contact.pressure[element] * x[element].hypot(y[element])
+                contact.normal_pressure[element] * x[element].hypot(y[element])
             }
         }
     }
@@ -188,7 +188,7 @@ impl Removal {
         let stiffness = 0.5 * PI / (self.compliance * self.rows.width);
         let mut largest = 0.0_f64;
         for row in 0..self.rows.count {
-            let elements = &contact.pressure[row * grid.ni..(row + 1) * grid.ni];
+            let elements = &contact.normal_pressure[row * grid.ni..(row + 1) * grid.ni];
             let pressure = elements.iter().copied().fold(0.0, f64::max);
             if pressure > 0.0 {
                 let [upper, lower] = self.depths(grid, contact, row);

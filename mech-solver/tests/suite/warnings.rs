@@ -33,8 +33,8 @@ fn of_model(model: &str, resolution: usize) -> Value {
 fn a_narrow_slip_zone_is_resolved_by_the_advised_resolution() {
     let key = "contact.slip_zone_elements";
     for (model, traction, resolutions) in [
-        ("half-space", 0.2, [10, 20]),
-        ("half-space", 0.1, [20, 80]),
+        ("half-space", 0.2, [7, 20]),
+        ("half-space", 0.1, [7, 20]),
         ("hertz-carter", 0.1, [20, 80]),
         ("fastsim", 0.1, [20, 80]),
     ] {
@@ -53,6 +53,30 @@ fn a_narrow_slip_zone_is_resolved_by_the_advised_resolution() {
     for model in ["half-space", "hertz-carter", "fastsim"] {
         let sliding = run(&driven(of_model(model, 20), "creepage", -0.04));
         assert_eq!(sliding.contact.get("slip_zone_elements"), None, "{}", sliding.contact);
+    }
+}
+
+/// Half-spaces have n elements per semi-axis, and n/2 or more across a slip zone. The bounds are
+/// the errors of the estimate by strips, and half an element at either edge.
+#[test]
+fn elements_follow_the_slip_zone() {
+    let creepage = |xi: f64, eta: f64, phi: f64| json!({"xi": xi, "eta": eta, "phi": phi});
+    let motions = [
+        ("traction_coefficient", json!(0.05)),
+        ("traction_coefficient", json!(-0.2)),
+        ("creepage", creepage(-5e-4, 0.0, 0.0)),
+        ("creepage", creepage(0.0, 1e-3, 0.0)),
+        ("creepage", creepage(0.0, 0.0, 0.2)),
+        ("creepage", creepage(5e-4, -5e-4, -0.1)),
+    ];
+    for crown in [0.06, 0.3, 1.5] {
+        for (key, motion) in &motions {
+            let mut case = of_model("half-space", 12);
+            case["motion"] = json!({"speed": 38.889, *key: motion});
+            case["bodies"]["rail"]["radius_y"] = json!(crown);
+            let elements = run(&case).number("slip_zone_elements");
+            assert!((5.0..9.0).contains(&elements), "{crown} {motion}: {elements}");
+        }
     }
 }
 

@@ -99,7 +99,7 @@ fn a_worn_contact_flattens_and_steps_converge() {
     assert!(first.abs() < 0.03 && (0.35..0.65).contains(&(second / first)), "{first} {second}");
 }
 
-/// Too many passages in a row are refused with the possible number; half of that number is
+/// Too many passages in a row are refused with the possible number; nine tenths of that number are
 /// accepted.
 #[test]
 fn a_row_that_wears_too_much_is_refused() {

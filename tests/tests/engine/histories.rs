@@ -49,10 +49,11 @@ const FORCE: &str = "contact.creep_force_x_n";
 const CREEP: &str = "contact.creepage_xi";
 
 /// Every row of a sequence equals the steady case with its values on the same grids: bit for bit
-/// after a cold start, and within the accuracy of the solver after a warm start.
+/// after a cold start, and within the accuracy of the solver after a warm start. The slip zones are
+/// longer than a/2: elements of steady cases follow shorter ones.
 #[test]
 fn a_row_is_a_steady_case_of_its_own() {
-    let data = Data::new("t [s], mu\n0, 0.2\n1, 0.3\n2.5, 0.25\n");
+    let data = Data::new("t [s], mu\n0, 0.36\n1, 0.5\n2.5, 0.4\n");
     let column = data.column("motion.traction_coefficient", "mu");
     for model in ["hertz-carter", "fastsim", "half-space"] {
         let model = format!("mech.model={model}");
@@ -66,7 +67,7 @@ fn a_row_is_a_steady_case_of_its_own() {
             assert_eq!(summary["coupling"]["windows"], 3);
             let found = rows(&place.out().join("history.csv"), &[FORCE, CREEP, RISE]);
             assert_eq!(found.len(), 3);
-            for (mu, row) in ["0.2", "0.3", "0.25"].into_iter().zip(&found) {
+            for (mu, row) in ["0.36", "0.5", "0.4"].into_iter().zip(&found) {
                 let alone = format!("motion.traction_coefficient={mu}");
                 let set = [common[0], common[1], &alone];
                 let alone = Place::new().summary(&case("wheel-rail.toml"), &sets(&set));

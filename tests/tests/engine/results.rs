@@ -19,8 +19,10 @@ fn the_centre_line_shows_traction_and_slip() {
     // The bound of the leading element is so small that it may slip too.
     for (k, &i) in touching[..touching.len() - 1].iter().enumerate() {
         assert_eq!(slips(i), k < border, "{i}");
-        // The slip in the stick zone is limited by the tolerance of the iteration.
-        assert!(if k < border { slip[i] < 0.0 } else { slip[i].abs() < 1e-4 }, "{}", slip[i]);
+        // The slip in the stick zone is limited by the tolerance of the iteration. The border lies
+        // inside an element, which slips on one side of it.
+        let slides = slip[i] < 0.0 && k <= border;
+        assert!(if k < border { slides } else { slides || slip[i].abs() < 1e-4 }, "{}", slip[i]);
     }
 }
 

@@ -12,6 +12,7 @@
 
 mod advise;
 mod conform;
+mod coverage;
 mod engines;
 mod explicit;
 mod failures;

@@ -214,11 +214,11 @@ impl TangentialSolver {
             sy.iter_mut().zip(history_y).for_each(|(s, earlier)| *s += earlier);
         }
         let [xi, eta, phi] = state.creepage.map(|value| value * problem.distance);
-        for (row, y) in problem.y.iter().enumerate() {
+        for (row, (y, offset)) in problem.y.iter().zip(problem.offset).enumerate() {
             let range = row * problem.nx..(row + 1) * problem.nx;
             for ((sx, sy), x) in sx[range.clone()].iter_mut().zip(&mut sy[range]).zip(problem.x) {
                 *sx += xi - phi * y;
-                *sy += eta + phi * (x + problem.ahead);
+                *sy += eta + phi * (x + offset + problem.ahead);
             }
         }
         if let Some(layer) = &problem.layer {

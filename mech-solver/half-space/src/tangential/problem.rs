@@ -45,8 +45,10 @@ pub struct Problem<'a> {
     pub ahead: f64,
     /// Area of an element [m²].
     pub element_area: f64,
-    /// Centres along x [m].
+    /// Centres along x in a row that is not displaced [m].
     pub x: &'a [f64],
+    /// Displacement of each row along x [m].
+    pub offset: &'a [f64],
     /// Centres along y [m].
     pub y: &'a [f64],
     /// Traction bound g = f p_n [Pa]; 0 outside the contact.
@@ -86,22 +88,29 @@ impl Problem<'_> {
     #[must_use]
     pub fn forces(&self, state: &TangentialState) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for (row, y) in self.y.iter().enumerate() {
+        for (row, (y, offset)) in self.y.iter().zip(self.offset).enumerate() {
             let range = row * self.nx..(row + 1) * self.nx;
             let rows = state.traction[0][range.clone()].iter().zip(&state.traction[1][range]);
             for ((px, py), x) in rows.zip(self.x) {
                 sum[0] += px;
                 sum[1] += py;
-                sum[2] += x * py - y * px;
+                sum[2] += (x + offset) * py - y * px;
             }
         }
         sum.map(|value| value * self.element_area)
     }
 
+    /// Centre of an element [m].
+    fn centre(&self, index: usize) -> [f64; 2] {
+        let (i, j) = (index % self.nx, index / self.nx);
+        [self.x[i] + self.offset[j], self.y[j]]
+    }
+
     /// Rigid slip of an element in the step by a unit of one component of the creepage [m per
     /// unit].
     pub(super) fn rigid_slip(&self, component: usize, index: usize) -> [f64; 2] {
-        let (x, y) = (self.x[index % self.nx] + self.ahead, self.y[index / self.nx]);
+        let [x, y] = self.centre(index);
+        let x = x + self.ahead;
         let slip = match component {
             0 => [1.0, 0.0],
             1 => [0.0, 1.0],
@@ -113,7 +122,7 @@ impl Problem<'_> {
     /// Contribution of a unit of traction on an element, along x and along y, to one component of
     /// the forces [N/Pa].
     pub(super) fn force_of(&self, component: usize, index: usize) -> [f64; 2] {
-        let (x, y) = (self.x[index % self.nx], self.y[index / self.nx]);
+        let [x, y] = self.centre(index);
         let force = match component {
             0 => [1.0, 0.0],
             1 => [0.0, 1.0],

@@ -11,6 +11,7 @@ struct Disc {
     n: usize,
     radius: f64,
     x: Vec<f64>,
+    offset: Vec<f64>,
     bound: Vec<f64>,
 }
 
@@ -26,7 +27,8 @@ impl Disc {
         let x: Vec<f64> = (0..2 * n + 3).map(|i| (i as f64 - half) / n as f64).collect();
         let at = |x: &f64, y: &f64| most * (1.0 - x * x - y * y).max(0.0).sqrt();
         let bound = x.iter().flat_map(|y| x.iter().map(move |x| at(x, y))).collect();
-        Self { n, radius, x: x.iter().map(|x| radius * x).collect(), bound }
+        let offset = vec![0.0; x.len()];
+        Self { n, radius, x: x.iter().map(|x| radius * x).collect(), offset, bound }
     }
 
     fn step(&self) -> f64 {
@@ -41,6 +43,7 @@ impl Disc {
             ahead: 0.5 * step,
             element_area: step * step,
             x: &self.x,
+            offset: &self.offset,
             y: &self.x,
             bound: &self.bound,
             slip_history: None,

@@ -54,6 +54,7 @@ impl Surfaces {
             delays: &[],
             terms: &terms,
             resolution,
+            follows_slip: false,
         };
         let Footprint { gap, ellipse, semi_axes, grid, remarks, .. } =
             geometry::footprint(configuration, &shapes)?;

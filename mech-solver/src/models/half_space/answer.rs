@@ -24,9 +24,13 @@ use serde_json::{Value, json};
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct ContactFields {
     pub(super) pressure: Vec<f64>,
+    /// Pressure that bounds the tractions: that of displaced rows, brought onto the grid.
+    pub(super) bounding_pressure: Vec<f64>,
     pub(super) traction: Vec<f64>,
     pub(super) slip_velocity: Vec<f64>,
     pub(super) friction_power: Vec<f64>,
+    /// Largest traction [Pa] and slip velocity [m/s] of an element.
+    largest: [f64; 2],
     pub(super) surface_speed: [f64; 2],
     pub(super) creepage: Creepage,
     slip_area_ratio: f64,
@@ -109,12 +113,13 @@ impl ContactFields {
         }
         let mut answer = Self::new(case, contact, creepage);
         answer.slip_area_ratio = if creepage == [0.0; 3] { 0.0 } else { 1.0 };
-        answer.set(case, traction, slip, None);
+        answer.set(case, contact, [traction, slip], None);
+        answer.largest = [&answer.traction, &answer.slip_velocity].map(|field| largest(field));
         answer
     }
 
-    /// Answer of a solution with partial slip; `before` are the tractions of the previous instant,
-    /// `None` in steady rolling.
+    /// Answer of a solution with partial slip, in the rows of the contact; `before` are the
+    /// tractions of the previous instant, `None` in steady rolling.
     pub(super) fn partial(
         case: &Case,
         contact: &ContactSolver,
@@ -130,12 +135,31 @@ impl ContactFields {
         let passage = case.passage();
         answer.pivot = passage.middle - passage.ahead;
         let before = before.map(|before| before.concat());
-        answer.set(case, state.traction.concat(), state.slip.concat(), before.as_deref());
-        answer.slip_zone =
-            SlipZone::new(case.footprint.grid.ni, &state.element, &answer.friction_power);
+        let fields = [state.traction.concat(), state.slip.concat()];
+        answer.set(case, contact, fields, before.as_deref());
         answer.flowed =
             LayerFlow::of(state, &answer.friction_power, case.footprint.grid.element_area());
+        answer.largest = [&answer.traction, &answer.slip_velocity].map(|field| largest(field));
         answer
+    }
+
+    /// Takes the fields from the rows of the contact to the grid of the case, once the friction
+    /// power is complete, and measures the slip zone.
+    pub(super) fn leave_rows(
+        &mut self,
+        case: &Case,
+        contact: &ContactSolver,
+        state: &TangentialState,
+    ) {
+        let grid = &case.footprint.grid;
+        let rows = contact.slipping_rows(state, case.scene.speeds.rolling);
+        let (zones, power) = rows.power_on_grid(&self.friction_power);
+        self.slip_zone = SlipZone::of_rows(grid, &state.element, &self.friction_power, &zones);
+        self.friction_power = power;
+        let onto_grid = |values: &[f64]| contact.rows.onto_grid(values);
+        for field in [&mut self.traction, &mut self.slip_velocity] {
+            *field = field.chunks_exact(self.pressure.len()).flat_map(onto_grid).collect();
+        }
     }
 
     /// Adds the numerical dissipation of the difference along x to the friction power [W/m²], of
@@ -169,6 +193,7 @@ impl ContactFields {
         let along = if rolls { creepage[0] } else { 0.0 };
         Self {
             pressure: contact.pressure.clone(),
+            bounding_pressure: contact.rows.onto_grid(contact.row_pressure()),
             surface_speed: speeds.of_surfaces(along),
             creepage,
             approach: contact.approach,
@@ -177,11 +202,19 @@ impl ContactFields {
         }
     }
 
-    fn set(&mut self, case: &Case, traction: Vec<f64>, slip: Vec<f64>, before: Option<&[f64]>) {
+    /// Sets traction and slip in the rows of a contact, and the power from the tractions `before`.
+    fn set(
+        &mut self,
+        case: &Case,
+        contact: &ContactSolver,
+        [traction, slip]: [Vec<f64>; 2],
+        before: Option<&[f64]>,
+    ) {
         let passage = case.passage();
         let start = before.unwrap_or(&traction);
         self.friction_power = passage.power(&case.footprint.grid, start, &traction, &slip);
-        let touching = self.pressure.iter().chain(&self.pressure).map(|p| *p > 0.0);
+        let pressure = contact.row_pressure();
+        let touching = pressure.iter().chain(pressure).map(|p| *p > 0.0);
         let velocity = |(slip, touches): (&f64, bool)| match touches {
             true => slip / passage.duration,
             false => 0.0,
@@ -193,7 +226,8 @@ impl ContactFields {
     /// Returns whether all fields have this number of elements.
     pub(super) fn is_on(&self, count: usize) -> bool {
         let fields = [&self.traction, &self.slip_velocity].map(|field| field.len() == 2 * count);
-        let scalars = [&self.pressure, &self.friction_power].map(|field| field.len() == count);
+        let scalars = [&self.pressure, &self.bounding_pressure, &self.friction_power]
+            .map(|field| field.len() == count);
         let heated = self.heated.iter().flatten().all(KeptSurface::is_whole);
         fields.into_iter().chain(scalars).all(|fits| fits) && heated
     }
@@ -201,7 +235,8 @@ impl ContactFields {
     /// Fields that the terms receive once the window is accepted.
     pub(super) fn accepted(&self) -> Accepted<'_> {
         Accepted {
-            pressure: &self.pressure,
+            pressure: &self.bounding_pressure,
+            normal_pressure: &self.pressure,
             traction: &self.traction,
             slip_velocity: &self.slip_velocity,
             friction_power: &self.friction_power,
@@ -240,8 +275,8 @@ impl ContactFields {
             "spin_moment_nm": moment,
             "traction_coefficient": force_x / normal,
             "slip_area_ratio": self.slip_area_ratio,
-            "max_slip_velocity_m_per_s": largest(&self.slip_velocity),
-            "max_traction_pa": largest(&self.traction),
+            "max_slip_velocity_m_per_s": self.largest[1],
+            "max_traction_pa": self.largest[0],
         });
         powers.add_to(&mut figures);
         add_patches(&mut figures, grid, &self.pressure);
@@ -319,7 +354,7 @@ impl ContactFields {
         values: &mut [f64],
     ) {
         match *spec {
-            field::PRESSURE => values.copy_from_slice(&self.pressure),
+            field::PRESSURE => values.copy_from_slice(&self.bounding_pressure),
             field::TRACTION => values.copy_from_slice(&self.traction),
             field::SLIP_VELOCITY => values.copy_from_slice(&self.slip_velocity),
             field::FRICTION_POWER => {

@@ -5,8 +5,9 @@ use super::geometry::Footprint;
 use crate::case::ellipse::Ellipse;
 use crate::case::scene::{GivenPatch, Scene};
 use crate::models::varying::refuse_change_of_rolling;
-use crate::terms::Terms;
 use crate::terms::surface::KeptSurface;
+use crate::terms::{Kind, Terms};
+use half_space::aligned::AlignedGrid;
 use half_space::difference::Difference;
 use half_space::extent::{elliptic, sample};
 use half_space::retarded::Delay;
@@ -86,6 +87,11 @@ impl Case {
         self.terms.leave_hertz() && elastic
     }
 
+    /// Returns whether rows that roll begin at the leading edge of the contact.
+    pub(super) fn displaces_rows(&self) -> bool {
+        displaces_rows(&self.terms, &self.bodies, self.difference)
+    }
+
     /// Undeformed distance at the element centres [m]; `None` if the pressure is given.
     pub(super) fn distance(&self) -> Option<Vec<f64>> {
         let gap = self.footprint.gap.as_ref()?;
@@ -129,13 +135,25 @@ impl Case {
         let [a, b] = self.footprint.semi_axes;
         let at = |x: f64, y: f64| (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt();
         let mut pressure = match self.difference {
-            Difference::Fromm => elliptic(grid, [a, b]),
+            Difference::Fromm => elliptic(&AlignedGrid::regular(*grid), [a, b]),
             Difference::Upwind => sample(grid, &at),
         };
         let sum = pressure.iter().sum::<f64>() * grid.element_area();
         pressure.iter_mut().for_each(|value| *value *= ellipse.normal_force / sum);
         pressure
     }
+}
+
+/// Returns whether the rows of a rolling contact begin at its leading edge: those of elastic bodies
+/// of the same constants with a difference of second order, on smooth surfaces. Other contacts keep
+/// a regular grid.
+pub(super) fn displaces_rows(terms: &Terms, bodies: &Bodies, difference: Difference) -> bool {
+    let smooth = [Kind::Gap, Kind::PressureBound].map(|kind| terms.effect_of(kind).is_none());
+    terms.adhesion
+        && difference == Difference::Fromm
+        && !bodies.are_coupled()
+        && !bodies.remember()
+        && smooth == [true; 2]
 }
 
 /// A step of the surface particles.

@@ -10,16 +10,20 @@ use super::drive::Driven;
 use crate::models::shortfall::Shortfall;
 use crate::terms::friction::{FrictionState, lateral};
 use elastic::slip::RigidSlip;
+use half_space::aligned::{AlignedGrid, Chord};
 use half_space::coupling::Coupling;
 use half_space::difference::Stencil;
+use half_space::extent::elliptic;
 use half_space::friction::ElementFriction;
 use half_space::grid_continuation::{Contact, History, Levels, Motion, Solution, TangentialError};
 use half_space::influence::Influence;
+use half_space::leading_edge::{AlignedPressure, align};
 use half_space::normal::{NormalError, NormalSolver, Prescribed};
 use half_space::slip_iteration::{
     SlipFrictionIteration, Unsettled, first_velocities, slip_velocities,
 };
 use half_space::slip_operator::Displacement;
+use half_space::slip_zone::SlippingRows;
 use half_space::tangential::{self, Creepage, TangentialState};
 use proto::model::{Inputs, StepError};
 
@@ -63,6 +67,14 @@ pub(super) enum ContactError {
 pub(super) struct ContactSolver {
     normal: Option<Normal>,
     levels: Option<Levels>,
+    /// Bodies and motion of the levels.
+    settings: Contact,
+    /// Grid of the tractions, whose rows may begin at the leading edge.
+    pub(super) rows: AlignedGrid,
+    /// Pressure of the elements in displaced rows; empty on a regular grid.
+    row_pressure: Vec<f64>,
+    /// Edges of displaced rows; empty on a regular grid.
+    chords: Vec<Option<Chord>>,
     coupling: Option<Coupling>,
     /// Displacements by which viscoelastic bodies dissipate, built when first needed.
     dissipating: Option<Dissipating>,
@@ -144,7 +156,11 @@ impl ContactSolver {
         let zeros = vec![0.0; grid.points()];
         let mut solver = Self {
             normal,
-            levels: case.terms.adhesion.then(|| Levels::new(grid, &contact)),
+            levels: None,
+            settings: contact,
+            rows: AlignedGrid::regular(*grid),
+            row_pressure: Vec::new(),
+            chords: Vec::new(),
             coupling: (case.terms.adhesion && coupled).then(|| {
                 let stencil = motion.stencil(case.difference);
                 if case.bodies.remember() {
@@ -167,6 +183,7 @@ impl ContactSolver {
             shortfall: None,
         };
         solver.normal_step()?;
+        solver.place_rows(case);
         solver.set_bound();
         solver.frictionless = (solver.pressure.clone(), solver.approach);
         Ok(solver)
@@ -205,9 +222,52 @@ impl ContactSolver {
         }
         self.normal_iterations = 0;
         self.normal_step()?;
+        self.place_rows(case);
         self.set_bound();
         self.frictionless = (self.pressure.clone(), self.approach);
         Ok(())
+    }
+
+    /// Places the rows under the latest pressure, and builds the operators of other rows.
+    fn place_rows(&mut self, case: &Case) {
+        let grid = case.footprint.grid;
+        let found = (self.settings.motion != Motion::Shift && case.displaces_rows())
+            .then(|| aligned(case, &self.pressure))
+            .flatten();
+        let regular = || AlignedPressure {
+            rows: AlignedGrid::regular(grid),
+            means: Vec::new(),
+            chords: Vec::new(),
+        };
+        let AlignedPressure { rows, means, chords } = found.unwrap_or_else(regular);
+        if case.terms.adhesion && (self.levels.is_none() || rows != self.rows) {
+            self.levels = Some(Levels::of_rows(&rows, &self.settings));
+        }
+        (self.rows, self.row_pressure, self.chords) = (rows, means, chords);
+    }
+
+    /// Rows of the tractions, with a solution under the latest pressure.
+    pub(super) fn slipping_rows<'a>(
+        &'a self,
+        state: &'a TangentialState,
+        speed: f64,
+    ) -> SlippingRows<'a> {
+        SlippingRows {
+            rows: &self.rows,
+            chords: &self.chords,
+            state,
+            bound: &self.bound,
+            elasticity: self.settings.bodies.instantaneous,
+            speed,
+        }
+    }
+
+    /// Pressure of the elements in the rows of the tractions [Pa].
+    pub(super) fn row_pressure(&self) -> &[f64] {
+        match self.rows.displacements() {
+            Some(_) => &self.row_pressure,
+            None => &self.pressure,
+        }
     }
 
     /// Updates friction that depends on inputs or on the creepages.
@@ -226,10 +286,10 @@ impl ContactSolver {
         let state = FrictionState {
             inputs: Some(inputs),
             speed: slip.speed,
-            rigid_slip: &|index| slip.at(grid, index),
-            grid,
+            rigid_slip: &|index| slip.at_place(self.rows.centre(index)),
+            rows: &self.rows,
             coordinate: &lateral(grid, origin_y),
-            pressure: &self.pressure,
+            pressure: self.row_pressure(),
             velocity: self.velocity.as_deref(),
         };
         self.friction = case.terms.friction.evaluate(case.scene.friction_coefficient, &state)?;
@@ -286,8 +346,8 @@ impl ContactSolver {
     }
 
     fn set_bound(&mut self) {
-        let bounds = self.friction.bounds(&self.pressure);
-        self.bound.iter_mut().zip(bounds).for_each(|(own, bound)| *own = bound);
+        let bounds: Vec<f64> = self.friction.bounds(self.row_pressure()).collect();
+        self.bound = bounds;
     }
 
     /// Solves the normal contact from the latest pressure. Returns the relative change of the
@@ -513,6 +573,25 @@ impl ContactSolver {
             }
         }
     }
+}
+
+/// Rows that begin at the leading edge, with their pressure: in closed form for an ellipse,
+/// otherwise from the pressure; `None` if its rows are no half ellipses. Tractions with memory have
+/// the same rows under all loads, those of the smallest.
+fn aligned(case: &Case, pressure: &[f64]) -> Option<AlignedPressure> {
+    let grid = &case.footprint.grid;
+    let known = case.footprint.gap.is_none() || case.is_hertzian();
+    let Some(ellipse) = case.footprint.ellipse.filter(|_| known) else {
+        return align(grid, pressure);
+    };
+    let axes = [ellipse.semi_axis_a, ellipse.semi_axis_b];
+    let begins = if case.memory { case.footprint.smallest } else { axes };
+    let rows = AlignedGrid::of_ellipse(*grid, begins);
+    let mut means = elliptic(&rows, axes);
+    let [before, after] = [pressure, &means].map(|of| of.iter().sum::<f64>());
+    means.iter_mut().for_each(|mean| *mean *= before / after);
+    let chords = Chord::of_ellipse(grid, axes);
+    (after > 0.0).then_some(AlignedPressure { rows, means, chords })
 }
 
 fn add(sum: &mut [f64], more: &[f64]) {

@@ -4,7 +4,9 @@
 //! grid locates the contact wherever the gap closes ([`fit_grid`]), and the origin is placed at the
 //! centre of pressure.
 
+use super::drive::Driven;
 use super::gap::Gap;
+use super::spacing::Patch as SlippingPatch;
 use crate::case::difference;
 use crate::case::ellipse::{Ellipse, Extent};
 use crate::case::keys::CheckedParams;
@@ -21,12 +23,15 @@ use half_space::viscoelastic::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
+use std::f64::consts::{PI, TAU};
 
 /// Maximum number of elements; beyond it operators and Krylov space would take tens of gigabytes.
 const MOST_ELEMENTS: usize = 4_000_000;
 /// Free elements around a contact of known closed-form extent; the passages at the trailing edge
 /// need one.
 const MARGIN: f64 = 1.0;
+/// Difference from a whole number of elements that is rounding.
+const WHOLE: f64 = 1e-6;
 /// Number of grid offsets tried within one element.
 const POSITIONS: u32 = 64;
 /// Elements per estimated contact radius on the coarse grid that locates a contact of profiles.
@@ -81,6 +86,8 @@ pub(in crate::models) struct Footprint {
     pub(in crate::models) ellipse: Option<Ellipse>,
     /// Semi-axes, or equivalent values for other contacts [m].
     pub(in crate::models) semi_axes: [f64; 2],
+    /// Semi-axes of the smallest ellipse if values vary, otherwise of the ellipse [m].
+    pub(in crate::models) smallest: [f64; 2],
     pub(in crate::models) grid: Structured,
     /// Lateral position of the maximum pressure, if it is not the origin [m].
     pub(in crate::models) peak_y: Option<f64>,
@@ -103,6 +110,24 @@ pub(in crate::models) struct Shapes<'a> {
     pub(in crate::models) terms: &'a Terms,
     /// Elements per semi-axis.
     pub(in crate::models) resolution: usize,
+    /// True if the elements are shorter along x where the slip zone is.
+    pub(in crate::models) follows_slip: bool,
+}
+
+impl Shapes<'_> {
+    /// Contact whose slip zone sets the length of the elements.
+    fn patch(&self, semi_axes: [f64; 2], line: bool, normal_force: f64) -> SlippingPatch<'_> {
+        let [a, b] = semi_axes;
+        let equivalent = a * b * if line { PI } else { TAU / 3.0 };
+        SlippingPatch {
+            semi_axes,
+            line,
+            normal_force,
+            max_pressure: normal_force / equivalent,
+            friction_coefficient: self.scene.friction_coefficient,
+            bodies: self.bodies,
+        }
+    }
 }
 
 /// Finds the extent of the contact and covers it with a grid.
@@ -116,7 +141,7 @@ pub(in crate::models) fn footprint(
         true => Some(case.integer(LATERAL_RESOLUTION)? as f64),
         false => None,
     };
-    let dx = |a: f64| a / resolution as f64;
+    let side = |a: f64| a / resolution as f64;
     let second_order =
         scene.speeds.rolling > 0.0 && difference::read(&configuration.case)? == Difference::Fromm;
     let mut gap = Gap::read(configuration, scene)?;
@@ -143,32 +168,42 @@ pub(in crate::models) fn footprint(
         let extent = extent.copied().unwrap_or_else(|| ellipse.extent());
         let extent = extent.grown(growth(shapes, extent.line));
         let semi_axes = [extent.a, extent.b];
-        let dx = dx(extent.finest);
+        let side = side(extent.finest);
+        let area = 4.0 * semi_axes[0] * semi_axes[1];
         let mut remarks = Vec::new();
         let dy = match (extent.line, lateral) {
             (true, _) => 2.0 * extent.b,
             (false, Some(count)) => semi_axes[1] / count,
             // A narrow ellipse. Others have as many rows as the case asks for.
             (false, None) if semi_axes[1] < 0.5 * semi_axes[0] => {
-                let area = 4.0 * semi_axes[0] * semi_axes[1];
-                resolving_rows(semi_axes[1], dx, area, &mut remarks)
+                resolving_rows(semi_axes[1], side, area, &mut remarks)
             }
-            (false, None) => dx,
+            (false, None) => side,
         };
+        let patch = shapes.patch(semi_axes, ellipse.line, ellipse.normal_force);
+        let dx = along(configuration, shapes, &patch, [side, dy], area)?;
         let growth = match (rough, bodies.are_coupled()) {
             (_, true) => COUPLED_GROWTH,
             (true, false) => ROUGH_GROWTH,
             (false, false) => 1.0,
         };
-        let reach = |semi_axis: f64, side: f64| {
-            let elements = growth * semi_axis / side;
-            [-elements, elements].map(|end| end + end.signum() * (MARGIN - 0.5))
+        let reach = |semi_axis: f64, length: f64, margin: f64| {
+            let elements = growth * semi_axis / length;
+            [-elements, elements].map(|end| end + end.signum() * margin)
         };
         let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
-        let across = if extent.line { [0.0; 2] } else { reach(wider * semi_axes[1], dy) };
-        let mut smooth_grid = lay([reach(semi_axes[0], dx), across], [dx, dy])?;
+        // An aligned grid and its rows move by up to half an element each. The rows limit the
+        // accuracy of the extent along x.
+        let ahead = match second_order {
+            true => MARGIN - WHOLE + 0.5 * (side / dx - 1.0),
+            false => MARGIN - 0.5,
+        };
+        let across =
+            if extent.line { [0.0; 2] } else { reach(wider * semi_axes[1], dy, MARGIN - 0.5) };
+        let mut smooth_grid = lay([reach(semi_axes[0], dx, ahead), across], [dx, dy])?;
+        let smallest = semi_axes.map(|axis| axis * extent.finest / semi_axes[0]);
         if second_order {
-            align(&mut smooth_grid, semi_axes.map(|axis| axis * extent.finest / semi_axes[0]));
+            align(&mut smooth_grid, smallest);
         }
         let (grid, peak_y) = match rough {
             true => {
@@ -179,21 +214,24 @@ pub(in crate::models) fn footprint(
         };
         let gap = given.is_none().then_some(gap);
         let ellipse = Some(ellipse);
-        return Ok(Footprint { gap, ellipse, semi_axes, grid, peak_y, remarks });
+        return Ok(Footprint { gap, ellipse, semi_axes, smallest, grid, peak_y, remarks });
     }
     let low = gap.settle()?;
     let coarse = coarse_contact(&gap, low, scene, bodies)?;
     let mut remarks = gap.remarks(&coarse);
     let Moments { centre, semi_axes } = Moments::of(&coarse.grid, &coarse.pressure);
     gap.origin += centre[1];
-    let dx = dx(semi_axes[0]);
+    let side = side(semi_axes[0]);
     let [x_range, y_range] = bounds(&coarse);
     let growth = if bodies.are_coupled() { COUPLED_GROWTH } else { 1.0 };
     let elements = |range: [f64; 2], side: f64| range.map(|end| growth * end / side);
     let wider = if terms.removal.is_some() { WORN_GROWTH } else { 1.0 };
     let y_range = y_range.map(|y| wider * (y - centre[1]));
     let area = growth * growth * (x_range[1] - x_range[0]) * (y_range[1] - y_range[0]);
-    let dy = row_width(&coarse, dx, lateral, area, &mut remarks);
+    let dy = row_width(&coarse, side, lateral, area, &mut remarks);
+    let normal_force = coarse.pressure.iter().sum::<f64>() * coarse.grid.element_area();
+    let patch = shapes.patch(semi_axes, false, normal_force);
+    let dx = along(configuration, shapes, &patch, [side, dy], area)?;
     let mut grid = lay([elements(x_range, dx), elements(y_range, dy)], [dx, dy])?;
     let mut peak_y = highest(&coarse) - centre[1];
     if rough {
@@ -201,7 +239,26 @@ pub(in crate::models) fn footprint(
         (grid, peak_y) = (fitted.grid, highest(&fitted));
     }
     let (gap, peak_y) = (Some(gap), Some(peak_y));
-    Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
+    let smallest = semi_axes;
+    Ok(Footprint { gap, ellipse: None, semi_axes, smallest, grid, peak_y, remarks })
+}
+
+/// Length of the elements along x [m]: that of elements of a grid as fine as the case asks for, or
+/// less where the slip zone is short, unless a grid over this area [m²] would become too large.
+fn along(
+    configuration: &Configuration,
+    shapes: &Shapes<'_>,
+    patch: &SlippingPatch<'_>,
+    [side, dy]: [f64; 2],
+    area: f64,
+) -> Result<f64, Refusal> {
+    if !shapes.follows_slip {
+        return Ok(side);
+    }
+    let Shapes { scene, given, .. } = shapes;
+    let driven = Driven::read(configuration, scene, given.as_ref(), None, true)?;
+    let shortest = area / (dy * MOST_RESOLVED);
+    Ok(side.min(shortest.max(side * patch.share(&driven))))
 }
 
 /// Refuses lateral variation for bodies in line contact.
@@ -264,8 +321,8 @@ fn delayed_footprint(
         let fitted = fit(&gap, shapes, grid)?;
         (grid, peak_y) = (fitted.grid, Some(highest(&fitted)));
     }
-    let (gap, remarks) = (Some(gap), Vec::new());
-    Ok(Footprint { gap, ellipse: None, semi_axes, grid, peak_y, remarks })
+    let (gap, remarks, smallest) = (Some(gap), Vec::new(), semi_axes);
+    Ok(Footprint { gap, ellipse: None, semi_axes, smallest, grid, peak_y, remarks })
 }
 
 /// Ratio of the final size of a contact under constant load to its instantaneous size.

@@ -44,6 +44,7 @@
 use super::answer::ContactFields;
 use super::balance::{Balance, Hysteresis, PressurePower};
 use super::case::Case;
+use half_space::aligned::AlignedGrid;
 use proto::grid::Structured;
 
 /// Work of a traction on the rigid slip at a point, per distance rolled [Pa]: the sum and the sum
@@ -52,6 +53,15 @@ fn against(creepage: [f64; 3], [x, y]: [f64; 2], [px, py]: [f64; 2]) -> [f64; 2]
     let [xi, eta, phi] = creepage;
     let (along, across) = (px * (xi - phi * y), py * (eta + phi * x));
     [-(along + across), along.abs() + across.abs()]
+}
+
+/// Tractions before and after a step in the rows of a contact [Pa], and its creepages or shift.
+#[derive(Clone, Copy)]
+pub(super) struct RowStep<'a> {
+    pub(super) rows: &'a AlignedGrid,
+    pub(super) before: &'a [Vec<f64>; 2],
+    pub(super) after: &'a [Vec<f64>; 2],
+    pub(super) creepage: [f64; 3],
 }
 
 impl Balance {
@@ -85,22 +95,22 @@ impl Balance {
         }
     }
 
-    /// Balance of a step that starts from the tractions `before`, with the creepages or the shift
-    /// `creepage`. `energy` is the elastic energy before and after the step, and `taken` the work
-    /// along the plane dissipated by creeping bodies [Pa m].
+    /// Balance of a step. `energy` is the elastic energy before and after the step, and `taken` the
+    /// work along the plane dissipated by creeping bodies [Pa m].
     pub(super) fn step(
         case: &Case,
         answer: &ContactFields,
-        creepage: [f64; 3],
-        before: &[Vec<f64>; 2],
+        step: &RowStep<'_>,
         energy: [f64; 2],
         taken: Option<f64>,
     ) -> Self {
         let (grid, passage) = (&case.footprint.grid, case.passage());
-        let (along, across) = answer.traction.split_at(grid.points());
+        let RowStep { rows, before, after, creepage } = *step;
+        let [along, across] = after;
         let mut sums = [0.0; 2];
         for index in 0..grid.points() {
-            let at = [grid.x(index % grid.ni) + passage.ahead, grid.y(index / grid.ni)];
+            let [x, y] = rows.centre(index);
+            let at = [x + passage.ahead, y];
             let mean = |start: &[f64], end: &[f64]| passage.mean(grid.ni, start, end, index);
             let traction = [mean(&before[0], along), mean(&before[1], across)];
             let power = against(creepage, at, traction);

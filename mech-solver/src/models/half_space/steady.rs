@@ -175,6 +175,7 @@ impl Steady {
                 if let Some(power) = contact.numerical_dissipation(case, &solution.state) {
                     answer.add_numerical_dissipation(case, &power);
                 }
+                answer.leave_rows(case, contact, &solution.state);
                 found = Some(solution);
                 answer
             }

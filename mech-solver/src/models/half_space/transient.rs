@@ -32,6 +32,7 @@ use super::balance::{Balance, Powers};
 use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use super::creeping::{CreepState, CreepingBodies, Instant};
+use super::power::RowStep;
 use super::steady::{Following, MOST_BYTES};
 use crate::models::contact_model::{CarriedLoad, Contact};
 use crate::models::shortfall::Shortfall;
@@ -172,6 +173,7 @@ impl StepState {
         pressure.fill(0.0);
         displacement.iter_mut().for_each(|u| u.fill(0.0));
         answer.pressure.fill(0.0);
+        answer.bounding_pressure.fill(0.0);
         Self { solution, pressure, displacement, answer, approach: None, ..self }
     }
 
@@ -252,6 +254,7 @@ impl Transient {
         if let Some(power) = steady.numerical_dissipation(case, &solution.state) {
             start.answer.add_numerical_dissipation(case, &power);
         }
+        start.answer.leave_rows(case, &steady, &solution.state);
         (start.pressure, start.approach) = (steady.pressure, steady.approach);
         self.contact.pressure.clone_from(&start.pressure);
         self.contact.displacement(&solution.state, &mut start.displacement);
@@ -406,6 +409,11 @@ impl Transient {
             let power = after.dissipated(&before, earlier, case.passage().duration);
             trial.answer.add_numerical_dissipation(case, &power);
         }
+        let contact = match (&self.further, &earlier) {
+            (Some(further), Some(_)) => further,
+            _ => &self.contact,
+        };
+        trial.answer.leave_rows(case, contact, &trial.solution.state);
         if !case.bodies.are_coupled() {
             let energy = match (&earlier, kept) {
                 (Some(earlier), _) => [before.energy(earlier), after.energy(&before)],
@@ -413,9 +421,14 @@ impl Transient {
                 (None, None) => [before.energy_at_once(), after.energy_at_once()],
             };
             let taken = kept.map(|kept| kept.along_plane);
-            let creepage = trial.solution.state.creepage;
-            let balance =
-                Balance::step(case, &trial.answer, creepage, &before.traction, energy, taken);
+            let TangentialState { traction, creepage, .. } = &trial.solution.state;
+            let step = RowStep {
+                rows: &self.contact.rows,
+                before: &before.traction,
+                after: traction,
+                creepage: *creepage,
+            };
+            let balance = Balance::step(case, &trial.answer, &step, energy, taken);
             trial.answer.balance =
                 Some(balance.check().map_err(|error| no_solution(error.into()))?);
         }

@@ -7,6 +7,7 @@
 use super::case::{Case, Position};
 use crate::terms::bands::{At, Over};
 use crate::terms::friction::FrictionState;
+use half_space::aligned::AlignedGrid;
 use half_space::friction::ElementFriction;
 use half_space::slip_iteration::SlipStart;
 use proto::bodies::LOWER;
@@ -43,7 +44,7 @@ impl Interface for FrictionInterface<'_> {
             inputs: self.solving.map(|(inputs, _)| inputs),
             speed: elements.speed,
             rigid_slip: elements.rigid_slip,
-            grid: &grid,
+            rows: &AlignedGrid::regular(grid),
             coordinate: &|over, at, index| match at {
                 At::Patches => Some(self.of_patch(over, elements)),
                 At::Elements => {

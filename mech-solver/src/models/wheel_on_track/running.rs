@@ -191,6 +191,7 @@ impl Contact for Running {
         let (traction, slip_velocity) = (traction.concat(), slip_velocity.concat());
         let accepted = Accepted {
             pressure,
+            normal_pressure: pressure,
             traction: &traction,
             slip_velocity: &slip_velocity,
             friction_power,
