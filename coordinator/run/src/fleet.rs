@@ -85,13 +85,19 @@ impl Fleet {
     }
 
     /// Starts participants and asks for their descriptions, unless some wait already or planning is
-    /// to ask programs. If that fails, planning asks programs, and reports the error.
-    pub(crate) fn start(&mut self, seats: &[ParticipantSlot], patience: Duration) {
+    /// to ask programs. If that fails, planning asks programs, and reports the error. `joining` is
+    /// the time to join, `patience` that of an answer.
+    pub(crate) fn start(
+        &mut self,
+        seats: &[ParticipantSlot],
+        patience: Duration,
+        joining: impl FnOnce() -> Duration,
+    ) {
         let waiting = self.lifetime == Lifetime::Run || self.peers.is_some();
         if waiting || seats.is_empty() || seats.iter().any(|seat| seat.attach) {
             return;
         }
-        match self.described(seats, patience) {
+        match self.described(seats, joining(), patience) {
             Ok(peers) => self.peers = Some(peers),
             Err(error) => tracing::debug!("participants are not started for planning: {error}"),
         }
@@ -101,11 +107,12 @@ impl Fleet {
     fn described(
         &mut self,
         seats: &[ParticipantSlot],
+        joining: Duration,
         patience: Duration,
     ) -> Result<Peers, RunError> {
         open_files::provide(seats.len(), TOPICS * seats.len(), false)?;
         let deadlines =
-            Deadlines { start: patience, build: patience, solve: patience, heartbeat: patience };
+            Deadlines { start: joining, build: patience, solve: patience, heartbeat: patience };
         let mut peers = Peers::start(seats, deadlines, None)?;
         peers.join()?;
         peers.phase = Phase::Configuring;

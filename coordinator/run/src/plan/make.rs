@@ -17,7 +17,9 @@ use crate::peers::{COORDINATOR, ParticipantSlot};
 use crate::programs::{self, Program};
 use crate::warnings::Warning;
 use case::schema::WELL_KNOWN_ROLES;
-use case::{Case, Control, Problem, RawCase, RawParticipant, Timing, validate};
+use case::{
+    Case, Control, Problem, RawCase, RawParticipant, Timing, check_without_participants, validate,
+};
 use contract::configuration::{Configuration, Estimate, Input, Layout};
 use contract::description::Description;
 use contract::grid::check_name;
@@ -45,8 +47,14 @@ const ANSWER: Duration = Duration::from_secs(30);
 /// # Errors
 /// The case is invalid, a program fails, or a participant refuses the case.
 pub fn plan(raw: RawCase, fleet: &mut Fleet) -> Result<Planned, RunError> {
-    fleet.start(&seats(&raw, fleet), ANSWER);
+    fleet.start(&seats(&raw, fleet), ANSWER, || joining(&raw));
     programs::wait_for(plan_async(raw, fleet))
+}
+
+/// Returns the time that participants have to join, as far as planning waits for them.
+fn joining(raw: &RawCase) -> Duration {
+    let own = check_without_participants(raw);
+    own.map_or(ANSWER, |own| Duration::from_secs_f64(own.coupling.start_deadline).min(ANSWER))
 }
 
 /// Returns the participants that the case probably has; empty if there are too many or a role is
