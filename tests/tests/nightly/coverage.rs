@@ -2,9 +2,9 @@
 
 use tests::harness::coverage::cover;
 
-/// Stated errors of 200 random contacts cover the true ones in 95 of 100. Errors that change sign at
-/// random are less than a tenth of such a bound in 16 of 100; two thirds are accepted, since errors
-/// of three grids hardly show an order.
+/// Stated errors of 200 random contacts cover the true ones in 95 of 100. Errors that change sign
+/// at random are less than a tenth of such a bound in 16 of 100; two thirds are accepted, since
+/// errors of three grids hardly show an order.
 ///
 /// The table of docs/theory/accuracy.md: `cargo test --release --workspace --test nightly --
 /// coverage --nocapture`.
