@@ -40,6 +40,16 @@ pub fn case(name: &str) -> String {
     root().join("cases").join(name).display().to_string()
 }
 
+/// Returns the text of the main case with replacements: pairs of old and new text.
+pub fn changed(changes: &[(&str, &str)]) -> String {
+    let mut text = std::fs::read_to_string(case("wheel-rail.toml")).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "`{from}` is not in the case");
+        text = text.replace(from, to);
+    }
+    text
+}
+
 /// Replaces line breaks and runs of spaces by single spaces.
 pub fn flat(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")

@@ -1,16 +1,7 @@
 //! Invalid cases: all errors listed, each with its place, reason and fix.
 
 use crate::harness::{Ended, Place, case, checked};
-
-/// Shipped case with replacements: pairs of old and new text.
-fn changed(changes: &[(&str, &str)]) -> String {
-    let mut text = std::fs::read_to_string(case("wheel-rail.toml")).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "`{from}` is not in the case");
-        text = text.replace(from, to);
-    }
-    text
-}
+use tests::harness::changed;
 
 /// Asserts that a case is rejected, with all of these parts in the message.
 fn refused(text: &str, parts: &[&str]) {

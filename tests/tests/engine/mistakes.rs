@@ -171,8 +171,9 @@ fn every_mistake_is_told() {
     let base = std::fs::read_to_string(root().join("cases/wheel-rail.toml")).unwrap();
     let list: toml::Table = include_str!("mistakes.toml").parse().unwrap();
     let mut page = String::from(
-        "# Mistakes in a case, and what is said of them\n\nEach is made in `cases/wheel-rail.toml`, and answered by `coordinator check`, as \
-         the tests do it (`tests/tests/engine/mistakes.toml`; this page is written by them). Several at once are told at once.\n",
+        "# Mistakes in a case, and what is said of them\n\nEach mistake is an edit of `cases/wheel-rail.toml`; \
+         the answer is that of `coordinator check`. A test (`tests/tests/engine/mistakes.rs`) makes them all and writes \
+         this page. `check` names all errors of a case at once.\n",
     );
     let all = list["mistake"].as_array().unwrap();
     assert!(all.len() >= 50, "{}", all.len());

@@ -1,17 +1,7 @@
 //! Invalid cases: exit code 2, all errors listed, no process started. Each kind of error is in the
 //! target `engine`.
 
-use crate::harness::{Place, case, root};
-
-/// Shipped case with replacements: pairs of old and new text.
-fn changed(changes: &[(&str, &str)]) -> String {
-    let mut text = std::fs::read_to_string(case("wheel-rail.toml")).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "`{from}` is not in the case");
-        text = text.replace(from, to);
-    }
-    text
-}
+use crate::harness::{Place, case, changed, root};
 
 /// `run` and `check` reject a case with the same errors; nothing is started.
 #[test]
