@@ -4,7 +4,6 @@
 //! Both come from the contract's table and from the descriptions of the installed programs.
 //! docs/fields.md and docs/figures.md are generated from them.
 
-use crate::installed::installed;
 use clap::Args;
 use console::command::{Command, Context, Group};
 use console::keys::plain;
@@ -15,6 +14,7 @@ use contract::field::{self, FieldKind, FieldSpec};
 use contract::figure::FigureSpec;
 use contract::text::json;
 use run::error::RunError;
+use run::fleet::installed;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

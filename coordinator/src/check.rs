@@ -7,7 +7,6 @@ use console::output::print;
 use contract::text::json;
 use run::error::RunError;
 use run::fleet::Fleet;
-use run::signals;
 use run::warnings::Warning;
 use serde_json::{Value, json};
 
@@ -32,7 +31,6 @@ impl Command for CheckCommand {
         &["coordinator check CASE", "coordinator check --no-start from-elsewhere.toml"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let _asking = signals::end_at_once();
         if self.json {
             return check_as_json(&self.case);
         }
@@ -41,7 +39,7 @@ impl Command for CheckCommand {
             let rest = self.case.alone()?.not_judged_text();
             return context.print(&format!("{shown}: no errors in what was checked\n{rest}"));
         }
-        let planned = self.case.plan(&mut Fleet::default())?;
+        let planned = self.case.plan(&mut Fleet::for_one_run())?;
         let warnings = planned.plan.warnings.iter();
         let warnings: String = warnings.map(|warning| format!("warning: {warning}\n")).collect();
         context.print(&format!("{warnings}{shown}: no errors\n"))
@@ -50,7 +48,7 @@ impl Command for CheckCommand {
 
 /// Prints the errors or the warnings of a case. Errors of the case are errors of the command.
 fn check_as_json(asked: &CaseArguments) -> Result<(), RunError> {
-    let planned = asked.plan(&mut Fleet::default());
+    let planned = asked.plan(&mut Fleet::for_one_run());
     let problem = |one: &case::Problem| json!({"key": one.key, "place": one.place.to_string(), "reason": one.reason, "fix": one.fix});
     let (errors, warnings) = match &planned {
         Ok(planned) => (Vec::new(), planned.plan.warnings.clone()),

@@ -11,7 +11,7 @@ use console::logging::{Logging, log_warnings};
 use coupling::windows::Windows;
 use line::{Answer, LiveKey, Request, VERSION};
 use run::error::{RunError, file_failure};
-use run::fleet::{Fleet, Lifetime};
+use run::fleet::Fleet;
 use run::perform::{self, Driven, Driver, DriverError, RunOptions};
 use run::plan::Planned;
 use run::results::{Existing, ResultFolder};
@@ -67,7 +67,7 @@ fn drive(
         let why = "standard input has the lines that drive the run; name a file of the case";
         return Err(RunError::Usage(why.to_owned()));
     }
-    let mut fleet = Fleet::new(Lifetime::Study);
+    let mut fleet = Fleet::for_study();
     let planned = planned(&command.of, &mut fleet)?;
     let plan_seconds = since.elapsed().as_secs_f64();
     let unkept = match &command.out {

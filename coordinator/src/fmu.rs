@@ -67,7 +67,7 @@ fn is_surrogate(path: &Path) -> bool {
 fn of_case(of: &CaseArguments, path: Option<PathBuf>) -> Result<String, RunError> {
     let mut of = of.clone();
     of.changes.set.extend(OPTIONS.map(str::to_owned));
-    let planned = planned(&of, &mut Fleet::default())?;
+    let planned = planned(&of, &mut Fleet::for_one_run())?;
     let plan = &planned.plan;
     let variables = Variables::of(plan);
     if variables.inputs.is_empty() {

@@ -14,7 +14,6 @@ use run::fleet::Fleet;
 use run::format::counted;
 use run::plan::plan;
 use run::results::write::replace;
-use run::signals;
 use run::wrap;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -152,10 +151,9 @@ fn with_programs(configuration: &Configuration, options: &ImportOptions) -> Impo
 
 /// Returns the reasons for which `coordinator check` refuses a case.
 fn refusals(out: &Path, text: &str) -> Result<Vec<Refusal>, RunError> {
-    let _asking = signals::end_at_once();
     let checked = RawCase::parse(&out.display().to_string(), text)
         .map_err(RunError::from)
-        .and_then(|raw| plan(raw, &mut Fleet::default()).map(drop));
+        .and_then(|raw| plan(raw, &mut Fleet::for_one_run()).map(drop));
     let refusal = |one: &case::Problem| Refusal {
         key: one.key.clone(),
         reason: one.reason.clone(),

@@ -5,7 +5,6 @@
 //! Schema, draft 7, for editors) names that a user chooses are any property. An unknown table at
 //! the top is a participant of another program, which names its command.
 
-use crate::installed::installed;
 use case::schema::ROLE;
 use clap::Args;
 use console::command::{Command, Context, Group};
@@ -15,6 +14,7 @@ use console::output::print;
 use contract::description::{Description, KeyKind};
 use contract::text::json;
 use run::error::RunError;
+use run::fleet::installed;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 

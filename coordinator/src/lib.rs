@@ -13,7 +13,6 @@ mod compare;
 mod drive;
 mod fmu;
 mod import;
-mod installed;
 mod keys;
 mod manual;
 mod new;

@@ -1,11 +1,11 @@
 //! `coordinator new`: writes a case that runs, with a line on every key.
 
-use crate::installed::installed;
 use clap::Args;
 use console::command::{Command, Context, Group};
 use console::keys::about;
 use console::scenes::{self, FIRST, SCENES};
 use run::error::{RunError, file_failure};
+use run::fleet::installed;
 use run::format::counted;
 use std::fs::File;
 use std::io::{ErrorKind, Write as _};

@@ -9,7 +9,6 @@ use run::error::RunError;
 use run::fleet::Fleet;
 use run::plan::CaseOverview;
 use run::plan_file::PlanFile;
-use run::signals;
 use studies::advise;
 
 /// Options of `coordinator plan`.
@@ -39,13 +38,12 @@ impl Command for PlanCommand {
         &["coordinator plan CASE", "coordinator plan CASE --advise"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let _asking = signals::end_at_once();
         // The plan is the answer: --quiet does not hide it.
         let context = Context { quiet: false, ..*context };
         if self.no_start {
             return context.print_lines(&CaseOverview(&self.case.alone()?).to_string());
         }
-        let mut fleet = Fleet::default();
+        let mut fleet = Fleet::for_one_run();
         let planned = self.case.plan(&mut fleet)?;
         if self.json {
             return print(&json(&PlanFile::of(&planned.plan)));

@@ -3,7 +3,7 @@
 use clap::Args;
 use console::command::{Command, Context, Group};
 use run::error::RunError;
-use run::programs::Program;
+use run::program::Program;
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt as _;
 use std::{io, process};

@@ -9,7 +9,7 @@ use console::progress::Progress;
 use contract::text::json;
 use run::checkpoint::Checkpoint;
 use run::error::{RunError, file_failure};
-use run::fleet::{Fleet, Lifetime};
+use run::fleet::Fleet;
 use run::perform::{self, Outcome, RunOptions};
 use run::plan::{Planned, plan};
 use run::record::Compression;
@@ -81,11 +81,11 @@ impl Command for RunCommand {
             return run_to(self, context);
         }
         let Some(folder) = &self.resume else {
-            let mut fleet = Fleet::new(Lifetime::PlanAndRun);
+            let mut fleet = Fleet::for_one_run();
             let begun = begin(self, &mut fleet, context.log)?;
             return run_case(&begun, &mut fleet, self, context);
         };
-        let mut fleet = Fleet::default();
+        let mut fleet = Fleet::for_one_run();
         match resume(self, folder, &mut fleet, context.log)? {
             Some(begun) => run_case(&begun, &mut fleet, self, context),
             None => {
@@ -192,7 +192,7 @@ fn run_case(
 /// Runs a case and states its error. A target selects models and resolution, and selects them again
 /// if the error turns out too large. An answer is replaced only by a complete better one.
 fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
-    let mut fleet = Fleet::new(Lifetime::Study);
+    let mut fleet = Fleet::for_study();
     let case = asked.case.as_ref().expect("required unless a run is resumed");
     let base = &asked.changes;
     let (relative, quantity) = (asked.accuracy, asked.quantity.clone());

@@ -1,13 +1,13 @@
 //! `coordinator solvers`: models and effects of the installed programs. docs/models.md is generated
 //! from them.
 
-use crate::installed::installed;
 use console::command::{Command, Context, Group};
 use console::listing::{Entry, Listing};
 use console::output::print;
 use contract::description::{Description, EffectSpec, KeySpec, ModelSpec};
 use contract::text::json;
 use run::error::RunError;
+use run::fleet::installed;
 use std::fmt::Write as _;
 
 /// Options of `coordinator solvers`.

@@ -3,10 +3,8 @@
 //! ([`take_part`]).
 //!
 //! ```text
-//! PROGRAM --describe                      print the description as JSON
-//! PROGRAM --estimate < configuration      print grids and expected cost as JSON
-//! PROGRAM --advise < scene                print what it thinks of effects in a scene as JSON
-//! PROGRAM --join RUN_FOLDER --role ROLE   take part in a run
+//! PROGRAM --join RUN_FOLDER --role ROLE   take part in a run, or answer questions before one
+//! PROGRAM --describe                      print the description as JSON, for a person
 //! ```
 
 mod error;
@@ -19,8 +17,6 @@ mod server;
 pub use error::JoinError;
 pub use host::{Host, Stop};
 
-use crate::advice::Scene;
-use crate::configuration::{Configuration, Estimate};
 use crate::logging::wanted;
 use crate::model::Solver;
 use crate::run_dir::RunDir;
@@ -44,12 +40,6 @@ struct Arguments {
     /// Print a description of this program as JSON.
     #[arg(long, group = "action")]
     describe: bool,
-    /// Read a configuration from standard input and print grids and expected cost as JSON.
-    #[arg(long, group = "action")]
-    estimate: bool,
-    /// Read a scene from standard input and print advice on its effects as JSON.
-    #[arg(long, group = "action")]
-    advise: bool,
     /// Take part in the run with this folder.
     #[arg(long, group = "action", value_name = "RUN_FOLDER", requires = "role")]
     join: Option<PathBuf>,
@@ -93,17 +83,11 @@ pub fn main_from(arguments: impl IntoIterator<Item = OsString>, solver: &dyn Sol
 fn act(arguments: &Arguments, solver: &dyn Solver) -> Result<(), Box<dyn Error>> {
     if arguments.describe {
         print_json(&solver.description())
-    } else if arguments.estimate {
-        let configuration: Configuration = serde_json::from_reader(std::io::stdin().lock())?;
-        print_json(&estimate(solver, &configuration))
-    } else if arguments.advise {
-        let scene: Scene = serde_json::from_reader(std::io::stdin().lock())?;
-        print_json(&solver.advise(&scene))
     } else if let (Some(folder), Some(role)) = (&arguments.join, &arguments.role) {
         Ok(take_part(folder, role, solver, Host::Process)?)
     } else {
-        Err("nothing to do; started by hand, a participant needs --describe, --estimate or \
-             --join RUN_FOLDER --role ROLE"
+        Err("nothing to do; started by hand, a participant needs --describe or --join \
+             RUN_FOLDER --role ROLE"
             .into())
     }
 }
@@ -113,15 +97,6 @@ fn print_json(value: &impl serde::Serialize) -> Result<(), Box<dyn Error>> {
     serde_json::to_writer_pretty(&mut out, value)?;
     writeln!(out)?;
     Ok(())
-}
-
-/// Returns the layout of a configuration, or the reason why the solver refuses it.
-pub fn estimate(solver: &dyn Solver, configuration: &Configuration) -> Estimate {
-    let admitted = solver.description().admit(configuration);
-    match admitted.and_then(|()| solver.configure(configuration)) {
-        Ok(setup) => Estimate::Layout(setup.layout().clone()),
-        Err(refusal) => Estimate::Refused(refusal),
-    }
 }
 
 /// Joins the run with this folder in a role, and serves until the coordinator ends the run or the

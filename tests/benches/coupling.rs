@@ -37,7 +37,7 @@ fn toy(name: &str) -> [String; 2] {
 
 fn planned(case: &str) -> Planned {
     let raw = RawCase::parse("bench", case).expect("the case is TOML");
-    plan(raw, &mut Fleet::default()).expect("the case is valid")
+    plan(raw, &mut Fleet::for_one_run()).expect("the case is valid")
 }
 
 const TIME: &str = "[time]\nmode = \"transient\"\nwindow = 1\nend = 1e9\n\
@@ -92,7 +92,7 @@ fn columns(criterion: &mut Criterion) {
             [("0", None), ("fresh", Some(0)), ("10", Some(10)), ("100", Some(100))]
         {
             let plan = columns.map_or_else(|| explicit(points), |m| implicit(points, m)).plan;
-            let mut session = Session::start(&plan, &mut Fleet::default(), None, &silent())
+            let mut session = Session::start(&plan, &mut Fleet::for_one_run(), None, &silent())
                 .expect("the participants start");
             let (mut coupling, solves) = match columns {
                 None => (Coupling::explicit(), 1),
@@ -109,7 +109,7 @@ fn columns(criterion: &mut Criterion) {
                     start.elapsed() / solves
                 });
             });
-            session.finish(&mut Fleet::default()).expect("the participants leave");
+            session.finish(&mut Fleet::for_one_run()).expect("the participants leave");
         }
     }
     group.finish();
@@ -137,16 +137,20 @@ fn recording(criterion: &mut Criterion) {
                     let start =
                         |c| Recorder::start(&path, c, &plan, "").expect("the disk has room");
                     let recorder = compression.map(start).map(Arc::new);
-                    let mut session =
-                        Session::start(&plan, &mut Fleet::default(), recorder.clone(), &silent())
-                            .expect("the participants start");
+                    let mut session = Session::start(
+                        &plan,
+                        &mut Fleet::for_one_run(),
+                        recorder.clone(),
+                        &silent(),
+                    )
+                    .expect("the participants start");
                     let (mut coupling, mut window) = (Coupling::explicit(), 0);
                     windows(&mut session, &mut coupling, &mut window, 3);
                     let (begun, done) = (Instant::now(), count.min(most));
                     windows(&mut session, &mut coupling, &mut window, done);
                     recorder.as_ref().map(|r| r.wait_for_room()).transpose().expect("it writes");
                     let spent = begun.elapsed();
-                    session.finish(&mut Fleet::default()).expect("the participants leave");
+                    session.finish(&mut Fleet::for_one_run()).expect("the participants leave");
                     if let Some(recorder) = recorder {
                         recorder.finish(None).expect("the disk has room");
                     }

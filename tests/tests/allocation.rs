@@ -64,9 +64,9 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
          [time]\nmode = \"transient\"\nwindow = 1\nend = 1e6\n\
          [coupling]\nscheme = \"serial-explicit\"\n[output]\nfields = \"none\"\n"
     );
-    let planned = plan(RawCase::parse("test", &case).unwrap(), &mut Fleet::default()).unwrap();
+    let planned = plan(RawCase::parse("test", &case).unwrap(), &mut Fleet::for_one_run()).unwrap();
     let mut session =
-        Session::start(&planned.plan, &mut Fleet::default(), None, &silent()).unwrap();
+        Session::start(&planned.plan, &mut Fleet::for_one_run(), None, &silent()).unwrap();
     let mut coupling = Coupling::explicit();
     let mut counted = Vec::with_capacity(WINDOWS as usize);
     for window in 0..WINDOWS {
@@ -78,7 +78,7 @@ fn a_steady_step_of_the_coupling_loop_does_not_allocate() {
         counted.push(COUNT.get() - before);
         assert_eq!(heat.sent, None, "the fields are not conservative");
     }
-    session.finish(&mut Fleet::default()).unwrap();
+    session.finish(&mut Fleet::for_one_run()).unwrap();
     assert_steady(&counted, LOANS, "a window each");
 }
 
@@ -121,9 +121,9 @@ fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
          [coupling]\nacceleration = \"{acceleration}\"\nmax_columns = 9\n\
          min_iterations = 4\nmax_iterations = 4\n[output]\nfields = \"none\"\n"
     );
-    let planned = plan(RawCase::parse("test", &case).unwrap(), &mut Fleet::default()).unwrap();
+    let planned = plan(RawCase::parse("test", &case).unwrap(), &mut Fleet::for_one_run()).unwrap();
     let mut session =
-        Session::start(&planned.plan, &mut Fleet::default(), None, &silent()).unwrap();
+        Session::start(&planned.plan, &mut Fleet::for_one_run(), None, &silent()).unwrap();
     let mut coupling = Coupling::implicit(&planned.plan.implicit, false, &session);
     let mut counted = Vec::with_capacity(WINDOWS as usize);
     for window in 0..WINDOWS {
@@ -138,7 +138,7 @@ fn iterate(acceleration: &str, points: u32, loans_per_iteration: u64) {
         session.accept(&step, Observed::Nobody).unwrap();
         counted.push(COUNT.get() - before);
     }
-    session.finish(&mut Fleet::default()).unwrap();
+    session.finish(&mut Fleet::for_one_run()).unwrap();
     let loans = 4 * loans_per_iteration + 2;
     assert_steady(&counted, loans, acceleration);
 }

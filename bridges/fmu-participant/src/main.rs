@@ -33,7 +33,7 @@ struct Own {
 
 /// Options common to all participants; the arguments from the first one on belong to the
 /// participant.
-const CONTRACT: [&str; 4] = ["--describe", "--estimate", "--advise", "--join"];
+const CONTRACT: [&str; 2] = ["--describe", "--join"];
 
 fn main() -> ExitCode {
     let all: Vec<OsString> = std::env::args_os().collect();

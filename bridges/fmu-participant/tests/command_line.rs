@@ -2,11 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use fmu_participant::solver::{Fmu, FmuSolver};
+use proto::configuration::{Layout, Refusal};
+use proto::model::Solver;
 use serde_json::{Value, json};
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 use zip::write::SimpleFileOptions;
 
 /// Packs an FMU without a library: only its description is read.
@@ -22,29 +25,23 @@ fn fmu(folder: &Path, name: &str, description: &str) -> PathBuf {
 const VEHICLE: &str = include_str!("../../../tests/fmus/vehicle/modelDescription.xml");
 const BODY: &str = include_str!("../../../tests/fmus/body/modelDescription.xml");
 
-fn ask(path: &Path, arguments: &[&str], input: &str) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_fmu-participant"))
+fn ask(path: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_fmu-participant"))
         .arg(path)
         .args(arguments)
         .env_remove("RUST_LOG")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // A process that refuses its arguments does not read its input.
-    let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
-    child.wait_with_output().unwrap()
+        .output()
+        .unwrap()
 }
 
-fn answer(path: &Path, arguments: &[&str], input: &Value) -> Value {
-    let output = ask(path, arguments, &input.to_string());
+fn answer(path: &Path, arguments: &[&str]) -> Value {
+    let output = ask(path, arguments);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn refused(path: &Path, arguments: &[&str], words: &str) {
-    let output = ask(path, arguments, "");
+    let output = ask(path, arguments);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(!output.status.success() && said.contains(words), "{arguments:?}: {said}");
 }
@@ -54,7 +51,7 @@ fn it_says_what_the_fmu_is() {
     let folder = tempfile::tempdir().unwrap();
     let path = fmu(folder.path(), "car.fmu", VEHICLE);
     let wires = ["--wire", "Q -> load.normal_force", "--wire", "Fx, Fy, Fz <- contact_force"];
-    let said = answer(&path, &[&wires[..], &["--describe"]].concat(), &json!(null));
+    let said = answer(&path, &[&wires[..], &["--describe"]].concat());
     assert_eq!((&said["role"], &said["standalone"]), (&json!("car"), &json!(true)));
     let model = &said["models"][0];
     assert_eq!(model["provides"], json!(["load.normal_force"]));
@@ -66,11 +63,19 @@ fn it_says_what_the_fmu_is() {
     let figures: Vec<_> =
         said["figures"].as_array().unwrap().iter().map(|one| (&one["key"], &one["unit"])).collect();
     assert_eq!(figures[0], (&json!("car.Q"), &json!("N")));
-    let named = answer(&path, &["--role", "vehicle", "--describe"], &json!(null));
+    let named = answer(&path, &["--role", "vehicle", "--describe"]);
     assert_eq!(named["role"], "vehicle");
     let without = VEHICLE.replace("canGetAndSetFMUstate=\"true\"", "");
-    let without = answer(&fmu(folder.path(), "b.fmu", &without), &["--describe"], &json!(null));
+    let without = answer(&fmu(folder.path(), "b.fmu", &without), &["--describe"]);
     assert_eq!(without["models"][0]["rewinds"], json!(false));
+}
+
+/// Layout of an FMU that plays `thermal` with these wires, or its refusal.
+fn configured(path: &Path, wires: &[&str], configuration: Value) -> Result<Layout, Refusal> {
+    let wires: Vec<String> = wires.iter().map(|&wire| wire.to_owned()).collect();
+    let solver = FmuSolver::new(Fmu::read(path, "thermal", &wires).unwrap(), None);
+    let setup = solver.configure(&serde_json::from_value(configuration).unwrap())?;
+    Ok(setup.layout().clone())
 }
 
 /// Configuration with the friction power density on 24 x 16 elements, for a program that replaces
@@ -93,37 +98,32 @@ fn configuration(case: &Value) -> Value {
 fn arrays_are_placed_by_the_case() {
     let folder = tempfile::tempdir().unwrap();
     let path = fmu(folder.path(), "thermal.fmu", BODY);
-    let arrays =
-        ["--wire", "q <- friction_power", "--wire", "surface -> lower_temperature", "--estimate"];
-    let lost = answer(&path, &arrays, &configuration(&json!({})));
-    let reason = lost["refused"]["reason"].as_str().unwrap();
-    assert!(reason.contains(
+    let arrays = ["q <- friction_power", "surface -> lower_temperature"];
+    let with = |case: Value| configured(&path, &arrays, configuration(&case));
+    let lost = with(json!({})).unwrap_err();
+    assert!(lost.reason.contains(
         "`q` has 96 values in the FMU, and `friction_power` has 384 on the grid `contact`"
     ));
-    assert!(lost["refused"]["fix"].as_str().unwrap().contains("[thermal.grid]"), "{lost}");
+    assert!(lost.fix.contains("[thermal.grid]"), "{lost}");
     let grid = json!({"grid": {"x_from": -0.006, "x_to": 0.006, "y_from": -0.004, "y_to": 0.004, "nx": 12, "ny": 8}});
-    let found = answer(&path, &arrays, &configuration(&grid));
-    let layout = &found["layout"];
-    assert_eq!(layout["inputs"], json!([{"field": "friction_power", "grid": "fmu"}]), "{found}");
+    let layout = json!(with(grid).unwrap());
+    assert_eq!(layout["inputs"], json!([{"field": "friction_power", "grid": "fmu"}]), "{layout}");
     assert_eq!(layout["fields"], json!([{"field": "lower_temperature", "grid": "fmu"}]));
     assert_eq!((&layout["grids"][0]["ni"], &layout["grids"][0]["nj"]), (&json!(12), &json!(8)));
     let none = json!({"grid": {"x_from": 0, "x_to": 0, "y_from": 0, "y_to": 1, "nx": 1, "ny": 1}});
-    let refused = answer(&path, &arrays, &configuration(&none));
-    assert_eq!(refused["refused"]["key"], "thermal.grid");
+    assert_eq!(with(none).unwrap_err().key, "thermal.grid");
 }
 
 #[test]
 fn a_scalar_is_the_same_everywhere() {
     let folder = tempfile::tempdir().unwrap();
     let path = fmu(folder.path(), "thermal.fmu", BODY);
-    let wires = ["--wire", "P <- integral(friction_power)", "--wire", "T -> lower_temperature"];
-    let found = answer(&path, &[&wires[..], &["--estimate"]].concat(), &configuration(&json!({})));
+    let with = |wires: [&str; 2]| configured(&path, &wires, configuration(&json!({})));
+    let layout = with(["P <- integral(friction_power)", "T -> lower_temperature"]).unwrap();
     let expected = json!([{"field": "lower_temperature", "grid": "contact"}]);
-    assert_eq!(found["layout"]["fields"], expected, "{found}");
-    let whole = ["--wire", "P <- friction_power", "--wire", "T -> lower_temperature", "--estimate"];
-    let refused = answer(&path, &whole, &configuration(&json!({})));
-    let fix = refused["refused"]["fix"].as_str().unwrap();
-    assert!(fix.contains("wire integral(friction_power)"), "{refused}");
+    assert_eq!(json!(layout.fields), expected);
+    let whole = with(["P <- friction_power", "T -> lower_temperature"]).unwrap_err();
+    assert!(whole.fix.contains("wire integral(friction_power)"), "{whole}");
 }
 
 #[test]

@@ -65,9 +65,9 @@ struct Own {
     program: Vec<OsString>,
 }
 
-/// Options common to all participants. They follow the program's own arguments, which may contain
-/// the same words.
-const CONTRACT: [&str; 3] = ["--describe", "--estimate", "--advise"];
+/// Option of all participants, beside those of a run. It follows the program's own arguments, which
+/// may contain the same word.
+const CONTRACT: &str = "--describe";
 
 fn main() -> ExitCode {
     let all: Vec<OsString> = std::env::args_os().collect();
@@ -94,7 +94,7 @@ fn main() -> ExitCode {
 /// Returns the index of the first argument that the coordinator has appended.
 fn beginning_of_contract(all: &[OsString]) -> usize {
     match all {
-        [.., last] if CONTRACT.iter().any(|word| last == word) => all.len() - 1,
+        [.., last] if last == CONTRACT => all.len() - 1,
         [.., join, _, role, _] if join == "--join" && role == "--role" => all.len() - 4,
         _ => all.len(),
     }
@@ -109,8 +109,8 @@ fn read(own: Own, contract: &[OsString]) -> Result<ProgramSolver, String> {
         let place = contract.iter().position(|argument| argument == word)?;
         contract.get(place + 1)
     };
-    let asked = after("--role").map(|role| role.to_string_lossy().into_owned());
-    let role = asked.or(role).unwrap_or_else(|| names::role(&participant));
+    // The role that a run gives does not count: it is compared with the one that is described.
+    let role = role.unwrap_or_else(|| names::role(&participant));
     let placeholder = program.first().and_then(|word| names::of_placeholder(word.to_str()?));
     if let Some(participant) = placeholder {
         return Err(format!(

@@ -1,5 +1,5 @@
 //! Client side of the relay, beside the coordinator. To the coordinator it is an ordinary
-//! participant; it passes every request on to the server.
+//! participant; it passes every command on to the server.
 
 mod connection;
 mod files;
@@ -7,7 +7,6 @@ mod join;
 mod participant;
 mod serve;
 
-pub use connection::ask;
 pub use join::join;
 
 use crate::key::Key;

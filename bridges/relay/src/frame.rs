@@ -7,40 +7,16 @@ use crate::pack::Packing;
 use contract::message::{Command, FieldHeader, ProgressReport, Reply};
 use zerocopy::{Immutable, IntoBytes, KnownLayout, TryFromBytes};
 
-/// Request to a program outside of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Immutable, IntoBytes, KnownLayout, TryFromBytes)]
-#[repr(u8)]
-pub(crate) enum Question {
-    Describe,
-    Estimate,
-    Advise,
-}
-
-impl Question {
-    /// Command-line option of the request.
-    pub(crate) fn option(self) -> &'static str {
-        match self {
-            Self::Describe => "--describe",
-            Self::Estimate => "--estimate",
-            Self::Advise => "--advise",
-        }
-    }
-}
-
 /// Message.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Frame<'a> {
-    /// To the server: run the program with this standard input.
-    Ask { question: Question, input: &'a [u8] },
-    /// To the client: the standard output of the program, or an error message if `code` is not 0.
-    Answer { code: u8, said: &'a [u8] },
     /// To the server: a piece of the file named by the case under `key`; `ending` is the file
     /// extension.
     File { key: &'a str, ending: &'a str, last: bool, bytes: &'a [u8] },
     /// To the server: start the program as a participant, with this packing of values.
     Join { packing: Packing },
-    /// To the client: the participant has joined.
-    Joined,
+    /// To the client: the participant has joined; its description as JSON.
+    Joined { description: &'a [u8] },
     /// To the server: a command, with all paths removed.
     Command(Command, &'a [u8]),
     /// To the client: the reply to a command.
@@ -117,28 +93,26 @@ impl<'a> Frame<'a> {
     /// Encodes a message: number and entry, then the variable part.
     pub(crate) fn write(&self) -> (Vec<u8>, &'a [u8]) {
         match *self {
-            Self::Ask { question, input } => (head(1, &question), input),
-            Self::Answer { code, said } => (head(2, &code), said),
             Self::File { key, ending, last, bytes } => {
                 let (key, ending) = (cut(key, u16::MAX.into()), cut(ending, u8::MAX.into()));
                 let (of_key, of_ending) = (key.len() as u16, ending.len() as u8);
-                let mut head = head(3, &FileEntry { key: of_key, ending: of_ending, last });
+                let mut head = head(1, &FileEntry { key: of_key, ending: of_ending, last });
                 head.extend([key, ending].concat().bytes());
                 (head, bytes)
             }
-            Self::Join { packing } => (head(4, &packing), &[]),
-            Self::Joined => (vec![5], &[]),
-            Self::Command(ref command, body) => (head(6, command), body),
-            Self::Reply(ref reply, body) => (head(7, reply), body),
+            Self::Join { packing } => (head(2, &packing), &[]),
+            Self::Joined { description } => (vec![3], description),
+            Self::Command(ref command, body) => (head(4, command), body),
+            Self::Reply(ref reply, body) => (head(5, reply), body),
             Self::Sample { topic, header, packing, values, bytes } => {
-                (head(8, &SampleEntry { header, values, topic, packing }), bytes)
+                (head(6, &SampleEntry { header, values, topic, packing }), bytes)
             }
-            Self::State { part, last, bytes } => (head(9, &StateEntry { part, last }), bytes),
-            Self::Ended { code, words } => (head(10, &code), words.as_bytes()),
-            Self::Alive => (vec![11], &[]),
-            Self::Beat => (vec![12], &[]),
-            Self::Progress(ref report) => (head(13, report), &[]),
-            Self::Bye => (vec![14], &[]),
+            Self::State { part, last, bytes } => (head(7, &StateEntry { part, last }), bytes),
+            Self::Ended { code, words } => (head(8, &code), words.as_bytes()),
+            Self::Alive => (vec![9], &[]),
+            Self::Beat => (vec![10], &[]),
+            Self::Progress(ref report) => (head(11, report), &[]),
+            Self::Bye => (vec![12], &[]),
         }
     }
 
@@ -147,35 +121,33 @@ impl<'a> Frame<'a> {
         let (number, rest) = bytes.split_first().ok_or(Malformed)?;
         let whole = |frame: Self, rest: &[u8]| rest.is_empty().then_some(frame).ok_or(Malformed);
         match number {
-            1 => entry(rest).map(|(question, input)| Self::Ask { question, input }),
-            2 => entry(rest).map(|(code, said)| Self::Answer { code, said }),
-            3 => {
+            1 => {
                 let (FileEntry { key, ending, last }, rest) = entry(rest)?;
                 let (key, rest) = text(rest, key.into())?;
                 let (ending, bytes) = text(rest, ending.into())?;
                 Ok(Self::File { key, ending, last, bytes })
             }
-            4 => entry(rest).and_then(|(packing, rest)| whole(Self::Join { packing }, rest)),
-            5 => whole(Self::Joined, rest),
-            6 => entry(rest).map(|(command, body)| Self::Command(command, body)),
-            7 => entry(rest).map(|(reply, body)| Self::Reply(reply, body)),
-            8 => {
+            2 => entry(rest).and_then(|(packing, rest)| whole(Self::Join { packing }, rest)),
+            3 => Ok(Self::Joined { description: rest }),
+            4 => entry(rest).map(|(command, body)| Self::Command(command, body)),
+            5 => entry(rest).map(|(reply, body)| Self::Reply(reply, body)),
+            6 => {
                 let (SampleEntry { header, values, topic, packing }, bytes) = entry(rest)?;
                 Ok(Self::Sample { topic, header, packing, values, bytes })
             }
-            9 => {
+            7 => {
                 let (StateEntry { part, last }, bytes) = entry(rest)?;
                 Ok(Self::State { part, last, bytes })
             }
-            10 => {
+            8 => {
                 let (code, words) = entry(rest)?;
                 let (words, _) = text(words, words.len())?;
                 Ok(Self::Ended { code, words })
             }
-            11 => whole(Self::Alive, rest),
-            12 => whole(Self::Beat, rest),
-            13 => entry(rest).and_then(|(report, rest)| whole(Self::Progress(report), rest)),
-            14 => whole(Self::Bye, rest),
+            9 => whole(Self::Alive, rest),
+            10 => whole(Self::Beat, rest),
+            11 => entry(rest).and_then(|(report, rest)| whole(Self::Progress(report), rest)),
+            12 => whole(Self::Bye, rest),
             _ => Err(Malformed),
         }
     }
@@ -229,11 +201,9 @@ mod tests {
         let report =
             ProgressReport { sequence: 1, done: 2, of: 3, what: Label::new("factorising") };
         vec![
-            Frame::Ask { question: Question::Advise, input: b"{}" },
-            Frame::Answer { code: 0, said: b"{}" },
             Frame::File { key: "bodies.rail.profile", ending: "csv", last: true, bytes: b"1,2" },
             Frame::Join { packing: Packing::Lz4 },
-            Frame::Joined,
+            Frame::Joined { description: b"{}" },
             Frame::Command(command, b"body"),
             Frame::Reply(reply, b"body"),
             Frame::Sample { topic: 2, header, packing: Packing::Lz4, values: 6, bytes: b"packed" },
@@ -269,7 +239,7 @@ mod tests {
         }
 
         #[test]
-        fn a_changed_message_is_another_or_none(which in 0..14_usize, at in any::<prop::sample::Index>(), to in any::<u8>()) {
+        fn a_changed_message_is_another_or_none(which in 0..examples().len(), at in any::<prop::sample::Index>(), to in any::<u8>()) {
             let mut bytes = whole(&examples()[which]);
             let at = at.index(bytes.len());
             bytes[at] = to;

@@ -18,7 +18,7 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
 /// Version of the messages of the relay.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const MARK: &[u8; 4] = b"cosR";
 const PATTERN: &str = "Noise_NNpsk0_25519_AESGCM_SHA256";
 /// Bytes of the versions of an end, including the mark.

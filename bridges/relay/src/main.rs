@@ -5,10 +5,10 @@
 use clap::{Args, Parser};
 use proto::logging::wanted;
 use relay::Packing;
-use relay::client::{Client, ask, join};
+use relay::client::{Client, join};
 use relay::key::Key;
 use relay::server::{Server, serve};
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -71,17 +71,8 @@ struct Connecting {
     /// Maximum wait for the server to answer the connection [s].
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = seconds)]
     patience: f64,
-    /// Print the description of the program, as a participant does.
-    #[arg(long, requires = "connect", group = "action")]
-    describe: bool,
-    /// Read a configuration and print grids and cost, as a participant does.
-    #[arg(long, requires = "connect", group = "action")]
-    estimate: bool,
-    /// Read a scene and print advice on effects, as a participant does.
-    #[arg(long, requires = "connect", group = "action")]
-    advise: bool,
     /// Take part in the run with this folder, as a participant does.
-    #[arg(long, group = "action", value_name = "RUN_FOLDER", requires_all = ["role", "connect"])]
+    #[arg(long, value_name = "RUN_FOLDER", requires_all = ["role", "connect"])]
     join: Option<PathBuf>,
     /// Role to play in the run.
     #[arg(long)]
@@ -173,23 +164,9 @@ fn act(arguments: Arguments) -> Result<(), Ended> {
         patience: Duration::from_secs_f64(connecting.patience),
         silence,
     };
-    if let (Some(folder), Some(role)) = (&connecting.join, &connecting.role) {
-        return join(&client, folder, role).map_err(|error| Ended(error.words, error.code));
-    }
-    let option = match (connecting.describe, connecting.estimate, connecting.advise) {
-        (true, ..) => "--describe",
-        (_, true, _) => "--estimate",
-        (.., true) => "--advise",
-        _ => {
-            let how =
-                "nothing to do; the coordinator starts this end as the command of a participant";
-            return Err(Ended::of(how));
-        }
+    let (Some(folder), Some(role)) = (&connecting.join, &connecting.role) else {
+        let how = "nothing to do; the coordinator starts this end as the command of a participant";
+        return Err(Ended::of(how));
     };
-    let mut input = Vec::new();
-    if option != "--describe" {
-        std::io::stdin().lock().read_to_end(&mut input).map_err(Ended::of)?;
-    }
-    let said = ask(&client, option, &input).map_err(|error| Ended(error.words, error.code))?;
-    std::io::stdout().write_all(&said).map_err(Ended::of)
+    join(&client, folder, role).map_err(|error| Ended(error.words, error.code))
 }

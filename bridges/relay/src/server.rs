@@ -1,5 +1,5 @@
-//! Server side of the relay. It waits for clients; for each it runs the program, either for a
-//! single answer or as a participant of a local run of its own.
+//! Server side of the relay. It waits for clients; for each it runs the program as a participant of
+//! a local run of its own.
 
 mod config;
 mod doorstep;
@@ -14,7 +14,9 @@ use crate::routes::Components;
 use config::{CONVERSATIONS, ServerConfig};
 use contract::description::Description;
 use doorstep::Doorstep;
-use run::programs::Program;
+use run::fleet::described;
+use run::peers::ParticipantSlot;
+use run::program::Program;
 use run::signals;
 use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
@@ -24,8 +26,6 @@ use std::time::{Duration, Instant};
 
 /// Interval between checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
-/// Maximum wait for the description of the program.
-const DESCRIBE: Duration = Duration::from_secs(30);
 /// Settings of a server.
 #[derive(Debug)]
 pub struct Server {
@@ -64,10 +64,12 @@ pub fn serve(server: Server) -> Result<(), ServerError> {
         |error: std::io::Error| ServerError(format!("cannot listen on {address}: {error}"));
     let listener = TcpListener::bind(&address).map_err(cannot)?;
     let components = Components::described(&description);
+    let json = serde_json::to_vec(&description).expect("a description is plain data");
     let role = description.role;
     let listening = listener.local_addr().map_err(cannot)?;
     tracing::info!("listening on {listening}: {} plays {role}", program.name());
-    let config = Arc::new(ServerConfig { program, role, components, key, silence });
+    let config =
+        Arc::new(ServerConfig { program, role, description: json, components, key, silence });
     let callers = callers(listener);
     let (doorstep, conversations) = (Doorstep::default(), Conversations::default());
     let runs = Arc::new(AtomicUsize::new(0));
@@ -143,11 +145,10 @@ impl Drop for Slot {
 
 /// Reads and checks the description of the program, before any client connects.
 fn describe(program: &Program) -> Result<Description, ServerError> {
-    let runtime = session::runtime().map_err(ServerError::of)?;
-    let described = runtime.block_on(program.describe("participant", DESCRIBE));
-    let described = described.map_err(ServerError::of)?;
-    described.check().map_err(|fault| ServerError(format!("{}: {fault}", program.name())))?;
-    Ok(described)
+    let role = "participant".to_owned();
+    let seat = ParticipantSlot { role, program: program.clone(), attach: false };
+    let described = described(&[seat]).map_err(ServerError::of)?;
+    described.into_iter().next().ok_or_else(|| ServerError::of("there is no description"))
 }
 
 #[cfg(test)]

@@ -21,6 +21,9 @@ fn refused(arguments: &[&str], words: &str) {
     assert!(said.contains(words), "{arguments:?}: {said}");
 }
 
+/// Options with which the coordinator starts a client.
+const JOIN: [&str; 4] = ["--join", "folder", "--role", "left"];
+
 #[test]
 fn a_key_is_made_once_and_read_by_its_owner_alone() {
     let folder = tempfile::tempdir().unwrap();
@@ -31,7 +34,7 @@ fn a_key_is_made_once_and_read_by_its_owner_alone() {
     refused(&["--new-key", key], "exists");
     std::fs::set_permissions(&path, Permissions::from_mode(0o644)).unwrap();
     for mode in [["--connect", "127.0.0.1:1"], ["--listen", "127.0.0.1:0"]] {
-        let more: &[&str] = if mode[0] == "--listen" { &["--", "true"] } else { &["--describe"] };
+        let more: &[&str] = if mode[0] == "--listen" { &["--", "true"] } else { &JOIN };
         let arguments = [&mode[..], &["--key", key], more].concat();
         refused(&arguments, "can be read by others (mode 644); make it yours alone: chmod 600");
     }
@@ -42,16 +45,20 @@ fn what_cannot_be_is_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("key");
     let key = path.to_str().unwrap();
-    refused(&["--connect", "127.0.0.1:1", "--describe"], "--key");
-    refused(&["--connect", "127.0.0.1:1", "--key", key, "--describe"], "the key file");
+    refused(&["--connect", "127.0.0.1:1", "--join", "folder", "--role", "left"], "--key");
+    refused(
+        &["--connect", "127.0.0.1:1", "--key", key, "--join", "folder", "--role", "left"],
+        "the key file",
+    );
     assert!(relay(&["--new-key", key]).status.success());
     refused(&["--connect", "127.0.0.1:1", "--key", key], "nothing to do");
     refused(&["--listen", "127.0.0.1:0", "--key", key, "--", "./none"], "./none");
-    refused(&["--listen", "127.0.0.1:0", "--key", key, "--", "true"], "not valid");
+    refused(&["--listen", "127.0.0.1:0", "--key", key, "--", "true"], "ended with exit code 0");
     for address in ["tcp/127.0.0.1:1", "127.0.0.1", ":7447", "127.0.0.1:x"] {
-        refused(&["--connect", address, "--key", key, "--describe"], "write HOST:PORT");
+        refused(
+            &["--connect", address, "--key", key, "--join", "folder", "--role", "left"],
+            "write HOST:PORT",
+        );
     }
-    let nobody = ["--connect", "127.0.0.1:1", "--key", key, "--patience", "0.5", "--describe"];
-    refused(&nobody, "no server reached at 127.0.0.1:1 within 0 s");
     refused(&["--listen", "192.0.2.1:1", "--key", key, "--", "./none"], "./none");
 }

@@ -13,7 +13,7 @@
 //!
 //! | stage | checks |
 //! |---|---|
-//! | [`description`] | description and estimate of a participant, outside of a run |
+//! | [`description`] | description of a participant |
 //! | [`configuration`] | runs and configurations that it accepts, or refuses with a reason |
 //! | [`solve`] | first outputs, solves from the accepted state, `Accept`, grids of any size, volumes |
 //! | [`state`] | `Save` and `Restore`, and damaged states |
@@ -43,7 +43,7 @@ use console::steps::Steps;
 use contract::text::json;
 use fault::{CheckFailure, Finding};
 use run::error::{Failure, RunError};
-use run::programs::Program;
+use run::program::Program;
 use setting::Request;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -149,7 +149,6 @@ fn verdict(request: &Request, report: &Report) -> Result<(), RunError> {
 /// All checks, in the order in which a participant is best written.
 const CHECKS: &[&Check] = &[
     &description::DESCRIBE,
-    &description::ESTIMATE,
     &configuration::VERSION,
     &configuration::CONFIGURE,
     &configuration::UNKNOWN_MODEL,

@@ -29,7 +29,7 @@ use report::{Replay, text};
 use run::deadlines::Deadlines;
 use run::error::RunError;
 use run::peers::{ParticipantSlot, Peers};
-use run::programs::Program;
+use run::program::Program;
 use run::signals;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

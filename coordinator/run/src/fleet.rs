@@ -1,53 +1,60 @@
 //! The participants of one or several runs.
 //!
-//! Planning asks the programs of a case for their descriptions and estimates. Depending on its
-//! [`Lifetime`], a fleet starts the participants for these questions already, and a run uses the
-//! same processes. In a fleet of a study, the participants of a successful run stay for the next
-//! one, if all of them are reusable ([`contract::description::Description::reusable`]). Any failure
-//! ends the processes, and the next run starts new ones.
+//! A fleet starts the programs of a case, and asks them for their descriptions, their layouts and
+//! their advice. A run takes over the same processes. In a fleet of a study, the participants of a
+//! successful run stay for the next one, if all of them are reusable
+//! ([`contract::description::Description::reusable`]). Any failure ends the processes, and the next
+//! question starts new ones.
 
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::linked::LinkedSolvers;
 use crate::peers::{ParticipantSlot, Peers, Phase};
-use crate::programs::Program;
-use crate::session::open_files;
-use contract::configuration::{Configuration, Estimate};
+use crate::program::Program;
+use crate::session::open_files::OpenFiles;
+use contract::advice::{Opinion, Scene};
+use contract::configuration::{Configuration, Layout};
 use contract::description::Description;
+use coupling::ParticipantIndex;
+use std::slice;
 use std::time::Duration;
+
+/// Longest time that a program may take to join or to answer a question.
+pub(crate) const ANSWER: Duration = Duration::from_secs(30);
 
 /// Number of topics of a participant, assumed when the limit of open files is checked before
 /// planning.
 const TOPICS: usize = 4;
 
-/// Lifetime of participants.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Lifetime {
-    /// Planning starts a process for each question, and every run its own participants.
-    #[default]
-    Run,
-    /// Participants live from the planning of a run to its end.
-    PlanAndRun,
-    /// Participants stay from run to run.
-    Study,
-}
-
 /// The participants that wait for a run, and what is known of their programs. Dropping a fleet
 /// dismisses the participants.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Fleet {
-    lifetime: Lifetime,
+    /// Whether participants stay after a run.
+    stays: bool,
     solvers: LinkedSolvers,
     descriptions: Vec<(Program, Description)>,
-    peers: Option<Peers>,
+    /// Groups of participants that were started together.
+    waiting: Vec<Peers>,
+    pub(crate) open_files: OpenFiles,
 }
 
 impl Fleet {
-    /// Returns a fleet without participants.
+    fn new(stays: bool) -> Self {
+        let (solvers, open_files) = (LinkedSolvers::default(), OpenFiles::default());
+        Self { stays, solvers, descriptions: Vec::new(), waiting: Vec::new(), open_files }
+    }
+
+    /// Returns a fleet of one run, or of several that each start their participants.
     #[must_use]
-    pub fn new(lifetime: Lifetime) -> Self {
-        let (solvers, descriptions) = (LinkedSolvers::default(), Vec::new());
-        Self { lifetime, solvers, descriptions, peers: None }
+    pub fn for_one_run() -> Self {
+        Self::new(false)
+    }
+
+    /// Returns a fleet whose participants stay from run to run.
+    #[must_use]
+    pub fn for_study() -> Self {
+        Self::new(true)
     }
 
     /// Returns a fleet with solvers that are linked into this program.
@@ -68,116 +75,154 @@ impl Fleet {
         self.descriptions.iter().find(|(known, _)| known == program).map(|(_, known)| known)
     }
 
-    /// Checks and keeps the description of a program. A description of another contract version is
-    /// not checked.
-    pub(crate) fn learn(
+    /// Asks the programs of a case for their descriptions, all at the same time. `own` wait for a
+    /// run together. `others` may fail, and leave after the answer. `joining` is the longest time
+    /// to join.
+    ///
+    /// # Errors
+    /// One of `own` does not start, join or describe itself.
+    pub(crate) fn describe(
         &mut self,
-        role: &str,
-        program: &Program,
-        description: Description,
+        own: &[ParticipantSlot],
+        others: &[ParticipantSlot],
+        joining: Duration,
     ) -> Result<(), RunError> {
-        if description.protocol == contract::PROTOCOL_VERSION {
-            description.check().map_err(|fault| program.misled(role, fault))?;
+        let joining = joining.min(ANSWER);
+        let is_new = |seat: &&ParticipantSlot| self.description(&seat.program).is_none();
+        let asked: Vec<_> = others.iter().filter(is_new).map(slice::from_ref).collect();
+        let mut group = None;
+        if !own.is_empty() && (self.waiting.is_empty() || own.iter().any(|seat| is_new(&seat))) {
+            self.dismiss();
+            group = Some(self.start(own, joining)?);
         }
-        self.descriptions.retain(|(known, _)| known != program);
-        self.descriptions.push((program.clone(), description));
+        let asked: Vec<_> = asked.into_iter().map(|seat| self.start(seat, joining)).collect();
+        if let Some(peers) = group {
+            let peers = self.joined(peers)?;
+            self.waiting.push(peers);
+        }
+        for peers in asked {
+            match peers.and_then(|peers| self.joined(peers)) {
+                Ok(peers) => peers.dismiss(),
+                Err(error) => tracing::debug!("a program does not describe itself: {error}"),
+            }
+        }
         Ok(())
     }
 
-    /// Starts participants and asks for their descriptions, unless some wait already or planning is
-    /// to ask programs. If that fails, planning asks programs, and reports the error. `joining` is
-    /// the time to join, `patience` that of an answer.
-    pub(crate) fn start(
-        &mut self,
-        seats: &[ParticipantSlot],
-        patience: Duration,
-        joining: impl FnOnce() -> Duration,
-    ) {
-        let waiting = self.lifetime == Lifetime::Run || self.peers.is_some();
-        if waiting || seats.is_empty() || seats.iter().any(|seat| seat.attach) {
-            return;
-        }
-        match self.described(seats, joining(), patience) {
-            Ok(peers) => self.peers = Some(peers),
-            Err(error) => tracing::debug!("participants are not started for planning: {error}"),
-        }
+    /// Starts participants.
+    fn start(&mut self, seats: &[ParticipantSlot], joining: Duration) -> Result<Peers, RunError> {
+        self.open_files.provide(seats.len(), TOPICS * seats.len(), false)?;
+        let deadlines =
+            Deadlines { start: joining, build: ANSWER, solve: ANSWER, heartbeat: ANSWER };
+        Peers::start(seats, deadlines, None)
     }
 
-    /// Starts participants, waits until they have joined, and keeps their descriptions.
-    fn described(
-        &mut self,
-        seats: &[ParticipantSlot],
-        joining: Duration,
-        patience: Duration,
-    ) -> Result<Peers, RunError> {
-        open_files::provide(seats.len(), TOPICS * seats.len(), false)?;
-        let deadlines =
-            Deadlines { start: joining, build: patience, solve: patience, heartbeat: patience };
-        let mut peers = Peers::start(seats, deadlines, None)?;
+    /// Waits until participants have joined, and keeps their descriptions. The description of
+    /// another contract version is not checked.
+    fn joined(&mut self, mut peers: Peers) -> Result<Peers, RunError> {
         peers.join()?;
         peers.phase = Phase::Configuring;
-        for (one, seat) in peers.all().keys().zip(seats) {
-            let description = peers.describe(one, patience)?;
-            self.learn(&seat.role, &seat.program, description)?;
+        for one in peers.all().keys() {
+            let program = peers.seats()[usize::from(one)].program.clone();
+            if self.description(&program).is_some() {
+                continue;
+            }
+            let description = peers.describe(one, ANSWER)?;
+            if description.protocol == contract::PROTOCOL_VERSION {
+                description.check().map_err(|fault| peers.misbehaved(one, fault))?;
+            }
+            self.descriptions.push((program, description));
         }
         Ok(peers)
     }
 
-    /// Asks a waiting participant for its estimate. Returns `None` if no participant runs this
-    /// program, or if it fails or answers with a faulty layout. Planning then asks a new process.
-    pub(crate) fn estimate(
+    /// Asks a program for its layout of a configuration.
+    ///
+    /// # Errors
+    /// The program refuses the configuration or fails, or its layout does not fit.
+    pub(crate) fn layout(
         &mut self,
         program: &Program,
         configuration: &Configuration,
-        patience: Duration,
-    ) -> Option<Estimate> {
-        let peers = self.peers.as_mut()?;
-        let is_it =
-            |seat: &ParticipantSlot| seat.role == configuration.role && seat.program == *program;
-        let one = peers.seats().iter().position(is_it)?.into();
-        peers.phase = Phase::Configuring;
-        let estimate = match peers.configure(one, configuration, patience) {
-            Ok(layout) => Some(Estimate::Layout(layout)),
-            Err(RunError::Refused { refusal, .. }) => Some(Estimate::Refused(refusal)),
-            Err(_) => None,
+    ) -> Result<Layout, RunError> {
+        self.ask(&configuration.role, program, |peers, one| {
+            peers.configure(one, configuration, ANSWER)
+        })
+    }
+
+    /// Asks a program for its opinion on effects in a scene.
+    ///
+    /// # Errors
+    /// The program fails, or its answer is not valid.
+    pub(crate) fn advise(
+        &mut self,
+        role: &str,
+        program: &Program,
+        scene: &Scene,
+    ) -> Result<Opinion, RunError> {
+        self.ask(role, program, |peers, one| peers.advise(one, scene, ANSWER))
+    }
+
+    /// Asks the participant that waits in this role, or starts it. A failure ends all that wait; a
+    /// refusal does not.
+    fn ask<T>(
+        &mut self,
+        role: &str,
+        program: &Program,
+        question: impl FnOnce(&mut Peers, ParticipantIndex) -> Result<T, RunError>,
+    ) -> Result<T, RunError> {
+        let place = |peers: &Peers| {
+            peers.seats().iter().position(|seat| seat.role == role && seat.program == *program)
         };
-        if estimate.is_none() {
-            self.peers = None;
+        if !self.waiting.iter().any(|peers| place(peers).is_some()) {
+            let seat =
+                ParticipantSlot { role: role.to_owned(), program: program.clone(), attach: false };
+            let peers = self.start(slice::from_ref(&seat), ANSWER)?;
+            let peers = self.joined(peers)?;
+            self.waiting.push(peers);
         }
-        estimate
+        let found = self.waiting.iter_mut().find_map(|peers| place(peers).map(|at| (peers, at)));
+        let (peers, at) = found.expect("started above");
+        peers.phase = Phase::Configuring;
+        let answer = question(peers, at.into());
+        if !matches!(answer, Ok(_) | Err(RunError::Refused { .. })) {
+            self.waiting.clear();
+        }
+        answer
     }
 
     /// Returns the shared memory of the waiting participants [byte].
     pub(crate) fn held_memory(&self) -> u64 {
-        self.peers.as_ref().map_or(0, Peers::held_memory)
+        self.waiting.iter().map(Peers::held_memory).sum()
     }
 
-    /// Takes the waiting participants, if they hold all these seats and are alive. Otherwise
-    /// dismisses them.
+    /// Takes the waiting participants, if they hold all these seats and are alive. Dismisses all
+    /// others.
     pub(crate) fn take(&mut self, seats: &[ParticipantSlot]) -> Option<Peers> {
-        match self.peers.take()?.seated(seats) {
-            Ok(peers) => Some(peers),
-            Err(others) => {
-                others.dismiss();
-                None
+        let mut taken = None;
+        for peers in std::mem::take(&mut self.waiting) {
+            match peers.seated(seats) {
+                Ok(peers) => taken = Some(peers),
+                Err(others) => others.dismiss(),
             }
         }
+        taken
     }
 
     /// Returns whether participants stay after a run.
     pub(crate) fn stays(&self) -> bool {
-        self.lifetime == Lifetime::Study
+        self.stays
     }
 
     /// Keeps the participants of a run that has ended.
     pub(crate) fn stay(&mut self, peers: Peers) {
         self.dismiss();
-        self.peers = Some(peers);
+        self.waiting.push(peers);
     }
 
     /// Dismisses the waiting participants.
     pub(crate) fn dismiss(&mut self) {
-        self.peers.take().into_iter().for_each(Peers::dismiss);
+        self.waiting.drain(..).for_each(Peers::dismiss);
     }
 }
 
@@ -185,4 +230,25 @@ impl Drop for Fleet {
     fn drop(&mut self) {
         self.dismiss();
     }
+}
+
+/// Returns the descriptions of programs, in their order.
+///
+/// # Errors
+/// A program fails, or its description is not valid.
+pub fn described(seats: &[ParticipantSlot]) -> Result<Vec<Description>, RunError> {
+    let mut fleet = Fleet::for_one_run();
+    fleet.describe(seats, &[], ANSWER)?;
+    Ok(seats.iter().filter_map(|seat| fleet.description(&seat.program).cloned()).collect())
+}
+
+/// Returns the descriptions of the programs beside the coordinator that look like participants, by
+/// role.
+///
+/// # Errors
+/// A program fails, or its description is not valid.
+pub fn installed() -> Result<Vec<Description>, RunError> {
+    let seat =
+        |(role, program): (String, Program)| ParticipantSlot { role, program, attach: false };
+    described(&Program::installed().into_iter().map(seat).collect::<Vec<_>>())
 }

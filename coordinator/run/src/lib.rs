@@ -33,7 +33,7 @@
 //! let solvers = LinkedSolvers::default()
 //!     .with("mech-solver", mech_solver::MechSolver)
 //!     .with("thermal-solver", thermal_solver::ThermalSolver);
-//! let mut fleet = Fleet::default().with(solvers);
+//! let mut fleet = Fleet::for_one_run().with(solvers);
 //! let planned = plan(case, &mut fleet)?;
 //! assert_eq!(planned.plan.participants.len(), 2);
 //!
@@ -62,8 +62,7 @@ pub mod perform;
 pub mod plan;
 pub mod plan_file;
 pub mod processes;
-mod program;
-pub mod programs;
+pub mod program;
 pub mod progress;
 pub mod record;
 pub mod results;

@@ -2,11 +2,8 @@
 //! shared memory and protocol as processes. No process is started, and a debugger sees both sides
 //! of the coupling.
 
-use contract::advice::{Opinion, Scene};
-use contract::configuration::{Configuration, Estimate};
-use contract::description::Description;
 use proto::model::Solver;
-use proto::participant::{Host, Stop, estimate, take_part};
+use proto::participant::{Host, Stop, take_part};
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -33,18 +30,6 @@ impl fmt::Debug for LinkedSolver {
 }
 
 impl LinkedSolver {
-    pub(crate) fn describe(&self) -> Description {
-        self.0.description()
-    }
-
-    pub(crate) fn estimate(&self, configuration: &Configuration) -> Estimate {
-        estimate(&*self.0, configuration)
-    }
-
-    pub(crate) fn advise(&self, scene: &Scene) -> Opinion {
-        self.0.advise(scene)
-    }
-
     /// Takes part in a run until its end. Returns the exit code and last words that a process would
     /// have.
     pub(crate) fn take_part(&self, folder: &Path, role: &str, stop: Stop) -> (u8, Option<String>) {

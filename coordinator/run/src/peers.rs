@@ -22,7 +22,7 @@ pub use stopped::{Delay, Stopped};
 
 use crate::deadlines::Deadlines;
 use crate::error::{Failure, RunError, machine_failure};
-use crate::programs::Program;
+use crate::program::Program;
 use crate::progress::{Progress, Work, silent};
 use crate::record::Recorder;
 use crate::signals;
@@ -212,7 +212,7 @@ impl Peers {
             return Err(Box::new(self));
         };
         for one in self.all.keys().filter(|one| !places.contains(&usize::from(*one))) {
-            if self.post(one, Command::new(CommandKind::Finish), &[], true).is_err() {
+            if self.post(one, Command::new(CommandKind::Finish), &[]).is_err() {
                 return Err(Box::new(self));
             }
         }
@@ -236,7 +236,7 @@ impl Peers {
     pub(crate) fn dismiss(mut self) {
         self.phase = Phase::Finishing;
         for one in self.all.keys() {
-            if let Err(error) = self.post(one, Command::new(CommandKind::Finish), &[], true) {
+            if let Err(error) = self.post(one, Command::new(CommandKind::Finish), &[]) {
                 tracing::debug!("a waiting participant has ended: {error}");
                 return;
             }
@@ -286,8 +286,7 @@ impl Peers {
         doorbell.wait(poll, |_, _| ())
     }
 
-    /// Sends a command under the next sequence number. `ring` wakes the participant; set it only
-    /// when a reply is wanted soon.
+    /// Sends a command under the next sequence number.
     ///
     /// # Errors
     /// The participant has ended, or cannot be reached.
@@ -296,9 +295,8 @@ impl Peers {
         one: ParticipantIndex,
         command: Command,
         body: &[u8],
-        ring: bool,
     ) -> Result<(), RunError> {
-        self.send(one, command, body, ring).map_err(|error| self.transport_failed(one, error))
+        self.send(one, command, body).map_err(|error| self.transport_failed(one, error))
     }
 
     /// Sends a command like [`Peers::post`], and returns the plain error of the transport.
@@ -310,9 +308,8 @@ impl Peers {
         one: ParticipantIndex,
         command: Command,
         body: &[u8],
-        ring: bool,
     ) -> Result<(), TransportError> {
-        let command = self.all[one].post(command, body, ring)?;
+        let command = self.all[one].post(command, body)?;
         if let Some(recorder) = &self.recorder {
             recorder.command(one, &command, body);
         }

@@ -1,4 +1,7 @@
 //! Program of a participant, and the place where it is found.
+//!
+//! A participant without `command` is the program `ROLE-solver`. The coordinator looks for it in
+//! its own folder and then on the search path.
 
 use crate::linked::{LinkedSolver, LinkedSolvers};
 use rustix::fs::{Access, access};
@@ -64,6 +67,28 @@ impl Program {
         all.enumerate().filter_map(|(number, path)| Some((number, path?))).collect()
     }
 
+    /// Returns whether there is such a program.
+    #[must_use]
+    pub fn exists(&self) -> bool {
+        let search = env::var_os("PATH").unwrap_or_default();
+        self.linked.is_some() || located(&self.path, &search).is_some()
+    }
+
+    /// Returns the programs beside the coordinator that look like participants, with their roles.
+    pub(crate) fn installed() -> Vec<(String, Self)> {
+        let Some(folder) = our_folder() else { return Vec::new() };
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut found: Vec<_> = entries
+            .filter_map(|entry| {
+                let name = entry.file_name().into_string().ok()?;
+                let role = name.strip_suffix("-solver")?.to_owned();
+                Some((role, Self::new(entry.path(), Vec::new())))
+            })
+            .collect();
+        found.sort_by(|a, b| a.0.cmp(&b.0));
+        found
+    }
+
     /// Returns whether the program lies beside the coordinator, as those of this project do.
     #[must_use]
     pub(crate) fn is_ours(&self) -> bool {
@@ -105,7 +130,7 @@ fn located(word: &Path, search: &OsStr) -> Option<PathBuf> {
 }
 
 /// Returns the folder of this executable.
-pub(crate) fn our_folder() -> Option<PathBuf> {
+fn our_folder() -> Option<PathBuf> {
     Some(std::env::current_exe().ok()?.parent()?.to_path_buf())
 }
 

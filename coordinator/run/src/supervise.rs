@@ -10,7 +10,7 @@ mod words;
 
 use crate::linked::LinkedSolver;
 use crate::processes::Process;
-use crate::programs::Program;
+use crate::program::Program;
 use proto::participant::Stop;
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::fmt;

@@ -78,7 +78,8 @@ pub fn advise(
     fleet: &mut Fleet,
 ) -> Result<Vec<Advised>, RunError> {
     let mut all = Vec::new();
-    for advice in complete(ask(standing)?, standing.plan.effects.iter().map(|one| &*one.name)) {
+    let asked = ask(standing, fleet)?;
+    for advice in complete(asked, standing.plan.effects.iter().map(|one| &*one.name)) {
         let active = standing.case.effects.contains(&advice.effect);
         let mut one = Advised { advice, active, other: Other::Open };
         if active || !one.advice.set.is_empty() {

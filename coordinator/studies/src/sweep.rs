@@ -89,7 +89,7 @@ impl Command for SweepCommand {
         let design = self.points.design()?;
         let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
         let first = design.vary.iter().fold(base.clone(), first);
-        let mut fleet = Fleet::default();
+        let mut fleet = Fleet::for_one_run();
         let standing = planned(&case, &first, &mut fleet)?;
         refuse_unread_keys((&case, &base), &design.vary, &standing, &mut fleet)?;
         console::logging::log_warnings(&standing.plan.warnings);

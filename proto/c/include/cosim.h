@@ -362,7 +362,7 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * Complete main function of a participant: answers --describe and --estimate, and with --join
+ * Complete main function of a participant: prints the description with --describe, and with --join
  * takes part in a run until the run is finished. `user` is passed unchanged to every callback.
  *
  * Returns the exit code: 0 for success, 1 for an error, which is written to standard error, 2 for

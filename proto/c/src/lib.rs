@@ -39,7 +39,7 @@ use std::io::Write;
 use std::os::unix::ffi::OsStringExt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Complete main function of a participant: answers --describe and --estimate, and with --join
+/// Complete main function of a participant: prints the description with --describe, and with --join
 /// takes part in a run until the run is finished. `user` is passed unchanged to every callback.
 ///
 /// Returns the exit code: 0 for success, 1 for an error, which is written to standard error, 2 for

@@ -236,16 +236,6 @@ impl Layout {
     }
 }
 
-/// Output of `--estimate`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Estimate {
-    /// The case can be computed like this.
-    Layout(Layout),
-    /// The case is refused.
-    Refused(Refusal),
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

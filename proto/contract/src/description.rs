@@ -31,9 +31,9 @@ pub struct Description {
     /// The participant has a result even if no effect is active. Otherwise it is started only when
     /// an active effect needs it.
     pub standalone: bool,
-    /// The participant answers `--estimate`.
+    /// `Configure` is cheap, so that a plan may ask for the layout without a run.
     pub estimates: bool,
-    /// The participant answers `--advise`.
+    /// The participant answers `Advise`.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub advises: bool,
     /// The process can take part in several runs in succession ([`crate::message::STAY`]); a run

@@ -74,8 +74,7 @@ pub enum CommandKind {
     /// Makes the last solve the accepted state. With [`OBSERVE`], the participant publishes the
     /// observed fields on the grids of that solve. Then it publishes the geometry of every grid of
     /// [`Topics::geometry`] that has moved. With [`FIGURES`], the reply's body holds the figures of
-    /// [`Topics::figures`] as little-endian doubles; NaN marks a figure that does not exist. A
-    /// participant replies only if a flag is set or it has such grids.
+    /// [`Topics::figures`] as little-endian doubles; NaN marks a figure that does not exist.
     Accept = 6,
     /// Writes the accepted state to the file `path`. Body: [`StateFile`].
     Save = 7,
@@ -88,11 +87,15 @@ pub enum CommandKind {
     /// exits. With [`STAY`] it closes all ports except those of commands, and waits for the
     /// `Configure` of another run, which starts like the first.
     Finish = 9,
+    /// Requests advice on effects, before a run. Body: [`crate::advice::Scene`]; the reply's body
+    /// is an [`crate::advice::Opinion`]. Only sent to participants that advise
+    /// ([`crate::description::Description::advises`]).
+    Advise = 10,
 }
 
 impl CommandKind {
     /// All kinds, in the order of their numbers.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Describe,
         Self::Configure,
         Self::Connect,
@@ -102,6 +105,7 @@ impl CommandKind {
         Self::Save,
         Self::Restore,
         Self::Finish,
+        Self::Advise,
     ];
 
     /// Returns the kind with this number.
@@ -632,7 +636,7 @@ mod tests {
     #[test]
     fn numbers_of_kinds_are_fixed() {
         let numbers: Vec<u32> = CommandKind::ALL.iter().map(|k| *k as u32).collect();
-        assert_eq!(numbers, [1, 2, 3, 4, 5, 6, 7, 8, 9]);
+        assert_eq!(numbers, [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
         for kind in CommandKind::ALL {
             assert_eq!(CommandKind::from_number(kind as u32), Some(kind));
         }

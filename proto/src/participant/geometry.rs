@@ -93,10 +93,6 @@ impl GeometryPorts {
         ports.collect::<Result<_, _>>().map(Self)
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
     pub(super) fn wait_for_subscribers(&self, deadline: Instant) -> Result<(), TransportError> {
         self.0.iter().try_for_each(|port| port.writer.wait_for_subscribers(deadline))
     }

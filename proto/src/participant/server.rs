@@ -77,8 +77,6 @@ struct Running {
     ports: Ports,
     step: Step,
     model_time: Duration,
-    /// Error of a command without a reply; reported in the reply to the next command.
-    late: Option<CommandError>,
 }
 
 /// Ports of inputs, outputs and geometry, with the data of the run that they need.
@@ -172,19 +170,17 @@ impl<'a> Server<'a> {
             self.progress.begin(command.sequence);
             let answer = match self.handle(&command, message.body()) {
                 Ok(answer) => answer,
-                Err(error) => Some(failed(&command, &error)),
+                Err(error) => failed(&command, &error),
             };
             drop(message);
-            if let Some(answer) = answer {
-                self.replies.send(&answer.reply, &answer.body)?;
-                self.coordinator.ring()?;
-            }
+            self.replies.send(&answer.reply, &answer.body)?;
+            self.coordinator.ring()?;
             self.activity.idle_after(command.sequence);
         }
         Ok(())
     }
 
-    fn handle(&mut self, command: &Command, body: &[u8]) -> Result<Option<Answer>, CommandError> {
+    fn handle(&mut self, command: &Command, body: &[u8]) -> Result<Answer, CommandError> {
         if command.protocol != crate::PROTOCOL_VERSION {
             return Err(CommandError::Protocol(format!(
                 "the coordinator speaks protocol {}, this program {}",
@@ -205,38 +201,31 @@ impl<'a> Server<'a> {
         let done = Reply::new(Status::Done, command.sequence);
         let reply = match kind {
             CommandKind::Describe => return json_answer(done, &self.description),
+            CommandKind::Advise => {
+                return json_answer(done, &self.solver.advise(&serde_json::from_slice(body)?));
+            }
             CommandKind::Configure => return self.configure(done, body),
             CommandKind::Connect => self.connect(done, body)?,
             CommandKind::Initialise => self.initialise(done)?,
             CommandKind::Solve => self.running(kind)?.solve(command, done)?,
-            CommandKind::Accept => {
-                return self.running(kind)?.accept(command.flags, done);
-            }
+            CommandKind::Accept => return self.running(kind)?.accept(command.flags, done),
             CommandKind::Save => self.running(kind)?.save(done, &serde_json::from_slice(body)?)?,
             CommandKind::Restore => {
                 self.running(kind)?.restore(command, done, &serde_json::from_slice(body)?)?
             }
-            CommandKind::Finish => {
-                if let Stage::Running(_) = self.stage {
-                    self.running(kind)?;
-                }
-                return self.finish(command.flags & STAY != 0, done);
-            }
+            CommandKind::Finish => return self.finish(command.flags & STAY != 0, done),
         };
-        Ok(Some(Answer { reply, body: Vec::new() }))
+        Ok(Answer { reply, body: Vec::new() })
     }
 
     fn running(&mut self, kind: CommandKind) -> Result<&mut Running, CommandError> {
         match &mut self.stage {
-            Stage::Running(running) => match running.late.take() {
-                Some(late) => Err(late),
-                None => Ok(running),
-            },
+            Stage::Running(running) => Ok(running),
             _ => Err(CommandError::Protocol(format!("{kind:?} before Initialise"))),
         }
     }
 
-    fn configure(&mut self, done: Reply, body: &[u8]) -> Result<Option<Answer>, CommandError> {
+    fn configure(&mut self, done: Reply, body: &[u8]) -> Result<Answer, CommandError> {
         let configuration: Configuration = serde_json::from_slice(body)?;
         self.description.admit(&configuration)?;
         let setup = self.solver.configure(&configuration)?;
@@ -279,7 +268,7 @@ impl<'a> Server<'a> {
         };
         match begin(setup, &mut ports, patience, &self.progress) {
             Ok((model, step, model_time)) => {
-                self.stage = Stage::Running(Running { model, ports, step, model_time, late: None });
+                self.stage = Stage::Running(Running { model, ports, step, model_time });
                 Ok(done)
             }
             Err(error) => {
@@ -290,7 +279,7 @@ impl<'a> Server<'a> {
     }
 
     /// Ends the run. The last member of the run removes the ports of a process that leaves.
-    fn finish(&mut self, stays: bool, done: Reply) -> Result<Option<Answer>, CommandError> {
+    fn finish(&mut self, stays: bool, done: Reply) -> Result<Answer, CommandError> {
         let next = if stays { Stage::Joined } else { Stage::Left };
         let finished = match std::mem::replace(&mut self.stage, next) {
             Stage::Running(running) => {
@@ -381,24 +370,14 @@ impl Running {
         }
     }
 
-    /// Accepts the last solve; replies only if something is published or requested.
-    fn accept(&mut self, flags: u32, done: Reply) -> Result<Option<Answer>, CommandError> {
-        let Self { model, ports, step, late, .. } = self;
+    /// Accepts the last solve, and publishes what is requested.
+    fn accept(&mut self, flags: u32, done: Reply) -> Result<Answer, CommandError> {
+        let Self { model, ports, step, .. } = self;
         let start = Instant::now();
         let refused = |error| CommandError::Unacceptable { window: step.window, error };
         let (observe, figures) = (flags & OBSERVE != 0, flags & FIGURES != 0);
-        let answered = observe || figures || !ports.geometry.is_empty();
-        match model.acceptable().map_err(refused) {
-            Ok(()) => model.accept(),
-            Err(error) if answered => return Err(error),
-            Err(error) => {
-                *late = Some(error);
-                return Ok(None);
-            }
-        }
-        if !answered {
-            return Ok(None);
-        }
+        model.acceptable().map_err(refused)?;
+        model.accept();
         if observe {
             ports.observed.loan()?;
             model.observe(&mut ports.observed);
@@ -409,7 +388,7 @@ impl Running {
         ports.observed.publish(step)?;
         ports.move_to(model.moved_grids(), step)?;
         let reply = Reply { model_seconds: spent.as_secs_f64(), ..done };
-        Ok(Some(Answer { reply, body }))
+        Ok(Answer { reply, body })
     }
 
     fn save(&mut self, done: Reply, file: &StateFile) -> Result<Reply, CommandError> {
@@ -466,11 +445,8 @@ fn of_summary(summary: &serde_json::Value, keys: &[String]) -> Vec<u8> {
     keys.iter().flat_map(|key| value(key).to_le_bytes()).collect()
 }
 
-fn json_answer(
-    reply: Reply,
-    value: &impl serde::Serialize,
-) -> Result<Option<Answer>, CommandError> {
-    Ok(Some(Answer { reply, body: serde_json::to_vec(value)? }))
+fn json_answer(reply: Reply, value: &impl serde::Serialize) -> Result<Answer, CommandError> {
+    Ok(Answer { reply, body: serde_json::to_vec(value)? })
 }
 
 fn failed(command: &Command, error: &CommandError) -> Answer {

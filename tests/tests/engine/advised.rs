@@ -1,7 +1,7 @@
 //! Advice of `plan --advise` in scenes over time, against runs with and without each effect: a pin,
 //! a disc of 47 mm and a wheel, in which either body is the hot one.
 
-use crate::harness::{Place, case, planned, sets, solvers};
+use crate::harness::{Place, case, fleet, planned, sets};
 use contract::advice::{Advice, Change, SIGNIFICANT_CHANGE};
 use run::advice::ask;
 use serde_json::Value;
@@ -45,8 +45,9 @@ table_of_tests! { advice_is_true:
 fn advice_is_true(name: &str, settings: &[&str], least: usize, beyond: &[&str]) {
     let coarse = ["mech.model=half-space", "mech.resolution=8"];
     let (file, changes) = (case(name), sets(&[&coarse, settings].concat()));
-    let standing = planned(&file, &changes, &solvers()).unwrap_or_else(|error| panic!("{error}"));
-    let advice: Vec<Advice> = ask(&standing).unwrap_or_else(|error| panic!("{error}"));
+    let mut fleet = fleet();
+    let standing = planned(&file, &changes, &mut fleet).unwrap_or_else(|error| panic!("{error}"));
+    let advice: Vec<Advice> = ask(&standing, &mut fleet).unwrap_or_else(|error| panic!("{error}"));
     let whole = Place::new().summary(&file, &changes);
     let mut compared = 0;
     for one in advice.iter().filter(|one| !beyond.contains(&&*one.effect)) {
@@ -54,7 +55,7 @@ fn advice_is_true(name: &str, settings: &[&str], least: usize, beyond: &[&str]) 
         let (Some(change), Some(other)) = (&one.change, toggled(one, active)) else { continue };
         let other: Vec<&str> =
             changes.iter().copied().chain(other.iter().map(String::as_str)).collect();
-        if planned(&file, &other, &solvers()).is_err() {
+        if planned(&file, &other, &mut fleet).is_err() {
             continue;
         }
         let other = Place::new().summary(&file, &other);

@@ -103,16 +103,17 @@ impl Place {
     pub(crate) fn run_with(&self, case: &str, changes: &[&str], solvers: &LinkedSolvers) -> Ended {
         self.logged(|| {
             let since = Instant::now();
-            let planned = planned(case, changes, solvers)?;
+            let mut fleet = Fleet::for_one_run().with(solvers.clone());
+            let planned = planned(case, changes, &mut fleet)?;
             planned.plan.warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
             let folder = ResultFolder::prepare(&self.out(), case.as_ref(), Existing::Replace)?;
-            completed_run(&planned, &folder, RunOptions::planned_since(since))
+            completed_run(&planned, &mut fleet, &folder, RunOptions::planned_since(since))
         })
     }
 
     /// Plans a case; the output is that of `plan`.
     pub(crate) fn plan(&self, case: &str, changes: &[&str]) -> Ended {
-        self.logged(|| Ok(planned(case, changes, &solvers())?.plan.to_string()))
+        self.logged(|| Ok(planned(case, changes, &mut fleet())?.plan.to_string()))
     }
 
     /// Resumes the run that was stopped here.
@@ -120,10 +121,11 @@ impl Place {
         self.logged(|| {
             let stopped = StoppedRun::read(&self.out())?.expect("the run has not ended");
             let StoppedRun { folder, checkpoint, case } = stopped;
-            let planned = plan(case, &mut Fleet::default().with(solvers()))?;
+            let mut fleet = fleet();
+            let planned = plan(case, &mut fleet)?;
             perform::check_origin(&checkpoint.state.origin, &perform::origin(&planned)?)?;
             let options = RunOptions { from: Some(&checkpoint), ..RunOptions::default() };
-            completed_run(&planned, &folder, options)
+            completed_run(&planned, &mut fleet, &folder, options)
         })
     }
 
@@ -189,7 +191,7 @@ impl Place {
 /// Answers like `check` of a case with this file name and text.
 pub(crate) fn checked(name: &str, text: &str) -> Ended {
     let planned = RawCase::parse(name, text).map_err(RunError::from);
-    match planned.and_then(|raw| plan(raw, &mut Fleet::default().with(solvers()))) {
+    match planned.and_then(|raw| plan(raw, &mut fleet())) {
         Err(error) => Ended::from(&error),
         Ok(planned) => {
             let warnings = planned.plan.warnings.iter();
@@ -201,11 +203,16 @@ pub(crate) fn checked(name: &str, text: &str) -> Ended {
     }
 }
 
+/// Returns a fleet with the linked solvers.
+pub(crate) fn fleet() -> Fleet {
+    Fleet::for_one_run().with(solvers())
+}
+
 /// Plans a case with changes, each preceded by `--set` or `--unset`.
 pub(crate) fn planned(
     case: &str,
     changes: &[&str],
-    solvers: &LinkedSolvers,
+    fleet: &mut Fleet,
 ) -> Result<Planned, RunError> {
     let mut raw = RawCase::read(Path::new(case))?;
     let (mut set, mut unset) = (Vec::new(), Vec::new());
@@ -217,15 +224,16 @@ pub(crate) fn planned(
         }
     }
     raw.apply(&set, &unset)?;
-    plan(raw, &mut Fleet::default().with(solvers.clone()))
+    plan(raw, fleet)
 }
 
 fn completed_run(
     planned: &Planned,
+    fleet: &mut Fleet,
     folder: &ResultFolder,
     options: RunOptions<'_>,
 ) -> Result<String, RunError> {
-    let mut outcome = perform::run(planned, &mut Fleet::default(), folder, options);
+    let mut outcome = perform::run(planned, fleet, folder, options);
     match outcome.error.take() {
         Some(error) => Err(error),
         None => Ok(perform::report(&outcome, &planned.plan, folder)),

@@ -1,7 +1,7 @@
 //! An effect that a case does not name does not exist at run time. The tests iterate over the
 //! registries, so that a new effect is tested as soon as it is registered.
 
-use crate::harness::{Place, Table, case, field_files, planned, root, solvers};
+use crate::harness::{Place, Table, case, field_files, fleet, planned, root};
 use proto::description::Description;
 use proto::model::Solver;
 use run::plan::Plan;
@@ -54,7 +54,7 @@ fn leaves_no_trace(name: &str, needed: &[&str]) {
         text.replace(&format!("\"{folder}/"), &format!("\"{}/", case(folder)))
     };
     let text = ["materials", "histories", "profiles", "points"].into_iter().fold(text, beside);
-    let plan = |file: &str, changes: &[&str]| planned(file, changes, &solvers()).unwrap().plan;
+    let plan = |file: &str, changes: &[&str]| planned(file, changes, &mut fleet()).unwrap().plan;
     let with_all = plan(&case(name), &[]);
     for off in switchable(&text, needed) {
         let never_named = folder.path().join(format!("{off}-{name}"));

@@ -1,6 +1,6 @@
 //! Warnings of the shipped cases, which `run --strict` turns into errors.
 
-use crate::harness::{Place, case, planned, root, sets, solvers};
+use crate::harness::{Place, case, fleet, planned, root, sets};
 use serde_json::Value;
 use std::fs;
 
@@ -13,7 +13,7 @@ fn the_plan_of_a_shipped_case_has_no_warning() {
     names.retain(|name| name.ends_with(".toml"));
     assert!(names.len() > 50, "{names:?}");
     for name in &names {
-        let planned = planned(&case(name), &[], &solvers());
+        let planned = planned(&case(name), &[], &mut fleet());
         let warnings = planned.unwrap_or_else(|error| panic!("{name}: {error}")).plan.warnings;
         assert_eq!(warnings, [], "{name}");
     }

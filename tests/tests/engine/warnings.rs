@@ -1,12 +1,12 @@
 //! Warnings about unintended settings and implausible values. The target `system` tests that they
 //! reach every command.
 
-use crate::harness::{Place, case, flat, planned, sets, solvers};
+use crate::harness::{Place, case, flat, fleet, planned, sets};
 use run::warnings::Warning;
 
 /// Warnings of a plan.
 fn warnings(name: &str, settings: &[&str]) -> Vec<Warning> {
-    let planned = planned(&case(name), &sets(settings), &solvers());
+    let planned = planned(&case(name), &sets(settings), &mut fleet());
     planned.unwrap_or_else(|error| panic!("{error}")).plan.warnings
 }
 

@@ -123,8 +123,8 @@ fn the_solver_in_fortran_conforms_and_answers_like_the_one_in_c() {
 fn what_the_solver_in_fortran_refuses_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let program = fortran(folder.path());
-    // Started directly, without a configuration.
-    let ended = Command::new(&program).arg("--estimate").output().unwrap();
+    // Started directly, without a run.
+    let ended = Command::new(&program).output().unwrap();
     assert_eq!(ended.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&ended.stderr).starts_with("error: "));
     let ended = Command::new(&program).arg("--fly").output().unwrap();

@@ -60,9 +60,8 @@ fn the_closed_form_refuses_what_it_cannot() {
     let ended = Place::new().run(&case("wheel-rail.toml"), &with(&settings, &command));
     assert_eq!(ended.code, Some(2));
     assert!(ended.stderr.contains("materials.steel.conductivity"), "{}", ended.stderr);
-    // Bypasses the checks of the coordinator: the program is started directly, without a
-    // configuration.
-    let ended = Command::new(program.path()).arg("--estimate").output().unwrap();
+    // Started directly, without a run.
+    let ended = Command::new(program.path()).output().unwrap();
     assert_eq!(ended.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&ended.stderr).starts_with("error: "));
 }
@@ -77,7 +76,7 @@ fn failures_say_who_when_and_why() {
     for (fault, code, parts) in [
         ("refuse", 2, ["right.fault", "is a word too many"]),
         ("missing", 2, ["right.depth", "missing"]),
-        ("configure", 1, ["asked to estimate", "told to fail"]),
+        ("configure", 1, ["while being configured", "told to fail"]),
         ("build", 1, ["while building its model", "told to fail"]),
         ("solve", 1, ["in window 3, iteration 1", "told to fail"]),
         ("silent", 1, ["in window 3, iteration 1", "`solve` returned 5 without a reason"]),

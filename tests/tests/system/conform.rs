@@ -370,7 +370,6 @@ mod every_check_can_fail {
     checks! {
         goes_astray {
             describe: "no summary or cites no source",
-            estimate: "--estimate and Configure answer with other grids",
             configure: "a second Configure answers with another layout",
             missing_key: "is refused with the key `case`",
             initialise: "`lower_temperature` is not finite at index 0",

@@ -1,12 +1,9 @@
-//! Connection to a server. Over it the remote program answers requests of the coordinator before a
-//! run.
+//! Connection to a server.
 
-use super::files::send_files;
 use super::{Client, ClientError};
-use crate::frame::{Frame, Question};
+use crate::frame::Frame;
 use crate::handshake::connect;
 use crate::link::{End, Link};
-use contract::description::Description;
 use contract::text::one_line;
 use proto::run_dir::RunDir;
 use std::io::Write;
@@ -70,28 +67,6 @@ impl Connection {
         self.link.sending.send(frame).map_err(ClientError::of)
     }
 
-    /// Sends a request to the remote program and returns its standard output.
-    pub(super) fn ask(&self, question: Question, input: &[u8]) -> Result<Vec<u8>, ClientError> {
-        self.send(&Frame::Ask { question, input })?;
-        let answer = self.next()?;
-        match Frame::read(&answer).map_err(ClientError::of)? {
-            Frame::Answer { code: 0, said } => Ok(said.to_vec()),
-            Frame::Answer { code, said } => {
-                let words = one_line(&String::from_utf8_lossy(said)).into_owned();
-                Err(ClientError { words, code })
-            }
-            _ => Err(out_of_turn()),
-        }
-    }
-
-    /// Asks the remote program for its description.
-    pub(super) fn description(&self) -> Result<Description, ClientError> {
-        let said = self.ask(Question::Describe, &[])?;
-        serde_json::from_slice(&said).map_err(|error| {
-            ClientError::of(format!("the description of the remote program is not valid: {error}"))
-        })
-    }
-
     /// Closes the connection in order.
     pub(super) fn close(self) {
         self.link.close(FAREWELL);
@@ -119,28 +94,4 @@ pub(super) fn of_one_run(said: Vec<u8>) -> Vec<u8> {
         }
         Err(_) => said,
     }
-}
-
-/// Runs the remote program with `--describe`, `--estimate` or `--advise` and returns its standard
-/// output.
-///
-/// # Errors
-/// Fails if the server cannot be reached or has a different key, or the program fails.
-pub fn ask(client: &Client, option: &str, input: &[u8]) -> Result<Vec<u8>, ClientError> {
-    let connection = Connection::open(client, &Membership::default())?;
-    let question = match option {
-        "--estimate" => Question::Estimate,
-        "--advise" => Question::Advise,
-        _ => Question::Describe,
-    };
-    if question == Question::Estimate {
-        let description = connection.description()?;
-        send_files(&connection.link.sending, &description, input)?;
-    }
-    let mut said = connection.ask(question, input)?;
-    if question == Question::Describe {
-        said = of_one_run(said);
-    }
-    connection.close();
-    Ok(said)
 }

@@ -5,6 +5,7 @@ use super::participant::LocalParticipant;
 use super::serve::Service;
 use super::{Client, ClientError};
 use crate::frame::Frame;
+use contract::description::Description;
 use proto::run_dir::RunDir;
 use std::io::Write;
 use std::path::Path;
@@ -29,18 +30,14 @@ pub fn join(client: &Client, folder: &Path, role: &str) -> Result<(), ClientErro
     let finished = Arc::new(Mutex::new(false));
     follow(move || watch.is_alive(), Arc::clone(&membership), Arc::clone(&finished));
     let connection = Connection::open(client, &membership)?;
-    let description = connection.description()?;
+    connection.send(&Frame::Join { packing: client.packing })?;
+    let description = joined(&connection)?;
     if description.role != role {
         let (name, plays) = (&description.name, &description.role);
         return Err(ClientError::of(format!(
             "{}: the remote program, `{name}`, plays `{plays}`, not `{role}`",
             client.address
         )));
-    }
-    connection.send(&Frame::Join { packing: client.packing })?;
-    let answer = connection.next()?;
-    if Frame::read(&answer).map_err(ClientError::of)? != Frame::Joined {
-        return Err(out_of_turn());
     }
     let (participant, heart) = LocalParticipant::open(&info, role).map_err(ClientError::of)?;
     connection.link.listen(Some(heart));
@@ -53,6 +50,17 @@ pub fn join(client: &Client, folder: &Path, role: &str) -> Result<(), ClientErro
     served?;
     connection.close();
     Ok(())
+}
+
+/// Waits until the remote program has joined its run, and returns its description.
+fn joined(connection: &Connection) -> Result<Description, ClientError> {
+    let answer = connection.next()?;
+    match Frame::read(&answer).map_err(ClientError::of)? {
+        Frame::Joined { description } => serde_json::from_slice(description).map_err(|error| {
+            ClientError::of(format!("the description of the remote program is not valid: {error}"))
+        }),
+        _ => Err(out_of_turn()),
+    }
 }
 
 /// Ends the process if the coordinator dies before the run is finished.

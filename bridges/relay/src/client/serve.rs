@@ -25,8 +25,6 @@ struct Ports {
     readers: Readers,
     writers: Writers,
     patience: Duration,
-    /// True if the participant replies to every `Accept`, because it has grids that move.
-    moves: bool,
 }
 
 /// State file being written.
@@ -36,12 +34,6 @@ struct Saving {
     file: Option<File>,
     bytes: u64,
     fault: Option<String>,
-}
-
-/// Outcome of a command.
-enum Dealt {
-    Answered(Reply, Vec<u8>),
-    Silently,
 }
 
 /// Answers commands on behalf of the remote participant.
@@ -86,19 +78,12 @@ impl<'a> Service<'a> {
             let (command, body) = (*message.header(), message.body().to_vec());
             drop(message);
             let kind = CommandKind::from_number(command.kind);
-            let dealt = self.deal(kind, &command, body)?;
-            let done = |reply: &Reply| reply.status == Status::Done as u32;
-            let leaves = match dealt {
-                Dealt::Answered(reply, body) => {
-                    let leaves = kind == Some(CommandKind::Finish) && done(&reply);
-                    if leaves {
-                        finished();
-                    }
-                    self.participant.reply(&reply, &body).map_err(ClientError::of)?;
-                    leaves
-                }
-                Dealt::Silently => false,
-            };
+            let (reply, body) = self.deal(kind, &command, body)?;
+            let leaves = kind == Some(CommandKind::Finish) && reply.status == Status::Done as u32;
+            if leaves {
+                finished();
+            }
+            self.participant.reply(&reply, &body).map_err(ClientError::of)?;
             self.participant.idle_after(command.sequence);
             if leaves {
                 return Ok(());
@@ -111,7 +96,7 @@ impl<'a> Service<'a> {
         kind: Option<CommandKind>,
         command: &Command,
         body: Vec<u8>,
-    ) -> Result<Dealt, ClientError> {
+    ) -> Result<(Reply, Vec<u8>), ClientError> {
         let prepared = match self.prepare(kind, body)? {
             Ok(body) => body,
             Err(error) => {
@@ -124,10 +109,6 @@ impl<'a> Service<'a> {
             forwarded.map_err(ClientError::of)?;
         }
         self.connection.send(&Frame::Command(*command, &prepared))?;
-        let moves = self.ports.as_ref().is_some_and(|ports| ports.moves);
-        if kind == Some(CommandKind::Accept) && command.flags == 0 && !moves {
-            return Ok(Dealt::Silently);
-        }
         let (mut reply, mut body) = self.answer()?;
         if kind == Some(CommandKind::Describe) {
             body = of_one_run(body);
@@ -136,12 +117,12 @@ impl<'a> Service<'a> {
         let saved = self.saving.take().map(Saving::finish);
         match (reply.status == Status::Done as u32, saved) {
             (true, Some(Err(error))) => Ok(failed(command, error)),
-            (true, _) => Ok(Dealt::Answered(reply, body)),
+            (true, _) => Ok((reply, body)),
             (false, _) => {
                 if kind == Some(CommandKind::Connect) {
                     self.ports = None;
                 }
-                Ok(Dealt::Answered(reply, body))
+                Ok((reply, body))
             }
         }
     }
@@ -201,7 +182,7 @@ impl<'a> Service<'a> {
         endpoint.close_unused();
         self.connection.link.allow(routes.longest());
         let patience = Duration::from_secs_f64(routes.deadline.clamp(0.0, 1e6));
-        self.ports = Some(Ports { readers, writers, patience, moves: !topics.geometry.is_empty() });
+        self.ports = Some(Ports { readers, writers, patience });
         Ok(())
     }
 
@@ -238,9 +219,9 @@ impl<'a> Service<'a> {
     }
 }
 
-fn failed(command: &Command, error: String) -> Dealt {
+fn failed(command: &Command, error: String) -> (Reply, Vec<u8>) {
     let body = serde_json::to_vec(&Failure { error }).expect("plain text always serialises");
-    Dealt::Answered(Reply::new(Status::Failed, command.sequence), body)
+    (Reply::new(Status::Failed, command.sequence), body)
 }
 
 /// Returns the body of `Save` or `Restore` without paths; names and grids remain.

@@ -2,7 +2,7 @@
 
 use crate::key::Key;
 use crate::routes::Components;
-use run::programs::Program;
+use run::program::Program;
 use std::time::Duration;
 
 /// Maximum number of simultaneous conversations. A run has one; `conform` and sweeps have several.
@@ -14,6 +14,8 @@ pub(super) struct ServerConfig {
     pub(super) program: Program,
     /// Role of the program.
     pub(super) role: String,
+    /// Description of the program, as JSON.
+    pub(super) description: Vec<u8>,
     /// Components of the program's fields.
     pub(super) components: Components,
     /// Key shared by both ends.

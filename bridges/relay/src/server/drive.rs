@@ -103,12 +103,13 @@ impl Progress for ToClient {
     fn finish(&self) {}
 }
 
-/// Takes part in a run until the client finishes or leaves.
+/// Takes part in a run until the client finishes or leaves. Calls `begun` when the ports of the run
+/// are opened, which comes after the questions.
 pub(super) fn run(
-    config: &ServerConfig,
+    (config, packing): (&ServerConfig, Packing),
     link: &Link,
     processes: &Processes,
-    packing: Packing,
+    begun: impl FnMut(),
 ) -> Result<(), Over> {
     let ServerConfig { program, role, components, .. } = config;
     let seat = ParticipantSlot { role: role.clone(), program: program.clone(), attach: false };
@@ -119,19 +120,19 @@ pub(super) fn run(
     link.ring(Some(Box::new(move || {
         let _ = bell.ring();
     })));
-    let place = Place::new(Some(&peers.info().folder))?;
+    let place = Place::new(&peers.info().folder)?;
     let ends_first = peers.end_first();
     let mut run = Run {
         _ends_first: ends_first,
+        config,
         link,
         packing,
         components: components.clone(),
         ports: None,
         place,
-        moves: false,
         peers,
     };
-    let ended = run.serve();
+    let ended = run.serve(begun);
     link.ring(None);
     let ended = ended.map_err(|over| match run.peers.phase {
         Phase::Starting => over,
@@ -146,22 +147,20 @@ pub(super) fn run(
 struct Run<'a> {
     // Drop order: processes end first, then ports close, then the folder of the run is removed.
     _ends_first: ProcessGuard,
+    config: &'a ServerConfig,
     link: &'a Link,
     packing: Packing,
     components: Components,
     ports: Option<(Readers, Writers)>,
     place: Place,
-    /// True if the participant replies to every `Accept`, because it has grids that move.
-    moves: bool,
     peers: Peers,
 }
 
 impl Run<'_> {
-    fn serve(&mut self) -> Result<(), Over> {
+    fn serve(&mut self, mut begun: impl FnMut()) -> Result<(), Over> {
         let joined = self.peers.joined(ONE, DEADLINES.start);
         joined.map_err(|stopped| self.over(stopped))?;
-        self.link.sending.send(&Frame::Joined)?;
-        tracing::info!("a run has begun");
+        self.link.sending.send(&Frame::Joined { description: &self.config.description })?;
         loop {
             let message = self.next()?;
             match Frame::read(&message).map_err(Fault::from)? {
@@ -174,6 +173,10 @@ impl Run<'_> {
                 }
                 Frame::State { part, last, bytes } => self.place.state(part, bytes, last)?,
                 Frame::Command(command, body) => {
+                    if command.kind == CommandKind::Connect as u32 {
+                        tracing::info!("a run has begun");
+                        begun();
+                    }
                     if self.command(command, body)? {
                         self.peers.wait_for_exits();
                         return Ok(());
@@ -203,13 +206,9 @@ impl Run<'_> {
         let kind = CommandKind::from_number(command.kind);
         let (body, topics) = self.local(kind, body)?;
         self.peers.phase = Phase::of(&command);
-        let silent = kind == Some(CommandKind::Accept) && command.flags == 0 && !self.moves;
         self.peers
-            .send(ONE, command, &body, !silent)
+            .send(ONE, command, &body)
             .map_err(|error| self.over(Stopped::Transport(ONE, error)))?;
-        if silent {
-            return Ok(false);
-        }
         let sending = self.link.sending.clone();
         let reply = self.peers.wait(ONE, FOR_EVER, || {
             let _ = sending.sign(&Frame::Beat);
@@ -219,12 +218,11 @@ impl Run<'_> {
         drop(message);
         let done = reply.status == Status::Done as u32;
         match (kind, topics) {
-            (Some(CommandKind::Connect), Some(topics)) if done => {
+            (Some(CommandKind::Connect), Some(_)) if done => {
                 let until = Instant::now() + DEADLINES.start;
                 if let Some((_, writers)) = &self.ports {
                     writers.wait_for_subscribers(until)?;
                 }
-                self.moves = !topics.geometry.is_empty();
             }
             (Some(CommandKind::Connect), _) => self.ports = None,
             (Some(CommandKind::Save), _) if done => self.send_state()?,

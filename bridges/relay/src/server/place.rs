@@ -2,7 +2,6 @@
 
 use proto::recording::CaseFile;
 use run::record::portable_body;
-use run::scratch::Scratch;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
@@ -16,25 +15,10 @@ const BYTES: u64 = 4 << 30;
 const PARTS: u16 = 256;
 const LARGEST_STATE: u64 = 64 << 30;
 
-/// Folder removed on drop. If the process is killed, the folder is removed with its run, or by the
-/// next process.
-enum Folder {
-    OfRun(TempDir),
-    Own(Scratch),
-}
-
-impl Folder {
-    fn path(&self) -> &Path {
-        match self {
-            Self::OfRun(folder) => folder.path(),
-            Self::Own(folder) => folder.path(),
-        }
-    }
-}
-
 /// Folder of a conversation, and its files.
 pub(super) struct Place {
-    folder: Folder,
+    /// Removed on drop; if the process is killed, with the folder of the run.
+    folder: TempDir,
     /// Local path of each file, by its key in the case.
     files: BTreeMap<String, PathBuf>,
     /// File being written.
@@ -44,14 +28,9 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Creates the folder within the folder of a run, or in the scratch space of the system.
-    pub(super) fn new(within: Option<&Path>) -> io::Result<Self> {
-        let folder = match within {
-            Some(within) => {
-                Folder::OfRun(tempfile::Builder::new().prefix("relay-").tempdir_in(within)?)
-            }
-            None => Folder::Own(Scratch::new().map_err(io::Error::other)?),
-        };
+    /// Creates the folder within the folder of a run.
+    pub(super) fn new(run: &Path) -> io::Result<Self> {
+        let folder = tempfile::Builder::new().prefix("relay-").tempdir_in(run)?;
         let files = BTreeMap::new();
         Ok(Self { folder, files, open: None, file_bytes: 0, state_bytes: 0 })
     }
@@ -145,7 +124,8 @@ mod tests {
 
     #[test]
     fn files_are_put_together_and_named_here() {
-        let mut place = Place::new(None).unwrap();
+        let run = tempfile::tempdir().unwrap();
+        let mut place = Place::new(run.path()).unwrap();
         place.file("bodies.rail.profile", "csv", b"1,", false).unwrap();
         place.file("bodies.rail.profile", "csv", b"2", true).unwrap();
         place.file("../../etc.passwd", "../x", b"x", true).unwrap();
@@ -161,7 +141,8 @@ mod tests {
 
     #[test]
     fn there_is_an_end_to_files() {
-        let mut place = Place::new(None).unwrap();
+        let run = tempfile::tempdir().unwrap();
+        let mut place = Place::new(run.path()).unwrap();
         for number in 0..FILES {
             place.file(&number.to_string(), "", b"", true).unwrap();
         }

@@ -1,10 +1,9 @@
-//! Conversation with one client: requests, and possibly a run.
+//! Conversation with one client: questions before a run, and possibly the run.
 
 use super::config::{CONVERSATIONS, ServerConfig};
 use super::drive::{Over, run};
-use super::place::Place;
 use super::processes::Processes;
-use crate::frame::{Frame, Question};
+use crate::frame::Frame;
 use crate::link::{Fault, Link};
 use crate::record::Sealed;
 use contract::text::one_line;
@@ -13,9 +12,6 @@ use std::time::{Duration, Instant};
 
 /// Interval between checks of the link.
 const LOOK: Duration = Duration::from_millis(50);
-/// Maximum wait for an answer of the program. The client has its own deadline, and disconnects when
-/// it expires.
-const ANSWER: Duration = Duration::from_secs(3600);
 /// Maximum wait for the client to read the final message.
 const FAREWELL: Duration = Duration::from_secs(5);
 
@@ -42,11 +38,6 @@ impl From<Over> for Ends {
 
 fn told(words: impl std::fmt::Display) -> Ends {
     Ends::Told { code: 1, words: words.to_string() }
-}
-
-/// Runtime for requests.
-pub(super) fn runtime() -> std::io::Result<tokio::runtime::Runtime> {
-    tokio::runtime::Builder::new_current_thread().enable_all().build()
 }
 
 /// Serves a client until it leaves, or refuses it if there is no room. Returns true if there was a
@@ -106,7 +97,6 @@ struct Session<'a> {
 
 impl Session<'_> {
     fn talk(&mut self) -> Result<(), Ends> {
-        let mut place = Place::new(None).map_err(told)?;
         loop {
             let Some(message) = self.link.within(LOOK)? else {
                 if let Some(signal) = signals::received() {
@@ -115,47 +105,15 @@ impl Session<'_> {
                 continue;
             };
             match Frame::read(&message).map_err(Fault::from)? {
-                Frame::Ask { question, input } => self.ask(question, input, &place)?,
-                Frame::File { key, ending, last, bytes } => {
-                    place.file(key, ending, bytes, last).map_err(told)?;
-                }
                 Frame::Join { packing } => {
-                    self.run = Some(Course::Begun);
-                    run(self.config, &self.link, &self.processes, packing)?;
-                    self.run = Some(Course::Finished);
+                    let begun = || self.run = Some(Course::Begun);
+                    run((self.config, packing), &self.link, &self.processes, begun)?;
+                    self.run = self.run.map(|_| Course::Finished);
                 }
                 Frame::Bye => return Ok(()),
                 _ => return Err(told("the client sent an unexpected message")),
             }
         }
-    }
-
-    /// Runs the program for an answer, as long as the client stays connected.
-    fn ask(&self, question: Question, input: &[u8], place: &Place) -> Result<(), Ends> {
-        let input = match question {
-            Question::Estimate => place.configuration(input),
-            Question::Describe | Question::Advise => input.to_vec(),
-        };
-        let ServerConfig { program, role, .. } = self.config;
-        let answered = runtime().map_err(told)?.block_on(async {
-            let leaves = async {
-                while !self.link.is_over() {
-                    tokio::time::sleep(LOOK).await;
-                }
-            };
-            tokio::select! {
-                answer = program.answer(role, question.option(), input, ANSWER) => Some(answer),
-                () = leaves => None,
-            }
-        });
-        let Some(answered) = answered else {
-            return Err(Ends::Lost("the client left before the answer".to_owned()));
-        };
-        let (code, said) = match answered {
-            Ok(said) => (0, said),
-            Err(error) => (1, error.to_string().into_bytes()),
-        };
-        Ok(self.link.sending.send(&Frame::Answer { code, said: &said })?)
     }
 
     /// Sends the final message and waits for the client to read it.

@@ -12,8 +12,8 @@ use super::life::{Subject, TestProcess, Values};
 use super::setting::{self, Request, Setting};
 use contract::configuration::Configuration;
 use contract::description::Description;
+use contract::message::{Command, CommandKind};
 use run::error::RunError;
-use run::programs::wait_for;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::num::NonZero;
@@ -44,6 +44,10 @@ impl TestBench {
         request: &Request,
         configures: bool,
     ) -> Result<(Self, Option<CheckFailure>), RunError> {
+        if !request.program.exists() {
+            let (role, program) = (request.role.clone(), request.program.clone());
+            return Err(RunError::NoProgram { role, program });
+        }
         let recorded = request.recording.as_deref();
         let recorded =
             recorded.map(|path| RecordedInputs::read(path, &request.role)).transpose()?;
@@ -60,13 +64,13 @@ impl TestBench {
             quick: request.quick,
             lives: ProcessPool::default(),
         };
-        match wait_for(bench.subject.program.describe(&bench.subject.role, bench.subject.patience))
-        {
+        match bench.described() {
             Ok(description) => bench.subject.description = description,
-            Err(RunError::Failed(failure)) => {
-                return Ok((bench, Some(CheckFailure::Broken(failure.what))));
+            Err(CheckFailure::Interrupted(signal)) => {
+                let when = format!("while {} was asked to describe", request.role);
+                return Err(RunError::Interrupted { signal, when });
             }
-            Err(other) => return Err(other),
+            Err(failure) => return Ok((bench, Some(failure))),
         }
         if configures {
             let found = setting::all(request, &bench.subject.description, recorded.as_ref())?;
@@ -74,6 +78,15 @@ impl TestBench {
                 (found.settings, found.left_out, found.misled);
         }
         Ok((bench, None))
+    }
+
+    /// Asks the program for its description.
+    fn described(&self) -> Result<Description, CheckFailure> {
+        let mut life = self.joined()?;
+        let answer = life.ask(Command::new(CommandKind::Describe), &[])?.done()?;
+        let description = answer.json("a description")?;
+        self.keep_joined(life);
+        Ok(description)
     }
 
     /// Returns name and version, according to the description of the program.

@@ -1,41 +1,25 @@
-//! Checks of the description of a participant, and of its estimate before a run.
+//! Check of the description of a participant.
 
 use super::bench::TestBench;
 use super::check::Check;
 use super::fault::{CheckFailure, Finding, broken};
 use case::parse_quantity;
-use contract::configuration::{Estimate, Layout};
 use contract::description::{Description, EffectSpec, KeyKind, KeySpec, ModelSpec};
 use contract::grid::check_name;
 use contract::message::{Command, CommandKind};
-use run::error::RunError;
 use run::format::counted;
-use run::programs::wait_for;
 use std::time::Instant;
 
 pub(super) const DESCRIBE: Check = Check {
     name: "describe",
-    demand: "--describe prints a Description as JSON and ends with exit code 0; names are plain \
-             words, models and effects cite their sources, keys are well formed; Describe over a run \
-             answers the same",
+    demand: "Describe is answered with a Description, every time the same; names are plain words, \
+             models and effects cite their sources, keys are well formed",
     fix: "the descriptions of our solvers: thermal-solver --describe",
     run: describe,
 };
 
-pub(super) const ESTIMATE: Check = Check {
-    name: "estimate",
-    demand: "--estimate reads a Configuration and prints {\"layout\": ...} with the grids that \
-             Configure answers with, or {\"refused\": {key, reason, fix}}",
-    fix: "let --estimate and Configure go through the same code",
-    run: estimate,
-};
-
 fn describe(bench: &TestBench) -> Result<Finding, CheckFailure> {
-    let begun = Instant::now();
-    let said =
-        wait_for(bench.subject.program.describe(&bench.subject.role, bench.subject.patience))
-            .map_err(fault)?;
-    let took = begun.elapsed();
+    let said = &bench.subject.description;
     if said.protocol != contract::PROTOCOL_VERSION {
         let ours = contract::PROTOCOL_VERSION;
         return broken(format!("it speaks protocol {}, this coordinator {ours}", said.protocol));
@@ -43,11 +27,13 @@ fn describe(bench: &TestBench) -> Result<Finding, CheckFailure> {
     if said.role != bench.subject.role {
         return broken(format!("it plays the role `{}`", said.role));
     }
-    well_formed(bench, &said)?;
+    well_formed(bench, said)?;
+    let begun = Instant::now();
     let mut life = bench.joined()?;
     let answer = life.ask(Command::new(CommandKind::Describe), &[])?.done()?;
-    if answer.json::<Description>("a description")? != said {
-        return broken("Describe over the run differs from --describe");
+    let took = begun.elapsed();
+    if answer.json::<Description>("a description")? != *said {
+        return broken("a second process describes itself differently");
     }
     bench.keep_joined(life);
     Finding::kept(format!(
@@ -159,55 +145,4 @@ fn in_range(key: &KeySpec, value: Option<f64>) -> bool {
             && key.at_least.is_none_or(|bound| value >= bound)
             && key.at_most.is_none_or(|bound| value <= bound)
     })
-}
-
-fn estimate(bench: &TestBench) -> Result<Finding, CheckFailure> {
-    if !bench.subject.description.estimates {
-        return Finding::inapplicable("it does not offer --estimate");
-    }
-    bench
-        .each(|setting| {
-            let asked =
-                bench.subject.program.estimate(&setting.configuration, bench.subject.patience);
-            let Estimate::Layout(expected) = wait_for(asked).map_err(fault)? else {
-                return broken("--estimate refuses what it accepted while the case was planned");
-            };
-            let mut life = bench.joined()?;
-            let layout = life.configure(&setting.configuration)?;
-            bench.keep_joined(life);
-            if placed(&layout) != placed(&expected) {
-                return broken(
-                    "--estimate and Configure answer with other grids or places of fields",
-                );
-            }
-            Finding::kept("the grids of Configure; a model that does not exist is refused")
-        })
-        .and_then(|seen| refuses_estimate(bench).map(|()| seen))
-}
-
-fn refuses_estimate(bench: &TestBench) -> Result<(), CheckFailure> {
-    let mut wrong = bench.first()?.configuration.clone();
-    "no-such-model".clone_into(&mut wrong.model);
-    match wait_for(bench.subject.program.estimate(&wrong, bench.subject.patience)).map_err(fault)? {
-        Estimate::Refused(refusal) if !refusal.key.is_empty() && !refusal.fix.is_empty() => Ok(()),
-        Estimate::Refused(refusal) => {
-            broken(format!("its refusal lacks a key or a fix: {refusal:?}"))
-        }
-        Estimate::Layout(_) => broken("--estimate accepts a model that does not exist"),
-    }
-}
-
-fn placed(layout: &Layout) -> impl PartialEq + '_ {
-    (&layout.grids, &layout.fields, &layout.inputs)
-}
-
-/// Returns the fault of a program that was asked outside of a run.
-fn fault(error: RunError) -> CheckFailure {
-    match error {
-        RunError::Interrupted { signal, .. } => CheckFailure::Interrupted(signal),
-        RunError::Failed(failure) => {
-            CheckFailure::Broken(format!("{}: {}", failure.when, failure.what))
-        }
-        other => CheckFailure::Broken(other.to_string()),
-    }
 }

@@ -22,7 +22,7 @@ use run::deadlines::Deadlines;
 use run::error::RunError;
 use run::peers::layout_fault;
 use run::peers::{COORDINATOR, Delay, LEAVE, ParticipantSlot, Peers, ProcessGuard, Stopped};
-use run::programs::Program;
+use run::program::Program;
 use run::session::{FieldSubscription, MovingGrid};
 use run::supervise::{Exit, Supervisor};
 use std::path::Path;
@@ -165,10 +165,7 @@ impl TestProcess {
 
     /// Sends a command under the next sequence number.
     pub(super) fn post(&mut self, command: Command, body: &[u8]) -> Result<(), CheckFailure> {
-        let answered = command.kind != CommandKind::Accept as u32
-            || command.flags != 0
-            || !self.ports.volumes.is_empty();
-        self.peers.send(ParticipantIndex::FIRST, command, body, answered)?;
+        self.peers.send(ParticipantIndex::FIRST, command, body)?;
         Ok(())
     }
 
@@ -413,10 +410,6 @@ impl TestProcess {
     pub(super) fn accept(&mut self, step: &Step, observe: bool) -> Result<Values, CheckFailure> {
         let mut command = Command::about(CommandKind::Accept, step);
         self.accepted = Some(*step);
-        if !observe && self.ports.volumes.is_empty() {
-            self.post(command, &[])?;
-            return Ok(Values::new());
-        }
         command.flags = if observe { OBSERVE } else { 0 };
         self.ask(command, &[])?.done()?;
         self.none_of_outputs("Accept")?;

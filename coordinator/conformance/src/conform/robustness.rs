@@ -177,7 +177,7 @@ pub(super) const OUT_OF_ORDER: Check = Check {
 fn unknown(bench: &TestBench) -> Result<Finding, CheckFailure> {
     let mut life = bench.joined()?;
     let mut message = String::new();
-    for kind in [0, 10, u32::MAX] {
+    for kind in [0, CommandKind::ALL.len() as u32 + 1, u32::MAX] {
         let command = Command { kind, ..Command::new(CommandKind::Describe) };
         message = life.ask(command, &[])?.not_done("its number")?;
         life.lives_on("an unknown command")?;

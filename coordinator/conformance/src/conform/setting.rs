@@ -15,7 +15,7 @@ use contract::step::Step;
 use run::error::RunError;
 use run::fleet::Fleet;
 use run::plan::{Plan, plan};
-use run::programs::Program;
+use run::program::Program;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -211,7 +211,7 @@ fn one(
         }
     }
     raw.apply(&set, &[])?;
-    let plan = plan(raw, &mut Fleet::default())?.plan;
+    let plan = plan(raw, &mut Fleet::for_one_run())?.plan;
     let found = plan.participants.iter().find(|participant| participant.role == *role);
     let Some(participant) = found else {
         return Err(RunError::Usage("no active effect of the case needs it".to_owned()));

@@ -242,8 +242,8 @@ fn no_duration(bench: &TestBench) -> Result<Finding, CheckFailure> {
 
 pub(super) const ACCEPT: Check = Check {
     name: "accept",
-    demand: "Accept without a flag has no reply, unless the geometry of a grid travels, and publishes \
-             no field; the next window starts from the last solve only",
+    demand: "Accept is answered; without a flag it publishes no field; the next window starts from \
+             the last solve only",
     fix: "the flags of the command; a second state beside the accepted one",
     run: accept,
 };

@@ -4,7 +4,7 @@
 use contract::description::{Description, KeySpec};
 use proto::recording::{CaseFile, Participant};
 use run::error::RunError;
-use run::programs::Program;
+use run::program::Program;
 use run::record::fits;
 use serde_json::{Map, Value};
 use std::path::PathBuf;

@@ -55,8 +55,6 @@ pub(super) struct Driver<'a> {
     state: Vec<u8>,
     /// A restore that waits for its recorded outputs.
     held: Option<(Command, Vec<Grid>)>,
-    /// Whether the participant has moving grids, and therefore replies to every `Accept`.
-    moves: bool,
     layout: Layout,
     /// Step of the last command about a step.
     step: Step,
@@ -103,7 +101,6 @@ impl<'a> Driver<'a> {
             skipping: from,
             state: Vec::new(),
             held: None,
-            moves: false,
             layout: Layout::default(),
             step: Step { iteration: 0, ..Step::STEADY },
             solving: false,
@@ -195,6 +192,7 @@ impl<'a> Driver<'a> {
         }
         match kind {
             CommandKind::Describe => self.ask(command, &[])?,
+            CommandKind::Advise => {}
             CommandKind::Configure => {
                 let (body, left_out) = self.reconfiguration().configuration(body)?;
                 let remark =
@@ -212,9 +210,6 @@ impl<'a> Driver<'a> {
                 self.replay.solves += 1;
                 self.replay.last_window = self.step.window;
                 self.ask(command, &[])?;
-            }
-            CommandKind::Accept if command.flags == 0 && !self.moves => {
-                self.peers.post(ParticipantIndex::FIRST, command, &[], false)?;
             }
             CommandKind::Accept => self.ask(command, &[])?,
             CommandKind::Save => {
@@ -243,8 +238,12 @@ impl<'a> Driver<'a> {
     /// Sends a command, and holds its reply until the recorded one has been read.
     fn ask(&mut self, command: Command, body: &[u8]) -> Result<(), RunError> {
         self.nothing_more_was_sent()?;
+        // Recordings of protocol 5 have no reply to some `Accept`.
+        if let LastResult::Failed(now) = std::mem::replace(&mut self.last, LastResult::Nothing) {
+            self.replay.comparison.other(&self.step, &format!("it fails: {now}"));
+        }
         self.peers.phase = Phase::of(&command);
-        self.peers.post(ParticipantIndex::FIRST, command, body, true)?;
+        self.peers.post(ParticipantIndex::FIRST, command, body)?;
         let deadlines = *self.peers.deadlines();
         let builds = command.kind == CommandKind::Initialise as u32;
         let patience = if builds { deadlines.build } else { deadlines.solve };
@@ -382,7 +381,6 @@ impl<'a> Driver<'a> {
         self.inputs = Inputs::open(endpoint, &topics).map_err(|e| self.transport(&e))?;
         let outputs = open_outputs(endpoint, &mut topics, &self.layout);
         self.outputs = outputs.map_err(|e| self.transport(&e))?;
-        self.moves = !topics.geometry.is_empty();
         let body = serde_json::to_vec(&topics).expect("topics are plain data");
         self.ask(command, &body)?;
         let deadline = Instant::now() + self.peers.deadlines().start;

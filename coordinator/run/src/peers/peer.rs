@@ -90,25 +90,21 @@ impl Peer {
         self.commands.is_heard() && self.replies.is_served()
     }
 
-    /// Sends a command and returns it with its sequence number. `ring` wakes the participant; set
-    /// it only when a reply is wanted soon.
+    /// Sends a command and returns it with its sequence number.
     pub(super) fn post(
         &mut self,
         mut command: Command,
         body: &[u8],
-        ring: bool,
     ) -> Result<Command, TransportError> {
         self.sequence += 1;
         command.sequence = self.sequence;
         self.commands.send(&command, body)?;
         // Silence counts from here: heartbeats are only received during a wait.
         self.silence = Patience::new();
-        self.owing.set(ring);
+        self.owing.set(true);
         (self.dealt_with, self.last_dealt_with, self.advance) = (0, None, None);
         self.has_beaten = false;
-        if ring {
-            self.ringer.ring()?;
-        }
+        self.ringer.ring()?;
         Ok(command)
     }
 

@@ -8,7 +8,7 @@ use contract::step::Step;
 pub enum Phase {
     /// Processes start and join.
     Starting,
-    /// `Describe` and `Configure`.
+    /// `Describe`, `Advise` and `Configure`.
     Configuring,
     /// `Connect`.
     Connecting,
@@ -65,7 +65,9 @@ impl Phase {
         let step = command.step();
         match CommandKind::from_number(command.kind) {
             None => Self::Starting,
-            Some(CommandKind::Describe | CommandKind::Configure) => Self::Configuring,
+            Some(CommandKind::Describe | CommandKind::Advise | CommandKind::Configure) => {
+                Self::Configuring
+            }
             Some(CommandKind::Connect) => Self::Connecting,
             Some(CommandKind::Initialise) => Self::Initialising,
             Some(CommandKind::Solve) => Self::Solving(step),

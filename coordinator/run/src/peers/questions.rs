@@ -1,12 +1,16 @@
-//! Questions to a participant before a run: its description, and its layout for a configuration.
+//! Questions to a participant before a run: its description, its advice on effects, and its layout
+//! for a configuration.
 
 use super::Peers;
 use super::layout::layout_fault;
 use crate::error::RunError;
+use contract::advice::{Opinion, Scene};
 use contract::configuration::{Configuration, Layout};
 use contract::description::Description;
 use contract::message::{Command, CommandKind};
 use coupling::ParticipantIndex;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::time::Duration;
 
 impl Peers {
@@ -19,10 +23,24 @@ impl Peers {
         one: ParticipantIndex,
         patience: Duration,
     ) -> Result<Description, RunError> {
-        self.post(one, Command::new(CommandKind::Describe), &[], true)?;
-        let message = self.done(one, patience)?;
-        serde_json::from_slice(message.body())
-            .map_err(|error| self.misbehaved(one, format!("its description is not valid: {error}")))
+        self.post(one, Command::new(CommandKind::Describe), &[])?;
+        self.answer(one, patience, "description")
+    }
+
+    /// Asks a participant for its opinion on effects in a scene.
+    ///
+    /// # Errors
+    /// The participant fails, is late, or answers with something else.
+    pub fn advise(
+        &mut self,
+        one: ParticipantIndex,
+        scene: &Scene,
+        patience: Duration,
+    ) -> Result<Opinion, RunError> {
+        self.post(one, Command::new(CommandKind::Advise), &json(scene))?;
+        let opinion: Opinion = self.answer(one, patience, "advice")?;
+        opinion.check().map_err(|fault| self.misbehaved(one, fault))?;
+        Ok(opinion)
     }
 
     /// Configures a participant, and returns its layout. A participant that has this configuration
@@ -40,15 +58,28 @@ impl Peers {
         if let Some((_, layout)) = known.filter(|_| self.recorder.is_none()) {
             return Ok(layout);
         }
-        let body = serde_json::to_vec(configuration).expect("a configuration is plain data");
-        self.post(one, Command::new(CommandKind::Configure), &body, true)?;
-        let message = self.done(one, patience)?;
-        let layout: Layout = serde_json::from_slice(message.body())
-            .map_err(|error| self.misbehaved(one, format!("its layout is not valid: {error}")))?;
+        self.post(one, Command::new(CommandKind::Configure), &json(configuration))?;
+        let layout: Layout = self.answer(one, patience, "layout")?;
         if let Some(fault) = layout_fault(configuration, &layout) {
             return Err(self.misbehaved(one, fault));
         }
         self.configured[one] = Some((configuration.clone(), layout.clone()));
         Ok(layout)
     }
+
+    /// Waits for the reply to a question, and reads its body.
+    fn answer<T: DeserializeOwned>(
+        &mut self,
+        one: ParticipantIndex,
+        patience: Duration,
+        what: &str,
+    ) -> Result<T, RunError> {
+        let message = self.done(one, patience)?;
+        serde_json::from_slice(message.body())
+            .map_err(|error| self.misbehaved(one, format!("its {what} is not valid: {error}")))
+    }
+}
+
+fn json(question: &impl Serialize) -> Vec<u8> {
+    serde_json::to_vec(question).expect("a question is plain data")
 }

@@ -1,7 +1,7 @@
 //! Content of a plan.
 
 use crate::deadlines::Deadlines;
-use crate::programs::Program;
+use crate::program::Program;
 use crate::warnings::Warning;
 use case::Case;
 use contract::bodies::Bodies;

@@ -3,6 +3,7 @@
 use super::contents::{Field, LiveValue, Participant, Plan, Planned, SchemeChoice};
 use super::expected;
 use super::figures;
+use super::layouts::layouts;
 use super::live;
 use super::mapping;
 use super::route::{self, Candidate};
@@ -12,15 +13,15 @@ use super::threads;
 use super::volume;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
-use crate::fleet::Fleet;
-use crate::peers::{COORDINATOR, ParticipantSlot};
-use crate::programs::{self, Program};
+use crate::fleet::{ANSWER, Fleet};
+use crate::peers::ParticipantSlot;
+use crate::program::Program;
 use crate::warnings::Warning;
 use case::schema::WELL_KNOWN_ROLES;
 use case::{
     Case, Control, Problem, RawCase, RawParticipant, Timing, check_without_participants, validate,
 };
-use contract::configuration::{Configuration, Estimate, Input, Layout};
+use contract::configuration::{Configuration, Input};
 use contract::description::Description;
 use contract::grid::check_name;
 use contract::history::Histories;
@@ -28,7 +29,6 @@ use contract::message::{MAX_INPUTS, MOST_PARTICIPANTS};
 use coupling::ParticipantIndex;
 use coupling::settings::{Implicit, Scheme};
 use coupling::windows::Windows;
-use std::collections::BTreeMap;
 use std::time::Duration;
 use typed_index_collections::{TiSlice, TiVec};
 
@@ -39,56 +39,21 @@ const RESERVED_ROLES: &[&str] =
 /// Largest number of windows; more are taken for an error of input.
 const MOST_WINDOWS: f64 = 1e9;
 
-/// Longest time that a program may take to describe itself or to estimate.
-const ANSWER: Duration = Duration::from_secs(30);
-
 /// Plans a case for a fleet. Errors of the case are collected and reported together.
 ///
 /// # Errors
 /// The case is invalid, a program fails, or a participant refuses the case.
 pub fn plan(raw: RawCase, fleet: &mut Fleet) -> Result<Planned, RunError> {
-    fleet.start(&seats(&raw, fleet), ANSWER, || joining(&raw));
-    programs::wait_for(plan_async(raw, fleet))
-}
-
-/// Returns the time that participants have to join, as far as planning waits for them.
-fn joining(raw: &RawCase) -> Duration {
-    let own = check_without_participants(raw);
-    own.map_or(ANSWER, |own| Duration::from_secs_f64(own.coupling.start_deadline).min(ANSWER))
-}
-
-/// Returns the participants that the case probably has; empty if there are too many or a role is
-/// invalid.
-fn seats(raw: &RawCase, fleet: &Fleet) -> Vec<ParticipantSlot> {
-    let is_participant = |section: &RawParticipant| {
-        section.command.is_some() || WELL_KNOWN_ROLES.contains(&section.role.as_str())
-    };
-    let seat = |section: RawParticipant| ParticipantSlot {
-        program: fleet.program(&section.role, section.command.as_deref()),
-        role: section.role,
-        attach: section.attach,
-    };
-    let is_valid = |seat: &ParticipantSlot| {
-        check_name("role", &seat.role).is_ok() && !RESERVED_ROLES.contains(&seat.role.as_str())
-    };
-    let seats: Vec<ParticipantSlot> =
-        raw.participants().into_iter().filter(is_participant).map(seat).collect();
-    if seats.len() <= MOST_PARTICIPANTS && seats.iter().all(is_valid) { seats } else { Vec::new() }
-}
-
-async fn plan_async(raw: RawCase, fleet: &mut Fleet) -> Result<Planned, RunError> {
     let sections = raw.participants();
-    // All programs are asked at the same time.
-    let groups = [own(&sections, fleet), absent(&sections, fleet), replaced(&sections)];
-    let [count, absent_count, _] = groups.each_ref().map(Vec::len);
-    let mut own = ask_all(groups.concat(), fleet).await;
-    let mut absent = own.split_off(count);
-    let replaced = known(absent.split_off(absent_count));
-    let mut described = described(&raw, &sections, own)?;
-    described.extend(known(absent));
-    let case = validate(&raw, &described, &replaced)?;
+    let own = own(&raw, &sections, fleet)?;
+    let (absent, replaced) = (absent(&sections, fleet), replaced(&sections));
+    fleet.describe(&own, &[&absent[..], &replaced].concat(), joining(&raw))?;
+    let mut described = known(&own, fleet);
+    refuse_misplaced(&raw, &sections, &described)?;
+    described.extend(known(&absent, fleet));
+    let case = validate(&raw, &described, &known(&replaced, fleet))?;
     let mut plan = route_case(&case, &described, fleet)?;
-    estimate(&case, &mut plan, fleet).await?;
+    estimate(&case, &mut plan, fleet)?;
     plan.mappings = mapping::planned(&plan);
     let estimated = expected::estimated(&case, plan.participants.iter());
     let mapped = plan.warn_of_mappings(&case);
@@ -96,96 +61,95 @@ async fn plan_async(raw: RawCase, fleet: &mut Fleet) -> Result<Planned, RunError
     Ok(Planned { case, plan })
 }
 
-/// The description of a program, or the error of asking for it, by role.
-type Answer = (String, Result<Description, RunError>);
-
-/// Asks programs for their descriptions at the same time, each under its role; each program is
-/// asked once. Answers keep the order of the programs.
-async fn ask_all(programs: Vec<(String, Program)>, fleet: &mut Fleet) -> Vec<Answer> {
-    let mut asked = tokio::task::JoinSet::new();
-    for (index, (role, program)) in programs.iter().cloned().enumerate() {
-        if fleet.description(&program).is_none() {
-            asked.spawn(async move { (index, program.describe(&role, ANSWER).await) });
-        }
-    }
-    let mut failed = BTreeMap::new();
-    for (index, answer) in asked.join_all().await {
-        let (role, program) = &programs[index];
-        if let Err(error) = answer.and_then(|found| fleet.learn(role, program, found)) {
-            failed.insert(index, error);
-        }
-    }
-    let answer = |(index, (role, program)): (usize, (String, Program))| {
-        let answer = match failed.remove(&index) {
-            Some(error) => Err(error),
-            None => Ok(fleet.description(&program).expect("asked above").clone()),
-        };
-        (role, answer)
-    };
-    programs.into_iter().enumerate().map(answer).collect()
+/// Returns the time that participants have to join.
+fn joining(raw: &RawCase) -> Duration {
+    let own = check_without_participants(raw);
+    own.map_or(ANSWER, |own| Duration::from_secs_f64(own.coupling.start_deadline))
 }
 
-/// Returns the descriptions that exist.
-fn known(answers: Vec<Answer>) -> Vec<(String, Description)> {
-    answers.into_iter().filter_map(|(role, answer)| Some((role, answer.ok()?))).collect()
+/// Returns the seat of a program that is asked.
+fn seat(role: &str, program: Program) -> ParticipantSlot {
+    ParticipantSlot { role: role.to_owned(), program, attach: false }
 }
 
-/// Returns the programs of a case by role.
-fn own(sections: &[RawParticipant], fleet: &Fleet) -> Vec<(String, Program)> {
-    let program = |section: &RawParticipant| {
-        (section.role.clone(), fleet.program(&section.role, section.command.as_deref()))
-    };
-    sections.iter().map(program).collect()
-}
-
-/// Returns the well-known programs for which the case has no section. The case may hold keys for
-/// them, so that removing a section is enough to take a participant out of a case.
-fn absent(sections: &[RawParticipant], fleet: &Fleet) -> Vec<(String, Program)> {
-    let is_absent = |role: &&&str| sections.iter().all(|section| section.role != ***role);
-    let program = |role: &&str| ((*role).to_owned(), fleet.program(role, None));
-    WELL_KNOWN_ROLES.iter().filter(is_absent).map(program).collect()
-}
-
-/// Returns the default programs of roles that a `command` gives to another program. Their keys are
-/// known, but not used.
-fn replaced(sections: &[RawParticipant]) -> Vec<(String, Program)> {
-    let replaced = sections.iter().filter_map(|RawParticipant { role, command, .. }| {
-        let usual = Program::of_role(role, None);
-        let own = Program::of_role(role, command.as_deref());
-        (usual.path != own.path).then(|| (role.clone(), usual))
-    });
-    replaced.collect()
-}
-
-/// Returns the descriptions of the programs of a case by role.
-fn described(
+/// Returns the programs of a case. Their roles become names of services, files and keys of the
+/// summary. A section without a program may be a table that a participant reads.
+fn own(
     raw: &RawCase,
     sections: &[RawParticipant],
-    answers: Vec<Answer>,
-) -> Result<Vec<(String, Description)>, RunError> {
-    let (mut described, mut problems) = (Vec::new(), Vec::new());
-    for (section, (_, answer)) in sections.iter().zip(answers) {
-        match answer {
-            Ok(description) => match misplaced(section, &description) {
-                Some(problem) => problems.push(problem),
-                None => described.push((section.role.clone(), description)),
-            },
-            // A section with only a model may be a table that a participant reads.
-            Err(RunError::NoProgram { role, .. })
-                if section.command.is_none() && !WELL_KNOWN_ROLES.contains(&role.as_str()) => {}
-            Err(RunError::NoProgram { program, role }) => {
-                problems.push(Problem::new(
-                    section.place.clone(),
-                    format!("{role}.command"),
+    fleet: &Fleet,
+) -> Result<Vec<ParticipantSlot>, RunError> {
+    let (mut own, mut problems) = (Vec::new(), Vec::new());
+    for RawParticipant { role, command, place, .. } in sections {
+        let problem = |key: &str, reason: String, fix: &str| {
+            Problem::new(place.clone(), key.to_owned(), reason, fix)
+        };
+        let program = fleet.program(role, command.as_deref());
+        if !program.exists() {
+            if command.is_some() || WELL_KNOWN_ROLES.contains(&role.as_str()) {
+                problems.push(problem(
+                    &format!("{role}.command"),
                     format!("there is no program `{}`", program.path.display()),
                     "correct the command, or build the program: `cargo build --release --workspace` \
                      builds all of this project",
                 ));
             }
-            Err(error) => return Err(error),
+            continue;
         }
+        if let Err(reason) = check_name("role", role) {
+            problems.push(problem(role, reason, "choose another name for this section"));
+        }
+        if RESERVED_ROLES.contains(&role.as_str()) {
+            let reason = format!("`{role}` is reserved for the summary");
+            problems.push(problem(role, reason, "choose another name"));
+        }
+        if own.len() == MOST_PARTICIPANTS {
+            let reason = format!("more than {MOST_PARTICIPANTS} participants");
+            problems.push(problem(role, reason, "use fewer"));
+        }
+        own.push(seat(role, program));
     }
-    raw.report(problems).map_or(Ok(described), |problems| Err(problems.into()))
+    raw.report(problems).map_or(Ok(own), |problems| Err(problems.into()))
+}
+
+/// Returns the well-known programs for which the case has no section. The case may hold keys for
+/// them, so that removing a section is enough to take a participant out of a case.
+fn absent(sections: &[RawParticipant], fleet: &Fleet) -> Vec<ParticipantSlot> {
+    let is_absent = |role: &&&str| sections.iter().all(|section| section.role != ***role);
+    let seats = WELL_KNOWN_ROLES.iter().filter(is_absent);
+    let seats = seats.map(|role| seat(role, fleet.program(role, None)));
+    seats.filter(|seat| seat.program.exists()).collect()
+}
+
+/// Returns the default programs of roles that a `command` gives to another program. Their keys are
+/// known, but not used.
+fn replaced(sections: &[RawParticipant]) -> Vec<ParticipantSlot> {
+    let replaced = sections.iter().filter_map(|RawParticipant { role, command, .. }| {
+        let usual = Program::of_role(role, None);
+        let own = Program::of_role(role, command.as_deref());
+        (usual.path != own.path && usual.exists()).then(|| seat(role, usual))
+    });
+    replaced.collect()
+}
+
+/// Returns the descriptions that exist, by role.
+fn known(seats: &[ParticipantSlot], fleet: &Fleet) -> Vec<(String, Description)> {
+    let description = |seat: &ParticipantSlot| {
+        Some((seat.role.clone(), fleet.description(&seat.program)?.clone()))
+    };
+    seats.iter().filter_map(description).collect()
+}
+
+/// Refuses programs that cannot take their place in a case.
+fn refuse_misplaced(
+    raw: &RawCase,
+    sections: &[RawParticipant],
+    described: &[(String, Description)],
+) -> Result<(), RunError> {
+    let misplaced = described.iter().filter_map(|(role, description)| {
+        misplaced(sections.iter().find(|section| section.role == *role)?, description)
+    });
+    raw.report(misplaced.collect()).map_or(Ok(()), |problems| Err(problems.into()))
 }
 
 /// Returns the problem of a program that cannot take this place in a case. Its keys say nothing
@@ -215,25 +179,9 @@ fn refuse(case: &Case, problems: Vec<Problem>) -> Result<(), RunError> {
     case.report(problems).map_or(Ok(()), |problems| Err(problems.into()))
 }
 
-/// Checks the roles, which become names of services, files and keys of the summary. Also checks the
-/// number of windows.
-fn check_roles(case: &Case) -> Result<(), RunError> {
+/// Checks the number of windows.
+fn check_windows(case: &Case) -> Result<(), RunError> {
     let mut problems = Vec::new();
-    let mut problem = |role: &str, reason: String, fix: &str| {
-        problems.push(case.problem_at(role, reason, fix));
-    };
-    for (index, participant) in case.participants.iter().enumerate() {
-        let role = participant.role.as_str();
-        if let Err(reason) = check_name("role", role) {
-            problem(role, reason, "choose another name for this section");
-        }
-        if RESERVED_ROLES.contains(&role) {
-            problem(role, format!("`{role}` is reserved for the summary"), "choose another name");
-        }
-        if index == MOST_PARTICIPANTS {
-            problem(role, format!("more than {MOST_PARTICIPANTS} participants"), "use fewer");
-        }
-    }
     if let Timing::Transient { window, end, control } = case.timing {
         let (least, key) = match control {
             Control::Fixed => (window, "time.window"),
@@ -261,7 +209,7 @@ fn route_case(
         Some(Candidate { role: &p.role, model, description, live, by_keys })
     });
     let running = TiVec::from(route::order(candidates.collect(), case));
-    check_roles(case)?;
+    check_windows(case)?;
     let twice = route::provided_twice(&running, case).into_iter().map(|(field, first, second)| {
         let reason = format!("`{first}` and `{second}` both provide the field `{field}`");
         case.problem_at(&second, reason, "keep one of the two")
@@ -478,84 +426,37 @@ fn participants(
     Ok(participants)
 }
 
-/// Asks every participant for its estimate, along the flow of data. Participants with an input on a
-/// moving grid are asked again, if the grid was found to move only after they had been asked.
-async fn estimate(case: &Case, plan: &mut Plan, fleet: &mut Fleet) -> Result<(), RunError> {
-    for index in plan.participants.keys() {
-        fill_input_grids(plan, index);
-        fill_input_moves(plan, index);
-        estimate_one(case, plan, index, fleet).await?;
-        // Refuses such a field before its consumer is asked for an estimate.
-        refuse(case, volume::consumed(case, plan, index))?;
-    }
-    for index in plan.participants.keys() {
-        if fill_input_moves(plan, index) {
-            estimate_one(case, plan, index, fleet).await?;
+/// Asks the participants that can tell for their layouts.
+fn estimate(case: &Case, plan: &mut Plan, fleet: &mut Fleet) -> Result<(), RunError> {
+    let configurations = plan.participants.iter().map(|one| one.configuration.clone());
+    let mut configurations: TiVec<ParticipantIndex, Configuration> = configurations.collect();
+    let layouts = layouts(&mut configurations, |one, configuration| {
+        let Participant { program, description, .. } = &plan.participants[one];
+        if !description.estimates {
+            return Ok(None);
         }
+        let layout = fleet.layout(program, configuration);
+        let layout = layout.map_err(|error| refusal_of_case(error, case, plan))?;
+        // Before its consumer is asked for a layout.
+        refuse(case, volume::consumed(case, plan, one, &layout))?;
+        Ok::<_, RunError>(Some(layout))
+    })?;
+    let answers = configurations.into_iter().zip(layouts);
+    for (one, (configuration, layout)) in plan.participants.iter_mut().zip(answers) {
+        (one.configuration, one.estimate) = (configuration, layout);
     }
     Ok(())
 }
 
-async fn estimate_one(
-    case: &Case,
-    plan: &mut Plan,
-    index: ParticipantIndex,
-    fleet: &mut Fleet,
-) -> Result<(), RunError> {
-    let participant = &plan.participants[index];
-    if !participant.description.estimates {
-        return Ok(());
-    }
-    let stayed = fleet.estimate(&participant.program, &participant.configuration, ANSWER);
-    let estimate = match stayed {
-        Some(estimate) => estimate,
-        None => participant.program.estimate(&participant.configuration, ANSWER).await?,
-    };
-    match estimate {
-        Estimate::Layout(layout) => {
-            layout.check().map_err(|fault| participant.program.misled(&participant.role, fault))?;
-            plan.participants[index].estimate = Some(layout);
-            Ok(())
-        }
-        Estimate::Refused(refusal) => {
-            // An implausible value may be the reason why the case is impossible.
-            let unexpected = plan.warnings.iter().filter_map(|warning| match warning {
-                Warning::Value(implausible) => Some(implausible.to_string()),
-                Warning::Remark(_) => None,
-            });
-            let fix = std::iter::once(refusal.fix).chain(unexpected).collect::<Vec<_>>().join("; ");
-            let problem = case.problem_at(&refusal.key, refusal.reason, fix);
-            Err(case.fail(problem).into())
-        }
-    }
-}
-
-/// Notes which input grids of a participant may move, according to the estimates. Returns whether
-/// this has changed.
-fn fill_input_moves(plan: &mut Plan, index: ParticipantIndex) -> bool {
-    let moves = |plan: &Plan, input: &Input| {
-        let producer = plan.participants.iter().find(|p| p.role == input.producer);
-        let layout = producer.and_then(|p| p.estimate.as_ref());
-        layout.is_some_and(|layout| layout.moves_under(&input.field.name))
-    };
-    let inputs = &plan.participants[index].configuration.inputs;
-    let found: Vec<bool> = inputs.iter().map(|input| moves(plan, input)).collect();
-    let mut news = false;
-    for (input, moves) in plan.participants[index].configuration.inputs.iter_mut().zip(found) {
-        news |= input.moves != moves;
-        input.moves = moves;
-    }
-    news
-}
-
-fn fill_input_grids(plan: &mut Plan, index: ParticipantIndex) {
-    let layouts: Vec<(String, Option<Layout>)> =
-        plan.participants.iter().map(|p| (p.role.clone(), p.estimate.clone())).collect();
-    let inputs = &mut plan.participants[index].configuration.inputs;
-    for input in inputs.iter_mut().filter(|input| input.producer != COORDINATOR) {
-        let producer = layouts.iter().find(|(role, _)| *role == input.producer);
-        let layout = producer.and_then(|(_, layout)| layout.as_ref());
-        input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
-        input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
-    }
+/// Returns the refusal of a participant as an error of the case.
+fn refusal_of_case(error: RunError, case: &Case, plan: &Plan) -> RunError {
+    let RunError::Refused { refusal, .. } = error else { return error };
+    // An implausible value may be the reason why the case is impossible.
+    let unexpected = plan.warnings.iter().filter_map(|warning| match warning {
+        Warning::Value(implausible) => Some(implausible.to_string()),
+        Warning::Remark(_) => None,
+    });
+    let fix = std::iter::once(refusal.fix).chain(unexpected).collect::<Vec<_>>().join("; ");
+    let problem = case.problem_at(&refusal.key, refusal.reason, fix);
+    case.fail(problem).into()
 }

@@ -3,7 +3,7 @@
 use super::contents::{Effect, LiveValue, Participant, Plan, geometry_bytes};
 use super::make::windows;
 use crate::format::{bytes, counted, duration, seconds};
-use crate::programs::Program;
+use crate::program::Program;
 use crate::wrap;
 use case::{RawParticipant, StandaloneCheck};
 use coupling::ParticipantIndex;

@@ -3,14 +3,18 @@
 
 use super::contents::{Participant, Plan};
 use case::{Case, Problem};
+use contract::configuration::Layout;
 use coupling::ParticipantIndex;
 
-/// Returns a problem for each consumed field of a participant that is on a volume or at points,
-/// according to its estimate.
-pub(super) fn consumed(case: &Case, plan: &Plan, producer: ParticipantIndex) -> Vec<Problem> {
-    let Participant { role, estimate: Some(layout), .. } = &plan.participants[producer] else {
-        return Vec::new();
-    };
+/// Returns a problem for each consumed field of a participant that is on a volume or at points in
+/// its layout.
+pub(super) fn consumed(
+    case: &Case,
+    plan: &Plan,
+    producer: ParticipantIndex,
+    layout: &Layout,
+) -> Vec<Problem> {
+    let role = &plan.participants[producer].role;
     let sent = plan.fields.iter().filter(|field| field.producer == producer);
     let problems = sent.flat_map(|field| {
         let name = &field.kind.name;

@@ -104,7 +104,7 @@ impl Session {
         file: &StateFile,
     ) -> Result<(), RunError> {
         let body = serde_json::to_vec(file).expect("a path through a handle is ASCII");
-        self.peers.post(participant, Command::about(kind, step), &body, true)
+        self.peers.post(participant, Command::about(kind, step), &body)
     }
 
     /// Counts exchanged bytes from this number on.

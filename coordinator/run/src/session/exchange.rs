@@ -108,12 +108,6 @@ impl Session {
         })
     }
 
-    /// Returns whether a participant has grids whose geometry is sent, and therefore replies to
-    /// `Accept`.
-    pub(super) fn has_moving_grids(&self, participant: ParticipantIndex) -> bool {
-        self.moving.iter().any(|moving| moving.participant == participant)
-    }
-
     /// Returns the grid of a field in the next window.
     fn current_grid(&self, field: FieldIndex) -> &Grid {
         let field = &self.fields[field];

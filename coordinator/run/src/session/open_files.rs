@@ -3,7 +3,7 @@
 //! A process without free file descriptors cannot map the segment of a message. Therefore the limit
 //! is checked before any process starts, and raised as far as the user may raise it. The started
 //! participants inherit it. The coordinator itself needs as many files as all of its runs together:
-//! a study has one run on each of its threads.
+//! a study has one run in each of its fleets.
 //!
 //! The constants were counted in `/proc/PID/fd` for the shipped cases, and rounded up. A process
 //! opens a few dozen files for itself and for common services of the run, and a few for each topic
@@ -11,7 +11,6 @@
 
 use crate::error::{Failure, RunError};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};
 
 /// Number of files of a process itself and of the run.
@@ -23,24 +22,41 @@ const PER_TOPIC: u64 = 8;
 /// Number of files for recording a topic.
 const PER_RECORDED: u64 = 8;
 
-/// Need of the runs of all threads. The lock is held while the limit is raised, so that no thread
+/// Need of all runs of this process. The lock is held while the limit is raised, so that no thread
 /// lowers it again.
 static TOTAL: Mutex<u64> = Mutex::new(0);
 
-/// Need of the run of a thread, counted in the total until the thread ends: participants may stay
-/// on it after a run.
+/// Need of a fleet, counted in the total until it is dropped: participants may stay after a run.
 #[derive(Debug)]
-struct ThreadNeed {
+pub(crate) struct OpenFiles {
     total: &'static Mutex<u64>,
     own: u64,
 }
 
-impl ThreadNeed {
-    fn new(total: &'static Mutex<u64>) -> Self {
-        Self { total, own: 0 }
+impl Default for OpenFiles {
+    fn default() -> Self {
+        Self { total: &TOTAL, own: 0 }
+    }
+}
+
+impl OpenFiles {
+    /// Raises the limit of open files to the need of the runs of this process. Returns whether it
+    /// was too low for a participant of this run; processes started before keep the old limit.
+    ///
+    /// # Errors
+    /// The hard limit is lower than the need.
+    pub(crate) fn provide(
+        &mut self,
+        participants: usize,
+        topics: usize,
+        recorded: bool,
+    ) -> Result<bool, RunError> {
+        let per_topic = PER_TOPIC + if recorded { PER_RECORDED } else { 0 };
+        let needed = OWN + PER_PARTICIPANT * participants as u64 + per_topic * topics as u64;
+        self.replace(needed, |total| raise(needed, total))
     }
 
-    /// Replaces the need of this thread, and calls `raise` with the need of all threads.
+    /// Replaces the need of this fleet, and calls `raise` with the need of all.
     fn replace<T>(&mut self, needed: u64, raise: impl FnOnce(u64) -> T) -> T {
         let mut total = self.total.lock().unwrap_or_else(PoisonError::into_inner);
         *total = *total + needed - self.own;
@@ -49,29 +65,10 @@ impl ThreadNeed {
     }
 }
 
-impl Drop for ThreadNeed {
+impl Drop for OpenFiles {
     fn drop(&mut self) {
         self.replace(0, |_| ());
     }
-}
-
-thread_local! {
-    static NEED: RefCell<ThreadNeed> = RefCell::new(ThreadNeed::new(&TOTAL));
-}
-
-/// Raises the limit of open files to the need of the runs of this process. Returns whether it was
-/// too low for a participant of this run; processes started before keep the old limit.
-///
-/// # Errors
-/// The hard limit is lower than the need.
-pub(crate) fn provide(
-    participants: usize,
-    topics: usize,
-    recorded: bool,
-) -> Result<bool, RunError> {
-    let per_topic = PER_TOPIC + if recorded { PER_RECORDED } else { 0 };
-    let needed = OWN + PER_PARTICIPANT * participants as u64 + per_topic * topics as u64;
-    NEED.with_borrow_mut(|need| need.replace(needed, |total| raise(needed, total)))
 }
 
 /// Raises the limit to `total` files. Returns whether it was below `needed`.
@@ -109,13 +106,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_needs_of_all_threads_add_up_until_they_end() {
+    fn the_needs_of_all_fleets_add_up_until_they_end() {
         static ALL: Mutex<u64> = Mutex::new(0);
-        let total = |need: &mut ThreadNeed, own| need.replace(own, |total| total);
-        let mut here = ThreadNeed::new(&ALL);
+        let fleet = || OpenFiles { total: &ALL, own: 0 };
+        let total = |need: &mut OpenFiles, own| need.replace(own, |total| total);
+        let (mut here, mut other) = (fleet(), fleet());
         assert_eq!(total(&mut here, 200), 200);
-        let other = std::thread::spawn(move || total(&mut ThreadNeed::new(&ALL), 300));
-        assert_eq!(other.join().unwrap(), 500);
-        assert_eq!(total(&mut here, 250), 250, "the other thread has ended");
+        assert_eq!(total(&mut other, 300), 500);
+        drop(other);
+        assert_eq!(total(&mut here, 250), 250, "the other fleet has ended");
     }
 }

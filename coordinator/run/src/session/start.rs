@@ -7,14 +7,14 @@ use super::live::{self, LiveValues};
 use super::mapping::FieldMapping;
 use super::memory::SharedMemory;
 use super::reports::{Figures, SolveRecord};
-use super::{Recording, Session, open_files};
+use super::{Recording, Session};
 use crate::error::{Failure, RunError, machine_failure};
 use crate::fleet::Fleet;
-use crate::peers::{COORDINATOR, ParticipantSlot, Peers, Phase};
-use crate::plan::{Field, Participant, Plan, non_matching};
+use crate::peers::{ParticipantSlot, Peers, Phase};
+use crate::plan::{Field, Participant, Plan, layouts, non_matching};
 use crate::progress::Progress;
 use crate::record::Recorder;
-use contract::configuration::{Input, Layout};
+use contract::configuration::{Configuration, Layout};
 use contract::grid::Grid;
 use contract::message::{Command, CommandKind, GeometryTopic, Topic, Topics};
 use contract::step::Step;
@@ -50,7 +50,7 @@ impl Session {
         // Memory is checked twice: before anything starts, with the estimates, and below, with the
         // actual layouts.
         let participants = plan.participants.len();
-        if open_files::provide(participants, topics_of(plan), recorder.is_some())? {
+        if fleet.open_files.provide(participants, topics_of(plan), recorder.is_some())? {
             fleet.dismiss();
         }
         let held = fleet.held_memory();
@@ -82,7 +82,6 @@ impl Session {
             }
         }
         let layouts = session.configure(plan)?;
-        session.check_informed(plan, &layouts)?;
         let held = if is_new { 0 } else { held };
         session.memory.settle();
         session.memory = SharedMemory::check(plan, held, |index| layouts.get(index))?;
@@ -145,62 +144,15 @@ impl Session {
         Err(self.peers.misbehaved(participant, what))
     }
 
-    /// Configures every participant along the flow of data. Each receives the grids of its inputs.
+    /// Configures every participant along the flow of data, as planning has done.
     fn configure(&mut self, plan: &Plan) -> Result<TiVec<ParticipantIndex, Layout>, RunError> {
-        let mut layouts: TiVec<ParticipantIndex, Layout> =
-            TiVec::with_capacity(self.peers.all().len());
-        for (participant, planned) in plan.participants.iter_enumerated() {
-            let mut configuration = planned.configuration.clone();
-            for input in configuration.inputs.iter_mut().filter(|i| i.producer != COORDINATOR) {
-                let producer = self.peers.all().position(|l| l.role() == input.producer);
-                let layout = producer.and_then(|index| layouts.get(index));
-                input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
-                input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
-                input.moves = is_informed(plan, &layouts, input);
-            }
-            let patience = self.peers.deadlines().solve;
-            layouts.push(self.peers.configure(participant, &configuration, patience)?);
-        }
-        Ok(layouts)
-    }
-
-    /// Checks that every participant that subscribes to a field on a moving grid knows that the
-    /// grid moves.
-    fn check_informed(
-        &self,
-        plan: &Plan,
-        layouts: &TiSlice<ParticipantIndex, Layout>,
-    ) -> Result<(), RunError> {
-        for field in &plan.fields {
-            let (producer, name) = (&layouts[field.producer], &field.kind.name);
-            let grid = producer.grid_of(name).expect("layout is checked");
-            for &participant in field.consumers.iter().filter(|_| producer.moves(grid)) {
-                let inputs = &plan.participants[participant].configuration.inputs;
-                let input = inputs.iter().find(|input| input.field.name == *name);
-                let informed =
-                    input.is_some_and(|input| is_informed(plan, &layouts[..participant], input));
-                if !informed
-                    && !matches!(source_of(field, participant, layouts), FieldSource::Mapped(_))
-                {
-                    let (producer, role) =
-                        (&self.peers.all()[field.producer], self.peers.all()[participant].role());
-                    return Err(RunError::Failed(Failure {
-                        who: producer.who(),
-                        when: self.peers.phase.to_string(),
-                        what: format!(
-                            "its grid `{}` may move, but {role} subscribes to `{name}` on it and \
-                             could not be informed",
-                            grid.name
-                        ),
-                        fix: format!(
-                            "let it announce the motion in its estimate, or let {role} request `{name}` \
-                             on a grid of its own"
-                        ),
-                    }));
-                }
-            }
-        }
-        Ok(())
+        let planned = plan.participants.iter().map(|one| one.configuration.clone());
+        let mut configurations: TiVec<ParticipantIndex, Configuration> = planned.collect();
+        let patience = self.peers.deadlines().solve;
+        let layouts = layouts(&mut configurations, |one, configuration| {
+            self.peers.configure(one, configuration, patience).map(Some)
+        })?;
+        Ok(layouts.into_iter().flatten().collect())
     }
 
     /// Lets every participant open its ports; no field is sent yet.
@@ -235,7 +187,7 @@ impl Session {
             let figures = plan.participants[participant].figures.clone();
             let topics = Topics { inputs, outputs, deadline, interpolation, geometry, figures };
             let body = serde_json::to_vec(&topics).expect("topics are plain data");
-            self.peers.post(participant, Command::new(CommandKind::Connect), &body, true)?;
+            self.peers.post(participant, Command::new(CommandKind::Connect), &body)?;
         }
         let mut pending = self.peers.all().keys().collect();
         let deadline = self.peers.deadlines().start;
@@ -253,7 +205,7 @@ impl Session {
     /// first outputs.
     fn initialise(&mut self, layouts: &TiSlice<ParticipantIndex, Layout>) -> Result<(), RunError> {
         for participant in self.peers.all().keys() {
-            self.peers.post(participant, Command::new(CommandKind::Initialise), &[], true)?;
+            self.peers.post(participant, Command::new(CommandKind::Initialise), &[])?;
         }
         let before = Step { iteration: 0, ..Step::STEADY };
         let mut pending = self.peers.all().keys().collect();
@@ -488,16 +440,6 @@ fn readers<'a>(
         .iter()
         .copied()
         .filter(move |&participant| source_of(field, participant, layouts) == *source)
-}
-
-/// Returns whether a participant is informed that the grid of an input may move. The layouts of
-/// participants before it and the estimates of later ones give this information.
-fn is_informed(plan: &Plan, layouts: &TiSlice<ParticipantIndex, Layout>, input: &Input) -> bool {
-    let producer = plan.participants.position(|p| p.role == input.producer);
-    let layout = producer.and_then(|index| {
-        layouts.get(index).or_else(|| plan.participants[index].estimate.as_ref())
-    });
-    layout.is_some_and(|layout| layout.moves_under(&input.field.name))
 }
 
 fn not_connected(error: &dyn std::fmt::Display) -> RunError {

@@ -18,20 +18,18 @@ impl Session {
         self.fields.keys().try_for_each(|field| self.check_finite(field))?;
         self.peers.phase = Phase::Accepting(*step);
         self.check_live()?;
-        let (mut observing, mut pending) = (Participants::new(), Participants::new());
+        let mut observing = Participants::new();
         for participant in self.peers.all().keys() {
             let observe = self.is_observed(participant, observed);
             let figures = self.figures.are_asked_of(participant);
-            let answer = observe || figures || self.has_moving_grids(participant);
             observing.extend(observe.then_some(participant));
-            pending.extend(answer.then_some(participant));
             let mut command = Command::about(CommandKind::Accept, step);
             command.flags = if observe { OBSERVE } else { 0 } | if figures { FIGURES } else { 0 };
-            self.peers.post(participant, command, &[], answer)?;
+            self.peers.post(participant, command, &[])?;
         }
         self.keep_geometry();
         let deadline = self.peers.deadlines().solve;
-        let mut failures = Vec::new();
+        let (mut failures, mut pending) = (Vec::new(), self.peers.all().keys().collect());
         while let Some((participant, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
             let message = match answer {
                 Ok(message) => message,
@@ -104,7 +102,7 @@ impl Session {
         let flags = if stay { STAY } else { 0 };
         for participant in self.peers.all().keys() {
             let command = Command { flags, ..Command::new(CommandKind::Finish) };
-            self.peers.post(participant, command, &[], true)?;
+            self.peers.post(participant, command, &[])?;
         }
         let mut finished = Vec::with_capacity(self.peers.all().len());
         let deadline = self.peers.deadlines().solve;
@@ -186,7 +184,7 @@ impl Exchange for Session {
             for mapped in self.mapped.iter().filter(|m| m.reader.participant == participant) {
                 command.expected[mapped.reader.slot] = mapped.publisher().sequence();
             }
-            self.peers.post(participant, command, &[], true)?;
+            self.peers.post(participant, command, &[])?;
         }
         // While the participants compute, the samples sent before are audited, recorded and
         // checked.

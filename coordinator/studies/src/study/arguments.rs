@@ -3,7 +3,7 @@
 use super::folder::{FolderRequest, StudyFolder};
 use clap::Args;
 use run::error::RunError;
-use run::fleet::{Fleet, Lifetime};
+use run::fleet::Fleet;
 use std::path::{Path, PathBuf};
 
 /// Number of repetitions of each run.
@@ -33,7 +33,7 @@ impl StudyArguments {
     /// Returns a fleet whose participants stay from one run to the next, unless `--fresh` is set.
     #[must_use]
     pub fn fleet(&self) -> Fleet {
-        Fleet::new(if self.fresh { Lifetime::Run } else { Lifetime::Study })
+        if self.fresh { Fleet::for_one_run() } else { Fleet::for_study() }
     }
 
     /// Chooses the folder of a study, with the default name `name`. A folder that holds the same

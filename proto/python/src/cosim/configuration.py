@@ -170,8 +170,7 @@ class Histories:
 
 @dataclass(frozen=True)
 class Configuration:
-    """Configuration of a participant, sent with `Configure` and on standard input of
-    `--estimate`."""
+    """Configuration of a participant, sent with `Configure`."""
 
     role: str
     """Role of the participant."""

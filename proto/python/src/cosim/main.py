@@ -9,7 +9,7 @@ from .solver import Solver
 
 
 def main(solver: type[Solver], arguments: Sequence[str] | None = None) -> None:
-    """Answer `--describe` and `--estimate`, or take part in a run with `--join`; see `--help`.
+    """Take part in a run with `--join`, or print the description with `--describe`.
 
     Ends the process with exit code 1 after an error, and with 2 for invalid arguments.
     """

@@ -123,7 +123,7 @@ class Solver:
     standalone: ClassVar[bool] = False
     """The participant has a result even if no effect is active."""
     estimates: ClassVar[bool] = True
-    """The participant answers `--estimate`, so that a plan knows its grids."""
+    """Whether `configure` is cheap, so that a plan may ask for the grids."""
     reusable: ClassVar[bool] = True
     """The process can take part in several runs in succession, each with its own object. Nothing of
     a run may be kept in the class, in a module or in a library."""
@@ -147,7 +147,7 @@ class Solver:
         """Check a configuration. Cheap; allocates no fields.
 
         Returns grids, placement of the fields and expected cost; raises `Refusal` for an
-        unsupported case. The grid of an input may still be unknown (`--estimate`).
+        unsupported case. The grid of an input may still be unknown in a plan.
         """
         raise NotImplementedError
 
@@ -218,7 +218,7 @@ class Solver:
 
     @classmethod
     def description(cls) -> dict[str, Any]:
-        """Return the description for `--describe`; the library adds the version of the contract."""
+        """Return the description; the library adds the version of the contract."""
         return {
             "name": cls.title(),
             "version": cls.version,

@@ -27,8 +27,6 @@ class Astray(StripColumns):
             if FAULT == "missing-key":
                 raise Refusal("case", "something is missing", "find out what") from refusal
             raise
-        if FAULT == "estimate" and "--estimate" in sys.argv and self.grid:
-            layout.grids.append(Grid("spare", self.grid))
         if FAULT == "volumes":
             layout.grids.append(self.moved_grids()[0].announced())
             layout.fields["depth"] = "inside"
