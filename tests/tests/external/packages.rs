@@ -145,7 +145,7 @@ fn several_ranks_are_one_participant() {
     assert_eq!(work[0], 3.0, "all ranks have computed");
 }
 
-/// Of ranks that do not know of each other all join; the error says what to do.
+/// Ranks that do not know of each other all join; the error says what to do.
 #[test]
 fn ranks_that_all_take_part_are_told_what_to_do() {
     let taken = format!(

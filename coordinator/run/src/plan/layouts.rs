@@ -9,8 +9,8 @@ use typed_index_collections::{TiSlice, TiVec};
 pub(crate) type Layouts = TiVec<ParticipantIndex, Option<Layout>>;
 
 /// Asks the participants for their layouts, and completes their configurations. Participants with
-/// an input on a moving grid are asked again, if the grid was found to move only after they had been
-/// asked. `ask` returns no layout if a participant is to be asked later.
+/// an input on a moving grid are asked again, if the grid was found to move only afterwards. `ask`
+/// returns no layout if a participant is to be asked later.
 pub(crate) fn layouts<E>(
     configurations: &mut TiSlice<ParticipantIndex, Configuration>,
     mut ask: impl FnMut(ParticipantIndex, &Configuration) -> Result<Option<Layout>, E>,
