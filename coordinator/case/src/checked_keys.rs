@@ -18,6 +18,7 @@ use contract::text::check_line;
 use serde_json::{Map, Value as Json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Maximum number of names listed in a fix.
 const MOST_NAMES: usize = 12;
@@ -32,7 +33,7 @@ pub(super) struct Scope<'a> {
     pub(super) selection: &'a Selection<'a>,
     pub(super) known: &'a [KnownKey<'a>],
     /// Descriptions of the default programs of roles that another program plays.
-    pub(super) swapped: &'a [(String, Description)],
+    pub(super) swapped: &'a [(String, Arc<Description>)],
     /// Whether the participants were asked for their keys. If not, their keys are not checked.
     pub(super) asked: bool,
 }

@@ -13,6 +13,7 @@ use contract::description::{Description, KeyKind, KeySpec};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Owner of the coordinator's own keys.
 pub(super) const COORDINATOR: &str = "the coordinator";
@@ -276,7 +277,7 @@ pub(super) struct Readers<'a> {
     pub(super) known: &'a [KnownKey<'a>],
     pub(super) references: &'a References,
     /// Descriptions of the default programs of roles that another program plays.
-    pub(super) swapped: &'a [(String, Description)],
+    pub(super) swapped: &'a [(String, Arc<Description>)],
 }
 
 impl Readers<'_> {
@@ -318,7 +319,7 @@ impl Readers<'_> {
             false => Vec::new(),
         };
         if readers.is_empty() {
-            let reads = |(_, description): &&(String, Description)| {
+            let reads = |(_, description): &&(String, Arc<Description>)| {
                 all_keys(description).any(|spec| spec.is_of(&key))
             };
             let usual = self.swapped.iter().filter(reads);

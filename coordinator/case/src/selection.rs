@@ -5,6 +5,7 @@ use super::schema::WELL_KNOWN_ROLES;
 use super::settings::TimeMode;
 use super::tree::Table;
 use contract::description::{Description, EffectSpec, ModelSpec};
+use std::sync::Arc;
 
 /// A described participant, and its part in the case.
 #[derive(Clone, Debug)]
@@ -31,10 +32,10 @@ pub(super) struct Selection<'a> {
 
 impl<'a> Selection<'a> {
     /// Reads the selection from a case that may contain any error.
-    pub(super) fn new(tree: &Table, descriptions: &'a [(String, Description)]) -> Self {
+    pub(super) fn new(tree: &Table, descriptions: &'a [(String, Arc<Description>)]) -> Self {
         let mut effects = tree.names("effects");
         effects.sort_unstable();
-        let player = |(role, description): &'a (String, Description)| {
+        let player = |(role, description): &'a (String, Arc<Description>)| {
             let present = tree.table(role).is_some();
             let claims = description.effects.iter().any(|e| effects.contains(&e.name));
             let chosen = tree.text(&format!("{role}.model"));

@@ -10,6 +10,7 @@ mod values;
 use super::{Case, Problems, RawCase, validate};
 use contract::accuracy::Accuracy;
 use contract::description::{Description, EffectSpec, KeySpec, ModelSpec};
+use std::sync::Arc;
 
 /// A case without errors.
 const GOOD: &str = r#"[case]
@@ -177,7 +178,7 @@ fn thermal() -> Description {
     }
 }
 
-fn descriptions() -> Vec<(String, Description)> {
+fn descriptions() -> Vec<(String, Arc<Description>)> {
     vec![("mech".to_owned(), mech()), ("thermal".to_owned(), thermal())]
 }
 

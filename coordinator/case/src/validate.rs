@@ -21,6 +21,7 @@ use super::selection::Selection;
 use super::settings::{Coupling, Output, ParticipantCase, Settings, Timing};
 use contract::bodies::Bodies;
 use contract::description::Description;
+use std::sync::Arc;
 
 /// Validates a case against the descriptions of its participants, by role. `swapped` describes the
 /// default programs of roles that another program plays.
@@ -45,8 +46,8 @@ use contract::description::Description;
 /// Lists every error of the case.
 pub fn validate(
     raw: &RawCase,
-    descriptions: &[(String, Description)],
-    swapped: &[(String, Description)],
+    descriptions: &[(String, Arc<Description>)],
+    swapped: &[(String, Arc<Description>)],
 ) -> Result<Case, Problems> {
     let selection = Selection::new(&raw.tree, descriptions);
     let known = known_keys(&selection, &selection.undescribed(raw));

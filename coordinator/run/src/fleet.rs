@@ -17,6 +17,7 @@ use contract::configuration::{Configuration, Layout};
 use contract::description::Description;
 use coupling::ParticipantIndex;
 use std::slice;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// Longest time that a program may take to join or to answer a question.
@@ -33,7 +34,7 @@ pub struct Fleet {
     /// Whether participants stay after a run.
     stays: bool,
     solvers: LinkedSolvers,
-    descriptions: Vec<(Program, Description)>,
+    descriptions: Vec<(Program, Arc<Description>)>,
     /// Groups of participants that were started together.
     waiting: Vec<Peers>,
     pub(crate) open_files: OpenFiles,
@@ -71,7 +72,7 @@ impl Fleet {
     }
 
     /// Returns the description of a program that has been asked before.
-    pub(crate) fn description(&self, program: &Program) -> Option<&Description> {
+    pub(crate) fn description(&self, program: &Program) -> Option<&Arc<Description>> {
         self.descriptions.iter().find(|(known, _)| known == program).map(|(_, known)| known)
     }
 
@@ -131,7 +132,7 @@ impl Fleet {
             if description.protocol == contract::PROTOCOL_VERSION {
                 description.check().map_err(|fault| peers.misbehaved(one, fault))?;
             }
-            self.descriptions.push((program, description));
+            self.descriptions.push((program, Arc::new(description)));
         }
         Ok(peers)
     }
@@ -239,7 +240,8 @@ impl Drop for Fleet {
 pub fn described(seats: &[ParticipantSlot]) -> Result<Vec<Description>, RunError> {
     let mut fleet = Fleet::for_one_run();
     fleet.describe(seats, &[], ANSWER)?;
-    Ok(seats.iter().filter_map(|seat| fleet.description(&seat.program).cloned()).collect())
+    let found = seats.iter().filter_map(|seat| fleet.description(&seat.program));
+    Ok(found.map(|found| Description::clone(found)).collect())
 }
 
 /// Returns the descriptions of the programs beside the coordinator that look like participants, by

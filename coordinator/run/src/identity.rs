@@ -202,7 +202,8 @@ fn program(participant: &Participant) -> Program {
 
 /// Returns the CRC-64 of a participant's description, as a word.
 pub(crate) fn checksum(participant: &Participant) -> String {
-    hexadecimal(sum(json!(participant.description).to_string().as_bytes()))
+    let description = serde_json::to_vec(&*participant.description);
+    hexadecimal(sum(&description.expect("a description is plain data")))
 }
 
 /// Returns the CRC-64 of this executable; empty if it cannot be read.

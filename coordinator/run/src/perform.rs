@@ -193,6 +193,7 @@ fn set_out(
 ) -> Result<Option<Arc<Recorder>>, RunError> {
     match from {
         Some(_) => folder.reopen()?,
+        None if !folder.is_kept() => {}
         None => {
             folder.write("case.toml", planned.case.text().as_bytes())?;
             plan_file::write(&planned.plan, folder)?;

@@ -317,7 +317,7 @@ fn head(plan: &Plan, files: Vec<CaseFile>) -> Head {
     let participant = |p: &crate::plan::Participant| Participant {
         role: p.role.clone(),
         program: p.program.name(),
-        description: p.description.clone(),
+        description: (*p.description).clone(),
     };
     Head {
         format: FORMAT,

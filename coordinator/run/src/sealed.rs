@@ -4,6 +4,7 @@
 //! The checksum is CRC-64/XZ: reflected, polynomial 0x42F0E1EBA9EA3693 (ECMA-182), all ones before
 //! and after. It detects a truncated or damaged file, but gives no protection against forgery.
 
+use crc64fast::Digest;
 use proto::binary;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -59,34 +60,12 @@ pub fn open<T: DeserializeOwned>(magic: &Magic, bytes: &[u8]) -> Result<T, Seale
 /// Number of bytes of a stream that are read at once.
 const PIECE: usize = 1 << 16;
 
-/// Reflected polynomial.
-const POLYNOMIAL: u64 = 0xC96C_5795_D787_0F42;
-
-/// Remainders of all bytes.
-const TABLE: [u64; 256] = {
-    let mut table = [0; 256];
-    let mut byte = 0;
-    while byte < 256 {
-        let mut remainder = byte as u64;
-        let mut bit = 0;
-        while bit < 8 {
-            let carry = remainder & 1;
-            remainder >>= 1;
-            if carry == 1 {
-                remainder ^= POLYNOMIAL;
-            }
-            bit += 1;
-        }
-        table[byte] = remainder;
-        byte += 1;
-    }
-    table
-};
-
 /// Returns the CRC-64 of some bytes.
 #[must_use]
 pub fn sum(bytes: &[u8]) -> u64 {
-    !further(!0, bytes)
+    let mut digest = Digest::new();
+    digest.write(bytes);
+    digest.sum64()
 }
 
 /// Returns the CRC-64 of a file.
@@ -106,23 +85,18 @@ pub fn sum_of_file(path: &Path) -> io::Result<u64> {
 /// # Errors
 /// Errors of the stream.
 pub(crate) fn sum_of_stream(mut from: impl Read) -> io::Result<(u64, u64)> {
-    let (mut length, mut remainder, mut piece) = (0, !0, vec![0; PIECE]);
+    let (mut length, mut digest, mut piece) = (0, Digest::new(), vec![0; PIECE]);
     loop {
         match from.read(&mut piece) {
-            Ok(0) => return Ok((length, !remainder)),
+            Ok(0) => return Ok((length, digest.sum64())),
             Ok(count) => {
                 length += count as u64;
-                remainder = further(remainder, &piece[..count]);
+                digest.write(&piece[..count]);
             }
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
             Err(error) => return Err(error),
         }
     }
-}
-
-fn further(remainder: u64, bytes: &[u8]) -> u64 {
-    let step = |sum: u64, byte: &u8| TABLE[(sum as u8 ^ byte) as usize] ^ (sum >> 8);
-    bytes.iter().fold(remainder, step)
 }
 
 #[cfg(test)]

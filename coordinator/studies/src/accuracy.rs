@@ -39,6 +39,7 @@ use contract::accuracy::EDGE_ELEMENTS;
 use contract::figure::Measure;
 use run::error::RunError;
 use run::fleet::Fleet;
+use run::results::ResultFolder;
 use run::scratch::Scratch;
 use run::warnings::Warning;
 use section::{ResultSource, Stated, StatedFigure, StatedRun};
@@ -180,9 +181,10 @@ impl Search {
     /// Performs a run without fields at a resolution and notes its quantities.
     fn try_out(&mut self, step: usize, fleet: &mut Fleet) -> Result<(), RunError> {
         let begun = Instant::now();
-        let folder = Scratch::new()?;
+        let scratch = Scratch::new()?;
+        let folder = ResultFolder::transient(scratch.path())?;
         let variant = self.at(step).with("output.fields", "none");
-        let summary = run(&self.case, &variant, folder.path(), fleet)?;
+        let summary = run(&self.case, &variant, &folder, fleet)?;
         self.note(step, &summary, begun.elapsed().as_secs_f64())
     }
 

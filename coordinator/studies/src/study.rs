@@ -30,7 +30,7 @@ use run::error::RunError;
 use run::fleet::Fleet;
 use run::perform::{self, RunOptions};
 use run::plan::{Plan, Planned, plan};
-use run::results::{Existing, ResultFolder};
+use run::results::ResultFolder;
 use run::signals;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -94,29 +94,26 @@ pub fn refuse_unread(standing: &Planned, key: &str, option: &str) -> Result<(), 
 pub fn run(
     case: &Path,
     variant: &Changes,
-    folder: &Path,
+    folder: &ResultFolder,
     fleet: &mut Fleet,
 ) -> Result<Value, RunError> {
     let since = Instant::now();
     let planned = planned(case, variant, fleet)?;
-    perform(case, &planned, since, folder, fleet)
+    perform(&planned, since, folder, fleet)
 }
 
-/// Runs a planned case into a folder, replacing an earlier run there, and returns the summary.
-/// `since` is the time at which planning began.
+/// Runs a planned case into a folder and returns the summary. `since` is the time at which planning
+/// began.
 ///
 /// # Errors
 /// The run fails, or the folder cannot be written.
 pub fn perform(
-    case: &Path,
     planned: &Planned,
     since: Instant,
-    folder: &Path,
+    folder: &ResultFolder,
     fleet: &mut Fleet,
 ) -> Result<Value, RunError> {
-    let options = RunOptions::planned_since(since);
-    let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-    let outcome = perform::run(planned, fleet, &folder, options);
+    let outcome = perform::run(planned, fleet, folder, RunOptions::planned_since(since));
     outcome.error.map_or(Ok(outcome.summary), Err)
 }
 

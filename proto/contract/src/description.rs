@@ -353,13 +353,18 @@ impl KeyKind {
 /// Returns true if a dotted path matches a pattern, in which `*` stands for any one name.
 #[must_use]
 pub fn matches(pattern: &str, path: &str) -> bool {
-    let (mut pattern, mut path) = (pattern.split('.'), path.split('.'));
+    // Most paths differ from most patterns in their first letters.
+    let (mut pattern, mut path) = (pattern.as_bytes(), path.as_bytes());
     loop {
-        match (pattern.next(), path.next()) {
-            (None, None) => return true,
-            (Some(part), Some(name)) if part == "*" || part == name => {}
+        (pattern, path) = match (pattern, path) {
+            ([], []) => return true,
+            ([b'*', more @ ..], _) => {
+                let end = path.iter().position(|&letter| letter == b'.').unwrap_or(path.len());
+                (more, &path[end..])
+            }
+            ([expected, more @ ..], [letter, rest @ ..]) if expected == letter => (more, rest),
             _ => return false,
-        }
+        };
     }
 }
 

@@ -7,6 +7,7 @@ use contract::description::Description;
 use proto::model::Solver;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Number of orders for each case.
 const ORDERS: u64 = 3;
@@ -47,10 +48,10 @@ fn shuffled(text: &str, seed: u64) -> String {
 }
 
 /// Values given to each solver of this workspace, for each of its models.
-fn given(name: &str, text: &str, own: &[(String, Description)]) -> Option<Vec<String>> {
+fn given(name: &str, text: &str, own: &[(String, Arc<Description>)]) -> Option<Vec<String>> {
     let raw = RawCase::parse(name, text).unwrap().with_folder(root().join("cases"));
     let case = validate(&raw, own, &[]).ok()?;
-    let of = |(_, description): &(String, Description)| -> Vec<String> {
+    let of = |(_, description): &(String, Arc<Description>)| -> Vec<String> {
         let models = description.models.iter();
         models.map(|model| case.values_for(description, &model.name).0.to_string()).collect()
     };
@@ -71,9 +72,9 @@ fn shipped() -> BTreeMap<String, String> {
 /// Every shipped case in three orders: the solvers receive the same values in the same order.
 #[test]
 fn every_shipped_case_gives_solvers_the_same_values_in_any_order() {
-    let own: Vec<(String, Description)> = [
-        ("mech".to_owned(), mech_solver::MechSolver.description()),
-        ("thermal".to_owned(), thermal_solver::ThermalSolver.description()),
+    let own: Vec<(String, Arc<Description>)> = [
+        ("mech".to_owned(), Arc::new(mech_solver::MechSolver.description())),
+        ("thermal".to_owned(), Arc::new(thermal_solver::ThermalSolver.description())),
     ]
     .into();
     let (mut compared, cases) = (0, shipped());

@@ -58,7 +58,7 @@ fn identity(participant: &Participant) -> u64 {
         .as_ref()
         .map(|layout| json!([layout.grids, layout.fields, layout.inputs, layout.moving]));
     let configuration = Configuration { threads: 1, ..participant.configuration.clone() };
-    let all = json!([participant.description, configuration, layout]);
+    let all = json!([*participant.description, configuration, layout]);
     sum(all.to_string().as_bytes())
 }
 

@@ -18,6 +18,7 @@ use coupling::map::{Coverage, MapError, Method};
 use coupling::settings::{Acceleration, Implicit, Scheme};
 use coupling::windows::Windows;
 use proto::transport::FIELD_SLOTS;
+use std::sync::Arc;
 use typed_index_collections::TiVec;
 
 /// Everything that a run needs to know before it starts.
@@ -88,7 +89,7 @@ pub struct Participant {
     /// The participant is started by hand; the run waits for it.
     pub attach: bool,
     /// Description given by the program.
-    pub description: Description,
+    pub description: Arc<Description>,
     /// Configuration sent to the participant; the grids of the inputs are filled in as they become
     /// known.
     pub configuration: Configuration,

@@ -29,6 +29,7 @@ use contract::message::{MAX_INPUTS, MOST_PARTICIPANTS};
 use coupling::ParticipantIndex;
 use coupling::settings::{Implicit, Scheme};
 use coupling::windows::Windows;
+use std::sync::Arc;
 use std::time::Duration;
 use typed_index_collections::{TiSlice, TiVec};
 
@@ -133,7 +134,7 @@ fn replaced(sections: &[RawParticipant]) -> Vec<ParticipantSlot> {
 }
 
 /// Returns the descriptions that exist, by role.
-fn known(seats: &[ParticipantSlot], fleet: &Fleet) -> Vec<(String, Description)> {
+fn known(seats: &[ParticipantSlot], fleet: &Fleet) -> Vec<(String, Arc<Description>)> {
     let description = |seat: &ParticipantSlot| {
         Some((seat.role.clone(), fleet.description(&seat.program)?.clone()))
     };
@@ -144,7 +145,7 @@ fn known(seats: &[ParticipantSlot], fleet: &Fleet) -> Vec<(String, Description)>
 fn refuse_misplaced(
     raw: &RawCase,
     sections: &[RawParticipant],
-    described: &[(String, Description)],
+    described: &[(String, Arc<Description>)],
 ) -> Result<(), RunError> {
     let misplaced = described.iter().filter_map(|(role, description)| {
         misplaced(sections.iter().find(|section| section.role == *role)?, description)
@@ -198,7 +199,7 @@ fn check_windows(case: &Case) -> Result<(), RunError> {
 
 fn route_case(
     case: &Case,
-    described: &[(String, Description)],
+    described: &[(String, Arc<Description>)],
     fleet: &Fleet,
 ) -> Result<Plan, RunError> {
     let candidates = case.participants.iter().filter_map(|p| {
@@ -240,7 +241,7 @@ fn route_case(
         let offers: Vec<_> = effects.map(|e| e.name.as_str()).collect();
         (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
     });
-    let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), d)).collect();
+    let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), &**d)).collect();
     let mut participants = participants(case, &running, (&fields, &live), scheme.scheme, fleet)?;
     let figures = figures::gather(participants.iter_mut(), case.bodies.as_ref());
     let diagrams = participants.iter().flat_map(|p| p.description.diagrams.clone()).collect();
@@ -406,7 +407,7 @@ fn participants(
             role: one.role.to_owned(),
             program: fleet.program(one.role, command),
             attach: settings.is_some_and(|p| p.attach),
-            description: one.description.clone(),
+            description: Arc::clone(one.description),
             configuration: Configuration {
                 role: one.role.to_owned(),
                 model: one.model.name.clone(),

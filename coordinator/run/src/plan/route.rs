@@ -8,6 +8,7 @@ use contract::suggest::any_of;
 use coupling::ParticipantIndex;
 use coupling::settings::Scheme;
 use coupling::windows::Windows;
+use std::sync::Arc;
 use typed_index_collections::TiSlice;
 
 /// Largest number of effects and models that the advice about a missing field names.
@@ -18,7 +19,7 @@ const MOST_PROVIDERS: usize = 4;
 pub(super) struct Candidate<'a> {
     pub(super) role: &'a str,
     pub(super) model: &'a ModelSpec,
-    pub(super) description: &'a Description,
+    pub(super) description: &'a Arc<Description>,
     /// Live values of the case that the participant reads.
     pub(super) live: Vec<&'a str>,
     /// Fields that values of keys require, each with its key.
@@ -134,7 +135,7 @@ pub(super) fn fields(
 }
 
 /// Returns the advice for a field that no participant provides: what would provide it.
-pub(super) fn provider(described: &[(String, Description)], field: &str) -> String {
+pub(super) fn provider(described: &[(String, Arc<Description>)], field: &str) -> String {
     let provides = |fields: &[String]| fields.iter().any(|provided| provided == field);
     let effects = described.iter().flat_map(|(role, description)| {
         let effects = description.effects.iter().filter(|effect| provides(&effect.provides));
@@ -283,7 +284,7 @@ mod tests {
             figures: Vec::new(),
         };
         let mech = Description { effects: vec![effect], ..Description::default() };
-        let described = [("mech".to_owned(), mech)];
+        let described = [("mech".to_owned(), Arc::new(mech))];
         let advice = "add [effects.friction_heat] of mech, or remove what needs it";
         assert_eq!(provider(&described, "friction_power"), advice);
         let nobody = "add a participant that provides it, or remove what needs it";

@@ -25,7 +25,8 @@ const SUMMARY_BYTES: u64 = 64 << 10;
 #[derive(Debug)]
 pub struct ResultFolder {
     claim: Claim,
-    log: File,
+    /// The log; none in a folder that is only passed through.
+    log: Option<File>,
     reserve: Mutex<Option<Reserve>>,
 }
 
@@ -40,6 +41,21 @@ impl ResultFolder {
     pub fn prepare(path: &Path, case: &Path, existing: Existing) -> Result<Self, RunError> {
         spare_case(path, case)?;
         Self::cleared(Claim::take(path, A_RUN, existing)?)
+    }
+
+    /// Takes an empty or earlier folder of this kind for a run whose summary is used at once: only
+    /// the tables of the run are written.
+    ///
+    /// # Errors
+    /// The folder holds other files.
+    pub fn transient(path: &Path) -> Result<Self, RunError> {
+        let claim = Claim::take(path, A_RUN, Existing::Replace)?;
+        Ok(Self { claim, log: None, reserve: Mutex::new(None) })
+    }
+
+    /// Returns whether the run writes more than its tables.
+    pub(crate) fn is_kept(&self) -> bool {
+        self.log.is_some()
     }
 
     /// Creates the folder NAME in `results`, or else NAME-2, and so on, and links it as the latest.
@@ -106,7 +122,7 @@ impl ResultFolder {
 
     fn with(claim: Claim, log: File) -> Result<Self, RunError> {
         let reserve = Reserve::keep(claim.dir(), RESERVE, SUMMARY_BYTES)?;
-        Ok(Self { claim, log, reserve: Mutex::new(Some(reserve)) })
+        Ok(Self { claim, log: Some(log), reserve: Mutex::new(Some(reserve)) })
     }
 
     /// Warning about a folder that cannot be locked.
@@ -177,7 +193,9 @@ impl ResultFolder {
 
     /// Returns the log, opened for writing.
     pub fn log(&self) -> Result<File, RunError> {
-        self.log.try_clone().map_err(|error| file_failure(&self.file(LOG), &error))
+        let log = self.log.as_ref().ok_or_else(|| io::Error::other("this run has no log"));
+        let log = log.and_then(File::try_clone);
+        log.map_err(|error| file_failure(&self.file(LOG), &error))
     }
 
     /// Writes a small file atomically: either the whole file exists, or none.
@@ -188,6 +206,9 @@ impl ResultFolder {
     /// Writes the summary. The first summary goes into reserved space, so that a full disk does not
     /// leave a run without one.
     pub fn write_summary(&self, content: &[u8]) -> Result<(), RunError> {
+        if !self.is_kept() {
+            return Ok(());
+        }
         let reserve = self.reserve.lock().unwrap_or_else(PoisonError::into_inner).take();
         match reserve {
             Some(reserve) => reserve.write(&self.file(SUMMARY), content),

@@ -125,7 +125,7 @@ impl Session {
         planned: &Participant,
     ) -> Result<(), RunError> {
         let found = self.peers.describe(participant, self.peers.deadlines().solve)?;
-        if found == planned.description {
+        if found == *planned.description {
             return Ok(());
         }
         let (name, version) = (found.name, found.version);

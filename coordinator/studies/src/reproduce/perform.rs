@@ -9,6 +9,7 @@ use console::output::Speaker;
 use console::steps::Steps;
 use run::error::{RunError, file_failure};
 use run::fleet::Fleet;
+use run::results::{Existing, ResultFolder};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -75,7 +76,8 @@ pub(super) fn perform(
 
 fn one(run: &Run, out: &Path, fleet: &mut Fleet) -> Result<Done, RunError> {
     let folder = Path::new("runs").join(&run.name);
-    let summary = study::run(&run.case, &run.variant, &out.join(&folder), fleet)?;
+    let into = ResultFolder::prepare(&out.join(&folder), &run.case, Existing::Replace)?;
+    let summary = study::run(&run.case, &run.variant, &into, fleet)?;
     let Changes { set, unset } = run.variant.clone();
     Ok(Done { name: run.name.clone(), set, unset, folder, summary })
 }

@@ -11,6 +11,7 @@ use console::steps::Steps;
 use run::error::RunError;
 use run::fleet::Fleet;
 use run::plan::Planned;
+use run::results::ResultFolder;
 use run::scratch::Scratch;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -327,7 +328,8 @@ impl Maker<'_> {
             let why = format!("{seconds:.1} s expected, above --longest-run {limit} s");
             return Outcome::LeftOut(why);
         }
-        match perform(self.case, &planned, stopwatch.since, scratch, fleet) {
+        let folder = ResultFolder::transient(scratch);
+        match folder.and_then(|folder| perform(&planned, stopwatch.since, &folder, fleet)) {
             Ok(summary) => {
                 let spent = RunCost::of(&summary, &stopwatch);
                 Outcome::Finished(Run { summary, spent, closed_forms: closed_forms(&planned) })

@@ -9,6 +9,7 @@ use crate::study::quantity::{Quantities, Quantity};
 use crate::study::runner::{Attempt, Outcome};
 use console::case_arguments::Changes;
 use console::keys;
+use contract::description::Description;
 use contract::diagram::Diagram;
 use contract::figure::value;
 use run::error::RunError;
@@ -118,15 +119,19 @@ fn about_results(summary: &Value) -> Vec<Warning> {
     all.into_iter().filter(|one| value(summary, one.key()).is_some()).collect()
 }
 
+fn descriptions(plan: &run::plan::Plan) -> Vec<Description> {
+    plan.participants.iter().map(|one| (*one.description).clone()).collect()
+}
+
 /// Units of the varied keys.
 fn units(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
-    let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
+    let described = descriptions(plan);
     keys::units(&described, design.vary.iter().map(|one| one.key.as_str()))
 }
 
 /// Names of the varied keys.
 fn names(plan: &run::plan::Plan, design: &Design) -> Vec<String> {
-    let described: Vec<_> = plan.participants.iter().map(|one| one.description.clone()).collect();
+    let described = descriptions(plan);
     keys::names(&described, design.vary.iter().map(|one| one.key.as_str()))
 }
 
