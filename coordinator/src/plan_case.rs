@@ -10,6 +10,7 @@ use run::fleet::Fleet;
 use run::plan::CaseOverview;
 use run::plan_file::PlanFile;
 use studies::advise;
+use studies::study::bench::Bench;
 
 /// Options of `coordinator plan`.
 #[derive(Debug, Args)]
@@ -43,8 +44,8 @@ impl Command for PlanCommand {
         if self.no_start {
             return context.print_lines(&CaseOverview(&self.case.alone()?).to_string());
         }
-        let mut fleet = Fleet::for_one_run();
-        let planned = self.case.plan(&mut fleet)?;
+        let mut bench = Bench::new(Fleet::for_one_run());
+        let planned = self.case.plan(&mut bench.fleet)?;
         if self.json {
             return print(&json(&PlanFile::of(&planned.plan)));
         }
@@ -53,7 +54,7 @@ impl Command for PlanCommand {
             false => planned.plan.to_string(),
         };
         if self.advise {
-            let advice = advise::advise(&self.case.case, &self.case.changes, &planned, &mut fleet)?;
+            let advice = advise::advise(&self.case.case, &self.case.changes, &planned, &mut bench)?;
             text += &advise::text(&advice, &planned);
         }
         context.print_lines(&text)

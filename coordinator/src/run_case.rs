@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
 use studies::accuracy::{Decision, Search, Target};
+use studies::study::bench::Bench;
 use studies::study::expected_seconds;
 
 /// Options of `coordinator run`.
@@ -192,23 +193,23 @@ fn run_case(
 /// Runs a case and states its error. A target selects models and resolution, and selects them again
 /// if the error turns out too large. An answer is replaced only by a complete better one.
 fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
-    let mut fleet = Fleet::for_study();
+    let mut bench = Bench::new(Fleet::for_study());
     let case = asked.case.as_ref().expect("required unless a run is resumed");
     let base = &asked.changes;
     let (relative, quantity) = (asked.accuracy, asked.quantity.clone());
     let mut search = match asked.extrapolate {
-        true => Search::extrapolate(case, base, quantity, &mut fleet)?,
-        false => Search::begin(case, base, Target { relative, quantity }, &mut fleet)?,
+        true => Search::extrapolate(case, base, quantity, &mut bench)?,
+        false => Search::begin(case, base, Target { relative, quantity }, &mut bench)?,
     };
     let mut answer: Option<ResultFolder> = None;
     loop {
         let chosen = RunCommand { changes: search.variant(), ..asked.clone() };
         let begin_at = Instant::now();
         let mut begun = match &answer {
-            None => begin(&chosen, &mut fleet, context.log)?,
-            Some(answer) => refine(&chosen, answer, &mut fleet, context.log)?,
+            None => begin(&chosen, &mut bench.fleet, context.log)?,
+            Some(answer) => refine(&chosen, answer, &mut bench.fleet, context.log)?,
         };
-        let mut outcome = perform(&begun, &mut fleet, &chosen, context);
+        let mut outcome = perform(&begun, &mut bench.fleet, &chosen, context);
         if outcome.error.is_some() {
             return conclude(&begun, outcome, &chosen, context);
         }

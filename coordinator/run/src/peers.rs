@@ -119,20 +119,6 @@ impl Peers {
         deadlines: Deadlines,
         recorder: Option<Arc<Recorder>>,
     ) -> Result<Self, RunError> {
-        Self::start_version(contract::PROTOCOL_VERSION, seats, deadlines, recorder)
-    }
-
-    /// Starts participants like [`Peers::start`], in a run that declares this version of the
-    /// contract.
-    ///
-    /// # Errors
-    /// The run's folder or ports cannot be created, or a program does not start.
-    pub fn start_version(
-        protocol: u32,
-        seats: &[ParticipantSlot],
-        deadlines: Deadlines,
-        recorder: Option<Arc<Recorder>>,
-    ) -> Result<Self, RunError> {
         let roles: Vec<String> = seats.iter().map(|seat| seat.role.clone()).collect();
         let run = RunDir::create(&roles).map_err(|error| {
             machine_failure(
@@ -142,7 +128,7 @@ impl Peers {
                 "COSIM_RUNTIME_DIR may name another folder of yours in memory",
             )
         })?;
-        let info = of_version(&run, protocol)?;
+        let info = run.info().clone();
         let (prefix, folder) = (&info.prefix, info.folder.display());
         tracing::info!(prefix, %folder, "run created");
         let opened = |error: TransportError| {
@@ -625,17 +611,6 @@ fn show(peer: &Peer, phase: Phase, screen: &dyn Progress) {
     if let Some((report, left)) = peer.advance() {
         screen.working(&Work { role: peer.role(), doing: phase.doing(), report, left });
     }
-}
-
-/// Returns the description of the run with this version of the contract.
-fn of_version(run: &RunDir, protocol: u32) -> Result<RunInfo, RunError> {
-    let info = RunInfo { protocol, ..run.info().clone() };
-    if protocol != run.info().protocol {
-        let text = serde_json::to_vec(&info).expect("a run's description is plain data");
-        let path = info.folder.join("run.json");
-        std::fs::write(&path, text).map_err(|error| crate::error::file_failure(&path, &error))?;
-    }
-    Ok(info)
 }
 
 fn launch(seats: &[ParticipantSlot], info: &RunInfo) -> Result<Supervisor, RunError> {

@@ -13,7 +13,7 @@ pub(crate) use study::Study;
 use crate::study::arguments::{RepeatArguments, StudyArguments};
 use crate::study::finished::FinishedRuns;
 use crate::study::output::{Printing, StudyFile, StudyPage};
-use crate::study::planned;
+
 use crate::study::runner::Runner;
 use clap::Args;
 use console::case_arguments::CaseArguments;
@@ -43,14 +43,14 @@ impl Command for AblateCommand {
     const EXAMPLES: &'static [&'static str] = &["coordinator ablate CASE"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let mut fleet = self.folder.fleet();
-        let standing = planned(&self.of.case, &self.of.changes, &mut fleet)?;
+        let mut bench = self.folder.bench();
+        let standing = bench.planned(&self.of.case, &self.of.changes)?;
         console::logging::log_warnings(&standing.plan.warnings);
         let none = FinishedRuns::none(&json!(self.times.repeat), &standing)?;
         let name = format!("{}-ablate", standing.plan.name);
         let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut runner = Runner::new(&self.of.case, &self.folder, fleet, printing.is_silent())?
+        let mut runner = Runner::new(&self.of.case, &self.folder, bench, printing.is_silent())?
             .keep_finished(none, &folder)?;
         runner.repeat = self.times.repeat;
         let study = study(&self.of, &standing, &mut runner)?;

@@ -29,16 +29,16 @@ mod target;
 
 pub use target::Target;
 
+use crate::study::bench::Bench;
 use crate::study::levels::{Level, standing};
 use crate::study::quantity::{Quantities, Quantity};
 use crate::study::richardson::{Estimate, Limit, Sample, too_narrow};
-use crate::study::{planned, run};
+
 use choice::Choice;
 use console::case_arguments::Changes;
 use contract::accuracy::EDGE_ELEMENTS;
 use contract::figure::Measure;
 use run::error::RunError;
-use run::fleet::Fleet;
 use run::results::ResultFolder;
 use run::scratch::Scratch;
 use run::warnings::Warning;
@@ -109,10 +109,10 @@ impl Search {
         case: &Path,
         base: &Changes,
         target: Target,
-        fleet: &mut Fleet,
+        bench: &mut Bench,
     ) -> Result<Self, RunError> {
-        let standing = planned(case, base, fleet)?;
-        let Choice { level, step } = choice::choose(case, base, &standing, &target, fleet)?;
+        let standing = bench.planned(case, base)?;
+        let Choice { level, step } = choice::choose(case, base, &standing, &target, bench)?;
         choice::refuse_resolution(&level, base)?;
         let window = choice::window(&standing.plan).map(|times| (times, step));
         let mut search = Self {
@@ -127,7 +127,7 @@ impl Search {
             runs: Vec::new(),
         };
         if search.level.steps() > 1 {
-            search.try_out(0, fleet)?;
+            search.try_out(0, bench)?;
             search.step = 1;
         }
         Ok(search)
@@ -141,9 +141,9 @@ impl Search {
         case: &Path,
         base: &Changes,
         quantity: Option<String>,
-        fleet: &mut Fleet,
+        bench: &mut Bench,
     ) -> Result<Self, RunError> {
-        let planned = planned(case, base, fleet)?;
+        let planned = bench.planned(case, base)?;
         let level = standing(&planned, base, &COARSER)?;
         let step = COARSER.len();
         let mut search = Self {
@@ -157,7 +157,7 @@ impl Search {
             step,
             runs: Vec::new(),
         };
-        (0..step).try_for_each(|coarser| search.try_out(coarser, fleet))?;
+        (0..step).try_for_each(|coarser| search.try_out(coarser, bench))?;
         Ok(search)
     }
 
@@ -179,12 +179,12 @@ impl Search {
     }
 
     /// Performs a run without fields at a resolution and notes its quantities.
-    fn try_out(&mut self, step: usize, fleet: &mut Fleet) -> Result<(), RunError> {
+    fn try_out(&mut self, step: usize, bench: &mut Bench) -> Result<(), RunError> {
         let begun = Instant::now();
         let scratch = Scratch::new()?;
         let folder = ResultFolder::transient(scratch.path())?;
         let variant = self.at(step).with("output.fields", "none");
-        let summary = run(&self.case, &variant, &folder, fleet)?;
+        let summary = bench.run(&self.case, &variant, &folder)?;
         self.note(step, &summary, begun.elapsed().as_secs_f64())
     }
 

@@ -3,15 +3,15 @@
 //! Participants estimate which figure an effect changes and by how much. The cost is the difference
 //! in expected time between two plans.
 
+use crate::study::bench::Bench;
 use crate::study::levels::reason;
 use crate::study::quantity::Quantities;
-use crate::study::{ends_study, expected_seconds, planned};
+use crate::study::{ends_study, expected_seconds};
 use console::case_arguments::Changes;
 use contract::advice::{Advice, Change, SIGNIFICANT_CHANGE};
 use contract::figure::FigureSpec;
 use run::advice::ask;
 use run::error::RunError;
-use run::fleet::Fleet;
 use run::format::{number, seconds};
 use run::plan::Planned;
 use std::fmt::Write as _;
@@ -75,15 +75,15 @@ pub fn advise(
     case: &Path,
     base: &Changes,
     standing: &Planned,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
 ) -> Result<Vec<Advised>, RunError> {
     let mut all = Vec::new();
-    let asked = ask(standing, fleet)?;
+    let asked = ask(standing, &mut bench.fleet)?;
     for advice in complete(asked, standing.plan.effects.iter().map(|one| &*one.name)) {
         let active = standing.case.effects.contains(&advice.effect);
         let mut one = Advised { advice, active, other: Other::Open };
         if active || !one.advice.set.is_empty() {
-            one.other = other(case, &one.changes(base), standing, fleet)?;
+            one.other = other(case, &one.changes(base), standing, bench)?;
         }
         all.push(one);
     }
@@ -107,9 +107,9 @@ fn other(
     case: &Path,
     changes: &Changes,
     standing: &Planned,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
 ) -> Result<Other, RunError> {
-    match planned(case, changes, fleet) {
+    match bench.planned(case, changes) {
         Ok(other) => {
             let plans = [&standing.plan, &other.plan];
             Ok(Other::Runs {

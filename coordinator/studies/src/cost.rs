@@ -27,7 +27,7 @@ use crate::study::axis::Axis;
 use crate::study::finished::FinishedRuns;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Printing, StudyFile, StudyPage};
-use crate::study::planned;
+
 use crate::study::runner::Runner;
 use clap::Args;
 use console::case_arguments::CaseArguments;
@@ -72,15 +72,15 @@ impl Command for CostCommand {
         &["coordinator cost CASE", "coordinator cost CASE --vary mech.resolution=5,10,20"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let mut fleet = self.folder.fleet();
+        let mut bench = self.folder.bench();
         let request = request(self)?;
-        let standing = planned(&request.case, &request.base, &mut fleet)?;
+        let standing = bench.planned(&request.case, &request.base)?;
         console::logging::log_warnings(&standing.plan.warnings);
         let none = FinishedRuns::none(&request.decides_runs(), &standing)?;
         let name = format!("{}-cost", standing.plan.name);
         let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut runner = Runner::new(&self.of.case, &self.folder, fleet, printing.is_silent())?
+        let mut runner = Runner::new(&self.of.case, &self.folder, bench, printing.is_silent())?
             .keep_finished(none, &folder)?;
         (runner.repeat, runner.longest_run) = (request.repeat, request.longest_run);
         let swept = sweep::sweep(&request, &standing, &mut runner)?;

@@ -93,10 +93,10 @@ pub(crate) fn reproduce(request: &Request, speaker: &mut Speaker) -> Result<(), 
     let study = Study::read(file)?;
     check::check(&study, file)?;
     render::rehearse(&study, file)?;
-    let mut fleet = request.folder.fleet();
-    let runs = perform::rehearse(&study, file, &mut fleet)?;
+    let mut bench = request.folder.bench();
+    let runs = perform::rehearse(&study, file, &mut bench)?;
     let folder = request.folder.choose(Record::COMMAND, &study.name, &Record::is_unfinished)?;
-    let record = perform::perform((&study, file), &runs, &folder, &mut fleet, speaker)?;
+    let record = perform::perform((&study, file), &runs, &folder, &mut bench, speaker)?;
     let out = folder.open()?;
     let rendered = Rendered::of(&record, &out)?;
     rendered.write(&out.join(render::TEXT), "img")?;

@@ -22,8 +22,9 @@ pub(crate) use report::{CaseReport, Report, RunResult, SweepReport};
 pub(crate) use suite::Suite;
 
 use crate::study::arguments::StudyArguments;
+use crate::study::bench::Bench;
+use crate::study::expected_run_seconds;
 use crate::study::output::{StudyFile, StudyPage};
-use crate::study::{expected_run_seconds, planned};
 use case_run::CaseRun;
 use clap::Args;
 use console::case_arguments::Changes;
@@ -33,7 +34,6 @@ use console::steps::Steps;
 use contract::text::json;
 use judge::judge;
 use run::error::{Failure, RunError};
-use run::fleet::Fleet;
 use run::results::write::replace;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -69,7 +69,7 @@ impl Command for StabilityCommand {
         &["coordinator stability", "coordinator stability --only tiny-load --no-sweep"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let mut fleet = self.folder.fleet();
+        let mut bench = self.folder.bench();
         let suite = Suite::read(&self.suite)?;
         // Report an unknown case before anything is printed.
         suite.chosen(&self.only)?;
@@ -82,7 +82,7 @@ impl Command for StabilityCommand {
         // folder.
         Report { schema: Report::SCHEMA, ..Report::default() }.write(&folder)?;
         speaker.say(&rows::head());
-        let report = stability(&request, &mut fleet, &mut speaker)?;
+        let report = stability(&request, &mut bench, &mut speaker)?;
         report.publish(&folder)?;
         if self.json {
             print(&json(&report))?;
@@ -129,7 +129,7 @@ pub(crate) struct Request {
 /// unexpected outcome of a case is part of the report and not an error.
 pub(crate) fn stability(
     request: &Request,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
     speaker: &mut Speaker,
 ) -> Result<Report, RunError> {
     let begun = Instant::now();
@@ -138,11 +138,11 @@ pub(crate) fn stability(
     let chosen = request.suite.chosen(&request.only)?;
     let quiet = speaker.is_quiet();
     let expected =
-        |entry: &&Entry| if quiet { 1.0 } else { expected_seconds(request, entry, fleet) };
+        |entry: &&Entry| if quiet { 1.0 } else { expected_seconds(request, entry, bench) };
     let mut steps = Steps::of_work(quiet, chosen.iter().map(expected).collect());
     for entry in chosen {
         steps.step(&entry.name);
-        let case = run_entry(request, entry, fleet)?;
+        let case = run_entry(request, entry, bench)?;
         steps.aside(|| speaker.say(&rows::case(&case)));
         report.cases.push(case);
     }
@@ -154,11 +154,10 @@ pub(crate) fn stability(
 
 /// Expected time of a case and its sweeps \[s\]. In the sweeps of a quick case, every run counts
 /// like the case itself, because planning them would take longer.
-fn expected_seconds(request: &Request, entry: &Entry, fleet: &mut Fleet) -> f64 {
+fn expected_seconds(request: &Request, entry: &Entry, bench: &mut Bench) -> f64 {
     const QUICK: f64 = 0.5;
-    let mut of = |variant: &Changes| {
-        expected_run_seconds(planned(&entry.case, variant, fleet).ok().as_ref())
-    };
+    let mut of =
+        |variant: &Changes| expected_run_seconds(bench.planned(&entry.case, variant).ok().as_ref());
     let base = entry.variant();
     let own = of(&base);
     let sweeps = if request.sweeps { entry.sweeps.as_slice() } else { &[] };
@@ -170,10 +169,10 @@ fn expected_seconds(request: &Request, entry: &Entry, fleet: &mut Fleet) -> f64 
     own + swept.sum::<f64>()
 }
 
-fn run_entry(request: &Request, entry: &Entry, fleet: &mut Fleet) -> Result<CaseReport, RunError> {
-    let row = run_one(request, entry, &entry.variant(), (&entry.name, &entry.expect), fleet)?;
+fn run_entry(request: &Request, entry: &Entry, bench: &mut Bench) -> Result<CaseReport, RunError> {
+    let row = run_one(request, entry, &entry.variant(), (&entry.name, &entry.expect), bench)?;
     let sweeps = match request.sweeps {
-        true => entry.sweeps.iter().map(|sweep| run_sweep(request, entry, sweep, fleet)).collect(),
+        true => entry.sweeps.iter().map(|sweep| run_sweep(request, entry, sweep, bench)).collect(),
         false => Ok(Vec::new()),
     };
     Ok(CaseReport {
@@ -191,7 +190,7 @@ fn run_sweep(
     request: &Request,
     entry: &Entry,
     sweep: &Sweep,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
 ) -> Result<SweepReport, RunError> {
     let mut rows = Vec::new();
     for value in &sweep.values {
@@ -202,7 +201,7 @@ fn run_sweep(
             entry,
             &variant,
             (&name, sweep.expected(value, &entry.expect)),
-            fleet,
+            bench,
         )?;
         rows.push((value.clone(), row));
     }
@@ -220,9 +219,9 @@ fn run_one(
     entry: &Entry,
     variant: &Changes,
     (name, expected): (&str, &Expected),
-    fleet: &mut Fleet,
+    bench: &mut Bench,
 ) -> Result<RunResult, RunError> {
-    let run = CaseRun::run(&entry.case, variant, &folder(&request.out, name), fleet)?;
+    let run = CaseRun::run(&entry.case, variant, &folder(&request.out, name), bench)?;
     Ok(judge(&run, expected, &entry.limits(&request.suite.every), &entry.checks))
 }
 

@@ -11,9 +11,9 @@ use crate::study::finished::FinishedRuns;
 use crate::study::levels::reason;
 use crate::study::output::{Printing, StudyFile, StudyPage};
 use crate::study::quantity::{Quantities, Quantity};
+use crate::study::refuse_unread;
 use crate::study::runner::{Outcome, Point, Runner};
 use crate::study::table::{Cell, Column, Table};
-use crate::study::{planned, refuse_unread};
 use clap::Args;
 use console::case_arguments::CaseArguments;
 use console::command::{Command, Context, Group};
@@ -54,10 +54,9 @@ impl Command for StatesCommand {
     const EXAMPLES: &'static [&'static str] = &["coordinator states CASE --start KEY=0..330/12"];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let mut fleet = self.folder.fleet();
+        let mut bench = self.folder.bench();
         let (case, key) = (&self.of.case, &self.start.key);
-        let standing =
-            planned(case, &self.of.changes.with(key, &self.start.values[0]), &mut fleet)?;
+        let standing = bench.planned(case, &self.of.changes.with(key, &self.start.values[0]))?;
         refuse_unread(&standing, key, "--start")?;
         console::logging::log_warnings(&standing.plan.warnings);
         refuse_one_state(&standing, case)?;
@@ -69,7 +68,7 @@ impl Command for StatesCommand {
         let name = format!("{}-states", standing.plan.name);
         let folder = self.folder.choose(Study::COMMAND, &name, &|folder| none.are_in(folder))?;
         let printing = Printing { json: self.json, quiet: context.quiet };
-        let mut runner = Runner::new(case, &self.folder, fleet, printing.is_silent())?
+        let mut runner = Runner::new(case, &self.folder, bench, printing.is_silent())?
             .keep_finished(none, &folder)?;
         let study = self.study(&standing, &starts, &mut runner)?;
         study.publish(&folder)?;

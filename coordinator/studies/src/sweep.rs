@@ -21,11 +21,12 @@ pub(crate) use table::tests;
 use crate::fit;
 use crate::study::arguments::StudyArguments;
 use crate::study::axis::Axis;
+use crate::study::bench::Bench;
 use crate::study::folder::StudyFolder;
 use crate::study::output::{Printing, StudyFile, StudyPage};
 use crate::study::quantity::Quantities;
 use crate::study::runner::{Point, Runner};
-use crate::study::{expected_run_seconds, planned, refuse_unread};
+use crate::study::{expected_run_seconds, refuse_unread};
 use clap::Args;
 use collect::earlier;
 use console::case_arguments::CaseArguments;
@@ -89,9 +90,9 @@ impl Command for SweepCommand {
         let design = self.points.design()?;
         let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
         let first = design.vary.iter().fold(base.clone(), first);
-        let mut fleet = Fleet::for_one_run();
-        let standing = planned(&case, &first, &mut fleet)?;
-        refuse_unread_keys((&case, &base), &design.vary, &standing, &mut fleet)?;
+        let mut bench = Bench::new(Fleet::for_one_run());
+        let standing = bench.planned(&case, &first)?;
+        refuse_unread_keys((&case, &base), &design.vary, &standing, &mut bench)?;
         console::logging::log_warnings(&standing.plan.warnings);
         let mut study = Study::new(&standing, case.display().to_string(), &base, design)?;
         study.part = self.part;
@@ -155,7 +156,7 @@ fn refuse_unread_keys(
     (case, base): (&Path, &Changes),
     vary: &[Axis],
     standing: &Planned,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
 ) -> Result<(), RunError> {
     let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
     for Axis { key, .. } in vary {
@@ -166,7 +167,8 @@ fn refuse_unread_keys(
             values.map(move |value| vary.iter().fold(base.clone(), first).with(&other.key, value))
         });
         let reads = |variant: Changes| {
-            planned(case, &variant, fleet)
+            bench
+                .planned(case, &variant)
                 .is_ok_and(|other| refuse_unread(&other, key, "--vary").is_ok())
         };
         if !others.any(reads) {
@@ -227,7 +229,7 @@ fn here(
     quiet: bool,
 ) -> Result<(), RunError> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let mut runner = Runner::new(&asked.of.case, &asked.folder, asked.folder.fleet(), quiet)?;
+    let mut runner = Runner::new(&asked.of.case, &asked.folder, asked.folder.bench(), quiet)?;
     runner.jobs = asked.jobs.map_or_else(cores, usize::from);
     let study = &sweep.study;
     let missing: Vec<Vec<usize>> = study.missing().into_iter().map(|n| study.point(n)).collect();

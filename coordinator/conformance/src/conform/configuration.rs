@@ -3,15 +3,16 @@
 use super::bench::TestBench;
 use super::check::Check;
 use super::fault::{CheckFailure, Finding, broken};
-use super::life::TestProcess;
+use super::life::{Subject, nothing_left};
 use super::setting::Setting;
 use contract::configuration::Configuration;
 use contract::description::{Description, KeySpec};
 use contract::message::{Command, CommandKind};
 use contract::params::Params;
-use run::peers::LEAVE;
+use proto::run_dir::{RunDir, RunInfo};
+use run::supervise::{Launch, Supervisor};
 use serde_json::{Value, json};
-use std::time::Instant;
+use std::{fs, slice};
 
 pub(super) const VERSION: Check = Check {
     name: "version",
@@ -65,12 +66,19 @@ pub(super) const UNKNOWN_FIELD: Check = Check {
 const OTHER_VERSION: u32 = 999;
 
 fn version(bench: &TestBench) -> Result<Finding, CheckFailure> {
-    let life = TestProcess::of_version(&bench.subject, OTHER_VERSION)?;
-    let deadline = Instant::now() + bench.subject.patience;
-    while life.ended().is_none() && Instant::now() < deadline {
-        std::thread::sleep(LEAVE / 1000);
-    }
-    let exit = life.leave("a run of another version")?;
+    let Subject { role, program, patience, .. } = bench.subject.clone();
+    let run = RunDir::create(slice::from_ref(&role))?;
+    let info = RunInfo { protocol: OTHER_VERSION, ..run.info().clone() };
+    fs::write(info.folder.join("run.json"), json!(info).to_string())?;
+    let supervisor = Supervisor::start(&[Launch { role, program }], &info.folder)
+        .map_err(|(_, error)| format!("it does not start: {error}"))?;
+    let exit = match supervisor.wait_for_exits(patience) {
+        true => supervisor.exits().pop(),
+        false => None,
+    };
+    drop((supervisor, run));
+    let exit = exit.ok_or_else(|| "it stays in a run of another version".to_owned())?;
+    nothing_left(&info)?;
     let words = exit.last_words.clone().unwrap_or_default();
     if exit.is_success() {
         return broken(format!("it {}", exit));

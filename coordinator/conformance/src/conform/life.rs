@@ -102,24 +102,11 @@ impl Feed {
 impl TestProcess {
     /// Starts the participant in its own run, without waiting for it to join.
     pub(super) fn start(subject: &Subject) -> Result<Self, CheckFailure> {
-        Self::of_version(subject, contract::PROTOCOL_VERSION)
-    }
-
-    /// Waits until the participant has joined.
-    pub(super) fn joined(mut self) -> Result<Self, CheckFailure> {
-        let joined = self.peers.joined(ParticipantIndex::FIRST, self.subject.patience);
-        joined.map_err(|stopped| self.fault(stopped, "joining the run"))?;
-        Ok(self)
-    }
-
-    /// Starts the participant in a run of this version of the contract, without waiting for it to
-    /// join.
-    pub(super) fn of_version(subject: &Subject, protocol: u32) -> Result<Self, CheckFailure> {
         let Subject { role, program, patience, .. } = subject.clone();
         let seat = ParticipantSlot { role, program, attach: false };
         let deadlines =
             Deadlines { start: patience, build: patience, solve: patience, heartbeat: NEVER };
-        let started = Peers::start_version(protocol, &[seat], deadlines, None);
+        let started = Peers::start(&[seat], deadlines, None);
         let peers = started.map_err(|error| match error {
             RunError::Failed(failure) => {
                 CheckFailure::Broken(format!("it does not start: {}", failure.what))
@@ -134,6 +121,13 @@ impl TestProcess {
             accepted: None,
             peers,
         })
+    }
+
+    /// Waits until the participant has joined.
+    pub(super) fn joined(mut self) -> Result<Self, CheckFailure> {
+        let joined = self.peers.joined(ParticipantIndex::FIRST, self.subject.patience);
+        joined.map_err(|stopped| self.fault(stopped, "joining the run"))?;
+        Ok(self)
     }
 
     /// Returns the folder of the run.

@@ -120,7 +120,7 @@ pub(super) fn study(
     standing: &Planned,
     runner: &mut Runner<'_>,
 ) -> Result<Study, RunError> {
-    let advised = advise(&of.case, &of.changes, standing, &mut runner.fleet)?;
+    let advised = advise(&of.case, &of.changes, standing, &mut runner.bench)?;
     let plan = &standing.plan;
     let quantities = Quantities::of_figures(&plan.figures);
     let mut interest = quantities.of_interest.clone();

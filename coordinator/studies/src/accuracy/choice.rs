@@ -1,13 +1,13 @@
 //! Chooses the cheapest models that can meet a target.
 
 use super::Target;
+use crate::study::bench::Bench;
 use crate::study::levels::{Level, all, reason};
-use crate::study::{ends_study, expected_seconds, planned};
+use crate::study::{ends_study, expected_seconds};
 use console::case_arguments::Changes;
 use contract::accuracy::Simplification;
 use coupling::windows::Windows;
 use run::error::RunError;
-use run::fleet::Fleet;
 use run::format::{number, percent};
 use run::plan::{Plan, Planned};
 use std::path::Path;
@@ -24,12 +24,12 @@ pub(super) fn choose(
     base: &Changes,
     standing: &Planned,
     target: &Target,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
 ) -> Result<Choice, RunError> {
     let mut best: Option<(f64, Choice)> = None;
     for level in chosen(standing, base).into_iter().filter(|level| level.silent.is_empty()) {
         let Some(step) = coarsest(&level, target) else { continue };
-        match planned(case, &level.at(step), fleet) {
+        match bench.planned(case, &level.at(step)) {
             Ok(planned) => {
                 let level = level.in_case(&planned);
                 // The simplifications of the models may be too large in this particular case.
@@ -43,7 +43,7 @@ pub(super) fn choose(
             Err(_) => {}
         }
     }
-    best.map(|(_, choice)| choice).ok_or_else(|| none((case, base), standing, target, fleet))
+    best.map(|(_, choice)| choice).ok_or_else(|| none((case, base), standing, target, bench))
 }
 
 /// Lists all levels, restricted to models that the user has set.
@@ -103,13 +103,13 @@ fn none(
     (case, base): (&Path, &Changes),
     standing: &Planned,
     target: &Target,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
 ) -> RunError {
     let mut best: Option<(f64, Level)> = None;
     let mut refused = Vec::new();
     for level in chosen(standing, base) {
         let name = level.name();
-        match planned(case, &level.variant, fleet) {
+        match bench.planned(case, &level.variant) {
             Ok(_) if !level.silent.is_empty() => {
                 let silent = level.silent.join(", ");
                 refused.push(format!("{name}: {silent} does not state its accuracy"));

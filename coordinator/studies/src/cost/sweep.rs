@@ -52,7 +52,7 @@ pub(super) fn sweep(
     runner: &mut Runner<'_>,
 ) -> Result<Sweep, RunError> {
     let ModelChoices { mut levels, refused } =
-        offered(&request.case, &request.base, &mut runner.fleet)?;
+        offered(&request.case, &request.base, &mut runner.bench)?;
     check(&levels, &refused, &request.vary)?;
     let set = request.base.values().map(|(key, value)| Axis::of_one(key, value));
     let held: Vec<Axis> = request.vary.iter().cloned().chain(set).collect();

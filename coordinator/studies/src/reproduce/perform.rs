@@ -2,13 +2,13 @@
 
 use super::study::{Run, Study};
 use crate::study;
+use crate::study::bench::Bench;
 use crate::study::folder::StudyFolder;
 use crate::study::output::StudyFile;
 use console::case_arguments::Changes;
 use console::output::Speaker;
 use console::steps::Steps;
 use run::error::{RunError, file_failure};
-use run::fleet::Fleet;
 use run::results::{Existing, ResultFolder};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -24,9 +24,9 @@ use std::time::Instant;
 pub(super) fn rehearse(
     study: &Study,
     file: &Path,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
 ) -> Result<Vec<(Run, f64)>, RunError> {
-    let rehearsed = |run: Run| match study::planned(&run.case, &run.variant, fleet) {
+    let rehearsed = |run: Run| match bench.planned(&run.case, &run.variant) {
         Ok(planned) => Ok((run, study::expected_run_seconds(Some(&planned)))),
         Err(error) => Err(of_run(&run, file, error)),
     };
@@ -41,7 +41,7 @@ pub(super) fn perform(
     (study, file): (&Study, &Path),
     runs: &[(Run, f64)],
     folder: &StudyFolder,
-    fleet: &mut Fleet,
+    bench: &mut Bench,
     speaker: &mut Speaker,
 ) -> Result<Record, RunError> {
     let out = folder.open()?;
@@ -59,7 +59,7 @@ pub(super) fn perform(
         let key = key(run);
         let done = match known.get(&key) {
             Some(same) => Done { name: run.name.clone(), ..same.clone() },
-            None => one(run, &out, fleet).map_err(|error| of_run(run, file, error))?,
+            None => one(run, &out, bench).map_err(|error| of_run(run, file, error))?,
         };
         let seconds = since.elapsed().as_secs_f64();
         let total = runs.len();
@@ -74,10 +74,10 @@ pub(super) fn perform(
     Ok(record)
 }
 
-fn one(run: &Run, out: &Path, fleet: &mut Fleet) -> Result<Done, RunError> {
+fn one(run: &Run, out: &Path, bench: &mut Bench) -> Result<Done, RunError> {
     let folder = Path::new("runs").join(&run.name);
     let into = ResultFolder::prepare(&out.join(&folder), &run.case, Existing::Replace)?;
-    let summary = study::run(&run.case, &run.variant, &into, fleet)?;
+    let summary = bench.run(&run.case, &run.variant, &into)?;
     let Changes { set, unset } = run.variant.clone();
     Ok(Done { name: run.name.clone(), set, unset, folder, summary })
 }

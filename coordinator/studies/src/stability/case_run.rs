@@ -1,11 +1,11 @@
 //! Performs one run, and collects its outcome, quantities and recorded fields.
 
 use crate::study;
+use crate::study::bench::Bench;
 use conformance::inspect::{self, ListFilter, RecordingSummary};
 use conformance::recording_file;
 use console::case_arguments::Changes;
 use run::error::RunError;
-use run::fleet::Fleet;
 use run::perform::{self, RunOptions};
 use run::plan::{Plan, Planned};
 use run::record::Compression;
@@ -41,16 +41,16 @@ impl CaseRun {
         case: &Path,
         variant: &Changes,
         folder: &Path,
-        fleet: &mut Fleet,
+        bench: &mut Bench,
     ) -> Result<Self, RunError> {
         let since = Instant::now();
-        let planned = match study::planned(case, variant, fleet) {
+        let planned = match bench.planned(case, variant) {
             Ok(planned) => planned,
             Err(error) if study::ends_study(&error) => return Err(error),
             Err(error) => return Ok(Self::refused(&error, since)),
         };
         let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-        Self::perform(&planned, &folder, since, fleet)
+        Self::perform(&planned, &folder, since, bench)
     }
 
     fn refused(error: &RunError, since: Instant) -> Self {
@@ -66,11 +66,11 @@ impl CaseRun {
         planned: &Planned,
         folder: &ResultFolder,
         since: Instant,
-        fleet: &mut Fleet,
+        bench: &mut Bench,
     ) -> Result<Self, RunError> {
         let record = Some(Compression::None);
         let options = RunOptions { record, ..RunOptions::planned_since(since) };
-        let outcome = perform::run(planned, fleet, folder, options);
+        let outcome = perform::run(planned, &mut bench.fleet, folder, options);
         let seconds = since.elapsed().as_secs_f64();
         let error = match outcome.error {
             Some(error) if study::ends_study(&error) => return Err(error),

@@ -1,5 +1,6 @@
 //! Command-line options shared by all studies.
 
+use super::bench::Bench;
 use super::folder::{FolderRequest, StudyFolder};
 use clap::Args;
 use run::error::RunError;
@@ -30,6 +31,12 @@ pub struct StudyArguments {
 }
 
 impl StudyArguments {
+    /// Returns a bench without cases, with the fleet of [`StudyArguments::fleet`].
+    #[must_use]
+    pub fn bench(&self) -> Bench {
+        Bench::new(self.fleet())
+    }
+
     /// Returns a fleet whose participants stay from one run to the next, unless `--fresh` is set.
     #[must_use]
     pub fn fleet(&self) -> Fleet {

@@ -1,13 +1,13 @@
 //! Models and resolutions that the installed programs offer for a case: every combination of models
 //! that can run the case, and the resolutions that the models recommend.
 
+use super::ends_study;
 use super::richardson::ORDER_OF_LIMITS;
-use super::{ends_study, planned};
+use crate::study::bench::Bench;
 use case::Problem;
 use console::case_arguments::Changes;
 use contract::accuracy::{Refinement, Simplification};
 use run::error::RunError;
-use run::fleet::Fleet;
 use run::plan::Planned;
 use std::path::Path;
 
@@ -171,10 +171,10 @@ fn set_to(participant: &run::plan::Participant, key: &str) -> Option<u32> {
 ///
 /// # Errors
 /// The case itself is invalid.
-pub fn offered(case: &Path, base: &Changes, fleet: &mut Fleet) -> Result<ModelChoices, RunError> {
+pub fn offered(case: &Path, base: &Changes, bench: &mut Bench) -> Result<ModelChoices, RunError> {
     let (mut levels, mut others) = (Vec::new(), Vec::new());
-    for level in all(&planned(case, base, fleet)?, base) {
-        match planned(case, &level.variant, fleet) {
+    for level in all(&bench.planned(case, base)?, base) {
+        match bench.planned(case, &level.variant) {
             Ok(planned) => levels.push(level.in_case(&planned)),
             Err(error) if ends_study(&error) => return Err(error),
             Err(error) => others.push((level, reason(&error))),

@@ -2,14 +2,14 @@
 //! finished before an interruption are not repeated.
 
 use super::arguments::StudyArguments;
+use super::bench::Bench;
 use super::finished::{FinishedRuns, Run};
 use super::folder::StudyFolder;
 use super::spent::{RunCost, Stopwatch};
-use super::{ends_study, expected_run_seconds, expected_seconds, perform, planned};
+use super::{ends_study, expected_run_seconds, expected_seconds};
 use console::case_arguments::Changes;
 use console::steps::Steps;
 use run::error::RunError;
-use run::fleet::Fleet;
 use run::plan::Planned;
 use run::results::ResultFolder;
 use run::scratch::Scratch;
@@ -63,7 +63,7 @@ pub(crate) struct Runner<'a> {
     case: &'a Path,
     arguments: &'a StudyArguments,
     /// Participants of runs that are performed one by one.
-    pub(crate) fleet: Fleet,
+    pub(crate) bench: Bench,
     quiet: bool,
     scratch: Scratch,
     /// Repetitions of each run; the shortest times count.
@@ -84,13 +84,13 @@ impl<'a> Runner<'a> {
     pub(crate) fn new(
         case: &'a Path,
         arguments: &'a StudyArguments,
-        fleet: Fleet,
+        bench: Bench,
         quiet: bool,
     ) -> Result<Self, RunError> {
         Ok(Self {
             case,
             arguments,
-            fleet,
+            bench,
             quiet,
             scratch: Scratch::new()?,
             repeat: 1,
@@ -168,7 +168,7 @@ impl<'a> Runner<'a> {
                 Some(known) => known,
                 None => {
                     let maker = self.maker();
-                    maker.make(&point.changes, self.scratch.path(), &mut self.fleet)
+                    maker.make(&point.changes, self.scratch.path(), &mut self.bench)
                 }
             };
             self.keep(point, &attempt)?;
@@ -195,14 +195,17 @@ impl<'a> Runner<'a> {
         }
         let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
         let scratch = self.scratch.path().to_owned();
-        let maker = self.maker();
+        let (maker, cases) = (self.maker(), self.bench.cases().clone());
         let outcome = thread::scope(|scope| {
             let (send, receive) = mpsc::channel();
             for job in 0..jobs {
-                let (send, maker, scratch, open, next, stopped) =
-                    (send.clone(), &maker, &scratch, &open, &next, &stopped);
-                let place = (scratch.as_path(), job);
-                scope.spawn(move || maker.work_off(open, place, (next, stopped), &send));
+                let (send, maker, open, next, stopped) =
+                    (send.clone(), &maker, &open, &next, &stopped);
+                let (folder, cases) = (scratch.join(job.to_string()), cases.clone());
+                scope.spawn(move || {
+                    let bench = Bench::with(cases, maker.arguments.fleet());
+                    maker.work_off(open, (bench, &folder), (next, stopped), &send);
+                });
             }
             drop(send);
             let mut outcome = Ok(());
@@ -242,7 +245,7 @@ impl<'a> Runner<'a> {
             if self.finished(point).is_some() {
                 return Ok(0.0);
             }
-            match planned(self.case, &point.changes, &mut self.fleet) {
+            match self.bench.planned(self.case, &point.changes) {
                 Err(error) if ends_study(&error) => Err(error),
                 planned => {
                     let made = planned.ok();
@@ -287,28 +290,26 @@ impl Maker<'_> {
     fn work_off(
         &self,
         open: &[(usize, &Point)],
-        (scratch, job): (&Path, usize),
+        (mut bench, folder): (Bench, &Path),
         (next, stopped): (&AtomicUsize, &AtomicBool),
         send: &Sender<(usize, Attempt)>,
     ) {
-        let mut fleet = self.arguments.fleet();
-        let folder = scratch.join(job.to_string());
         while !stopped.load(Ordering::Relaxed) {
             let next = next.fetch_add(1, Ordering::Relaxed);
             let Some((n, point)) = open.get(next) else { return };
-            if send.send((*n, self.make(&point.changes, &folder, &mut fleet))).is_err() {
+            if send.send((*n, self.make(&point.changes, folder, &mut bench))).is_err() {
                 return;
             }
         }
     }
 
     /// Performs a run with its repetitions.
-    fn make(&self, changes: &Changes, scratch: &Path, fleet: &mut Fleet) -> Attempt {
+    fn make(&self, changes: &Changes, scratch: &Path, bench: &mut Bench) -> Attempt {
         let silent = changes.with("output.fields", "none");
         let begun = Instant::now();
         let mut made: Option<Run> = None;
         for _ in 0..self.repeat {
-            match self.once(&silent, scratch, fleet) {
+            match self.once(&silent, scratch, bench) {
                 Outcome::Finished(run) => made = Some(run.with_least_times_of(made)),
                 outcome => return Attempt { outcome, wall_s: begun.elapsed().as_secs_f64() },
             }
@@ -317,9 +318,9 @@ impl Maker<'_> {
         Attempt { wall_s: run.spent.wall_s, outcome: Outcome::Finished(run) }
     }
 
-    fn once(&self, changes: &Changes, scratch: &Path, fleet: &mut Fleet) -> Outcome {
+    fn once(&self, changes: &Changes, scratch: &Path, bench: &mut Bench) -> Outcome {
         let stopwatch = Stopwatch::start();
-        let planned = match planned(self.case, changes, fleet) {
+        let planned = match bench.planned(self.case, changes) {
             Ok(planned) => planned,
             Err(error) => return Outcome::Failed(error),
         };
@@ -329,7 +330,7 @@ impl Maker<'_> {
             return Outcome::LeftOut(why);
         }
         let folder = ResultFolder::transient(scratch);
-        match folder.and_then(|folder| perform(&planned, stopwatch.since, &folder, fleet)) {
+        match folder.and_then(|folder| bench.perform(&planned, stopwatch.since, &folder)) {
             Ok(summary) => {
                 let spent = RunCost::of(&summary, &stopwatch);
                 Outcome::Finished(Run { summary, spent, closed_forms: closed_forms(&planned) })
@@ -360,7 +361,7 @@ mod tests {
     fn a_long_table_is_not_planned_before_its_first_run() {
         let arguments = StudyArguments { out: None, replace: false, fresh: true };
         let mut runner =
-            Runner::new(Path::new("absent.toml"), &arguments, arguments.fleet(), false).unwrap();
+            Runner::new(Path::new("absent.toml"), &arguments, arguments.bench(), false).unwrap();
         let point = Point { name: String::new(), changes: Changes::default() };
         // Points that cannot be planned have no work.
         assert_eq!(runner.work(&vec![point.clone(); 2]).unwrap(), [0.0; 2]);
