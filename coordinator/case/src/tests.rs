@@ -179,7 +179,7 @@ fn thermal() -> Description {
 }
 
 fn descriptions() -> Vec<(String, Arc<Description>)> {
-    vec![("mech".to_owned(), mech()), ("thermal".to_owned(), thermal())]
+    vec![("mech".to_owned(), mech().into()), ("thermal".to_owned(), thermal().into())]
 }
 
 /// Reads and validates a case.

@@ -8,6 +8,7 @@ use contract::field;
 use coupling::map::{Basis, Kernel, Method};
 use coupling::settings::{Acceleration, Predictor, Scheme, Tolerances};
 use serde_json::json;
+use std::sync::Arc;
 
 #[test]
 fn settings_have_their_values_and_defaults() {
@@ -188,7 +189,7 @@ fn a_refusal_of_a_participant_gets_its_place() {
 fn groups_and_products_work_within_each_entry_of_a_table() {
     let mut descriptions = descriptions();
     let layer = |name: &str| KeySpec::number(&format!("layers.*.{name}"), "layer");
-    descriptions[0].1.effects.push(effect(
+    Arc::make_mut(&mut descriptions[0].1).effects.push(effect(
         "layers",
         &["half-space"],
         vec![
@@ -217,10 +218,10 @@ fn groups_and_products_work_within_each_entry_of_a_table() {
 #[test]
 fn an_alternative_that_the_chosen_model_does_not_read_is_reported() {
     let mut descriptions = descriptions();
-    let keys = &mut descriptions[0].1.keys;
+    let keys = &mut Arc::make_mut(&mut descriptions[0].1).keys;
     let force = keys.iter().position(|k| k.path == "motion.tangential_force").unwrap();
     let force = keys.remove(force);
-    descriptions[0].1.models[0].keys.push(force);
+    Arc::make_mut(&mut descriptions[0].1).models[0].keys.push(force);
     let text = GOOD.replace("traction_coefficient = 0.58", "tangential_force = 1000");
     let raw = RawCase::parse("case.toml", &text).unwrap();
     let error = validate(&raw, &descriptions, &[]).unwrap_err();
@@ -238,7 +239,7 @@ fn a_case_of_one_participant_of_ones_own() {
     own.keys.clear();
     let text = "[case]\nname = \"x\"\n[track]\nmodel = \"half-space\"\ncommand = [\"t\"]\n";
     let raw = RawCase::parse("case.toml", text).unwrap();
-    let case = validate(&raw, &[("track".to_owned(), own)], &[]).unwrap();
+    let case = validate(&raw, &[("track".to_owned(), own.into())], &[]).unwrap();
     assert_eq!(case.participants[0].role, "track");
     let idle = "[case]\nname = \"x\"\n[thermal]\n";
     let error = super::case(idle).unwrap_err();
@@ -258,10 +259,11 @@ fn keys_of_the_program_that_is_replaced_are_noted() {
     let simple = &mut descriptions[1].1;
     let mut own = simple.keys.clone();
     own.retain(|key| !key.path.starts_with("thermal."));
+    let simple = Arc::make_mut(simple);
     (simple.keys, simple.models[0].keys) = (own, Vec::new());
     let more = ["thermal.resolution=3", "thermal.mesh.size=2"];
     let mut usual = vec![usual[1].clone()];
-    usual[0].1.models[0].keys.extend([
+    Arc::make_mut(&mut usual[0].1).models[0].keys.extend([
         KeySpec::integer("thermal.resolution", "elements"),
         KeySpec::number("thermal.mesh.*", "any of them"),
     ]);
