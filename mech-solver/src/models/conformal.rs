@@ -24,6 +24,7 @@ mod window;
 
 use super::contact_model::ContactModel;
 use super::grids::fields_over;
+use crate::case::scene::Scene;
 use crate::models::expected::refinement;
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
@@ -77,7 +78,12 @@ fn spec() -> ModelSpec {
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let case = Case::read(configuration)?;
     let footprint = Footprint::of(configuration, &case)?;
-    let layout = layout(configuration, &case, &footprint);
+    let mut layout = layout(configuration, &case, &footprint);
+    // The contact has room within its grid. The slip zone of a contact that adheres is not known.
+    if !terms.adhesion || Scene::read(&configuration.case)?.slides() {
+        let name = field::FRICTION_POWER.name.to_owned();
+        layout.extents.insert(name, footprint.semi_axes);
+    }
     let configuration = configuration.clone();
     Ok(Setup::new(layout, move |_| {
         let running = Running::new(case, &footprint, terms, &configuration);

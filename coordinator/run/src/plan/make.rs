@@ -13,6 +13,7 @@ use super::volume;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::fleet::Fleet;
+use crate::format::number;
 use crate::peers::{COORDINATOR, ParticipantSlot};
 use crate::programs::{self, Program};
 use crate::warnings::Warning;
@@ -240,8 +241,8 @@ fn check_roles(case: &Case) -> Result<(), RunError> {
             Control::Adaptive { shortest, .. } => (shortest, "time.window_min"),
         };
         if end / least > MOST_WINDOWS {
-            let most = format!("{MOST_WINDOWS:.0e} at most");
-            let reason = format!("{:.1e} windows up to time.end, {most}", end / least);
+            let most = format!("{MOST_WINDOWS} at most", MOST_WINDOWS = number(MOST_WINDOWS, 1));
+            let reason = format!("{} windows up to time.end, {most}", number(end / least, 2));
             problems.push(case.problem_at(key, reason, "choose longer windows"));
         }
     }
@@ -439,6 +440,7 @@ fn participants(
                 grid: None,
                 moves: false,
                 peak: None,
+                extent: None,
             })
             .chain(live::inputs(live, index))
             .collect();
@@ -557,5 +559,6 @@ fn fill_input_grids(plan: &mut Plan, index: ParticipantIndex) {
         let layout = producer.and_then(|(_, layout)| layout.as_ref());
         input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
         input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
+        input.extent = layout.and_then(|l| l.extents.get(&input.field.name)).copied();
     }
 }

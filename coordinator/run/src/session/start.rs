@@ -156,6 +156,7 @@ impl Session {
                 let layout = producer.and_then(|index| layouts.get(index));
                 input.grid = layout.and_then(|l| l.grid_of(&input.field.name)).cloned();
                 input.peak = layout.and_then(|l| l.peaks.get(&input.field.name)).copied();
+                input.extent = layout.and_then(|l| l.extents.get(&input.field.name)).copied();
                 input.moves = is_informed(plan, &layouts, input);
             }
             let patience = self.peers.deadlines().solve;
