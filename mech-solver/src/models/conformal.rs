@@ -82,7 +82,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
     // The contact has room within its grid. The slip zone of a contact that adheres is not known.
     if !terms.adhesion || Scene::read(&configuration.case)?.slides() {
         let name = field::FRICTION_POWER.name.to_owned();
-        layout.extents.insert(name, footprint.semi_axes);
+        layout.extents.insert(name, footprint.pointed);
     }
     let configuration = configuration.clone();
     Ok(Setup::new(layout, move |_| {

@@ -4,7 +4,7 @@
 use super::common::{NoInputs, Run, Store, assert_close, configuration, paper, run};
 use elastic::{carter, cattaneo, kalker};
 use mech_solver::MechSolver;
-use proto::configuration::Mode;
+use proto::configuration::{Configuration, Mode};
 use proto::grid::Structured;
 use proto::model::{Model, Solver, Step, StepError};
 use proto::progress::Progress;

@@ -18,7 +18,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
 use proto::params::Params;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Default number of elements per semi-axis.
 const ELEMENTS: usize = 20;
@@ -198,6 +198,9 @@ pub(super) struct Footprint {
     pub(super) grid: Structured,
     /// Semi-axes, or equivalent values for other contacts [m].
     pub(super) semi_axes: [f64; 2],
+    /// Semi-axes of the ellipse with the same load and largest pressure [m], if smaller: pressures
+    /// of conformal contacts are more pointed than Hertz's.
+    pub(super) pointed: [f64; 2],
 }
 
 impl Footprint {
@@ -211,7 +214,7 @@ impl Footprint {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
         let mut params = configuration.case.clone();
         let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        let mut semi_axes = [0.0_f64; 2];
+        let (mut semi_axes, mut pointed) = ([0.0_f64; 2], [0.0_f64; 2]);
         let mut finest = f64::INFINITY;
         for row in 0..rows {
             if let Some(histories) = &configuration.histories {
@@ -220,7 +223,9 @@ impl Footprint {
             let fitted = coarse(case, &params)?;
             let moments = Moments::of(&fitted.grid, &fitted.pressure);
             finest = finest.min(moments.semi_axes[0]);
+            let narrower = narrower(&fitted, moments.semi_axes);
             for axis in 0..2 {
+                pointed[axis] = pointed[axis].max(narrower * moments.semi_axes[axis]);
                 semi_axes[axis] = semi_axes[axis].max(moments.semi_axes[axis]);
                 let [low, high] = range(&fitted, axis);
                 ranges[axis] = [ranges[axis][0].min(low), ranges[axis][1].max(high)];
@@ -249,7 +254,7 @@ impl Footprint {
             nx as usize,
             ny as usize,
         );
-        Ok(Self { grid, semi_axes })
+        Ok(Self { grid, semi_axes, pointed })
     }
 
     /// Angles of the surface at both ends of the grid [rad].
@@ -285,6 +290,14 @@ fn coarse(case: &Case, params: &Params) -> Result<FittedContact, Refusal> {
             "lower the load, or increase the difference of the radii",
         )
     })
+}
+
+/// Ratio of the axes of the ellipse with the load and the largest pressure of a contact to the
+/// semi-axes of its pressure; at most 1.
+fn narrower(fitted: &FittedContact, [a, b]: [f64; 2]) -> f64 {
+    let highest = fitted.pressure.iter().copied().fold(0.0, f64::max);
+    let load = fitted.pressure.iter().sum::<f64>() * fitted.grid.element_area();
+    (load / (TAU / 3.0 * a * b * highest)).sqrt().min(1.0)
 }
 
 /// Range of the elements in contact along an axis [m].
