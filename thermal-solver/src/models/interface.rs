@@ -240,12 +240,18 @@ impl Interface {
             Some((law, pressure)) => {
                 let largest = pressure.iter().copied().fold(0.0, f64::max);
                 // The mean of a conductance that grows with the pressure contains the area.
-                let by_area = *varies && law.hardness.is_none();
-                let area = |at: usize| match by_area {
-                    true => touching_area(pressure, columns, at),
-                    false => 1.0,
+                let by_area = law.hardness.is_none();
+                let area = |at: usize| touching_area(pressure, columns, at);
+                // Hats over elements of different conductance do not settle: the conductance is
+                // that of the whole area of contact, spread evenly.
+                let mean =
+                    elements.clone().map(|at| area(*at)).sum::<f64>() / elements.len() as f64;
+                let share = |at: usize| match (by_area, *varies) {
+                    (false, _) => 1.0,
+                    (true, true) => area(at),
+                    (true, false) => mean,
                 };
-                let resistance = |at: &usize| law.resistance(pressure[*at], largest) / area(*at);
+                let resistance = |at: &usize| law.resistance(pressure[*at], largest) / share(*at);
                 resistances.extend(elements.map(resistance));
             }
         }
