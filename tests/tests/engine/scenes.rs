@@ -108,8 +108,8 @@ fn elements_exchange_heat_through_the_area_of_contact() {
 }
 
 /// The error that a run states for `columns` under a conformal contact with a locked wheel is the
-/// one against conduction in three dimensions, within 3 % of it: the pressure is not quite that of
-/// an ellipse. The grid of the contact, by 15 % and two elements longer, stated 35 % for 56 %.
+/// one against conduction in three dimensions: not below it, and at most 6 % of it above, because
+/// the pressure is no ellipse. The grid, 15 % and two elements longer, stated 35 % for 56 %.
 #[test]
 fn conformal_contacts_state_the_error_of_a_body_at_rest() {
     let settings = [
@@ -133,7 +133,7 @@ fn conformal_contacts_state_the_error_of_a_body_at_rest() {
     let warning = warnings.find(|warning| warning["quantity"] == "relative error").unwrap();
     let stated = warning["value"].as_f64().unwrap();
     println!("{:.1} % stated, {:.1} % found", 1e2 * stated, 1e2 * error);
-    assert!((stated / error - 1.0).abs() < 0.03, "{stated} stated, {error} found");
+    assert!((0.995..1.06).contains(&(stated / error)), "{stated} stated, {error} found");
 }
 
 /// A fixed point heated by q0 = f p0 V/2 since the start: rise 2 q0 √(t/π)/β. Tolerance 0.5 %: the

@@ -18,7 +18,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
 use proto::params::Params;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Default number of elements per semi-axis.
 const ELEMENTS: usize = 20;
@@ -198,8 +198,8 @@ pub(super) struct Footprint {
     pub(super) grid: Structured,
     /// Semi-axes, or equivalent values for other contacts [m].
     pub(super) semi_axes: [f64; 2],
-    /// Semi-axes of the ellipse with the same load and largest pressure [m], if smaller: pressures
-    /// of conformal contacts are more pointed than Hertz's.
+    /// Semi-axes of an ellipse that fits the middle [m], see [`narrowed`]: pressures of conformal
+    /// contacts are more pointed than Hertz's.
     pub(super) pointed: [f64; 2],
 }
 
@@ -223,9 +223,9 @@ impl Footprint {
             let fitted = coarse(case, &params)?;
             let moments = Moments::of(&fitted.grid, &fitted.pressure);
             finest = finest.min(moments.semi_axes[0]);
-            let narrower = narrower(&fitted, moments.semi_axes);
+            let narrow = narrowed(&fitted, moments.semi_axes);
             for axis in 0..2 {
-                pointed[axis] = pointed[axis].max(narrower * moments.semi_axes[axis]);
+                pointed[axis] = pointed[axis].max(narrow[axis]);
                 semi_axes[axis] = semi_axes[axis].max(moments.semi_axes[axis]);
                 let [low, high] = range(&fitted, axis);
                 ranges[axis] = [ranges[axis][0].min(low), ranges[axis][1].max(high)];
@@ -292,12 +292,23 @@ fn coarse(case: &Case, params: &Params) -> Result<FittedContact, Refusal> {
     })
 }
 
-/// Ratio of the axes of the ellipse with the load and the largest pressure of a contact to the
-/// semi-axes of its pressure; at most 1.
-fn narrower(fitted: &FittedContact, [a, b]: [f64; 2]) -> f64 {
-    let highest = fitted.pressure.iter().copied().fold(0.0, f64::max);
-    let load = fitted.pressure.iter().sum::<f64>() * fitted.grid.element_area();
-    (load / (TAU / 3.0 * a * b * highest)).sqrt().min(1.0)
+/// Semi-axes of the ellipse with the largest pressure and the pressures a quarter of the semi-axes
+/// beside it [m], at most these semi-axes. They count for the temperature of its middle.
+fn narrowed(fitted: &FittedContact, semi_axes: [f64; 2]) -> [f64; 2] {
+    let FittedContact { grid, pressure, .. } = fitted;
+    let highest = |one: &usize, other: &usize| pressure[*one].total_cmp(&pressure[*other]);
+    let Some(middle) = (0..pressure.len()).max_by(highest) else { return semi_axes };
+    let sides = [(grid.dx(), 1), (grid.dy(), grid.ni)];
+    [0, 1].map(|k| {
+        let (side, stride) = sides[k];
+        let count = (0.25 * semi_axes[k] / side).round().max(1.0);
+        let step = count as usize * stride;
+        let beside = [middle.checked_sub(step), Some(middle + step)];
+        let at = |place: Option<usize>| place.and_then(|at| pressure.get(at)).copied();
+        let sum: f64 = beside.into_iter().map(|place| at(place).unwrap_or(0.0)).sum();
+        let share = (0.5 * sum / pressure[middle]).min(1.0 - 1e-6);
+        semi_axes[k].min(count * side / (1.0 - share * share).sqrt())
+    })
 }
 
 /// Range of the elements in contact along an axis [m].
