@@ -198,9 +198,6 @@ pub(super) struct Footprint {
     pub(super) grid: Structured,
     /// Semi-axes, or equivalent values for other contacts [m].
     pub(super) semi_axes: [f64; 2],
-    /// Semi-axes of an ellipse that fits the middle [m], see [`narrowed`]: pressures of conformal
-    /// contacts are more pointed than Hertz's.
-    pub(super) pointed: [f64; 2],
 }
 
 impl Footprint {
@@ -214,7 +211,7 @@ impl Footprint {
         let rows = configuration.histories.as_ref().map_or(1, |histories| histories.times.len());
         let mut params = configuration.case.clone();
         let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        let (mut semi_axes, mut pointed) = ([0.0_f64; 2], [0.0_f64; 2]);
+        let mut semi_axes = [0.0_f64; 2];
         let mut finest = f64::INFINITY;
         for row in 0..rows {
             if let Some(histories) = &configuration.histories {
@@ -223,9 +220,7 @@ impl Footprint {
             let fitted = coarse(case, &params)?;
             let moments = Moments::of(&fitted.grid, &fitted.pressure);
             finest = finest.min(moments.semi_axes[0]);
-            let narrow = narrowed(&fitted, moments.semi_axes);
             for axis in 0..2 {
-                pointed[axis] = pointed[axis].max(narrow[axis]);
                 semi_axes[axis] = semi_axes[axis].max(moments.semi_axes[axis]);
                 let [low, high] = range(&fitted, axis);
                 ranges[axis] = [ranges[axis][0].min(low), ranges[axis][1].max(high)];
@@ -254,7 +249,7 @@ impl Footprint {
             nx as usize,
             ny as usize,
         );
-        Ok(Self { grid, semi_axes, pointed })
+        Ok(Self { grid, semi_axes })
     }
 
     /// Angles of the surface at both ends of the grid [rad].
@@ -289,25 +284,6 @@ fn coarse(case: &Case, params: &Params) -> Result<FittedContact, Refusal> {
             format!("{error}; the contact spans more than ±81° of the surface"),
             "lower the load, or increase the difference of the radii",
         )
-    })
-}
-
-/// Semi-axes of the ellipse with the largest pressure and the pressures a quarter of the semi-axes
-/// beside it [m], at most these semi-axes. They count for the temperature of its middle.
-fn narrowed(fitted: &FittedContact, semi_axes: [f64; 2]) -> [f64; 2] {
-    let FittedContact { grid, pressure, .. } = fitted;
-    let highest = |one: &usize, other: &usize| pressure[*one].total_cmp(&pressure[*other]);
-    let Some(middle) = (0..pressure.len()).max_by(highest) else { return semi_axes };
-    let sides = [(grid.dx(), 1), (grid.dy(), grid.ni)];
-    [0, 1].map(|k| {
-        let (side, stride) = sides[k];
-        let count = (0.25 * semi_axes[k] / side).round().max(1.0);
-        let step = count as usize * stride;
-        let beside = [middle.checked_sub(step), Some(middle + step)];
-        let at = |place: Option<usize>| place.and_then(|at| pressure.get(at)).copied();
-        let sum: f64 = beside.into_iter().map(|place| at(place).unwrap_or(0.0)).sum();
-        let share = (0.5 * sum / pressure[middle]).min(1.0 - 1e-6);
-        semi_axes[k].min(count * side / (1.0 - share * share).sqrt())
     })
 }
 

@@ -30,7 +30,7 @@ impl Running {
         terms: Terms,
         configuration: &Configuration,
     ) -> Self {
-        let Footprint { grid, semi_axes, .. } = *footprint;
+        let Footprint { grid, semi_axes } = *footprint;
         let solver = {
             let surfaces = (case.arcs, case.turn);
             ConformalSolver::new(&case.materials, surfaces, &grid, semi_axes, case.difference)
