@@ -1,7 +1,7 @@
 //! `coordinator completions` and `coordinator man`: files for shells and for `man`, from the list
 //! of commands.
 
-use clap::Args;
+use clap::{ArgAction, Args};
 use console::command::{Command, Context, Group};
 use console::output::print;
 use run::error::{RunError, file_failure};
@@ -56,7 +56,8 @@ impl Command for ManCommand {
             let name = one.get_display_name().unwrap_or(one.get_name()).to_owned();
             let mut page = Vec::new();
             let path = folder.join(format!("{name}.1"));
-            let rendered = clap_mangen::Man::new(one.clone()).render(&mut page);
+            let page_of = one.clone().override_usage(synopsis(one));
+            let rendered = clap_mangen::Man::new(page_of).render(&mut page);
             rendered.map_err(|error| file_failure(&path, &error))?;
             replace(&path, &page)?;
             written += 1;
@@ -64,4 +65,25 @@ impl Command for ManCommand {
         let pages = run::format::counted(written, "page");
         context.print(&format!("{pages} -> {}\n", folder.display()))
     }
+}
+
+/// Returns the synopsis of a command, with the values of its options: clap's page leaves them out.
+fn synopsis(command: &clap::Command) -> String {
+    let name = command.get_bin_name().unwrap_or(command.get_name());
+    let shown = command.get_arguments().filter(|argument| !argument.is_hide_set());
+    let (places, options): (Vec<_>, Vec<_>) = shown.partition(|argument| argument.is_positional());
+    let mut words = vec![name.to_owned()];
+    words.extend(options.into_iter().chain(places).map(|argument| {
+        // Positional arguments have their own brackets.
+        let text = match argument.is_required_set() || argument.is_positional() {
+            true => argument.to_string(),
+            false => format!("[{argument}]"),
+        };
+        let again = matches!(argument.get_action(), ArgAction::Append | ArgAction::Count);
+        if again && !text.contains("...") { text + "..." } else { text }
+    }));
+    if command.has_subcommands() {
+        words.push("<COMMAND>".to_owned());
+    }
+    words.join(" ")
 }

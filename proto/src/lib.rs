@@ -21,7 +21,7 @@
 
 pub use contract::{
     PROTOCOL_VERSION, accuracy, advice, bodies, configuration, description, diagram, field, figure,
-    grid, history, input_file, live, message, params, quantity, table, text,
+    grid, history, input_file, live, message, params, quantity, readable, table, text,
 };
 
 pub use grids::state;

@@ -43,7 +43,9 @@ impl Scene {
             let own = case.maybe_number(&names.key(body, "surface_speed"))?;
             Ok(own.or(case.maybe_number(SPEED)?))
         };
-        let at_rest = [own(UPPER)? == Some(0.0), own(LOWER)? == Some(0.0)];
+        let locked = case.maybe_number(CREEPAGE)? == Some(1.0)
+            && !case.has(&names.key(UPPER, "surface_speed"));
+        let at_rest = [locked || own(UPPER)? == Some(0.0), own(LOWER)? == Some(0.0)];
         let speeds = read_speeds(case, &names)?;
         Ok(Self { names, materials, initial_temperatures, at_rest, speeds })
     }
@@ -53,13 +55,20 @@ impl Scene {
     #[must_use]
     pub fn speeds_in(&self, body: usize, given: &Configuration) -> Vec<f64> {
         let own = self.names.key(body, "surface_speed");
-        let key = if given.case.has(&own) { own } else { SPEED.to_owned() };
         let rows = given.histories.as_ref().filter(|histories| histories.live.is_none());
-        match rows.and_then(|histories| histories.values.get(&key)) {
-            Some(column) => column.clone(),
-            None if self.at_rest[body] => vec![0.0],
-            None => vec![self.speeds[body]],
+        let values = |key: &str| {
+            let column = rows.and_then(|histories| histories.values.get(key)).cloned();
+            column.or_else(|| Some(vec![given.case.maybe_number(key).ok()??]))
+        };
+        if let Some(speeds) = values(&own) {
+            return speeds;
         }
+        let Some(speeds) = values(SPEED) else { return vec![self.speeds[body]] };
+        let creepages = values(CREEPAGE).filter(|_| body == UPPER).unwrap_or(vec![0.0]);
+        let at = |values: &[f64], row: usize| values[row.min(values.len() - 1)];
+        (0..speeds.len().max(creepages.len()))
+            .map(|row| at(&speeds, row) * (1.0 - at(&creepages, row)))
+            .collect()
     }
 
     /// Returns the first row of the case's tables, counted from 0, in which a body is at rest. A
@@ -113,6 +122,10 @@ fn read_speeds(case: &Params, names: &Bodies) -> Result<[f64; 2], Refusal> {
 }
 
 const SPEED: &str = "motion.speed";
+/// Group of the alternative keys that drive the upper body.
+const DRIVE: &str = "motion.drive";
+/// Longitudinal creepage ξ, at which the upper surface passes with (1 − ξ) V.
+pub(crate) const CREEPAGE: &str = "motion.creepage.xi";
 
 /// Returns the keys that [`Scene::read`] reads.
 #[must_use]
@@ -132,6 +145,9 @@ pub fn keys() -> Vec<KeySpec> {
         property("conductivity", "W/(m K)", "heat flux per temperature gradient")
             .expected(0.0..=5e3, SOLIDS),
         KeySpec::quantity(SPEED, "m/s", "rolling speed").at_least(0.0).varies(),
+        KeySpec::number(CREEPAGE, "longitudinal creepage; 1 for an upper body at rest")
+            .varies()
+            .one_of_or_none(DRIVE),
     ]
 }
 

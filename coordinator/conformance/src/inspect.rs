@@ -12,7 +12,7 @@ use console::command::{Command, Context, Group};
 use console::output::print;
 use contract::text::{json, one_line};
 use run::error::RunError;
-use run::format::{bytes, counted, seconds};
+use run::format::{self, bytes, counted, seconds};
 use run::signals;
 use run::wrap;
 use std::fmt::Write as _;
@@ -164,13 +164,17 @@ fn coupling(out: &mut String, survey: &RecordingSummary) {
     for (field, residual) in &survey.final_residuals {
         let _ = writeln!(
             out,
-            "  residual      {} {residual:.3e} in the last iteration",
-            one_line(&shown(survey, field))
+            "  residual      {} {residual} in the last iteration",
+            one_line(&shown(survey, field)),
+            residual = format::number(*residual, 4)
         );
     }
     if let Some(imbalance) = survey.energy_imbalance {
-        let _ =
-            writeln!(out, "  energy        sent and received differ by at most {imbalance:.1e}");
+        let _ = writeln!(
+            out,
+            "  energy        sent and received differ by at most {imbalance}",
+            imbalance = format::number(imbalance, 2)
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::feed::Feed;
 use indicatif::{ProgressBar, ProgressStyle};
-use run::format::clock;
+use run::format::{clock, quantity};
 use run::progress::Work;
 use std::cell::Cell;
 use std::io::{IsTerminal, Write};
@@ -104,17 +104,25 @@ impl run::progress::Progress for Progress {
                 }
                 bar.set_position(done);
                 if worked || done.is_power_of_two() || done.is_multiple_of(64) {
-                    bar.set_message(format!("t = {reached:.3e} s"));
+                    bar.set_message(format!("t = {reached}", reached = quantity(reached, "s", 4)));
                 }
             }
             Self::Lines { total, last } if *total != Some(1) && last.get().elapsed() > PLAIN => {
                 let of = total.map_or_else(String::new, |total| format!(" of {total}"));
-                let _ = writeln!(std::io::stderr(), "window {done}{of}, t = {reached:.4e} s");
+                let _ = writeln!(
+                    std::io::stderr(),
+                    "window {done}{of}, t = {reached}",
+                    reached = quantity(reached, "s", 5)
+                );
                 last.set(Instant::now());
             }
             Self::Fed { feed, total, done: before } => {
                 before.set(done);
-                feed.tell((Some(done), *total), "windows", &format!("t = {reached:.3e} s"));
+                feed.tell(
+                    (Some(done), *total),
+                    "windows",
+                    &format!("t = {reached}", reached = quantity(reached, "s", 4)),
+                );
             }
             Self::Silent | Self::Bar { .. } | Self::Lines { .. } => {}
         }

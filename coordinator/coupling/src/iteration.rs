@@ -12,6 +12,7 @@ use crate::gain::LoopGain;
 use crate::predict::Predictor;
 use crate::settings::{self, Implicit};
 use crate::vector::{Part, StateMismatch, StateReader, parts, put_f64s};
+use contract::readable::number;
 use contract::step::Step;
 use std::convert::Infallible;
 
@@ -19,9 +20,9 @@ use std::convert::Infallible;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "{} in window {window}, iteration {iteration}: the relative residual of `{field}` is \
-     {residual:.3e}",
+     {residual}",
     why.words()
-)]
+, residual = number(*.residual, 4))]
 pub struct NotConverged {
     /// Divergence, stagnation, or too few iterations.
     pub why: NonConvergence,

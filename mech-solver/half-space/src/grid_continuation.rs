@@ -25,6 +25,7 @@ use super::yielding::Yield;
 use elastic::Elasticity;
 use grids::Structured;
 use serde::{Deserialize, Serialize};
+use tables::readable::{number, quantity};
 
 /// Grids with at most this many elements along their longer side are not coarsened.
 const COARSEST: usize = 26;
@@ -324,9 +325,8 @@ pub enum TangentialError {
     NotConverged(#[from] NotConverged),
     /// The force exceeds the friction limit.
     #[error(
-        "a tangential force of {force:.6e} N exceeds the friction limit f N = {most:.6e} N; \
-         prescribe a smaller force, or a creepage"
-    )]
+        "a tangential force of {force} exceeds the friction limit f N = {most}; \
+         prescribe a smaller force, or a creepage", force = quantity(*.force, "N", 7), most = quantity(*.most, "N", 7))]
     BeyondFriction {
         /// Prescribed force [N].
         force: f64,
@@ -335,11 +335,10 @@ pub enum TangentialError {
     },
     /// A layer softens faster than an element unloads.
     #[error(
-        "the layer softens by {:.3e} Pa/m, faster than an element of this grid unloads \
-         ({stiffness:.3e} Pa/m), so that its slip jumps; reduce the softening, or use \
+        "the layer softens by {} Pa/m, faster than an element of this grid unloads \
+         ({stiffness} Pa/m), so that its slip jumps; reduce the softening, or use \
          finer elements",
-        -.hardening
-    )]
+        number(-.hardening, 4), stiffness = number(*.stiffness, 4))]
     SofteningUnstable {
         /// Change of the yield stress with the plastic shift [Pa/m].
         hardening: f64,
@@ -348,8 +347,7 @@ pub enum TangentialError {
     },
     /// The moment exceeds the friction limit.
     #[error(
-        "a spin moment of {moment:.6e} N m exceeds the {most:.6e} N m of a contact in pure spin"
-    )]
+        "a spin moment of {moment} N m exceeds the {most} N m of a contact in pure spin", moment = number(*.moment, 7), most = number(*.most, 7))]
     MomentBeyondFriction {
         /// Prescribed moment [N m].
         moment: f64,

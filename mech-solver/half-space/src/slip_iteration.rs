@@ -5,6 +5,7 @@
 //! most slip.
 
 use super::tangential::{ElementState, TangentialState};
+use tables::readable::number;
 
 /// Limit of passes of friction and slip.
 const MOST_PASSES: usize = 600;
@@ -30,9 +31,8 @@ pub enum SlipStart {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
     "friction that depends on the slip of each element did not converge in {MOST_PASSES} passes: \
-     traction bounds still change by {change:.1e} of the largest; let friction fall more slowly \
-     with slip, or choose another start"
-)]
+     traction bounds still change by {change} of the largest; let friction fall more slowly \
+     with slip, or choose another start", change = number(*.change, 2))]
 pub struct Unsettled {
     /// Change of the traction bounds over the largest [-].
     pub change: f64,

@@ -9,6 +9,7 @@ use crate::case::scene::Scene;
 use proto::advice::{Advice, Known};
 use proto::figure::contact::{APPROACH, is_max_rise};
 use proto::params::Params;
+use proto::readable::quantity;
 
 pub(crate) use proto::figure::contact::{
     CREEPAGE_XI as CREEPAGE, FRICTION_POWER as POWER, MAX_PRESSURE as PRESSURE,
@@ -61,8 +62,14 @@ impl Situation<'_> {
     /// Estimates the influence of a layer with a shear yield stress [Pa] that is named by a key:
     /// the friction of Hertz's pressure is cut off at it.
     pub(crate) fn cut_off(&self, effect: &str, key: &str, yield_stress: f64) -> Advice {
-        let advice = Advice::new(effect, format!("friction cut off at {yield_stress:.1e} Pa"))
-            .with(format!("{key}={yield_stress:e}"));
+        let advice = Advice::new(
+            effect,
+            format!(
+                "friction cut off at {yield_stress}",
+                yield_stress = quantity(yield_stress, "Pa", 2)
+            ),
+        )
+        .with(format!("{key}={yield_stress:e}"));
         let friction = self.scene.friction_coefficient;
         let Some(largest) = self.known(PRESSURE).map(|pressure| friction * pressure) else {
             return advice;

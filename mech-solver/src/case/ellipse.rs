@@ -12,6 +12,7 @@ use elastic::strips::{Lateral, StripField, Strips};
 use proto::bodies::{LOWER, UPPER};
 use proto::configuration::Refusal;
 use proto::grid::Structured;
+use proto::readable::{number, quantity};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -84,9 +85,13 @@ impl Extent {
             return Err(Refusal::new(
                 RESOLUTION,
                 format!(
-                    "{resolution} elements per semi-axis a make {elements:.3e} elements in all"
+                    "{resolution} elements per semi-axis a make {elements} elements in all",
+                    elements = number(elements, 4)
                 ),
-                format!("lower it until there are no more than {MOST_ELEMENTS:.3e}"),
+                format!(
+                    "lower it until there are no more than {MOST_ELEMENTS}",
+                    MOST_ELEMENTS = number(MOST_ELEMENTS, 4)
+                ),
             ));
         }
         let (nx, ny) = (2 * half_columns as usize + 1, 2 * half_rows as usize + 1);
@@ -161,8 +166,9 @@ impl Ellipse {
             return Err(Refusal::new(
                 WIDTH,
                 format!(
-                    "of {width:.3e} m is not large compared with the contact length 2a = {:.3e} m",
-                    2.0 * line.semi_axis_a
+                    "of {width} m is not large compared with the contact length 2a = {}",
+                    quantity(2.0 * line.semi_axis_a, "m", 4),
+                    width = number(width, 4)
                 ),
                 "write the width of the bodies, or lower the load",
             ));
@@ -211,7 +217,9 @@ impl Ellipse {
             true => Err(Refusal::new(
                 load_key(scene),
                 format!(
-                    "gives a contact of semi-axis a = {a:.3e} m on a body of radius {radius:.3e} m"
+                    "gives a contact of semi-axis a = {a} on a body of radius {radius}",
+                    a = quantity(a, "m", 4),
+                    radius = quantity(radius, "m", 4)
                 ),
                 "lower the load, or check the units of load, radii and materials",
             )),
@@ -287,11 +295,16 @@ impl Ellipse {
         let force = self.normal_force;
         let replaced = match scene.load {
             Load::NormalForce(asked) if (force / asked - 1.0).abs() <= VISIBLE => return None,
-            Load::NormalForce(asked) => format!("{asked:.6e} N of load.normal_force"),
-            Load::Approach(asked) => format!("{asked:.6e} m of load.approach"),
+            Load::NormalForce(asked) => {
+                format!("{asked} of load.normal_force", asked = quantity(asked, "N", 7))
+            }
+            Load::Approach(asked) => {
+                format!("{asked} of load.approach", asked = quantity(asked, "m", 7))
+            }
         };
         Some(format!(
-            "the ellipse given under [contact] carries {force:.6e} N, which replaces the {replaced}"
+            "the ellipse given under [contact] carries {force}, which replaces the {replaced}",
+            force = quantity(force, "N", 7)
         ))
     }
 

@@ -193,6 +193,14 @@ pub fn given_patch_keys() -> Vec<KeySpec> {
 }
 
 impl Scene {
+    /// Returns true if one body is at rest while the other passes, so that the whole contact
+    /// slides.
+    #[must_use]
+    pub fn slides(&self) -> bool {
+        let Drive::Creepage { xi, .. } = self.drive else { return false };
+        self.speeds.rolling > 0.0 && self.speeds.of_surfaces(xi).contains(&0.0)
+    }
+
     /// Reads the case values named by [`body_keys`], [`contact_keys`] and [`width_key`].
     ///
     /// # Errors

@@ -16,6 +16,7 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::{FigureSpec, Style};
+use proto::readable::quantity;
 
 /// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
@@ -57,7 +58,10 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let hardness = given.unwrap_or(3.0 * YIELD);
     let advice = Advice::new(
         EFFECT.name,
-        format!("largest pressure of smooth bodies over a hardness of {hardness:.3e} Pa"),
+        format!(
+            "largest pressure of smooth bodies over a hardness of {hardness}",
+            hardness = quantity(hardness, "Pa", 4)
+        ),
     )
     .with(format!("{HARDNESS}={hardness:e}"));
     let Some(pressure) = situation.known(PRESSURE) else { return advice };

@@ -26,6 +26,7 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::contact::{SEMI_AXIS_A, SEMI_AXIS_B};
+use proto::readable::quantity;
 use proto::table::{Reading, Table};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -323,8 +324,9 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let advice = Advice::new(
         EFFECT.name,
         format!(
-            "pressure of the highest wave within the contact, of a roughness of {rms:.1e} m; where \
-             the contact holds few waves, seeds differ by this much"
+            "pressure of the highest wave within the contact, of a roughness of {rms}; where \
+             the contact holds few waves, seeds differ by this much",
+            rms = quantity(rms, "m", 2)
         ),
     )
     .with(format!("{RMS}={rms:e}"));

@@ -17,6 +17,7 @@ use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::figure::contact::{SEMI_AXIS_A, SEMI_AXIS_B};
+use proto::readable::number;
 
 /// Registry entry of the effect.
 pub const EFFECT: Effect = Effect {
@@ -90,7 +91,10 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let flexibility = given.unwrap_or(TYPICAL);
     let advice = Advice::new(
         EFFECT.name,
-        format!("flexibility {flexibility:.1e} m/Pa over that of the bodies"),
+        format!(
+            "flexibility {flexibility} m/Pa over that of the bodies",
+            flexibility = number(flexibility, 2)
+        ),
     )
     .with(format!("{FLEXIBILITY}={flexibility:e}"));
     let Some(share) = over_bodies(situation, flexibility) else { return advice };

@@ -19,6 +19,7 @@ use crate::registry::entry::Effect;
 use crate::terms::removal::{Law, Removal};
 use crate::terms::{Kind, Terms};
 use proto::figure::contact::SEMI_AXIS_B;
+use proto::readable::number;
 
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Mode, Refusal};
@@ -145,7 +146,10 @@ fn advise(situation: &Situation<'_>) -> Advice {
     let advice = lacking.fold(
         Advice::new(
             EFFECT.name,
-            format!("depth of one passage at {factor:.2e} m3/J over the approach"),
+            format!(
+                "depth of one passage at {factor} m3/J over the approach",
+                factor = number(factor, 3)
+            ),
         ),
         |advice, material| advice.with(format!("{}={TYPICAL:e}", path(material, ENERGY))),
     );

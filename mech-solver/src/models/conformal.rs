@@ -24,6 +24,7 @@ mod window;
 
 use super::contact_model::ContactModel;
 use super::grids::fields_over;
+use crate::case::scene::Scene;
 use crate::models::expected::refinement;
 use crate::registry::entry::ModelEntry;
 use crate::terms::{Kind, Terms};
@@ -70,6 +71,11 @@ fn spec() -> ModelSpec {
     }
 }
 
+/// Semi-axes of an ellipse that fits the middle of a pressure, over those of the equivalent ellipse
+/// between half-spaces. Pressures of conformal contacts are more pointed: 0.98 in a gauge corner of
+/// 13 mm, the rest is margin.
+const POINTED: f64 = 0.97;
+
 /// Checks a configuration, and finds the extent of its contacts.
 ///
 /// # Errors
@@ -77,7 +83,12 @@ fn spec() -> ModelSpec {
 fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refusal> {
     let case = Case::read(configuration)?;
     let footprint = Footprint::of(configuration, &case)?;
-    let layout = layout(configuration, &case, &footprint);
+    let mut layout = layout(configuration, &case, &footprint);
+    // The contact has room within its grid. The slip zone of a contact that adheres is not known.
+    if !terms.adhesion || Scene::read(&configuration.case)?.slides() {
+        let name = field::FRICTION_POWER.name.to_owned();
+        layout.extents.insert(name, footprint.semi_axes.map(|axis| POINTED * axis));
+    }
     let configuration = configuration.clone();
     Ok(Setup::new(layout, move |_| {
         let running = Running::new(case, &footprint, terms, &configuration);

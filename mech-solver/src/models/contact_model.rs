@@ -7,6 +7,7 @@
 use crate::terms::Terms;
 use proto::field::{self, FieldSpec};
 use proto::model::{InputField, Inputs, Model, Outputs, StateError, Step, StepError, StepReport};
+use proto::readable::quantity;
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 
@@ -31,8 +32,10 @@ impl CarriedLoad {
             return Ok(());
         }
         Err(StepError::NoSolution(format!(
-            "the contact carries {carried:.6e} N of a prescribed normal force of {prescribed:.6e} N: its pressure is not solved; \
-             check load, shapes and limits of the pressure, or choose another mech.model"
+            "the contact carries {carried} of a prescribed normal force of {prescribed}: its pressure is not solved; \
+             check load, shapes and limits of the pressure, or choose another mech.model",
+            carried = quantity(carried, "N", 7),
+            prescribed = quantity(prescribed, "N", 7)
         )))
     }
 }

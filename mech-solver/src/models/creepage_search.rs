@@ -5,6 +5,7 @@
 //! 1 (1969) 275–277), which is the secant method for one component.
 
 use proto::model::StepError;
+use proto::readable::number;
 
 /// Relative change of the creepages at convergence.
 const SETTLED: f64 = 1e-8;
@@ -52,9 +53,11 @@ impl CreepageSearch {
         self.tried += 1;
         if self.tried == MOST || !change.is_finite() {
             return Err(StepError::NoSolution(format!(
-                "friction falls with slip, and no creepage was found for the force: {} were tried, the last along x {:.4e}, which led to \
-                 {:.4e}; prescribe less force, or motion.creepage",
-                self.tried, self.at[0], found[0]
+                "friction falls with slip, and no creepage was found for the force: {} were tried, the last along x {}, which led to \
+                 {}; prescribe less force, or motion.creepage",
+                self.tried,
+                number(self.at[0], 5),
+                number(found[0], 5)
             )));
         }
         if let Some(before) = self.residual.replace(residual) {

@@ -63,6 +63,7 @@ use proto::description::{ModelSpec, names};
 use proto::field;
 use proto::model::Setup;
 use proto::params::Params;
+use proto::readable::quantity;
 use serde_json::Value;
 use windows::Windows;
 
@@ -231,10 +232,10 @@ fn remarks(
     }
     if !problem.partial && matches!(problem.prescribed, Prescribed::ForceRatio(_)) {
         remarks.push(format!(
-            "{}the whole contact slides: it carries f N = {:.6e} N instead of the prescribed force, \
+            "{}the whole contact slides: it carries f N = {} instead of the prescribed force, \
              from which the simplified theory takes the creepage",
             effects::without(Kind::Adhesion),
-            problem.friction_coefficient * ellipse.normal_force
+            quantity(problem.friction_coefficient * ellipse.normal_force, "N", 7)
         ));
     }
     remarks

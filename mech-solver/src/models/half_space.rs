@@ -49,6 +49,7 @@ use proto::configuration::{Configuration, Layout, Mode, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field;
 use proto::model::Setup;
+use proto::readable::{number, quantity};
 use steady::{Following, Steady};
 use transient::Transient;
 
@@ -325,8 +326,9 @@ fn refuse_layer(terms: &Terms, effect: &str) -> Result<(), Refusal> {
         false => Err(Refusal::new(
             &format!("effects.{effect}.hardening"),
             format!(
-                "the layer softens by {softening:.3e} Pa/m, but its flexibility unloads it by {:.3e} Pa/m only: its traction would jump",
-                terms.layer().recip()
+                "the layer softens by {softening} Pa/m, but its flexibility unloads it by {} Pa/m only: its traction would jump",
+                number(terms.layer().recip(), 4),
+                softening = number(softening, 4)
             ),
             "reduce the softening, or make the layer stiffer",
         )),
@@ -405,8 +407,9 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let [a, _] = case.footprint.semi_axes;
     let too_large = (a > LARGEST_SHARE * case.scene.smallest_radius_x()).then(|| {
         format!(
-            "a = {a:.3e} m is not small compared with a body's radius: the half-space assumption \
-                 does not hold"
+            "a = {a} is not small compared with a body's radius: the half-space assumption \
+                 does not hold",
+            a = quantity(a, "m", 4)
         )
     });
     let layer = case.terms.effect_of(Kind::Layer).filter(|_| !case.terms.adhesion);
@@ -421,8 +424,10 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
     let smooth = case.footprint.ellipse.as_ref().filter(|_| case.is_hertzian());
     let given = case.footprint.ellipse.filter(|_| case.footprint.gap.is_none());
     let remark = given.and_then(|ellipse| ellipse.remark(&case.scene));
+    let slips = case.footprint.slips.map(|half| (field::FRICTION_POWER.name.to_owned(), half));
     Layout {
         peaks: peak.into_iter().collect(),
+        extents: slips.into_iter().collect(),
         solve_seconds: if once { 0.0 } else { seconds },
         build_seconds: if once { seconds } else { 0.0 },
         closed_forms: smooth.map(Ellipse::closed_forms).unwrap_or_default(),

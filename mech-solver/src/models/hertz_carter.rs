@@ -39,6 +39,7 @@ use proto::configuration::{Configuration, Refusal};
 use proto::description::{KeySpec, ModelSpec, names};
 use proto::field;
 use proto::model::Setup;
+use proto::readable::quantity;
 use windows::Windows;
 
 const CREEP_LAW: &str = "motion.creep_law";
@@ -171,10 +172,10 @@ fn remarks(
     remarks.extend(given.and_then(|_| contact.ellipse.remark(scene)));
     if !partial && !matches!(scene.drive, Drive::Creepage { .. }) {
         remarks.push(format!(
-            "{}the whole contact slides: it carries f N = {:.6e} N instead of the prescribed force, \
+            "{}the whole contact slides: it carries f N = {} instead of the prescribed force, \
              from which the creep law takes the creepage",
             effects::without(Kind::Adhesion),
-            contact.creep_force()
+            quantity(contact.creep_force(), "N", 7)
         ));
     }
     remarks

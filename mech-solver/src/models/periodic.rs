@@ -32,6 +32,7 @@ use proto::configuration::{Configuration, Layout, Refusal};
 use proto::description::{ModelSpec, names};
 use proto::field::{self, FieldSpec};
 use proto::model::Setup;
+use proto::readable::quantity;
 
 /// Solution time per element, for rough surfaces in full contact [s].
 const SECONDS: f64 = 1e-6;
@@ -94,12 +95,12 @@ fn layout(configuration: &Configuration, case: &Case) -> Layout {
         solve_seconds: SECONDS * grid.points() as f64,
         memory_bytes: (BYTES * grid.points() as f64) as u64,
         remarks: vec![format!(
-            "a periodic cell of {:.4} x {:.4} mm, {} x {} elements, under a mean pressure of {:.4e} Pa",
+            "a periodic cell of {:.4} x {:.4} mm, {} x {} elements, under a mean pressure of {}",
             1e3 * length,
             1e3 * width,
             grid.ni,
             grid.nj,
-            case.mean_pressure()
+            quantity(case.mean_pressure(), "Pa", 5)
         )],
         ..laid_out(configuration, on, grids)
     }

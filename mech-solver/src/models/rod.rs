@@ -26,6 +26,7 @@ use proto::description::{KeySpec, ModelSpec, names};
 use proto::field::{self, FieldSpec};
 use proto::grid::Structured;
 use proto::model::{Inputs, Setup, Step, StepError, StepReport};
+use proto::readable::quantity;
 use serde_json::{Value, json};
 
 /// Registry entry of this model.
@@ -113,7 +114,7 @@ fn configure(configuration: &Configuration, terms: Terms) -> Result<Setup, Refus
     let remark = if terms.expansion.is_none() {
         effects::without(Kind::Expansion) + "nothing moves"
     } else {
-        format!("ends {:.4e} m apart at the initial temperatures", rods.gap)
+        format!("ends {} apart at the initial temperatures", quantity(rods.gap, "m", 5))
     };
     let layout = Layout { remarks: vec![remark], ..laid_out(configuration, on, grids) };
     Ok(Setup::new(layout, |_| Ok(Box::new(ContactModel::new(Ends { rods, terms })))))

@@ -13,6 +13,7 @@ use elastic::axle::Axle;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::model::{Step, StepError};
 use proto::params::Params;
+use proto::readable::quantity;
 use serde_json::Value;
 use std::rc::Rc;
 
@@ -97,9 +98,11 @@ impl Varying {
             return Ok(());
         }
         Err(StepError::NoSolution(format!(
-            "effects.{}: the load of this window is {load:.4e} N, beyond the {most:.4e} N for which the grid was made: it still \
+            "effects.{}: the load of this window is {load}, beyond the {most} for which the grid was made: it still \
              rises after a hundred waves, or ten turns of a flat; write an earlier time.end, or more damping",
-            self.effect
+            self.effect,
+            load = quantity(load, "N", 5),
+            most = quantity(most, "N", 5)
         )))
     }
 
@@ -210,8 +213,9 @@ impl Varying {
         if let Some((axle_load, still)) = &self.axle_load {
             let largest = axle_load.largest();
             return format!(
-                "the load reaches {largest:.4e} N, {:.2} times that of steady rolling",
-                largest / still
+                "the load reaches {largest}, {:.2} times that of steady rolling",
+                largest / still,
+                largest = quantity(largest, "N", 5)
             );
         }
         let rows = self.configuration.histories.as_ref().map_or(0, |h| h.times.len());

@@ -4,7 +4,7 @@
 use super::common::{NoInputs, Run, Store, assert_close, configuration, paper, run};
 use elastic::{carter, cattaneo, kalker};
 use mech_solver::MechSolver;
-use proto::configuration::Mode;
+use proto::configuration::{Configuration, Mode};
 use proto::grid::Structured;
 use proto::model::{Model, Solver, Step, StepError};
 use proto::progress::Progress;
@@ -231,7 +231,11 @@ pub(crate) struct InTime {
 
 impl InTime {
     pub(crate) fn new(case: &Value, window: f64) -> Self {
-        let mut configuration = configuration(case);
+        Self::over(configuration(case), window)
+    }
+
+    /// A case whose values may vary.
+    pub(crate) fn over(mut configuration: Configuration, window: f64) -> Self {
         configuration.mode = Mode::Transient;
         let setup = MechSolver.configure(&configuration).unwrap_or_else(|error| panic!("{error}"));
         let store = Store::for_layout(setup.layout(), &configuration.outputs);

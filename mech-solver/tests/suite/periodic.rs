@@ -119,7 +119,7 @@ fn a_limited_pressure_carries_the_load() {
     for share in [1.0, 50.0] {
         let refused = refusal(&configuration(&limited(share * limit)));
         assert_eq!(refused.key, "load.normal_force");
-        assert!(refused.reason.contains("effects.pressure_limit allows less than 4.0000e8 Pa"));
+        assert!(refused.reason.contains("effects.pressure_limit allows less than 400.00 MPa"));
     }
 }
 

@@ -96,7 +96,7 @@ fn crowns_too_far_apart_for_a_grid_are_refused() {
     let rail = File::new("far", 36e-3, 0.5e-3, |y| -0.5 * (y.abs() - 20e-3).powi(2) / 0.3);
     let refused = super::common::refusal(&configuration(&on_rail(&rail, 1e-4, 10)));
     assert_eq!(refused.key, "bodies.rail.profile");
-    assert!(refused.reason.contains("also touch 2.0"), "{refused}");
+    assert!(refused.reason.contains("also touch 20.0"), "{refused}");
 }
 
 /// A flat railhead of 40 mm with edges falling off at 1:20 carries a straight wheel over its whole

@@ -26,6 +26,7 @@ use super::rail::Rail;
 use super::wheelset::{Motion, Pose};
 use half_space::tangential::Creepage;
 use nalgebra::Vector3;
+use tables::readable::number;
 
 /// Creepages of the wheel relative to the rail, and the rolling speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,9 +52,8 @@ pub struct RowSlip {
 /// Error: the wheelset does not roll forward.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the wheelset does not roll forward: it moves at {along:.4e} m/s, and its rim at {round:.4e} m/s round the \
-     axle; both must be positive"
-)]
+    "the wheelset does not roll forward: it moves at {along} m/s, and its rim at {round} m/s round the \
+     axle; both must be positive", along = number(*.along, 5), round = number(*.round, 5))]
 pub struct NotRolling {
     /// Speed of the patch along the rail [m/s].
     pub along: f64,

@@ -4,6 +4,7 @@ use super::creepage::NotRolling;
 use half_space::grid_continuation::TangentialError;
 use half_space::normal::NormalError;
 use half_space::slip_iteration::Unsettled;
+use tables::readable::{number, quantity};
 
 /// Reason why a wheel on a rail has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -22,9 +23,8 @@ pub enum TrackError {
     Force(f64),
     /// No height of the wheelset has the requested force.
     #[error(
-        "no height of the wheelset gives a vertical force of {wanted:.6e} N: {found:.6e} N is the \
-         nearest"
-    )]
+        "no height of the wheelset gives a vertical force of {wanted}: {found} is the \
+         nearest", wanted = quantity(*.wanted, "N", 7), found = quantity(*.found, "N", 7))]
     NotFound {
         /// Requested force [N].
         wanted: f64,
@@ -33,9 +33,8 @@ pub enum TrackError {
     },
     /// No roll angle brings both wheels to one height.
     #[error(
-        "no roll of the wheelset lets both wheels carry their loads: at {roll:.6e} rad the left \
-         one is {apart:.3e} m above the right one; on a steep flange both heights rise together"
-    )]
+        "no roll of the wheelset lets both wheels carry their loads: at {roll} rad the left \
+         one is {apart} above the right one; on a steep flange both heights rise together", roll = number(*.roll, 7), apart = quantity(*.apart, "m", 4))]
     Roll {
         /// Roll of the best attempt [rad].
         roll: f64,
@@ -44,8 +43,7 @@ pub enum TrackError {
     },
     /// No angular velocity carries the torque.
     #[error(
-        "the wheels do not carry a torque of {wanted:.6e} N m at any angular velocity: the nearest is {found:.6e} N m"
-    )]
+        "the wheels do not carry a torque of {wanted} N m at any angular velocity: the nearest is {found} N m", wanted = number(*.wanted, 7), found = number(*.found, 7))]
     Torque {
         /// Requested torque [N m].
         wanted: f64,
@@ -54,8 +52,7 @@ pub enum TrackError {
     },
     /// A patch has too many elements.
     #[error(
-        "a patch at a penetration of {penetration:.3e} m needs {elements} elements, more than {limit}"
-    )]
+        "a patch at a penetration of {penetration} needs {elements} elements, more than {limit}", penetration = quantity(*.penetration, "m", 4))]
     Elements {
         /// Penetration of the undeformed bodies [m].
         penetration: f64,
@@ -77,8 +74,7 @@ pub enum TrackError {
     },
     /// Pressure and tractions of a patch on a curved surface did not converge.
     #[error(
-        "on a curved surface pressure and tractions did not converge: they still change by {change:.1e} of the largest pressure"
-    )]
+        "on a curved surface pressure and tractions did not converge: they still change by {change} of the largest pressure", change = number(*.change, 2))]
     Turns {
         /// Last change relative to the largest pressure.
         change: f64,
@@ -86,9 +82,8 @@ pub enum TrackError {
     /// The displacements of patches by each other did not converge.
     #[error(
         "patches that displace each other did not converge: their normal forces still change by \
-         {change:.1e} of the sum; choose elements of another size (mech.resolution), or write \
-         mech.patch_influence = \"none\""
-    )]
+         {change} of the sum; choose elements of another size (mech.resolution), or write \
+         mech.patch_influence = \"none\"", change = number(*.change, 2))]
     Patches {
         /// Last change of a normal force relative to the sum of all.
         change: f64,

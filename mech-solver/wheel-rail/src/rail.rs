@@ -19,6 +19,7 @@
 
 use super::outline::Outline;
 use super::surface::Surface;
+use tables::readable::quantity;
 
 /// Side of the track, seen along x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,9 +97,8 @@ pub struct Deviation {
 /// Error: the profile has no gauge point.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the rail's profile ends {reach:.4e} m below its top on the side of the track's middle, and the gauge is \
-     measured {height:.4e} m below; extend the profile, or give the position of its origin"
-)]
+    "the rail's profile ends {reach} below its top on the side of the track's middle, and the gauge is \
+     measured {height} below; extend the profile, or give the position of its origin", reach = quantity(*.reach, "m", 5), height = quantity(*.height, "m", 5))]
 pub struct NoGauge {
     /// Depth to which the profile reaches [m].
     pub reach: f64,

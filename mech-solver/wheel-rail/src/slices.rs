@@ -75,9 +75,9 @@ pub enum SlicesError {
     Few(usize),
     /// Positions are not in ascending order.
     #[error(
-        "the positions of slices {number} and {next} are {from:.6e} and {to:.6e}; they must be in ascending order",
+        "the positions of slices {number} and {next} are {from} and {to}; they must be in ascending order",
         next = number + 1
-    )]
+    , from = tables::readable::number(*.from, 7), to = tables::readable::number(*.to, 7))]
     Order {
         /// Number of the first of the two slices, from 1.
         number: usize,

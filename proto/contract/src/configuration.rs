@@ -85,6 +85,10 @@ pub struct Input {
     /// Expected place of the largest value [m], see [`Layout::peaks`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak: Option<[f64; 3]>,
+    /// Expected half lengths along x and y of the region where the field is not zero [m], see
+    /// [`Layout::extents`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extent: Option<[f64; 2]>,
 }
 
 impl Configuration {
@@ -129,6 +133,10 @@ pub struct Layout {
     /// first solve. Consumers can refine their grids there.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub peaks: BTreeMap<String, [f64; 3]>,
+    /// Expected half lengths along x and y of the region where a field is not zero [m], by field
+    /// name, where known before the first solve. The grid of the field usually is larger.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub extents: BTreeMap<String, [f64; 2]>,
     /// Expected processor seconds of one solve.
     pub solve_seconds: f64,
     /// Expected additional processor seconds of a solve per second of its window [s/s], for models
@@ -289,8 +297,14 @@ mod tests {
     #[test]
     fn an_input_whose_grid_stays_is_written_as_before() {
         let field = crate::field::PRESSURE.kind();
-        let input =
-            Input { field, producer: "mech".to_owned(), grid: None, moves: false, peak: None };
+        let input = Input {
+            field,
+            producer: "mech".to_owned(),
+            grid: None,
+            moves: false,
+            peak: None,
+            extent: None,
+        };
         let text = serde_json::to_string(&input).unwrap();
         assert!(!text.contains("moves"), "{text}");
         assert_eq!(serde_json::from_str::<Input>(&text).unwrap(), input);

@@ -31,7 +31,7 @@
 #![forbid(unsafe_code)]
 
 pub use grids as grid;
-pub use tables::{input_file, plausible, quantity, suggest, table, unit};
+pub use tables::{input_file, plausible, quantity, readable, suggest, table, unit};
 
 pub mod accuracy;
 pub mod advice;

@@ -5,6 +5,7 @@
 //! | [`table`] | columns of numbers or words in a text file, found by name, in SI units |
 //! | [`input_file`] | files read as text, within limits |
 //! | [`unit`], [`quantity`] | units of measurement; a number with its unit |
+//! | [`readable`] | numbers and quantities for a reader |
 //! | [`plausible`] | plausible range of a value |
 //! | [`suggest`] | nearest valid word for a misspelt one |
 //! | [`text`] | checks of text from outside, before it reaches a terminal or a message |
@@ -14,6 +15,7 @@
 pub mod input_file;
 pub mod plausible;
 pub mod quantity;
+pub mod readable;
 pub mod suggest;
 pub mod table;
 pub mod text;

@@ -176,3 +176,24 @@ fn every_rule_can_fail() {
     let found: Vec<String> = of_page(&page).into_iter().map(|(_, what)| what).collect();
     assert_eq!(found.len(), 2, "{found:?}");
 }
+
+/// Messages show numbers through `readable`: `7.896 mm`, not `7.896e-3 m`. A text that is parsed
+/// again is no message, nor is one of a test.
+#[test]
+fn messages_have_readable_numbers() {
+    let mut wrong = String::new();
+    for path in files().into_iter().filter(|path| path.ends_with(".rs") && !path.contains("test")) {
+        let Ok(text) = std::fs::read_to_string(root().join(&path)) else { continue };
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for (number, line) in code.lines().enumerate() {
+            let scientific = line.split('{').skip(1).any(|rest| {
+                let field = rest.split('}').next().unwrap_or_default();
+                field.split_once(":.").is_some_and(|(_, digits)| digits.ends_with('e'))
+            });
+            if scientific && !line.contains(".parse") {
+                let _ = writeln!(wrong, "{path}:{}: {}", number + 1, line.trim());
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "use tables::readable:\n{wrong}");
+}

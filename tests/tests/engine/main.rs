@@ -30,6 +30,7 @@ mod mistakes;
 mod moving;
 mod off_means_off;
 mod order_of_effects;
+mod pages;
 mod patches;
 mod results;
 mod resume;

@@ -103,5 +103,6 @@ fn shells_complete_commands_and_each_has_a_page() {
     printed(&place, &["man", &folder.display().to_string()], 0);
     let page = std::fs::read_to_string(folder.join("coordinator-run.1")).unwrap();
     assert!(page.starts_with(".ie") && page.contains("\\-\\-record"), "{page:.400}");
+    assert!(page.contains("[\\-\\-set <KEY=VALUE>]..."), "{page:.800}");
     assert!(folder.join("coordinator.1").is_file());
 }

@@ -24,6 +24,7 @@ use proto::description::{EffectSpec, KeySpec, names as field_names};
 use proto::field;
 use proto::figure::{FigureSpec, Style};
 use proto::params::Params;
+use proto::readable::number;
 
 /// Name of the effect in the case file.
 pub const NAME: &str = "contact_conductance";
@@ -160,8 +161,9 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
     let biot = conductance * resistance;
     // The exchanged heat reduces the difference as far as the contact conducts.
     let why = format!(
-        "difference of the flash temperatures, {:.1} %, evened out by {conductance:.0e} W/(m2 K)",
-        100.0 * difference
+        "difference of the flash temperatures, {:.1} %, evened out by {conductance} W/(m2 K)",
+        100.0 * difference,
+        conductance = number(conductance, 1)
     );
     let advice = Advice::new(NAME, why)
         .number("conductance times the bodies' resistance", biot)

@@ -34,6 +34,7 @@ use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::{EffectSpec, KeySpec};
 use proto::figure::FigureSpec;
 use proto::figure::contact::FRICTION_POWER;
+use proto::readable;
 
 /// Name of the effect in the case file.
 pub const NAME: &str = "phase_transformation";
@@ -193,8 +194,11 @@ pub fn advise(situation: &Situation<'_>) -> Advice {
         why += "; it is at rest, so that it is hot up to the end";
     } else if highest >= needed {
         let critical = criterion.critical_rate;
-        why +=
-            &format!("; it cools by {:.0e} K/s and quenches from {critical:.0e} K/s on", rates[1]);
+        why += &format!(
+            "; it cools by {} K/s and quenches from {critical} K/s on",
+            readable::number(rates[1], 1),
+            critical = readable::number(critical, 1)
+        );
     }
     // A stationary body is counted as long as it is hot.
     let forms = highest >= needed && (rests || rates[1] >= criterion.critical_rate);

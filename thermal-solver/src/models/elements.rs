@@ -15,6 +15,7 @@ use proto::description::KeySpec;
 use proto::grid::Structured;
 use proto::model::StepError;
 use proto::params::Params;
+use proto::readable::{number, quantity};
 
 const FIRST_LAYER: &str = "thermal.first_layer";
 const LAYER_RATIO: &str = "thermal.layer_ratio";
@@ -194,12 +195,15 @@ pub(super) fn thick_layer(frame: &Frame, body: usize, speed: f64) -> Option<Refu
     Some(Refusal::new(
         FIRST_LAYER,
         format!(
-            "the first layer of `{}` is {first:.1e} m thick, and heat reaches {depth:.1e} m in the {heated:.1e} s \
+            "the first layer of `{}` is {first} thick, and heat reaches {depth} in the {heated} \
              of a window or the passage of an element: then {:.0} % of the rise are missing",
             frame.scene.names.0[body],
-            1e2 * missing
+            1e2 * missing,
+            first = quantity(first, "m", 2),
+            depth = quantity(depth, "m", 2),
+            heated = quantity(heated, "s", 2)
         ),
-        format!("write at most {:.1e} m, or leave it out", 0.25 * depth),
+        format!("write at most {}, or leave it out", quantity(0.25 * depth, "m", 2)),
     ))
 }
 
@@ -215,7 +219,7 @@ pub(super) fn check_size(
 ) -> Result<(), Refusal> {
     elements.check_size(grid, material, speed).map_err(|error| match error {
         TooManyElements::Behind { most_wake, .. } => {
-            let fix = format!("write at most {most_wake:.3e} m, which are {MOST_BEHIND:.0e} columns");
+            let fix = format!("write at most {most_wake}, which are {MOST_BEHIND} columns", most_wake = quantity(most_wake, "m", 4), MOST_BEHIND = number(MOST_BEHIND, 1));
             Refusal::new(WAKE, error.to_string(), fix)
         }
         TooManyElements::InDepth { .. } => {

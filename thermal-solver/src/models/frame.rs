@@ -52,6 +52,8 @@ pub struct Frame {
     pub grid: Structured,
     /// Grid on which the heat flux arrives.
     pub arriving: Structured,
+    /// Expected half lengths of the heated region along x and y [m], if its source knows them.
+    pub heated: Option<[f64; 2]>,
     /// Lateral coordinate of the sections, which lie below the row nearest to it [m].
     pub section_y: f64,
     /// Properties of the upper and the lower body, with all effects.
@@ -85,10 +87,13 @@ impl Frame {
         self.conductance.is_some_and(|law| law.gas.is_some())
     }
 
-    /// Returns the semi-axes of the contact [m], without the elements that the grid of the heat
-    /// flux has beyond its edges.
+    /// Returns the half lengths of the heated region [m]; if unknown, those of the grid of the heat
+    /// flux without the elements that it has beyond the edges of the contact.
     #[must_use]
-    pub fn semi_axes(&self) -> [f64; 2] {
+    pub fn heated_lengths(&self) -> [f64; 2] {
+        if let Some(heated) = self.heated {
+            return heated;
+        }
         let half = |count: usize, length: f64| {
             let within = count.saturating_sub(BEYOND);
             0.5 * length * if within > 0 { within } else { count } as f64

@@ -47,22 +47,34 @@ fn refuse_rest(
 ) -> Result<(), StepError> {
     let why = match frame.mode {
         _ if speed > 0.0 => return Ok(()),
-        _ if speed < 0.0 => format!("is {speed} m/s: heat is carried downstream, towards -x"),
+        _ if speed < 0.0 => runs_backwards(body, speed),
         Mode::Steady if !at_rest => {
-            "is 0 m/s: one place of it is heated without end, and conduction normal \
-                         to the surface then has no steady state; write \
-                         thermal.model = \"moving-source\""
-                .to_owned()
+            format!("{}; {OF_RESTING_BODIES}", never_steady(body, ""))
         }
-        _ if frame.partition == Partition::Effusivity && !repeats => {
-            "is 0 m/s: the partition by effusivity and speed gives a body at rest no heat; write \
+        _ if frame.partition == Partition::Effusivity && !repeats => format!(
+            "`{body}` is at rest: the partition by effusivity and speed gives it no heat; write \
              effects.friction_heat.partition = \"continuity\" and thermal.model = \"moving-source\""
-                .to_owned()
-        }
+        ),
         _ => return Ok(()),
     };
-    let name = field::SURFACE_SPEED.name;
-    Err(StepError::NoSolution(format!("`{name}` of `{body}` {why}")))
+    Err(StepError::NoSolution(why))
+}
+
+/// Advice for a body at rest in a steady case.
+pub(super) const OF_RESTING_BODIES: &str =
+    "write [thermal] model = \"moving-source\", or a speed above 0 m/s";
+
+/// States why a body at rest, in this row of a table, has no steady temperature.
+pub(super) fn never_steady(body: &str, row: &str) -> String {
+    format!(
+        "`{body}` is at rest{row}: one place of it is heated without end, and conduction normal to \
+         the surface then has no steady state"
+    )
+}
+
+/// States why there is no solution for a body that moves against the direction of rolling.
+pub(super) fn runs_backwards(body: &str, speed: f64) -> String {
+    format!("the surface of `{body}` passes at {speed} m/s: heat is carried towards -x")
 }
 
 /// Refuses a stationary body in a steady case with thermal expansion, because its surface rises

@@ -79,6 +79,11 @@ pub(super) struct Interface {
     resistances: Vec<f64>,
     /// Smallest of the resistances [m²·K/W].
     least: f64,
+    /// Areas of contact that the elements represent, over that of an element; 1 where their
+    /// resistances contain it. Hats over elements of different resistance do not settle.
+    areas: Vec<f64>,
+    /// Exchanged flux through the areas of contact [W/m²].
+    density: Vec<f64>,
     /// Correction operator, and the windows for which it is valid.
     exchange: Option<([PastInterval; 2], Exchange)>,
     convolution: Option<Convolution>,
@@ -116,6 +121,8 @@ impl Interface {
             offset: upper - lower,
             resistances: Vec::new(),
             least: 0.0,
+            areas: Vec::new(),
+            density: Vec::new(),
             exchange: None,
             convolution: None,
             touching: ContactBasis::new(shapes),
@@ -209,7 +216,9 @@ impl Interface {
         let friction = largest(rub.flux);
         let mut work = 0;
         for corrections in 0..=MOST_CORRECTIONS {
-            self.touching.spread(&self.flows, &mut self.flow);
+            self.touching.spread(&self.flows, &mut self.density);
+            self.flow.clear();
+            self.flow.extend(self.density.iter().zip(&self.areas).map(|(flux, area)| flux * area));
             let flow = Flow { elements: self.touching.elements(), values: &self.flow };
             work += bodies.warm(flow, rise)?;
             let warmest = rise.iter().map(|rise| largest(rise)).fold(0.0, f64::max);
@@ -232,21 +241,27 @@ impl Interface {
 
     /// Computes the resistances of the elements in contact.
     fn resist(&mut self, columns: usize, pressure: Option<&[f64]>) {
-        let Self { law, varies, touching, resistances, .. } = self;
+        let Self { law, varies, touching, resistances, areas, .. } = self;
         let elements = touching.elements().iter();
         resistances.clear();
+        areas.clear();
+        areas.resize(elements.len(), 1.0);
         match law.as_ref().zip(pressure) {
             None => resistances.extend(elements.map(|_| 0.0)),
             Some((law, pressure)) => {
                 let largest = pressure.iter().copied().fold(0.0, f64::max);
                 // The mean of a conductance that grows with the pressure contains the area.
-                let by_area = *varies && law.hardness.is_none();
-                let area = |at: usize| match by_area {
-                    true => touching_area(pressure, columns, at),
-                    false => 1.0,
-                };
-                let resistance = |at: &usize| law.resistance(pressure[*at], largest) / area(*at);
-                resistances.extend(elements.map(resistance));
+                if law.hardness.is_none() {
+                    let of_elements = areas.iter_mut().zip(elements.clone());
+                    of_elements
+                        .for_each(|(area, at)| *area = touching_area(pressure, columns, *at));
+                }
+                resistances.extend(elements.map(|at| law.resistance(pressure[*at], largest)));
+                if *varies {
+                    let pairs = resistances.iter_mut().zip(&mut *areas);
+                    pairs
+                        .for_each(|(resistance, area)| *resistance /= std::mem::replace(area, 1.0));
+                }
             }
         }
         let least = resistances.iter().copied().fold(f64::INFINITY, f64::min);
@@ -257,8 +272,8 @@ impl Interface {
     /// largest temperature error that they cause; `warmth` [m²·K/W] is the rise of a surface per
     /// flux into it.
     fn judge(&mut self, rise: &[Vec<f64>; 2], warmth: f64) -> f64 {
-        let Self { touching, flow, differences, resistances, errors, offset, .. } = self;
-        let flows = touching.elements().iter().zip(flow.iter().zip(&*resistances));
+        let Self { touching, density, differences, resistances, errors, offset, .. } = self;
+        let flows = touching.elements().iter().zip(density.iter().zip(&*resistances));
         differences.clear();
         differences.extend(flows.map(|(at, (flow, resistance))| {
             *offset + rise[UPPER][*at] - rise[LOWER][*at] - resistance * flow

@@ -3,12 +3,13 @@
 //! The error is that of the largest rise of a body under an elliptic contact with the semi-axes a
 //! and b, as an upper bound:
 //!
-//! - in steady motion max(0.55 (a/b)², 0.5)/Pe with Pe = V a/2κ. The first part is conduction
-//!   across the track while the whole contact slides: to first order, heat that has entered over
-//!   the distance a spreads sideways by (κ a/V)/b². The second part is conduction along the track
-//!   near the edges of the flux, for slip zones of 15 % of the contact and longer. Both factors are
-//!   fitted to three-dimensional integrals of full and partial slip for b/a from 0.25 to 4 and Pe
-//!   from 3 to 100;
+//! - in steady motion max(0.55 (s/b)², 0.1)/Pe with Pe = V s/2κ and the half length s of the slip
+//!   zone. The first part is conduction across the track: to first order, heat that has entered
+//!   over the distance s spreads sideways by (κ s/V)/b². It is fitted to three-dimensional
+//!   integrals for b/a from 0.25 to 4 and Pe from 3 to 100. The second part is conduction along the
+//!   track near the edges of the flux. Carter's slip zones of any length have at most 0.077/Pe; the
+//!   rest covers the estimate of the zone. Where nothing is known of the zone, it is assumed to
+//!   have a fifth of the length of the contact, or the whole one for the first part;
 //! - at rest, for a time t, (2/√π)(√(κt)) over [`heat::closed_form::scales::rest_length_after`],
 //!   less 1. This bounds the error of a slowly moving body as well.
 
@@ -21,7 +22,9 @@ use proto::configuration::Mode;
 /// Factor of the conduction across the track.
 const ACROSS: f64 = 0.55;
 /// Factor of the conduction along the track.
-const ALONG: f64 = 0.5;
+const ALONG: f64 = 0.1;
+/// Length of a slip zone over that of the contact, where its source does not know it.
+const UNKNOWN: f64 = 0.2;
 /// Largest error that is stated. A body at rest for an unknown time has no bound.
 const LARGEST: f64 = 1e3;
 
@@ -39,10 +42,11 @@ pub(super) fn along_the_surface_at(frame: &Frame) -> Option<Simplification> {
 
 /// Returns the error in a body: that of its slowest motion, or that of the time at rest if smaller.
 fn in_body(frame: &Frame, body: usize) -> Simplification {
-    let axes = frame.semi_axes();
+    let axes = frame.heated_lengths();
     let diffusivity = frame.scene.materials[body].diffusivity();
     let peclet = 0.5 * frame.slowest_motion[body] * axes[0] / diffusivity;
-    let moving = (ACROSS * (axes[0] / axes[1]).powi(2)).max(ALONG) / peclet;
+    let along = if frame.heated.is_some() { ALONG } else { ALONG / UNKNOWN };
+    let moving = (ACROSS * (axes[0] / axes[1]).powi(2)).max(along) / peclet;
     let end = frame.windows.and_then(|windows| windows.end).unwrap_or(f64::INFINITY);
     let spread = (4.0 * diffusivity * end).sqrt();
     let resting = match frame.mode {

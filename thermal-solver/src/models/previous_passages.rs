@@ -5,6 +5,7 @@ use super::frame::Frame;
 use crate::effects::bulk_heating::PassageHistory;
 use heat::window::Drive;
 use proto::model::StepError;
+use proto::readable::quantity;
 use std::f64::consts::PI;
 
 /// Distance, in units of √(2κt), beyond which lateral spread is negligible.
@@ -46,7 +47,8 @@ impl Background {
             if passages > 0 && interval <= passing {
                 let name = frame.scene.names.key(body, "passage_interval");
                 return Err(StepError::NoSolution(format!(
-                    "`{name}` is {interval} s, and a place takes {passing:.3e} s to pass the contact: write a longer interval"
+                    "`{name}` is {interval} s, and a place takes {passing} to pass the contact: write a longer interval",
+                    passing = quantity(passing, "s", 4)
                 )));
             }
             let per_area = drive.shares[body] * grid.dx() / drive.speeds[body];

@@ -7,6 +7,7 @@ use super::elements::WAKE;
 use super::ends::Ends;
 use super::fields::{RISE_INTEGRALS, SECTIONS, SURFACES};
 use super::frame::{CONTACT, Frame, SECTION_GRIDS};
+use super::inputs;
 use crate::capability::Capability;
 use crate::effects::body_properties;
 use crate::effects::bulk_heating;
@@ -16,13 +17,14 @@ use crate::effects::integrated;
 use crate::effects::joule_heat;
 use crate::effects::phase_transformation;
 use crate::effects::volume_temperature::VOLUMES;
-use crate::scene::Scene;
+use crate::scene::{CREEPAGE, Scene};
 use crate::{LOWER, UPPER};
 use proto::configuration::{Configuration, FieldOnGrid, Input, Layout, Mode, Refusal};
 use proto::description::KeySpec;
 use proto::field::{self, FieldSpec};
 use proto::grid::{Grid, Structured};
 use proto::model::Setup;
+use proto::readable::quantity;
 
 /// Key of the number of elements along the larger extent of the grid.
 const RESOLUTION: &str = "thermal.resolution";
@@ -156,6 +158,7 @@ fn frame<C: Conduction>(given: &Configuration, arriving: &Structured) -> Result<
         windows: given.windows,
         slowest_motion: [UPPER, LOWER].map(|body| slowest_motion(&scene, body, given)),
         arriving: *arriving,
+        heated: given.inputs.iter().find(|input| is_heat(input)).and_then(|input| input.extent),
         threads: given.threads,
         scene,
         partition,
@@ -182,6 +185,13 @@ fn slowest_motion(scene: &Scene, body: usize, given: &Configuration) -> f64 {
 
 /// Refuses stationary bodies that the model or the partition of the heat does not support.
 fn check_scene<C: Conduction>(given: &Configuration, scene: &Scene) -> Result<(), Refusal> {
+    for body in [UPPER, LOWER] {
+        let speeds = scene.speeds_in(body, given);
+        if let Some(speed) = speeds.into_iter().find(|speed| *speed < 0.0) {
+            let reason = inputs::runs_backwards(&scene.names.0[body], speed);
+            return Err(Refusal::new(CREEPAGE, reason, "write a creepage of 1 or less"));
+        }
+    }
     if !C::SOLVES_STATIONARY_BODY {
         refuse_rest(given, scene)?;
     }
@@ -255,16 +265,10 @@ fn refuse_rest(given: &Configuration, scene: &Scene) -> Result<(), Refusal> {
     }
     let first = (0..2).find_map(|body| scene.resting_row(body, given).map(|row| (body, row)));
     let Some((body, row)) = first.filter(|_| given.mode == Mode::Steady) else { return Ok(()) };
-    Err(Refusal::new(
-        &scene.names.key(body, "surface_speed"),
-        format!(
-            "`{}` is at rest{}: one place of it is heated without end, and conduction normal to the \
-             surface then has no steady state",
-            scene.names.0[body],
-            in_row(given, row)
-        ),
-        "write [thermal] model = \"moving-source\", or a speed above 0 m/s",
-    ))
+    let own = scene.names.key(body, "surface_speed");
+    let key = if given.case.has(&own) || body == LOWER { &own } else { CREEPAGE };
+    let reason = inputs::never_steady(&scene.names.0[body], &in_row(given, row));
+    Err(Refusal::new(key, reason, inputs::OF_RESTING_BODIES))
 }
 
 fn is_heat(input: &Input) -> bool {
@@ -346,7 +350,8 @@ fn with_wake(grid: Structured, wake: f64) -> Result<Structured, Refusal> {
         return Err(Refusal::new(
             WAKE,
             format!(
-                "{wake} m need {more} elements of {dx:.3e} m; at most {MOST_COLUMNS} are possible"
+                "{wake} m need {more} elements of {dx}; at most {MOST_COLUMNS} are possible",
+                dx = quantity(dx, "m", 4)
             ),
             "make it shorter, or elements longer with thermal.resolution",
         ));

@@ -196,6 +196,32 @@ fn a_row_at_rest_is_refused_before_the_run() {
     }
 }
 
+/// A wheel that a creepage of 1 locks is at rest, in a table as well, and one beyond runs backwards:
+/// both are refused before the run.
+#[test]
+fn a_wheel_locked_by_its_creepage_is_refused_before_the_run() {
+    let refused = |mode: Mode, creepages: &[f64]| {
+        let mut case = steel();
+        case["motion"]["creepage"] = serde_json::json!({ "xi": creepages[0] });
+        let mut given = configuration("columns", mode, row(10, -1.0, 1.0), case);
+        let values = [("motion.creepage.xi".to_owned(), creepages.to_vec())].into();
+        let times = (0..creepages.len()).map(|row| row as f64).collect();
+        let rows = Histories { rows: true, times, values, live: None };
+        given.histories = (creepages.len() > 1).then_some(rows);
+        ThermalSolver.configure(&given).err().map(|refusal| refusal.to_string())
+    };
+    let sentence = "`wheel` is at rest: one place of it is heated without end, and conduction \
+                    normal to the surface then has no steady state; write [thermal] model = \
+                    \"moving-source\", or a speed above 0 m/s";
+    let text = refused(Mode::Steady, &[1.0]).unwrap();
+    assert!(text.contains("motion.creepage.xi") && text.contains(sentence), "{text}");
+    assert!(refused(Mode::Steady, &[0.0, 1.0]).unwrap().contains("at rest in row 2"));
+    assert_eq!(refused(Mode::Steady, &[0.99]), None);
+    assert_eq!(refused(Mode::Transient, &[1.0]), None);
+    let text = refused(Mode::Steady, &[0.5, 1.5]).unwrap();
+    assert!(text.contains("the surface of `wheel` passes at -19.4"), "{text}");
+}
+
 /// A model without heat exchange between the surfaces advises the one that has it, and for a body
 /// at rest nothing else.
 #[test]
@@ -254,7 +280,8 @@ fn faulty_inputs_are_named_and_change_nothing() {
         for speed in [0.0, -1.0] {
             run.given.speeds = vec![1.0, speed];
             let error = run.try_solve(&[1.0; 21], 0.0).unwrap_err().to_string();
-            assert!(error.contains("surface_speed") && error.contains("rail"), "{error}");
+            let why = if speed < 0.0 { "passes at -1 m/s" } else { "is at rest" };
+            assert!(error.contains("`rail`") && error.contains(why), "{error}");
         }
         run.given.speeds = vec![1.0, f64::INFINITY];
         let error = run.try_solve(&[1.0; 21], 0.0).unwrap_err();

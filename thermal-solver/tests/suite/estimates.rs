@@ -517,3 +517,27 @@ fn a_small_disc_is_not_cooled_as_a_railway_wheel() {
     assert!(said(0.0235).why.contains("0.16 W/K"), "{}", said(0.0235).why);
     assert!(said(0.46).set[0].ends_with("heat_loss=60"), "{:?}", said(0.46).set);
 }
+
+/// A heated region that its source knows has the error of its own size, whatever the grid: at rest
+/// that of the region, in motion a fifth of what an unknown slip zone may have.
+#[test]
+fn the_heated_region_sets_the_error_of_columns() {
+    let stated = |mode: Mode, speed: f64, extent: Option<[f64; 2]>| {
+        let case = if speed > 0.0 { at(speed) } else { pin(50.0, "equal", 1.0) };
+        let grid = Structured::contact_plane(-2e-3, -2e-3, 1e-4, 1e-4, 41, 41);
+        let mut given = configuration("columns", mode, grid, case);
+        given.inputs.iter_mut().for_each(|input| input.extent = extent);
+        let end = time_of(1e-3, 1.0);
+        given.windows = Some(Windows { shortest: end, usual: end, end: Some(end) });
+        ThermalSolver.configure(&given).unwrap().layout().left_out[0].error
+    };
+    let size = [1e-3; 2];
+    // Heat that spreads by the radius of a circle: 25 % (docs/theory/columns.md).
+    let error = stated(Mode::Transient, 0.0, Some(size));
+    assert!((error - 0.25).abs() < 5e-3, "{error}");
+    assert!(stated(Mode::Transient, 0.0, None) < 0.15);
+    let wide = Some([1e-3, 1e-1]);
+    let speed = 2.0 * DIFFUSIVITY * 10.0 / 1e-3;
+    let error = stated(Mode::Steady, speed, wide);
+    assert!((error - 0.1 / 10.0).abs() < 1e-6, "{error}");
+}

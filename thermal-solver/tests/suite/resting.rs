@@ -49,6 +49,7 @@ fn solved(model: &str, case: Value, per_radius: usize) -> Box<dyn Model> {
             grid: Some(grid.clone()),
             moves: false,
             peak: None,
+            extent: None,
         });
     }
     let setup =

@@ -62,6 +62,7 @@ pub(crate) fn configuration(
         grid: Some(grid),
         moves: false,
         peak: None,
+        extent: None,
     };
     let names = |specs: &[&FieldSpec]| specs.iter().map(|s| s.name.to_owned()).collect();
     let mut observed: Vec<String> =

@@ -9,6 +9,7 @@ use contract::field::FieldKind;
 use contract::grid::Grid;
 use contract::message::Status;
 use contract::step::Step;
+use run::format::{number, quantity};
 
 pub(super) const INITIALISE: Check = Check {
     name: "initialise",
@@ -121,7 +122,11 @@ fn heat(bench: &TestBench) -> Result<Finding, CheckFailure> {
             return broken(format!("heat_received is {received:e} W, the integral {sent:e} W"));
         }
         let relative = if off == 0.0 { 0.0 } else { off / magnitude };
-        Finding::kept(format!("{sent:.4e} W, to {relative:.0e}"))
+        Finding::kept(format!(
+            "{sent}, to {relative}",
+            sent = quantity(sent, "W", 5),
+            relative = number(relative, 1)
+        ))
     })
 }
 

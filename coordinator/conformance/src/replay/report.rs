@@ -5,7 +5,7 @@ use super::configuration::Request;
 use contract::message::{FieldHeader, Reply};
 use contract::step::Step;
 use contract::text::one_line;
-use run::format::{counted, seconds};
+use run::format::{counted, number, seconds};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -311,9 +311,9 @@ pub(super) fn text(replay: &Replay, request: &Request) -> String {
         (false, _) if compared.samples == 0 => "  nothing to compare".to_owned(),
         (false, None) => "  bit-identical".to_owned(),
         (false, Some(tolerance)) => format!(
-            "  within {tolerance:e} of the recording except for {}, by {:.2e} at most",
+            "  within {tolerance:e} of the recording except for {}, by {} at most",
             counted(compared.unequal_samples, "sample"),
-            compared.largest
+            number(compared.largest, 3)
         ),
         (true, _) if compared.first.is_none() => "  DIFFERS, though not in its fields".to_owned(),
         (true, _) => format!("  DIFFERS in {}", counted(compared.different_samples, "sample")),
@@ -350,7 +350,8 @@ pub(crate) fn difference(first: &Difference) -> String {
         let ValueDifference { index, now, recorded, relative, .. } = of;
         format!(
             "{field}[{index}] is {now:e} {unit}, recorded {recorded:e} {unit} (off by \
-             {relative:.3e} of the largest value)"
+             {relative} of the largest value)",
+            relative = number(*relative, 4)
         )
     };
     let most = match value.index == largest.index {
@@ -367,7 +368,12 @@ pub(crate) fn growth_lines(growth: &Growth) -> Vec<String> {
     let last = steps.len().saturating_sub(1);
     let chosen = move |(n, _): &(usize, _)| n.is_multiple_of(stride) || *n == last;
     let line = |step: &StepDifference| {
-        format!("window {}, iteration {}: {:.3e}", step.window, step.iteration, step.relative)
+        format!(
+            "window {}, iteration {}: {}",
+            step.window,
+            step.iteration,
+            number(step.relative, 4)
+        )
     };
     steps.iter().enumerate().filter(chosen).map(|(_, step)| line(step)).collect()
 }

@@ -23,6 +23,7 @@
 //! is at most Δt after a repeated window, and at most the length that a participant requests.
 
 use super::{LocalError, ROUNDING, Windows};
+use contract::readable::number;
 use contract::step::Step;
 use serde::{Deserialize, Serialize};
 
@@ -60,7 +61,9 @@ impl std::fmt::Display for Cause {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::NotConverged => f.write_str("it has not converged"),
-            Self::Error(error) => write!(f, "its local error is {error:.3e}"),
+            Self::Error(error) => {
+                write!(f, "its local error is {error}", error = number(*error, 4))
+            }
             Self::Wanted(length) => write!(f, "a participant wants {length:e} s"),
         }
     }

@@ -23,6 +23,7 @@ pub(crate) fn layouts<E>(
             if let Some(layout) = place(input).and_then(|at| layouts.raw[at].as_ref()) {
                 input.grid = layout.grid_of(&input.field.name).cloned();
                 input.peak = layout.peaks.get(&input.field.name).copied();
+                input.extent = layout.extents.get(&input.field.name).copied();
                 input.moves = layout.moves_under(&input.field.name);
             }
         }
@@ -67,6 +68,7 @@ mod tests {
                 grid: None,
                 moves: false,
                 peak: None,
+                extent: None,
             }],
             outputs: Vec::new(),
             observed: Vec::new(),

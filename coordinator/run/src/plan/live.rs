@@ -63,5 +63,6 @@ pub(super) fn inputs(live: &[LiveValue], one: ParticipantIndex) -> impl Iterator
         grid: Some(Live::grid()),
         moves: false,
         peak: None,
+        extent: None,
     })
 }

@@ -14,6 +14,7 @@ use super::volume;
 use crate::deadlines::Deadlines;
 use crate::error::RunError;
 use crate::fleet::{ANSWER, Fleet};
+use crate::format::number;
 use crate::peers::ParticipantSlot;
 use crate::program::Program;
 use crate::warnings::Warning;
@@ -189,8 +190,8 @@ fn check_windows(case: &Case) -> Result<(), RunError> {
             Control::Adaptive { shortest, .. } => (shortest, "time.window_min"),
         };
         if end / least > MOST_WINDOWS {
-            let most = format!("{MOST_WINDOWS:.0e} at most");
-            let reason = format!("{:.1e} windows up to time.end, {most}", end / least);
+            let most = format!("{MOST_WINDOWS} at most", MOST_WINDOWS = number(MOST_WINDOWS, 1));
+            let reason = format!("{} windows up to time.end, {most}", number(end / least, 2));
             problems.push(case.problem_at(key, reason, "choose longer windows"));
         }
     }
@@ -388,6 +389,7 @@ fn participants(
                 grid: None,
                 moves: false,
                 peak: None,
+                extent: None,
             })
             .chain(live::inputs(live, index))
             .collect();

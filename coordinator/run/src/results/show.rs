@@ -42,7 +42,7 @@ pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> Str
                 .filter(|word| !word.is_empty() && word != "none"),
             of("/coupling/windows").map(|v| counted(v as u64, "window")),
             of("/coupling/iterations").map(|v| counted(v as u64, "iteration")),
-            of("/coupling/final_residual").map(|v| format!("residual {v:.1e}")),
+            of("/coupling/final_residual").map(|v| format!("residual {v}", v = number(v, 2))),
             of("/coupling/energy_imbalance").map(imbalance),
         ],
     );
@@ -100,7 +100,7 @@ fn imbalance(value: f64) -> String {
     if value == 0.0 {
         "heat balance exact".to_owned()
     } else {
-        format!("heat imbalance {value:.1e}")
+        format!("heat imbalance {value}", value = number(value, 2))
     }
 }
 

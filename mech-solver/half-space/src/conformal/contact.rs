@@ -38,6 +38,7 @@ use elastic::Elasticity;
 use elastic::Material;
 use grids::Structured;
 use std::sync::Arc;
+use tables::readable::{number, quantity};
 
 /// Change of the pressure, over the largest, at which the pressure has settled: far below the error
 /// of any grid.
@@ -64,20 +65,19 @@ pub enum ConformalError {
     /// Normal and tangential contact do not converge in turn.
     #[error(
         "normal and tangential contact did not converge in {MOST_TURNS} turns: the pressure \
-         still changes by {change:.1e} of its maximum"
-    )]
+         still changes by {change} of its maximum", change = number(*.change, 2))]
     Unsettled {
         /// Change of the pressure over its maximum.
         change: f64,
     },
     /// No approach carries the force.
-    #[error("no approach was found under which the contact carries {force:.4e} N along its normal")]
+    #[error("no approach was found under which the contact carries {force} along its normal", force = quantity(*.force, "N", 5))]
     NoApproach {
         /// Prescribed force [N].
         force: f64,
     },
     /// The bodies are apart.
-    #[error("under an approach of {approach:.4e} m the bodies do not touch")]
+    #[error("under an approach of {approach} the bodies do not touch", approach = quantity(*.approach, "m", 5))]
     Apart {
         /// Prescribed approach [m].
         approach: f64,

@@ -1,6 +1,7 @@
 //! Errors of a normal contact.
 
 use crate::prescribed::Prescribed;
+use tables::readable::{number, quantity};
 use thiserror::Error;
 
 /// Reason why a normal contact has no solution, or none was found.
@@ -41,9 +42,8 @@ pub enum NormalError {
     },
     /// The bodies touch at points too far apart for one grid.
     #[error(
-        "the bodies also touch {y:.4e} m to the side of the first point of contact; a grid that \
-         holds both would have {elements} elements, more than the limit of {limit}"
-    )]
+        "the bodies also touch {y} to the side of the first point of contact; a grid that \
+         holds both would have {elements} elements, more than the limit of {limit}", y = quantity(*.y, "m", 5))]
     FarApart {
         /// Lateral coordinate of the farther point [m].
         y: f64,
@@ -65,9 +65,8 @@ pub enum NormalError {
     },
     /// A contact that repeats cannot carry the load under the bound of its pressure.
     #[error(
-        "a load of {load:.6e} N is not possible under a largest pressure of {bound:.6e} Pa: at that \
-         pressure everywhere the cell carries {most:.6e} N"
-    )]
+        "a load of {load} is not possible under a largest pressure of {bound}: at that \
+         pressure everywhere the cell carries {most}", load = quantity(*.load, "N", 7), bound = quantity(*.bound, "Pa", 7), most = quantity(*.most, "N", 7))]
     Bound {
         /// Prescribed load [N].
         load: f64,
@@ -78,9 +77,8 @@ pub enum NormalError {
     },
     /// The residual did not fall below the tolerance.
     #[error(
-        "the normal contact did not converge: residual {residual:.3e} after {iterations} \
-         iterations, tolerance {tolerance:.1e}"
-    )]
+        "the normal contact did not converge: residual {residual} after {iterations} \
+         iterations, tolerance {tolerance}", residual = number(*.residual, 4), tolerance = number(*.tolerance, 2))]
     NotConverged {
         /// Number of iterations.
         iterations: usize,

@@ -26,6 +26,7 @@ use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
 use crate::slip_operator::SlipOperator;
 use numerics::gmres::{Achieved, Gmres, Preconditioned};
+use tables::readable::number;
 
 /// Limit of Newton steps in a solve.
 const MOST_STEPS: usize = 60;
@@ -67,8 +68,8 @@ pub struct Effort {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "the tangential problem did not converge in {MOST_STEPS} Newton steps: {} elements still \
-     change between adhesion and slip, tractions by {:.1e} of the largest{}",
-    .0.changes, .0.last_change, .0.unmet()
+     change between adhesion and slip, tractions by {} of the largest{}",
+    .0.changes, number(.0.last_change, 2), .0.unmet()
 )]
 pub struct NotConverged(pub Effort);
 
@@ -77,9 +78,9 @@ impl Effort {
     fn unmet(&self) -> String {
         match self.force_error > 1.0 {
             true => format!(
-                ", and the prescribed forces are missed by {:.1e} times their tolerance; together \
+                ", and the prescribed forces are missed by {} times their tolerance; together \
                  they may exceed what friction carries",
-                self.force_error
+                number(self.force_error, 2)
             ),
             false => String::new(),
         }

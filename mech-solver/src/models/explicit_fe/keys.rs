@@ -6,6 +6,7 @@ use crate::case::scene::Scene;
 use proto::configuration::Refusal;
 use proto::description::KeySpec;
 use proto::params::Params;
+use proto::readable::quantity;
 
 /// Default number of elements per semi-axis; 0.6 mm in the contact of a wheel.
 pub(super) const RESOLUTION: usize = 13;
@@ -113,8 +114,14 @@ impl Extent {
             (DEPTH, depth, 4.0 * fine[1]),
         ] {
             if given < least {
-                let reason = format!("{given:.4e} m leave no room round the contact");
-                let fix = format!("write more than {least:.4e} m, or leave it out");
+                let reason = format!(
+                    "{given} leave no room round the contact",
+                    given = quantity(given, "m", 5)
+                );
+                let fix = format!(
+                    "write more than {least}, or leave it out",
+                    least = quantity(least, "m", 5)
+                );
                 return Err(Refusal::new(key, reason, fix));
             }
         }
@@ -123,10 +130,13 @@ impl Extent {
                 let most = CURVED * [body.radius_y, body.radius_x][of].abs();
                 if size > most {
                     let reason = format!(
-                        "with {size:.4e} m elements reach the centre of curvature of a body"
+                        "with {size} elements reach the centre of curvature of a body",
+                        size = quantity(size, "m", 5)
                     );
-                    let fix =
-                        format!("write less than {:.4e} m, or leave it out", [2.0, 1.0][of] * most);
+                    let fix = format!(
+                        "write less than {}, or leave it out",
+                        quantity([2.0, 1.0][of] * most, "m", 5)
+                    );
                     return Err(Refusal::new(key, reason, fix));
                 }
             }

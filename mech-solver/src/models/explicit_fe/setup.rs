@@ -28,6 +28,7 @@ use proto::grid::Structured;
 use proto::model::{Model, Setup};
 use proto::params::Params;
 use proto::progress::Progress;
+use proto::readable::quantity;
 
 /// Largest growth of the contact's length and width under varying forces, relative to that under
 /// the load.
@@ -151,9 +152,10 @@ fn refuse_at_once(terms: &Terms, half_length: f64) -> Result<(), Refusal> {
     Err(Refusal::new(
         &format!("effects.{effect}.at"),
         format!(
-            "the irregularity begins after {begins:.4e} m, under the contact of steady rolling"
+            "the irregularity begins after {begins}, under the contact of steady rolling",
+            begins = quantity(begins, "m", 5)
         ),
-        format!("write {:.4e} m or more", irregularity.at + least - begins),
+        format!("write {} or more", quantity(irregularity.at + least - begins, "m", 5)),
     ))
 }
 

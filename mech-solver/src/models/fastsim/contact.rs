@@ -14,6 +14,7 @@ use elastic::fastsim::reduction::Reduction;
 use elastic::fastsim::strip_theory::StripTheory;
 use numerics::search::root_in_bracket;
 use proto::configuration::Refusal;
+use proto::readable::quantity;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -355,9 +356,9 @@ impl FastsimContact {
             return Ok(());
         }
         let reason = format!(
-            "friction dissipates {:.6e} W, but the creep forces supply {:.6e} W",
-            self.problem.speeds.rolling * self.totals.power,
-            self.problem.speeds.rolling * self.creep_power()
+            "friction dissipates {}, but the creep forces supply {}",
+            quantity(self.problem.speeds.rolling * self.totals.power, "W", 7),
+            quantity(self.problem.speeds.rolling * self.creep_power(), "W", 7)
         );
         Err(Refusal::new("mech.resolution", reason, "write another resolution"))
     }

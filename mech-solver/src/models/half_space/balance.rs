@@ -2,16 +2,16 @@
 
 use crate::models::power_balance::{LARGEST_POWER_IMBALANCE, power_imbalance};
 use proto::grid::Structured;
+use proto::readable::{number, quantity};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 /// Error of an instant whose power balance does not hold.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "the power balance of the contact does not hold: friction dissipates {friction:.6e} W where \
-     {given:.6e} W are supplied, which differs by {imbalance:.1e} of the exchanged power; the \
-     contact is not solved: change mech.resolution"
-)]
+    "the power balance of the contact does not hold: friction dissipates {friction} where \
+     {given} are supplied, which differs by {imbalance} of the exchanged power; the \
+     contact is not solved: change mech.resolution", friction = quantity(*.friction, "W", 7), given = quantity(*.given, "W", 7), imbalance = number(*.imbalance, 2))]
 pub(super) struct PowerError {
     pub(super) friction: f64,
     pub(super) given: f64,

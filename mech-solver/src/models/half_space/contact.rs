@@ -26,6 +26,7 @@ use half_space::slip_operator::Displacement;
 use half_space::slip_zone::SlippingRows;
 use half_space::tangential::{self, Creepage, TangentialState};
 use proto::model::{Inputs, StepError};
+use proto::readable::{number, quantity};
 
 /// Relative change of the pressure at convergence, far below the error of any grid.
 const REST: f64 = 1e-6;
@@ -51,14 +52,13 @@ pub(super) enum ContactError {
     Tangential(#[from] TangentialError),
     #[error(
         "normal and tangential contact did not converge in {MOST_ALTERNATIONS} alternations: the \
-         pressure still changes by {change:.1e} of its maximum"
-    )]
+         pressure still changes by {change} of its maximum", change = number(*.change, 2))]
     Unsettled { change: f64 },
     #[error(transparent)]
     Friction(#[from] Unsettled),
     #[error(transparent)]
     Power(#[from] PowerError),
-    #[error("the bodies do not touch at an approach of {approach:.4e} m")]
+    #[error("the bodies do not touch at an approach of {approach}", approach = quantity(*.approach, "m", 5))]
     Apart { approach: f64 },
 }
 

@@ -9,6 +9,7 @@ use elastic::carter;
 use half_space::tangential::PrescribedMotion;
 use proto::configuration::{Configuration, Mode, Refusal};
 use proto::description::KeySpec;
+use proto::readable::quantity;
 use std::sync::LazyLock;
 
 const LATERAL_CREEPAGE: &str = "motion.lateral_creepage";
@@ -147,8 +148,15 @@ impl Driven {
             return Ok(());
         }
         let reason = match force > most {
-            true => format!("a force of {force:.6e} N is beyond f N = {most:.6e} N"),
-            false => format!("a force of f N = {most:.6e} N leaves the creepage undetermined"),
+            true => format!(
+                "a force of {force} is beyond f N = {most}",
+                force = quantity(force, "N", 7),
+                most = quantity(most, "N", 7)
+            ),
+            false => format!(
+                "a force of f N = {most} leaves the creepage undetermined",
+                most = quantity(most, "N", 7)
+            ),
         };
         Err(Refusal::new("motion", reason, "write less, or prescribe motion.creepage"))
     }

@@ -6,7 +6,7 @@
 
 use super::drive::Driven;
 use super::gap::Gap;
-use super::spacing::Patch as SlippingPatch;
+use super::spacing::{Patch as SlippingPatch, share};
 use crate::case::difference;
 use crate::case::ellipse::{Ellipse, Extent};
 use crate::case::keys::CheckedParams;
@@ -23,6 +23,7 @@ use half_space::viscoelastic::Bodies;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;
 use proto::grid::Structured;
+use proto::readable::number;
 use std::f64::consts::{PI, TAU};
 
 /// Maximum number of elements; beyond it operators and Krylov space would take tens of gigabytes.
@@ -88,6 +89,8 @@ pub(in crate::models) struct Footprint {
     pub(in crate::models) semi_axes: [f64; 2],
     /// Semi-axes of the smallest ellipse if values vary, otherwise of the ellipse [m].
     pub(in crate::models) smallest: [f64; 2],
+    /// Expected half lengths of the slip zone along x and y [m], where known before the solve.
+    pub(in crate::models) slips: Option<[f64; 2]>,
     pub(in crate::models) grid: Structured,
     /// Lateral position of the maximum pressure, if it is not the origin [m].
     pub(in crate::models) peak_y: Option<f64>,
@@ -181,7 +184,8 @@ pub(in crate::models) fn footprint(
             (false, None) => side,
         };
         let patch = shapes.patch(semi_axes, ellipse.line, ellipse.normal_force);
-        let dx = along(configuration, shapes, &patch, [side, dy], area)?;
+        let zone = slip_zone(configuration, shapes, &patch)?;
+        let dx = along(shapes, zone, [side, dy], area);
         let growth = match (rough, bodies.are_coupled()) {
             (_, true) => COUPLED_GROWTH,
             (true, false) => ROUGH_GROWTH,
@@ -214,7 +218,8 @@ pub(in crate::models) fn footprint(
         };
         let gap = given.is_none().then_some(gap);
         let ellipse = Some(ellipse);
-        return Ok(Footprint { gap, ellipse, semi_axes, smallest, grid, peak_y, remarks });
+        let slips = patch.slips(zone);
+        return Ok(Footprint { gap, ellipse, semi_axes, smallest, slips, grid, peak_y, remarks });
     }
     let low = gap.settle()?;
     let coarse = coarse_contact(&gap, low, scene, bodies)?;
@@ -231,7 +236,8 @@ pub(in crate::models) fn footprint(
     let dy = row_width(&coarse, side, lateral, area, &mut remarks);
     let normal_force = coarse.pressure.iter().sum::<f64>() * coarse.grid.element_area();
     let patch = shapes.patch(semi_axes, false, normal_force);
-    let dx = along(configuration, shapes, &patch, [side, dy], area)?;
+    let zone = slip_zone(configuration, shapes, &patch)?;
+    let dx = along(shapes, zone, [side, dy], area);
     let mut grid = lay([elements(x_range, dx), elements(y_range, dy)], [dx, dy])?;
     let mut peak_y = highest(&coarse) - centre[1];
     if rough {
@@ -239,26 +245,35 @@ pub(in crate::models) fn footprint(
         (grid, peak_y) = (fitted.grid, highest(&fitted));
     }
     let (gap, peak_y) = (Some(gap), Some(peak_y));
-    let smallest = semi_axes;
-    Ok(Footprint { gap, ellipse: None, semi_axes, smallest, grid, peak_y, remarks })
+    let (smallest, slips) = (semi_axes, patch.slips(zone));
+    Ok(Footprint { gap, ellipse: None, semi_axes, smallest, slips, grid, peak_y, remarks })
+}
+
+/// Mean length of the slip zone over the semi-axis a, where it is known before the solve: the whole
+/// contact, or the zone of a steady contact.
+fn slip_zone(
+    configuration: &Configuration,
+    shapes: &Shapes<'_>,
+    patch: &SlippingPatch<'_>,
+) -> Result<Option<f64>, Refusal> {
+    let Shapes { scene, given, terms, follows_slip, .. } = shapes;
+    if !terms.adhesion || scene.slides() {
+        return Ok(Some(SlippingPatch::WHOLE));
+    }
+    if !follows_slip {
+        return Ok(None);
+    }
+    let driven = Driven::read(configuration, scene, given.as_ref(), None, true)?;
+    Ok(Some(patch.slip_zone(&driven)))
 }
 
 /// Length of the elements along x [m]: that of elements of a grid as fine as the case asks for, or
 /// less where the slip zone is short, unless a grid over this area [m²] would become too large.
-fn along(
-    configuration: &Configuration,
-    shapes: &Shapes<'_>,
-    patch: &SlippingPatch<'_>,
-    [side, dy]: [f64; 2],
-    area: f64,
-) -> Result<f64, Refusal> {
-    if !shapes.follows_slip {
-        return Ok(side);
+fn along(shapes: &Shapes<'_>, zone: Option<f64>, [side, dy]: [f64; 2], area: f64) -> f64 {
+    match zone.filter(|_| shapes.follows_slip) {
+        Some(zone) => side.min((area / (dy * MOST_RESOLVED)).max(side * share(zone))),
+        None => side,
     }
-    let Shapes { scene, given, .. } = shapes;
-    let driven = Driven::read(configuration, scene, given.as_ref(), None, true)?;
-    let shortest = area / (dy * MOST_RESOLVED);
-    Ok(side.min(shortest.max(side * patch.share(&driven))))
 }
 
 /// Refuses lateral variation for bodies in line contact.
@@ -322,7 +337,8 @@ fn delayed_footprint(
         (grid, peak_y) = (fitted.grid, Some(highest(&fitted)));
     }
     let (gap, remarks, smallest) = (Some(gap), Vec::new(), semi_axes);
-    Ok(Footprint { gap, ellipse: None, semi_axes, smallest, grid, peak_y, remarks })
+    let (ellipse, slips) = (None, None);
+    Ok(Footprint { gap, ellipse, semi_axes, smallest, slips, grid, peak_y, remarks })
 }
 
 /// Ratio of the final size of a contact under constant load to its instantaneous size.
@@ -433,8 +449,11 @@ fn refuse_too_many(elements: f64) -> Result<(), Refusal> {
     }
     Err(Refusal::new(
         RESOLUTION,
-        format!("makes {elements:.3e} elements in all"),
-        format!("lower it until there are no more than {MOST_ELEMENTS:.3e}"),
+        format!("makes {elements} elements in all", elements = number(elements, 4)),
+        format!(
+            "lower it until there are no more than {MOST_ELEMENTS}",
+            MOST_ELEMENTS = number(MOST_ELEMENTS as f64, 4)
+        ),
     ))
 }
 

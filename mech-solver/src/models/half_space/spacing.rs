@@ -47,15 +47,24 @@ pub(super) struct Patch<'a> {
     pub(super) bodies: &'a Bodies,
 }
 
+/// Length of the elements along x over a/n, for a slip zone of this mean length over a.
+pub(super) fn share(zone: f64) -> f64 {
+    if zone > STUCK { (zone / SHARE).clamp(SHORTEST, 1.0) } else { 1.0 }
+}
+
 impl Patch<'_> {
-    /// Length of the elements along x over a/n.
-    pub(super) fn share(&self, driven: &Driven) -> f64 {
-        let zone = self.slip_zone(driven);
-        if zone > STUCK { (zone / SHARE).clamp(SHORTEST, 1.0) } else { 1.0 }
+    /// Length of the slip zone over a where the whole contact slides.
+    pub(super) const WHOLE: f64 = 2.0;
+
+    /// Half lengths of a slip zone along x and y [m]. Those of a contact that sticks are not known.
+    pub(super) fn slips(&self, zone: Option<f64>) -> Option<[f64; 2]> {
+        let zone = zone.filter(|zone| *zone > STUCK)?;
+        let [a, b] = self.semi_axes;
+        Some([0.5 * zone * a, b])
     }
 
-    /// Mean length of the slip zone over the semi-axis a: from 0 without slip up to 2.
-    fn slip_zone(&self, driven: &Driven) -> f64 {
+    /// Mean length of the slip zone over the semi-axis a: from 0 without slip up to [`Self::WHOLE`].
+    pub(super) fn slip_zone(&self, driven: &Driven) -> f64 {
         let [a, b] = self.semi_axes;
         let motion = driven.at(self.normal_force);
         let per_creepage = self.lengths_per_creepage();

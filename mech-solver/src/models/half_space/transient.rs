@@ -10,7 +10,7 @@
 //! the work of the forces minus the change of elastic energy. With the upwind difference this holds
 //! in every step, with Fromm's difference in the first step only. All later steps take Fromm's
 //! difference along x and the second-order backward difference in time
-//! ([`half_space::difference`]).
+//! ([`half_space::difference`]). A step in which a creepage jumps is like the first one.
 //!
 //! The mechanical steps need not fit into the time windows of the coupling. A step that extends
 //! beyond a window continues in the next one, and the friction power of a window is the mean over
@@ -41,7 +41,7 @@ use crate::terms::Terms;
 use half_space::difference::Difference;
 use half_space::dissipation::shared;
 use half_space::grid_continuation::{History, Motion, Solution};
-use half_space::tangential::TangentialState;
+use half_space::tangential::{PrescribedMotion, TangentialState};
 use proto::field::FieldSpec;
 use proto::model::{Inputs, Outputs, StateError, Step, StepError, StepReport};
 use serde::{Deserialize, Serialize};
@@ -50,6 +50,8 @@ use std::io::{self, Read, Write};
 
 /// Remaining share of a mechanical step below which the remainder is treated as rounding error.
 const ROUNDING: f64 = 1e-9;
+/// Change of a creepage from step to step, relative to its last change, above which it jumps.
+const MOST_GROWTH: f64 = 2.0;
 
 /// A contact with history.
 pub(super) struct Transient {
@@ -107,6 +109,8 @@ struct Tangential {
     displacement: [Vec<f64>; 2],
     /// Plastic shift [m]; empty without a yielding layer.
     plastic: Vec<f64>,
+    /// Creepages that led to this instant [-, -, rad/m].
+    creepage: [f64; 3],
 }
 
 impl Tangential {
@@ -185,9 +189,10 @@ impl StepState {
 
     /// Tractions, with the displacements they cause and the plastic shift.
     fn tangential(&self) -> Tangential {
-        let TangentialState { traction, plastic, .. } = &self.solution.state;
+        let TangentialState { traction, plastic, creepage, .. } = &self.solution.state;
         let (traction, plastic) = (traction.clone(), plastic.clone());
-        Tangential { traction, displacement: self.displacement.clone(), plastic }
+        let displacement = self.displacement.clone();
+        Tangential { traction, displacement, plastic, creepage: *creepage }
     }
 
     /// Returns whether all fields have this number of elements.
@@ -348,7 +353,9 @@ impl Transient {
         let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
         let case = &mut self.case;
         let rolls = case.scene.speeds.rolling > 0.0;
-        let earlier = trial.earlier.take();
+        let now = case.driven.at(0.0);
+        let before = trial.solution.state.creepage;
+        let earlier = trial.earlier.take().filter(|earlier| !jumps(&now, before, earlier.creepage));
         case.first_step = earlier.is_none();
         let start = Start { columns: case.footprint.grid.ni, rolls };
         let mut slip = [0, 1].map(|k| match &earlier {
@@ -442,6 +449,15 @@ impl Transient {
         (trial.pressure, trial.approach) = (pressure, approach);
         Ok((case.passage().duration, shortfall))
     }
+}
+
+/// Returns whether a prescribed creepage jumps: it changes by more than twice its last change. A
+/// step of the particles sees the jump when it happens; the backward difference in time would see
+/// it half a step late.
+fn jumps(now: &PrescribedMotion, before: [f64; 3], earlier: [f64; 3]) -> bool {
+    (0..3)
+        .filter(|k| now.force[*k].is_none())
+        .any(|k| (now.creepage[k] - before[k]).abs() > MOST_GROWTH * (before[k] - earlier[k]).abs())
 }
 
 /// Positions of the particles at the start of a step.

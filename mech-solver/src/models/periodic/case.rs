@@ -7,6 +7,7 @@ use elastic::Elasticity;
 use half_space::extent::sample;
 use proto::configuration::{Configuration, Refusal};
 use proto::grid::Structured;
+use proto::readable::{number, quantity};
 
 /// A checked case.
 pub(super) struct Case {
@@ -102,9 +103,12 @@ fn refuse_beyond_limit(load: f64, grid: &Structured, terms: &Terms) -> Result<()
     }
     let effect = terms.effect_of(Kind::PressureBound).unwrap_or_default();
     let reason = format!(
-        "{load:.6e} N on a cell of {cell:.4e} m2 need a mean pressure of {:.4e} Pa, and \
-         effects.{effect} allows less than {bound:.4e} Pa",
-        load / cell
+        "{load} on a cell of {cell} m2 need a mean pressure of {}, and \
+         effects.{effect} allows less than {bound}",
+        quantity(load / cell, "Pa", 5),
+        load = quantity(load, "N", 7),
+        cell = number(cell, 5),
+        bound = quantity(bound, "Pa", 5)
     );
     let fix = "write a lower load, a larger cell (mech.period_x, mech.period_y) or a larger limit";
     Err(Refusal::new(NORMAL_FORCE, reason, fix))

@@ -1,6 +1,7 @@
 //! Errors in the file of a profile.
 
 use crate::outline::OutlineError;
+use tables::readable::quantity;
 
 /// Reason why a profile cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -46,12 +47,11 @@ pub enum ProfileError {
     HeightsDown,
     /// The flange is on the field side.
     #[error(
-        "its flange, lowest at y = {0:.4e} m, is on the field side; mirror the profile along y, or turn its heights \
-         over"
-    )]
+        "its flange, lowest at y = {}, is on the field side; mirror the profile along y, or turn its heights \
+         over", quantity(*.0, "m", 5))]
     FlangeOutside(f64),
     /// The size is implausible for a profile.
-    #[error("its size is {0:.3e} m, where 5 mm to 500 mm are expected; check the unit of length")]
+    #[error("its size is {}, where 5 mm to 500 mm are expected; check the unit of length", quantity(*.0, "m", 4))]
     Size(f64),
     /// The points do not form a curve.
     #[error(transparent)]

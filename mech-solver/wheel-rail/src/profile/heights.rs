@@ -13,6 +13,7 @@ use crate::profile::orientation::{Body, Heights, oriented};
 use crate::profile::{self, Format, Reading, columns, miniprof, simpack};
 use std::path::Path;
 use tables::input_file::{self, InputFileError};
+use tables::readable::quantity;
 
 /// Least number of points of a profile.
 const FEWEST: usize = 4;
@@ -34,9 +35,8 @@ pub enum ProfileError {
     Format(#[from] profile::ProfileError),
     /// The lateral coordinates are not in ascending order.
     #[error(
-        "is not a height over y: y does not rise at point {point}, y = {y:.4e} m; cut upright flanks off, or use the \
-         model wheel-on-track"
-    )]
+        "is not a height over y: y does not rise at point {point}, y = {y}; cut upright flanks off, or use the \
+         model wheel-on-track", y = quantity(*.y, "m", 5))]
     Order {
         /// Number of the point, from 1, in ascending order of y.
         point: usize,

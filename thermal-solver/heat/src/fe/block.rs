@@ -13,6 +13,7 @@ use super::transient::Columns;
 use crate::Material;
 use grids::Structured;
 use std::f64::consts::PI;
+use tables::readable::{number, quantity};
 
 /// Extent of a block in depth and sideways, in distances that heat spreads.
 const SPREADS: f64 = 3.5;
@@ -131,7 +132,7 @@ impl Default for Elements {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TooManyElements {
     /// Too many columns behind the contact.
-    #[error("{columns:.3e} columns of elements, {length:.3e} m long, are behind the contact")]
+    #[error("{columns} columns of elements, {length} long, are behind the contact", columns = number(*.columns, 4), length = quantity(*.length, "m", 4))]
     Behind {
         /// Columns of elements.
         columns: f64,
@@ -142,9 +143,8 @@ pub enum TooManyElements {
     },
     /// Too many layers in depth.
     #[error(
-        "{layers:.3e} layers of elements reach from {first:.3e} m to {deep:.3e} m of depth, each {ratio} times \
-         as thick as the one above it"
-    )]
+        "{layers} layers of elements reach from {first} to {deep} of depth, each {ratio} times \
+         as thick as the one above it", layers = number(*.layers, 4), first = quantity(*.first, "m", 4), deep = quantity(*.deep, "m", 4))]
     InDepth {
         /// Number of layers of elements.
         layers: f64,

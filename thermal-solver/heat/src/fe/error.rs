@@ -1,5 +1,7 @@
 //! Errors of a finite-element solve.
 
+use tables::readable::number;
+
 /// Reason why finite elements give no result.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SolveError {
@@ -9,9 +11,8 @@ pub enum SolveError {
     /// early; elimination does not. Rounding may exceed the tolerance, between layers so thin that
     /// their conduction cancels.
     #[error(
-        "the equations of the elements are not solved: the residual is {residual:.1e} after {newton} steps of Newton's \
-         method"
-    )]
+        "the equations of the elements are not solved: the residual is {residual} after {newton} steps of Newton's \
+         method", residual = number(*.residual, 2))]
     NotSolved {
         /// Residual over the largest term of the equations [-].
         residual: f64,
@@ -44,7 +45,7 @@ pub enum SolveError {
         most: f64,
     },
     /// The march downstream changes from sweep to sweep.
-    #[error("the march downstream does not settle: it changes by {change:.3e} W/m")]
+    #[error("the march downstream does not settle: it changes by {change} W/m", change = number(*.change, 4))]
     Unsettled {
         /// Change of the last sweep [W/m].
         change: f64,
