@@ -258,7 +258,9 @@ fn along(
     let Shapes { scene, given, .. } = shapes;
     let driven = Driven::read(configuration, scene, given.as_ref(), None, true)?;
     let shortest = area / (dy * MOST_RESOLVED);
-    Ok(side.min(shortest.max(side * patch.share(&driven))))
+    let wanted = side.min(shortest.max(side * patch.share(&driven)));
+    let [a, _] = patch.semi_axes;
+    Ok(if wanted < side { a / (a / wanted - WHOLE).ceil() } else { side })
 }
 
 /// Refuses lateral variation for bodies in line contact.
