@@ -208,8 +208,8 @@ impl SlipZone {
         self.sticks = true;
     }
 
-    /// Takes an estimated width \[element\] where all elements stick: the zone is too narrow for the
-    /// grid.
+    /// Takes an estimated width \[element\] where all elements stick: the zone is too narrow for
+    /// the grid.
     pub(crate) fn or_estimated(self, width: impl Fn() -> Option<f64>) -> Self {
         match self.sticks && self.power == 0.0 {
             true => {

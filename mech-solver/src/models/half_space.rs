@@ -172,7 +172,7 @@ fn spec() -> ModelSpec {
             &field::CONTACT_FORCE,
         ]),
         keys,
-        accuracy: Accuracy { refinement: Some(refinement(1.5, 0.025)), ..Accuracy::default() },
+        accuracy: Accuracy { refinement: Some(refinement(1.5, 0.01)), ..Accuracy::default() },
     }
 }
 
