@@ -269,6 +269,7 @@ mod tests {
             grid: None,
             moves: false,
             peak: None,
+            extent: None,
         };
         let configuration = Configuration {
             role: "right".to_owned(),

@@ -228,13 +228,13 @@ impl Search {
         errors.max_by(f64::total_cmp).map(|error| error.max(expected))
     }
 
-    /// Estimated relative error of the extrapolated limit, at least half the error that the models
+    /// Estimated relative error of the extrapolated limit, at least the error that the models
     /// expect of the finest grid. `None` with fewer than three grids.
     fn limit_error(&self) -> Option<f64> {
         let limits = (0..self.watched).filter_map(|index| self.limit(index));
         let error =
             limits.map(|limit| relative(limit.error, limit.value)).max_by(f64::total_cmp)?;
-        Some(error.max(0.5 * self.level.grid_error(self.runs.last()?.step)))
+        Some(error.max(self.level.grid_error(self.runs.last()?.step)))
     }
 
     /// Error estimate of a quantity from all grids.

@@ -208,6 +208,17 @@ impl SlipZone {
         self.sticks = true;
     }
 
+    /// Takes an estimated width \[element\] where all elements stick: the zone is too narrow for
+    /// the grid.
+    pub(crate) fn or_estimated(self, width: impl Fn() -> Option<f64>) -> Self {
+        match self.sticks && self.power == 0.0 {
+            true => {
+                width().map_or(self, |width| Self { power: 1.0, weighted_width: width, ..self })
+            }
+            false => self,
+        }
+    }
+
     /// Width in elements; `None` if nothing slips, or if everything slides and the zone has no
     /// edge inside the contact.
     fn elements(&self) -> Option<f64> {

@@ -42,6 +42,7 @@ use crate::terms::{Kind, Place, Terms};
 use case::Case;
 use drive::Driven;
 use elastic::Elasticity;
+use half_space::difference::Difference;
 use half_space::retarded::Delay;
 use half_space::viscoelastic::Bodies;
 use proto::accuracy::Accuracy;
@@ -172,7 +173,7 @@ fn spec() -> ModelSpec {
             &field::CONTACT_FORCE,
         ]),
         keys,
-        accuracy: Accuracy { refinement: Some(refinement(1.5, 0.025)), ..Accuracy::default() },
+        accuracy: Accuracy { refinement: Some(refinement(1.5, 0.01)), ..Accuracy::default() },
     }
 }
 
@@ -210,11 +211,14 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, R
         delays: &delays,
         terms: &terms,
         resolution: resolution::read(&configuration.case, RESOLUTION)?,
-        // Steps with memory are as long as elements, and rows of a history share a grid.
+        // Steps with memory are as long as elements, rows of a history share a grid, and bodies of
+        // different constants slip under their pressure, too.
         follows_slip: scene.speeds.rolling > 0.0
             && !memory
             && varying.is_none()
-            && case::displaces_rows(&terms, &bodies, difference),
+            && terms.adhesion
+            && !bodies.are_coupled()
+            && difference == Difference::Fromm,
     };
     let footprint = geometry::footprint(configuration, &shapes)?;
     let ellipse = footprint.ellipse.as_ref();

@@ -631,10 +631,10 @@ fn kalkers_table() {
 }
 
 /// A prescribed force in transient rolling over ten contact lengths: met in every step, finally
-/// with the creepage of steady rolling.
+/// with the creepage of steady rolling. The slip zones are long, so that both have the same grid.
 #[test]
 fn transient_rolling_under_a_force() {
-    for (resolution, traction) in [(10, 0.58), (15, 0.3)] {
+    for (resolution, traction) in [(10, 0.58), (15, 0.4)] {
         let mut case = half_space(resolution);
         case["motion"]["traction_coefficient"] = json!(traction);
         let steady = run(&case);

@@ -1,6 +1,7 @@
 //! Advice of warnings, applied: the problem it is given for is gone.
 
 use super::common::{Run, STEEL, assert_close, configuration, driven, fitted, paper, run};
+use super::half_space_model::InTime;
 use elastic::hertz::elliptic_contact;
 use mech_solver::MechSolver;
 use proto::figure::value;
@@ -78,6 +79,39 @@ fn elements_follow_the_slip_zone() {
             assert!((5.0..9.0).contains(&elements), "{crown} {motion}: {elements}");
         }
     }
+}
+
+/// A zone too narrow for the grid gives a warning: an element slips, or none does and the width is
+/// estimated. Elements do not follow the zone: with the upwind difference, for bodies of different
+/// constants, and in transient rolling.
+#[test]
+fn a_zone_below_an_element_is_not_passed_over() {
+    let key = "contact.slip_zone_elements";
+    let mut upwind = of_model("half-space", 8);
+    upwind["mech"]["difference"] = json!("upwind");
+    let mut unlike = of_model("half-space", 8);
+    unlike["materials"]["other"] = json!({"youngs_modulus": 205e9, "poisson_ratio": 0.29});
+    unlike["bodies"]["rail"]["material"] = json!("other");
+    for (name, case) in [("upwind", upwind), ("unlike", unlike)] {
+        let stuck = run(&driven(case, "traction_coefficient", 0.005));
+        assert_eq!(unexpected(&stuck), [key], "{name}: {}", stuck.contact);
+        assert!(stuck.number("slip_zone_elements") <= 1.0, "{name}: {}", stuck.contact);
+    }
+    let mut case = driven(of_model("half-space", 8), "traction_coefficient", 0.005);
+    case["mech"]["rolling"] = json!("transient");
+    let mut transient = InTime::new(&case, 1e-4);
+    transient.next();
+    assert!(transient.number("slip_zone_elements") < 1.0);
+}
+
+/// A rough surface and a bound of the pressure have a regular grid, whose elements follow the slip
+/// zone like displaced rows.
+#[test]
+fn elements_of_regular_grids_follow_the_slip_zone() {
+    let mut case = driven(of_model("half-space", 12), "traction_coefficient", 0.05);
+    case["effects"]["pressure_limit"] = json!({"hardness": 3e9});
+    let elements = run(&case).number("slip_zone_elements");
+    assert!((5.0..9.0).contains(&elements), "{elements}");
 }
 
 /// A grid that is coarse along the motion is refined by one key, one that is coarse across it by

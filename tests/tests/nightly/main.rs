@@ -16,6 +16,7 @@ mod coverage;
 mod engines;
 mod explicit;
 mod failures;
+mod grids;
 mod licences;
 mod paper;
 #[cfg(feature = "complete")]

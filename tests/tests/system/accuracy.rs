@@ -95,7 +95,7 @@ fn the_true_error_of_partial_slip_is_below_the_target() {
 fn stated_errors_cover_the_true_ones() {
     for coverage in cover(20, &[16], 40) {
         assert!(20 * coverage.covered >= 19 * coverage.cases, "{coverage:?}");
-        assert!(3 * coverage.too_large <= 2 * coverage.cases, "{coverage:?}");
+        assert!(20 * coverage.too_large <= 9 * coverage.cases, "{coverage:?}");
     }
 }
 

@@ -6,7 +6,7 @@
 //!
 //! v₁, v₂, v₃ are the values on three grids from coarsest to finest, each r times finer than the
 //! one before. The estimated error on the finest grid is |v₃ − v₀| times a factor of safety, as in
-//! Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405): two for two grids, 1.6 for
+//! Roache's grid convergence index (J. Fluids Eng. 116 (1994) 405): two for two grids, 1.25 for
 //! three or more.
 //!
 //! Deviations: p is the observed order, however low, but at most the order that the model expects.
@@ -35,17 +35,16 @@
 //! may agree on a wrong value, so that there is no limit. A zone over the whole contact has no
 //! edge inside.
 //!
-//! **Factors of safety.** They are the smallest with which 95 of 100 stated errors of random
-//! rolling contacts cover the true ones (docs/theory/accuracy.md). Errors of grids change sign at
-//! random: of a normal distribution, 16 of 100 are less than a tenth of a bound that holds for
-//! 95.
+//! **Factors of safety.** With them 95 of 100 stated errors of random rolling contacts cover the
+//! true ones (docs/theory/accuracy.md). Errors of grids change sign at random: of a normal
+//! distribution, 16 of 100 are less than a tenth of a bound that holds for 95.
 
 /// Factor of safety for the difference of two grids.
 const SAFETY_OF_TWO: f64 = 2.0;
 /// The same where the slip zone is too narrow for an order.
 const SAFETY_OF_TWO_NARROW: f64 = 3.0;
 /// Factor of safety for three or more grids.
-const SAFETY_OF_THREE: f64 = 1.6;
+const SAFETY_OF_THREE: f64 = 1.25;
 /// Factor of safety for the difference of two limits.
 const SAFETY_OF_LIMITS: f64 = 2.0;
 

@@ -12,6 +12,11 @@
 //! the tolerance. The next step is estimated as the last one times the remaining share of the
 //! residual.
 //!
+//! Where tractions of a long area are just below the bound, as under spin, a single row of narrow
+//! elements may slip between rows that stick. Its border of adhesion then moves by one element in a
+//! step, although it is far from its place. Late in the iteration, twice as many elements therefore
+//! adhere together each time such a border moves again.
+//!
 //! Newton's method needs no relaxation here, except for unknown creepages. Towards f N they grow
 //! without bound, so a step changes them by a limited share. If everything slips, tractions do not
 //! determine the creepages, and the creepages are reduced.
@@ -157,6 +162,7 @@ impl TangentialSolver {
         }
         let mut residual = self.linearise(problem, state);
         let mut reduction = LINEAR_REDUCTION;
+        let mut borders = vec![MovingBorder::default(); problem.y.len()];
         for _ in 0..MOST_STEPS {
             effort.newton_steps += 1;
             effort.linear_steps += self.linear_step(problem, state, reduction).steps;
@@ -164,8 +170,12 @@ impl TangentialSolver {
             let change = self.advance(problem, state);
             self.update_slip(problem, state);
             let waits = effort.newton_steps >= LOOSE_STEPS && change.released > 0;
-            let stuck = if waits { 0 } else { self.stick(state) };
-            effort.changes = stuck + change.released;
+            let stuck = if waits { Vec::new() } else { self.stick(state) };
+            let more = match effort.newton_steps < LOOSE_STEPS {
+                true => 0,
+                false => stick_beyond(problem.nx, &mut borders, &stuck, &mut state.element),
+            };
+            effort.changes = stuck.len() + more + change.released;
             effort.last_change = change.relative();
             effort.force_error = problem.error(problem.lack(state));
             let before = std::mem::replace(&mut residual, self.linearise(problem, state));
@@ -356,19 +366,54 @@ impl TangentialSolver {
     }
 
     /// Changes elements that slip to adhesion where the traction pushes with the slip; returns
-    /// their number.
-    fn stick(&self, state: &mut TangentialState) -> usize {
+    /// them.
+    fn stick(&self, state: &mut TangentialState) -> Vec<usize> {
         let ([px, py], [sx, sy]) = (&state.traction, &state.slip);
-        let mut stuck = 0;
-        for one in &self.unknowns.slipping {
-            let i = one.index;
-            if px[i] * sx[i] + py[i] * sy[i] > 0.0 {
-                state.element[i] = ElementState::Adhesion;
-                stuck += 1;
-            }
-        }
+        let pushes = |i: &usize| px[*i] * sx[*i] + py[*i] * sy[*i] > 0.0;
+        let slipping = self.unknowns.slipping.iter().map(|one| one.index);
+        let stuck: Vec<usize> = slipping.filter(pushes).collect();
+        stuck.iter().for_each(|i| state.element[*i] = ElementState::Adhesion);
         stuck
     }
+}
+
+/// Border of adhesion of a row that moves downstream.
+#[derive(Clone, Copy, Debug, Default)]
+struct MovingBorder {
+    /// Element that adhered last.
+    last: usize,
+    /// Number of elements that adhere together.
+    pace: usize,
+}
+
+/// Changes the elements downstream of a border of adhesion that moves again, of rows with `nx`
+/// elements; `stuck` are those that adhere in this step. Returns their number.
+fn stick_beyond(
+    nx: usize,
+    borders: &mut [MovingBorder],
+    stuck: &[usize],
+    element: &mut [ElementState],
+) -> usize {
+    let at_border = |i: &usize| {
+        let upstream = i + 1;
+        !upstream.is_multiple_of(nx)
+            && element[upstream] == ElementState::Adhesion
+            && stuck.binary_search(&upstream).is_err()
+    };
+    let at_borders: Vec<usize> = stuck.iter().copied().filter(at_border).collect();
+    let mut count = 0;
+    for i in at_borders {
+        let (row, border) = (i / nx, &mut borders[i / nx]);
+        border.pace = if i < border.last { 2 * border.pace } else { 1 };
+        border.last = i;
+        for j in (row * nx..i).rev().take(border.pace - 1) {
+            if element[j] == ElementState::Slip {
+                element[j] = ElementState::Adhesion;
+                count += 1;
+            }
+        }
+    }
+    count
 }
 
 /// Changes by a Newton step.

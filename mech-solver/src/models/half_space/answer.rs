@@ -264,11 +264,12 @@ impl ContactFields {
             Some(_) => Moments::of(grid, &self.pressure).semi_axes,
             None => case.footprint.semi_axes,
         };
+        let max_pressure = self.pressure.iter().copied().fold(0.0, f64::max);
         let mut figures = json!({
             "semi_axis_a_m": a,
             "semi_axis_b_m": b,
             "area_m2": contact_area(grid, &self.pressure),
-            "max_pressure_pa": self.pressure.iter().copied().fold(0.0, f64::max),
+            "max_pressure_pa": max_pressure,
             "normal_force_n": normal,
             "creep_force_x_n": force_x,
             "creep_force_y_n": force_y,
@@ -281,7 +282,8 @@ impl ContactFields {
         powers.add_to(&mut figures);
         add_patches(&mut figures, grid, &self.pressure);
         add_elements(&mut figures, grid);
-        add_slip_zone(&mut figures, &self.slip_zone);
+        let estimated = || Some(case.estimated_slip_zone(normal, max_pressure)? / grid.dx());
+        add_slip_zone(&mut figures, &self.slip_zone.or_estimated(estimated));
         let names = match case.scene.speeds.rolling > 0.0 {
             true => ["creepage_xi", "creepage_eta", "creepage_phi_per_m"],
             false => ["shift_x_m", "shift_y_m", "turn_rad"],

@@ -2,6 +2,7 @@
 
 use super::drive::Driven;
 use super::geometry::Footprint;
+use super::spacing::Patch;
 use crate::case::ellipse::Ellipse;
 use crate::case::scene::{GivenPatch, Scene};
 use crate::models::varying::refuse_change_of_rolling;
@@ -90,6 +91,18 @@ impl Case {
     /// Returns whether rows that roll begin at the leading edge of the contact.
     pub(super) fn displaces_rows(&self) -> bool {
         displaces_rows(&self.terms, &self.bodies, self.difference)
+    }
+
+    /// Length of the slip zone [m] under this normal force [N] and largest pressure [Pa], estimated
+    /// by strips. `None` without rolling, and for a contact that counts as stuck.
+    pub(super) fn estimated_slip_zone(&self, normal_force: f64, max_pressure: f64) -> Option<f64> {
+        let Scene { width, friction_coefficient, speeds, .. } = self.scene;
+        let semi_axes = self.footprint.semi_axes;
+        let (line, bodies) = (width.is_some(), &self.bodies);
+        let patch =
+            Patch { semi_axes, line, normal_force, max_pressure, friction_coefficient, bodies };
+        let zone = patch.slip_zone(&self.driven).filter(|_| speeds.rolling > 0.0);
+        zone.map(|zone| zone * semi_axes[0])
     }
 
     /// Undeformed distance at the element centres [m]; `None` if the pressure is given.

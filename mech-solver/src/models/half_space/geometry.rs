@@ -185,7 +185,7 @@ pub(in crate::models) fn footprint(
         };
         let patch = shapes.patch(semi_axes, ellipse.line, ellipse.normal_force);
         let zone = slip_zone(configuration, shapes, &patch)?;
-        let dx = along(shapes, zone, [side, dy], area);
+        let dx = along(shapes, zone, [semi_axes[0], side, dy], area);
         let growth = match (rough, bodies.are_coupled()) {
             (_, true) => COUPLED_GROWTH,
             (true, false) => ROUGH_GROWTH,
@@ -237,7 +237,7 @@ pub(in crate::models) fn footprint(
     let normal_force = coarse.pressure.iter().sum::<f64>() * coarse.grid.element_area();
     let patch = shapes.patch(semi_axes, false, normal_force);
     let zone = slip_zone(configuration, shapes, &patch)?;
-    let dx = along(shapes, zone, [side, dy], area);
+    let dx = along(shapes, zone, [semi_axes[0], side, dy], area);
     let mut grid = lay([elements(x_range, dx), elements(y_range, dy)], [dx, dy])?;
     let mut peak_y = highest(&coarse) - centre[1];
     if rough {
@@ -264,16 +264,16 @@ fn slip_zone(
         return Ok(None);
     }
     let driven = Driven::read(configuration, scene, given.as_ref(), None, true)?;
-    Ok(Some(patch.slip_zone(&driven)))
+    Ok(patch.slip_zone(&driven))
 }
 
 /// Length of the elements along x [m]: that of elements of a grid as fine as the case asks for, or
-/// less where the slip zone is short, unless a grid over this area [m²] would become too large.
-fn along(shapes: &Shapes<'_>, zone: Option<f64>, [side, dy]: [f64; 2], area: f64) -> f64 {
-    match zone.filter(|_| shapes.follows_slip) {
-        Some(zone) => side.min((area / (dy * MOST_RESOLVED)).max(side * share(zone))),
-        None => side,
-    }
+/// a whole part of the semi-axis `a` where the slip zone is short, unless a grid over this area [m²]
+/// would become too large.
+fn along(shapes: &Shapes<'_>, zone: Option<f64>, [a, side, dy]: [f64; 3], area: f64) -> f64 {
+    let Some(zone) = zone.filter(|_| shapes.follows_slip) else { return side };
+    let wanted = side.min((area / (dy * MOST_RESOLVED)).max(side * share(zone)));
+    if wanted < side { a / (a / wanted - WHOLE).ceil() } else { side }
 }
 
 /// Refuses lateral variation for bodies in line contact.

@@ -1,14 +1,15 @@
 //! Length of the elements along x, which follows the length of the slip zone.
 //!
 //! Errors of friction power and temperatures depend on the number of elements across the slip zone.
-//! Where rows begin at the leading edge,
+//! In steady rolling with a difference of second order,
 //!
 //! ```text
-//! dx = a/n · min(1, 2 L/a),
+//! dx = a/⌈n max(1, a/2L)⌉,
 //! ```
 //!
 //! so that n elements per semi-axis a put n/2 or more across a slip zone of the mean length L. The
-//! zone is estimated by strips along x before the contact is solved. A force F has Carter's zone on
+//! whole number puts both edges of the middle row between elements, on every grid. The zone is
+//! estimated by strips along x before the contact is solved. A force F has Carter's zone on
 //! an ellipse, L = 2a (1 − ∛(1 − F/fN)); creepages have
 //!
 //! ```text
@@ -49,7 +50,7 @@ pub(super) struct Patch<'a> {
 
 /// Length of the elements along x over a/n, for a slip zone of this mean length over a.
 pub(super) fn share(zone: f64) -> f64 {
-    if zone > STUCK { (zone / SHARE).clamp(SHORTEST, 1.0) } else { 1.0 }
+    (zone / SHARE).clamp(SHORTEST, 1.0)
 }
 
 impl Patch<'_> {
@@ -58,13 +59,17 @@ impl Patch<'_> {
 
     /// Half lengths of a slip zone along x and y [m]. Those of a contact that sticks are not known.
     pub(super) fn slips(&self, zone: Option<f64>) -> Option<[f64; 2]> {
-        let zone = zone.filter(|zone| *zone > STUCK)?;
         let [a, b] = self.semi_axes;
-        Some([0.5 * zone * a, b])
+        zone.map(|zone| [0.5 * zone * a, b])
     }
 
-    /// Mean length of the slip zone over the semi-axis a: from 0 without slip up to [`Self::WHOLE`].
-    pub(super) fn slip_zone(&self, driven: &Driven) -> f64 {
+    /// Mean length of the slip zone over the semi-axis a, up to [`Self::WHOLE`]; `None` for a contact
+    /// that counts as stuck.
+    pub(super) fn slip_zone(&self, driven: &Driven) -> Option<f64> {
+        Some(self.mean_zone(driven)).filter(|zone| *zone > STUCK)
+    }
+
+    fn mean_zone(&self, driven: &Driven) -> f64 {
         let [a, b] = self.semi_axes;
         let motion = driven.at(self.normal_force);
         let per_creepage = self.lengths_per_creepage();
