@@ -63,7 +63,7 @@ impl Patch<'_> {
         Some([0.5 * zone * a, b])
     }
 
-    /// Mean length of the slip zone over the semi-axis a: from 0 without slip up to [`Self::WHOLE`].
+    /// Mean length of the slip zone over the semi-axis a: from 0 without slip to [`Self::WHOLE`].
     pub(super) fn slip_zone(&self, driven: &Driven) -> f64 {
         let [a, b] = self.semi_axes;
         let motion = driven.at(self.normal_force);
