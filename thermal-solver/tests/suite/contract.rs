@@ -196,8 +196,8 @@ fn a_row_at_rest_is_refused_before_the_run() {
     }
 }
 
-/// A wheel that a creepage of 1 locks is at rest, in a table as well, and one beyond runs backwards:
-/// both are refused before the run.
+/// A wheel that a creepage of 1 locks is at rest, in a table as well, and one beyond runs
+/// backwards. Both are refused before the run.
 #[test]
 fn a_wheel_locked_by_its_creepage_is_refused_before_the_run() {
     let refused = |mode: Mode, creepages: &[f64]| {

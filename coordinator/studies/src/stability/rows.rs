@@ -80,7 +80,7 @@ fn energy(row: &RunResult) -> String {
     match row.energy_imbalance {
         None => "–".to_owned(),
         Some(0.0) => "exact".to_owned(),
-        Some(imbalance) => format!("{imbalance}", imbalance = number(imbalance, 1)),
+        Some(imbalance) => number(imbalance, 1),
     }
 }
 
