@@ -218,16 +218,27 @@ impl Place {
         wait_until(&format!("`{message}` in the log"), || !self.logged(message).is_empty());
     }
 
-    /// Returns the `folder` or the `prefix` of the first run, as logged by the coordinator.
+    /// Waits until a run waits for a participant that is started by hand. Returns its folder.
+    pub fn waiting_for(&self, role: &str) -> String {
+        let waits = || {
+            let told = format!("waiting for {role}: ");
+            let is = |event: &Value| event["fields"]["message"].as_str()?.find(&told);
+            self.log().iter().any(|event| is(event).is_some())
+        };
+        wait_until(&format!("a run that waits for {role}"), waits);
+        self.created("folder")
+    }
+
+    /// Returns the `folder` or the `prefix` of the newest run, as logged by the coordinator.
     pub fn created(&self, key: &str) -> String {
         let runs = self.logged("run created");
-        runs.first().expect("a run was created")[key].as_str().unwrap().to_owned()
+        runs.last().expect("a run was created")[key].as_str().unwrap().to_owned()
     }
 
     /// Returns the process of a participant, as logged by the coordinator.
     pub fn pid_of(&self, role: &str) -> Pid {
         let started = self.logged("participant started");
-        let of_role = started.iter().find(|event| event["role"] == role).unwrap();
+        let of_role = started.iter().rfind(|event| event["role"] == role).unwrap();
         Pid::from_raw(of_role["pid"].as_i64().unwrap() as i32).unwrap()
     }
 

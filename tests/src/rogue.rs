@@ -3,11 +3,10 @@
 
 use crate::toy::{LEFT_VALUE, Toy};
 use proto::configuration::{Configuration, FieldOnGrid, Layout};
+use proto::description::Description;
 use proto::field::GEOMETRY;
 use proto::grid::{Grid, Structured};
-use proto::message::{
-    Command, CommandKind, FieldHeader, Finished, Label, OBSERVE, Reply, Status, Topics,
-};
+use proto::message::{Command, CommandKind, FieldHeader, Finished, Label, Reply, Status, Topics};
 use proto::model::Solver;
 use proto::run_dir::RunDir;
 use proto::transport::{
@@ -23,6 +22,15 @@ pub fn main_from(arguments: Vec<OsString>) -> u8 {
         Some(folder) => u8::from(take_part(Path::new(folder)).is_err()),
         None => proto::participant::main_from(arguments, &Toy::LEFT),
     }
+}
+
+/// Description of `left`; with the argument `escapes`, a summary that would clear a terminal.
+fn description() -> Description {
+    let mut description = Toy::LEFT.description();
+    if std::env::args().any(|argument| argument == "escapes") {
+        "\u{1b}[2J\nno errors".clone_into(&mut description.models[0].summary);
+    }
+    description
 }
 
 /// Faults of a participant whose grid moves in every window.
@@ -66,10 +74,6 @@ fn take_part(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let (command, body) = next(&doorbell, &commands)?;
         let kind = CommandKind::from_number(command.kind).ok_or("unknown command")?;
         let answer = rogue.handle(&endpoint, kind, &command, &body)?;
-        let moves = rogue.field.as_ref().is_some_and(|field| field.geometry.is_some());
-        if kind == CommandKind::Accept && command.flags & OBSERVE == 0 && !moves {
-            continue;
-        }
         if rogue.is_at(&command, "lost-reply") {
             return be_idle(&coordinator, command.sequence);
         }
@@ -144,7 +148,7 @@ impl Rogue {
         body: &[u8],
     ) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
         match kind {
-            CommandKind::Describe => return Ok(serde_json::to_vec(&Toy::LEFT.description())?),
+            CommandKind::Describe => return Ok(serde_json::to_vec(&description())?),
             CommandKind::Configure => {
                 let configuration: Configuration = serde_json::from_slice(body)?;
                 self.fault = configuration.case.text("left.fault")?.to_owned();

@@ -222,7 +222,7 @@ impl Fleet {
     }
 
     /// Dismisses the waiting participants.
-    pub(crate) fn dismiss(&mut self) {
+    pub fn dismiss(&mut self) {
         self.waiting.drain(..).for_each(Peers::dismiss);
     }
 }
@@ -238,6 +238,12 @@ impl Drop for Fleet {
 /// # Errors
 /// A program fails, or its description is not valid.
 pub fn described(seats: &[ParticipantSlot]) -> Result<Vec<Description>, RunError> {
+    if let Some(ParticipantSlot { role, program, .. }) =
+        seats.iter().find(|seat| !seat.program.exists())
+    {
+        let (role, program) = (role.clone(), program.clone());
+        return Err(RunError::NoProgram { role, program });
+    }
     let mut fleet = Fleet::for_one_run();
     fleet.describe(seats, &[], ANSWER)?;
     let found = seats.iter().filter_map(|seat| fleet.description(&seat.program));

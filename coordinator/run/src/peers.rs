@@ -15,7 +15,7 @@ mod phase;
 mod questions;
 mod stopped;
 
-pub use layout::layout_fault;
+pub use layout::{layout_fault, volume_fault};
 pub use peer::Peer;
 pub use phase::Phase;
 pub use stopped::{Delay, Stopped};
@@ -472,7 +472,7 @@ impl Peers {
     /// Returns the error of a participant that failed for this reason.
     #[must_use]
     pub fn failed(&self, one: ParticipantIndex, what: String) -> RunError {
-        self.failure(one, what, "see its messages in log.jsonl".to_owned())
+        self.failure(one, what, stopped::MESSAGES.to_owned())
     }
 
     /// Returns the error of a participant that violated the contract.

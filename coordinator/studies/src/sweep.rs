@@ -38,7 +38,6 @@ use design::{Part, PointArguments};
 use engine::{Name, Tasks};
 use rows::SweepInProgress;
 use run::error::{Failure, RunError};
-use run::fleet::Fleet;
 use run::format::counted;
 use run::identity::unseen;
 use run::plan::{Plan, Planned};
@@ -90,7 +89,7 @@ impl Command for SweepCommand {
         let design = self.points.design()?;
         let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
         let first = design.vary.iter().fold(base.clone(), first);
-        let mut bench = Bench::new(Fleet::for_one_run());
+        let mut bench = self.folder.bench();
         let standing = bench.planned(&case, &first)?;
         refuse_unread_keys((&case, &base), &design.vary, &standing, &mut bench)?;
         console::logging::log_warnings(&standing.plan.warnings);
@@ -105,7 +104,7 @@ impl Command for SweepCommand {
         }
         let quantities = Quantities::of_figures(&standing.plan.figures);
         match self.engine.engine {
-            Name::Local => here(&mut sweep, self, &quantities, printing.is_silent())?,
+            Name::Local => here(&mut sweep, self, (bench, &quantities), printing.is_silent())?,
             Name::List if !sweep.study.missing().is_empty() => {
                 return engine::list(&sweep, &tasks(self, &sweep.study, &standing, &folder)?);
             }
@@ -225,11 +224,11 @@ fn begin(
 fn here(
     sweep: &mut SweepInProgress,
     asked: &SweepCommand,
-    quantities: &Quantities,
+    (bench, quantities): (Bench, &Quantities),
     quiet: bool,
 ) -> Result<(), RunError> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let mut runner = Runner::new(&asked.of.case, &asked.folder, asked.folder.bench(), quiet)?;
+    let mut runner = Runner::new(&asked.of.case, &asked.folder, bench, quiet)?;
     runner.jobs = asked.jobs.map_or_else(cores, usize::from);
     let study = &sweep.study;
     let missing: Vec<Vec<usize>> = study.missing().into_iter().map(|n| study.point(n)).collect();

@@ -40,8 +40,7 @@ fn a_participant_started_by_hand_is_waited_for() {
     let place = Place::new();
     let attach = ["--set", "left.attach=true", "--set", "time.end=5", "--log", "warn"];
     let running = place.start_run(&case("exchange.toml"), &attach);
-    place.wait_for_log("participant started");
-    let folder = place.created("folder");
+    let folder = place.waiting_for("left");
     let [program, name] = toy("left");
     let by_hand = std::process::Command::new(program)
         .args([&name, "--join", &folder, "--role", "left"])

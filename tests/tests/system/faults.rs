@@ -24,6 +24,16 @@ fn assert_failed(place: &Place, ended: &Ended, parts: &[&str]) {
     assert_ended(place, ended, (1, "failed"), parts);
 }
 
+/// Asserts that a program failed before there was a run.
+fn assert_refused_early(place: &Place, ended: &Ended, parts: &[&str]) {
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    for part in parts {
+        assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
+    }
+    assert!(!place.out().exists(), "nothing is written");
+    place.assert_nothing_left();
+}
+
 fn assert_ended(place: &Place, ended: &Ended, (code, status): (i32, &str), parts: &[&str]) {
     assert_eq!(ended.code, Some(code), "{}", ended.stderr);
     let line = ended.stderr.lines().find(|line| line.starts_with("error: "));
@@ -281,31 +291,6 @@ fn a_grid_that_moves_wrongly_is_refused() {
     }
 }
 
-/// A consumer that solves before the producer must learn of the moving grid from its estimate.
-#[test]
-fn a_moving_grid_that_nobody_was_told_of_is_refused() {
-    let text = std::fs::read_to_string(case("exchange.toml")).unwrap();
-    let (left, right) = (text.find("[left]").unwrap(), text.find("[right]").unwrap());
-    let end = text.find("[time]").unwrap();
-    let parts = [&text[..left], &text[right..end], &text[left..right], &text[end..]];
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("turned.toml");
-    std::fs::write(&file, parts.concat()).unwrap();
-    let place = Place::new();
-    // A participant that fails its first join is planned with the answers of another process.
-    let late = format!(
-        "case $1 in --join) mkdir {0}/tried && exit 1;; esac; exec {1} \"$@\"",
-        folder.path().display(),
-        toy("rogue").join(" ")
-    );
-    let command = format!("left.command=[\"sh\", \"-c\", {late:?}, \"sh\"]");
-    let more = ["--set", &command, "--set", "left.fault=flat"];
-    let ended = place.run(&file.display().to_string(), &more);
-    let what = "its grid `numbers` may move, but right subscribes to `left_value` on it and \
-                could not";
-    assert_failed(&place, &ended, &["left (sh) failed", "while being configured", what]);
-}
-
 #[test]
 fn a_wish_for_a_wrong_grid_is_refused() {
     let wishes = [
@@ -318,7 +303,11 @@ fn a_wish_for_a_wrong_grid_is_refused() {
         let fault = format!("left.fault={fault}");
         let more = ["--set", ROGUE, "--set", &fault];
         let ended = place.run(&case("exchange.toml"), &more);
-        assert_failed(&place, &ended, &["left (toy) failed", "while being configured", what]);
+        assert_refused_early(
+            &place,
+            &ended,
+            &["left (toy) failed", "while being configured", what],
+        );
     }
 }
 
@@ -368,8 +357,7 @@ fn a_participant_started_by_hand_that_dies_is_noticed_by_its_lock() {
     let place = Place::new();
     let attach = ["--set", "left.attach=true", "--set", "left.delay=600"];
     let running = place.start_run(&case("exchange.toml"), &attach);
-    place.wait_for_log("participant started");
-    let folder = place.created("folder");
+    let folder = place.waiting_for("left");
     let [program, name] = toy("left");
     let mut by_hand = std::process::Command::new(program)
         .args([&name, "--join", &folder, "--role", "left"])
@@ -404,7 +392,7 @@ fn a_program_that_dies_when_asked_is_named() {
     let place = Place::new();
     let ended = place.run(&case("exchange.toml"), &["--set", "left.command=[\"false\"]"]);
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    for part in ["left (false) failed", "while starting", "ended with exit code 1", "fix: "] {
+    for part in ["left (false) failed", "while starting", "ended with exit code 1", "--log info"] {
         assert!(ended.stderr.contains(part), "`{part}` is missing in: {}", ended.stderr);
     }
     place.assert_nothing_left();
@@ -451,5 +439,5 @@ fn a_participant_that_never_joins_is_waited_for_until_the_deadline() {
     let more = ["--set", &command, "--set", "coupling.start_deadline=1"];
     let ended = place.run(&case("exchange.toml"), &more);
     let what = ["while starting", "it did not join within 1.0 s", "coupling.start_deadline"];
-    assert_failed(&place, &ended, &["left (sh) failed", what[0], what[1], what[2]]);
+    assert_refused_early(&place, &ended, &["left (sh) failed", what[0], what[1], what[2]]);
 }

@@ -2,7 +2,7 @@
 //! cannot rewind.
 
 use crate::harness::python::interpreter;
-use crate::harness::{Ended, Place, case, programs, root, sets, toy};
+use crate::harness::{Ended, Place, case, root, sets, toy};
 
 /// Runs the smallest case with [`tests::long`] as `right`.
 fn run(settings: &[&str]) -> (Place, Ended) {
@@ -98,10 +98,12 @@ fn a_model_that_cannot_go_back_runs_where_windows_are_solved_once() {
 /// Adaptive windows are rejected for a model that cannot rewind.
 #[test]
 fn a_model_that_cannot_go_back_is_refused_adaptive_windows() {
-    let solver = programs().join("thermal-solver").display().to_string();
-    let once = r#"sed 's/"transient": true/&, "rewinds": false/'"#;
-    let script =
-        format!(r#"[ "$1" = --describe ] || exec {solver} "$@"; {solver} --describe | {once}"#);
+    let script = format!(
+        "PYTHONPATH={} exec {} {} \"$@\"",
+        root().join("proto/python/examples").display(),
+        interpreter().display(),
+        root().join("tests/tests/system/python/once.py").display()
+    );
     let command = toml::Value::try_from(["sh", "-c", &script, "sh"]).unwrap();
     let command = format!("thermal.command={command}");
     let cold_start = case("cold-start.toml");

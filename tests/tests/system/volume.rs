@@ -4,7 +4,7 @@ use crate::harness::compiled::Compiled;
 use crate::harness::python::interpreter;
 use crate::harness::{Place, case, completed, field_files, number, root, sets, toy};
 use run::plan::{sample_bytes, topic_bytes};
-use serde_json::{Value, json};
+use serde_json::Value;
 use tests::volume::{KINDS, hexahedra};
 
 const CASE: &str = "volume.toml";
@@ -109,18 +109,11 @@ fn shared_memory_is_counted_with_the_geometry() {
     assert_eq!(number(&summary, "/volume/windows"), 4.0);
 }
 
-/// Participant that consumes a field of the block; it is never started.
 #[test]
 fn nobody_consumes_a_field_on_a_volume() {
-    let description = json!({
-        "protocol": proto::PROTOCOL_VERSION, "name": "reader", "version": "1", "role": "reader",
-        "standalone": true, "estimates": false, "effects": [], "keys": [],
-        "models": [{"name": "mean", "summary": "a mean", "source": "none", "steady": true,
-                    "transient": true, "consumes": ["volume_temperature"], "provides": [],
-                    "keys": []}],
-    });
-    let echo = format!("echo '{description}'");
-    let command = format!("reader.command={:?}", ["sh", "-c", &echo]);
+    let script = root().join("tests/tests/system/python/reader.py");
+    let words = [interpreter().display().to_string(), script.display().to_string()];
+    let command = format!("reader.command={words:?}");
     let settings = ["reader.model=mean", &command];
     for command in ["plan", "run"] {
         let (code, _, stderr) = asked(command, &settings);

@@ -82,11 +82,8 @@ impl TestBench {
 
     /// Asks the program for its description.
     fn described(&self) -> Result<Description, CheckFailure> {
-        let mut life = self.joined()?;
-        let answer = life.ask(Command::new(CommandKind::Describe), &[])?.done()?;
-        let description = answer.json("a description")?;
-        self.keep_joined(life);
-        Ok(description)
+        let mut life = TestProcess::start(&self.subject)?.joined()?;
+        life.ask(Command::new(CommandKind::Describe), &[])?.done()?.json("a description")
     }
 
     /// Returns name and version, according to the description of the program.

@@ -20,8 +20,8 @@ use proto::run_dir::{RunDir, RunInfo};
 use proto::transport::{FieldWriter, TransportError};
 use run::deadlines::Deadlines;
 use run::error::RunError;
-use run::peers::layout_fault;
 use run::peers::{COORDINATOR, Delay, LEAVE, ParticipantSlot, Peers, ProcessGuard, Stopped};
+use run::peers::{layout_fault, volume_fault};
 use run::program::Program;
 use run::session::{FieldSubscription, MovingGrid};
 use run::supervise::{Exit, Supervisor};
@@ -211,7 +211,8 @@ impl TestProcess {
         let command = Command::new(CommandKind::Configure);
         let answer = self.ask_with(command, configuration)?.done()?;
         let layout: Layout = answer.json("a layout")?;
-        match layout_fault(configuration, &layout) {
+        let fault = layout_fault(configuration, &layout);
+        match fault.or_else(|| volume_fault(configuration, &layout)) {
             None => Ok(layout),
             Some(fault) => broken(format!("its layout is invalid: {fault}")),
         }

@@ -148,16 +148,9 @@ pub(super) fn all(
         let modes = [(model.steady, Mode::Steady), (model.transient, Mode::Transient)];
         modes.into_iter().filter(|(offered, _)| *offered).map(|(_, mode)| (&*model.name, mode))
     });
-    let offered: Vec<(&str, Mode)> = offered.collect();
-    // Plans are made in parallel, because each one starts programs and waits for them.
-    let plans: Vec<Result<Setting, RunError>> = std::thread::scope(|scope| {
-        let raw = &raw;
-        let plan = |of| scope.spawn(move || one(request, raw, of, recorded));
-        let plans: Vec<_> = offered.iter().copied().map(plan).collect();
-        plans.into_iter().map(|plan| plan.join().expect("planning does not panic")).collect()
-    });
-    for ((model, mode), planned) in offered.into_iter().zip(plans) {
-        match planned {
+    let mut fleet = Fleet::for_one_run();
+    for (model, mode) in offered {
+        match one(request, &raw, (model, mode), recorded, &mut fleet) {
             Ok(_) if request.quick && !all.settings.is_empty() => {
                 all.left_out.push(format!("{}: --quick", label(model, mode)));
             }
@@ -188,6 +181,7 @@ fn one(
     raw: &RawCase,
     (model, mode): (&str, Mode),
     recorded: Option<&RecordedInputs>,
+    fleet: &mut Fleet,
 ) -> Result<Setting, RunError> {
     let (role, mut raw) = (&request.role, raw.clone());
     let program = &request.program;
@@ -211,7 +205,7 @@ fn one(
         }
     }
     raw.apply(&set, &[])?;
-    let plan = plan(raw, &mut Fleet::for_one_run())?.plan;
+    let plan = plan(raw, fleet)?.plan;
     let found = plan.participants.iter().find(|participant| participant.role == *role);
     let Some(participant) = found else {
         return Err(RunError::Usage("no active effect of the case needs it".to_owned()));

@@ -411,9 +411,12 @@ mod tests {
         let then = [1.0, 2.0, 4.0];
         comparison.sample((&header(3, 1), &then), &[1.0 + f64::EPSILON, 2.5, 4.0], None);
         let told = difference(&comparison.first.unwrap());
-        assert!(told.contains("lower_temperature[0] is") && told.contains("e-17 of the"), "{told}");
+        assert!(
+            told.contains("lower_temperature[0] is") && told.contains(" × 10⁻¹⁷ of the"),
+            "{told}"
+        );
         let most = "; largest difference of the sample: lower_temperature[1] is 2.5e0 K, recorded \
-                    2e0 K (off by 1.250e-1 of the largest value)";
+                    2e0 K (off by 0.1250 of the largest value)";
         assert!(told.ends_with(most), "{told}");
     }
 

@@ -13,16 +13,21 @@ pub fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<St
     if let Some(field) = sent.find(|field| layout.grid_of(field).is_none()) {
         return Some(format!("its layout has no grid for `{field}`"));
     }
-    let unfit = |field: &&String| layout.grid_of(field).is_some_and(Grid::only_written);
-    if let Some(field) = configuration.outputs.iter().find(unfit) {
-        return Some(format!(
-            "`{field}`, which another participant consumes, is on a volume or at points: such fields are \
-             only written out"
-        ));
-    }
     let received = |field: &str| configuration.inputs.iter().any(|i| i.field.name == field);
     let wish = layout.inputs.iter().find(|wish| !received(&wish.field))?;
     Some(format!("it requests a grid for `{}`, which is not one of its inputs", wish.field))
+}
+
+/// Returns the fault of a field on a volume or at points that others consume, if any. Planning
+/// refuses such a case before ([`crate::plan`]), unless the participant is configured only in a run.
+#[must_use]
+pub fn volume_fault(configuration: &Configuration, layout: &Layout) -> Option<String> {
+    let unfit = |field: &&String| layout.grid_of(field).is_some_and(Grid::only_written);
+    let field = configuration.outputs.iter().find(unfit)?;
+    Some(format!(
+        "`{field}`, which another participant consumes, is on a volume or at points: such fields are \
+         only written out"
+    ))
 }
 
 #[cfg(test)]
@@ -51,14 +56,14 @@ mod tests {
             fields: vec![FieldOnGrid { field: "inside".to_owned(), grid: "body".to_owned() }],
             ..Layout::default()
         };
-        assert_eq!(layout_fault(&configuration, &layout), None);
+        assert_eq!(volume_fault(&configuration, &layout), None);
         std::mem::swap(&mut configuration.outputs, &mut configuration.observed);
-        let fault = layout_fault(&configuration, &layout).unwrap();
+        let fault = volume_fault(&configuration, &layout).unwrap();
         assert!(fault.contains("`inside`, which another participant consumes, is on a volume"));
         let block = Block { name: "line".to_owned(), places: Places::List(vec![[0.0; 3]]) };
         let shape = Shape::Points(Points { blocks: vec![block] });
         let grids = vec![Grid { name: "body".to_owned(), revision: 1, shape }];
-        let fault = layout_fault(&configuration, &Layout { grids, ..layout }).unwrap();
+        let fault = volume_fault(&configuration, &Layout { grids, ..layout }).unwrap();
         assert!(fault.contains("only written out"));
     }
 }

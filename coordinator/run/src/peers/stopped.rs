@@ -10,6 +10,9 @@ use proto::transport::TransportError;
 use std::time::Duration;
 use typed_index_collections::TiSlice;
 
+/// Advice for a participant that failed. Before a run there is no `log.jsonl`.
+pub(super) const MESSAGES: &str = "see its messages in log.jsonl, or with --log info";
+
 /// Reason why a wait ended early.
 #[derive(Debug)]
 pub enum Stopped {
@@ -92,9 +95,7 @@ impl Stopped {
                     late(phase, delay, peers[one].advance().map(|(report, _)| report));
                 failed(one, what, &fix)
             }
-            Self::Transport(one, error) => {
-                failed(one, error.to_string(), "see its messages in log.jsonl")
-            }
+            Self::Transport(one, error) => failed(one, error.to_string(), MESSAGES),
             Self::Doorbell(error) => machine_failure(
                 "the coordinator's doorbell",
                 &when,
@@ -131,7 +132,7 @@ fn ended(peers: &TiSlice<ParticipantIndex, Peer>, exit: &Exit, when: String) -> 
         who: peer.map_or_else(|| exit.role.clone(), Peer::who),
         when,
         what: format!("its process {exit}"),
-        fix: "see its messages in log.jsonl".to_owned(),
+        fix: MESSAGES.to_owned(),
     })
 }
 

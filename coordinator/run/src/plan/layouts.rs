@@ -27,6 +27,11 @@ pub(crate) fn layouts<E>(
                 input.moves = layout.moves_under(&input.field.name);
             }
         }
+        // A participant that needs the grid of one that is asked later is asked later, too.
+        let before = |at: &usize| *at < usize::from(one) && layouts.raw[*at].is_none();
+        if configurations[one].inputs.iter().filter_map(&place).any(|at| before(&at)) {
+            continue;
+        }
         layouts[one] = ask(one, &configurations[one])?;
     }
     for one in configurations.keys() {

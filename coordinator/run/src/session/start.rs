@@ -10,7 +10,7 @@ use super::reports::{Figures, SolveRecord};
 use super::{Recording, Session};
 use crate::error::{Failure, RunError, machine_failure};
 use crate::fleet::Fleet;
-use crate::peers::{ParticipantSlot, Peers, Phase};
+use crate::peers::{ParticipantSlot, Peers, Phase, volume_fault};
 use crate::plan::{Field, Participant, Plan, layouts, non_matching};
 use crate::progress::Progress;
 use crate::record::Recorder;
@@ -150,7 +150,11 @@ impl Session {
         let mut configurations: TiVec<ParticipantIndex, Configuration> = planned.collect();
         let patience = self.peers.deadlines().solve;
         let layouts = layouts(&mut configurations, |one, configuration| {
-            self.peers.configure(one, configuration, patience).map(Some)
+            let layout = self.peers.configure(one, configuration, patience)?;
+            match volume_fault(configuration, &layout) {
+                None => Ok(Some(layout)),
+                Some(fault) => Err(self.peers.misbehaved(one, fault)),
+            }
         })?;
         Ok(layouts.into_iter().flatten().collect())
     }

@@ -193,6 +193,8 @@ impl<'a> Runner<'a> {
                 None => open.push((n, point)),
             }
         }
+        // Every job has participants of its own.
+        self.bench.fleet.dismiss();
         let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
         let scratch = self.scratch.path().to_owned();
         let (maker, cases) = (self.maker(), self.bench.cases().clone());

@@ -268,8 +268,8 @@ fn slip_zone(
 }
 
 /// Length of the elements along x [m]: that of elements of a grid as fine as the case asks for, or
-/// a whole part of the semi-axis `a` where the slip zone is short, unless a grid over this area [m²]
-/// would become too large.
+/// a whole part of the semi-axis `a` where the slip zone is short. A grid over this area [m²] does
+/// not become too large.
 fn along(shapes: &Shapes<'_>, zone: Option<f64>, [a, side, dy]: [f64; 3], area: f64) -> f64 {
     let Some(zone) = zone.filter(|_| shapes.follows_slip) else { return side };
     let wanted = side.min((area / (dy * MOST_RESOLVED)).max(side * share(zone)));

@@ -156,7 +156,7 @@ mod tests {
         let off = Balance { friction: 101.001, ..balance };
         let message = off.check().unwrap_err().to_string();
         for part in
-            ["friction dissipates 1.010010e2 W", "where 1.010000e2 W are supplied", "by 7.7e-6"]
+            ["friction dissipates 101.0010 W", "where 101.0000 W are supplied", "by 7.7 × 10⁻⁶"]
         {
             assert!(message.contains(part), "{message}");
         }
