@@ -261,7 +261,7 @@ mod tests {
         assert_eq!(check(0.0, 0.0), Ok(()));
         let message = check(1800.0, 1775.8).unwrap_err().to_string();
         assert!(
-            message.contains("carries 1775.800 N of a prescribed normal force of 1800.000 N"),
+            message.contains("carries 1.775800 kN of a prescribed normal force of 1.800000 kN"),
             "{message}"
         );
         assert!(check(1800.0, f64::NAN).is_err());

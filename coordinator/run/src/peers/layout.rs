@@ -19,7 +19,7 @@ pub fn layout_fault(configuration: &Configuration, layout: &Layout) -> Option<St
 }
 
 /// Returns the fault of a field on a volume or at points that others consume, if any. Planning
-/// refuses such a case before ([`crate::plan`]), unless the participant is configured only in a run.
+/// refuses such a case before, unless the participant is configured only in a run.
 #[must_use]
 pub fn volume_fault(configuration: &Configuration, layout: &Layout) -> Option<String> {
     let unfit = |field: &&String| layout.grid_of(field).is_some_and(Grid::only_written);

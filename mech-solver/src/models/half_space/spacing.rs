@@ -63,8 +63,8 @@ impl Patch<'_> {
         zone.map(|zone| [0.5 * zone * a, b])
     }
 
-    /// Mean length of the slip zone over the semi-axis a, up to [`Self::WHOLE`]. Returns `None` for a
-    /// contact that counts as stuck.
+    /// Mean length of the slip zone over the semi-axis a, up to [`Self::WHOLE`]. Returns `None` for
+    /// a contact that counts as stuck.
     pub(super) fn slip_zone(&self, driven: &Driven) -> Option<f64> {
         Some(self.mean_zone(driven)).filter(|zone| *zone > STUCK)
     }
