@@ -226,19 +226,20 @@ impl Place {
             self.log().iter().any(|event| is(event).is_some())
         };
         wait_until(&format!("a run that waits for {role}"), waits);
-        self.created("folder")
+        let runs = self.logged("run created");
+        runs.last().expect("a run was created")["folder"].as_str().unwrap().to_owned()
     }
 
-    /// Returns the `folder` or the `prefix` of the newest run, as logged by the coordinator.
+    /// Returns the `folder` or the `prefix` of the first run, as logged by the coordinator.
     pub fn created(&self, key: &str) -> String {
         let runs = self.logged("run created");
-        runs.last().expect("a run was created")[key].as_str().unwrap().to_owned()
+        runs.first().expect("a run was created")[key].as_str().unwrap().to_owned()
     }
 
     /// Returns the process of a participant, as logged by the coordinator.
     pub fn pid_of(&self, role: &str) -> Pid {
         let started = self.logged("participant started");
-        let of_role = started.iter().rfind(|event| event["role"] == role).unwrap();
+        let of_role = started.iter().find(|event| event["role"] == role).unwrap();
         Pid::from_raw(of_role["pid"].as_i64().unwrap() as i32).unwrap()
     }
 
