@@ -335,7 +335,7 @@ mod tests {
             assert_eq!(refused.key, key, "{refused}");
         }
         let refused = check(Elements { wake: Some(1e9), ..plain() }).unwrap_err();
-        assert!(refused.fix.starts_with("write at most 1.000e2 m"), "{refused}");
+        assert!(refused.fix.starts_with("write at most 100.0 m"), "{refused}");
         let most = Elements { wake: Some(100.0), ..plain() };
         assert!(check(most).is_ok(), "what the message says is accepted");
     }
