@@ -55,7 +55,7 @@ impl Command for PictureCommand {
         let maps = chosen(maps::named(&results), &self.field, &zero, &self.folder)?;
         let columns = self.columns.map_or_else(|| maps.len().clamp(1, 2), usize::from);
         let ground = if self.dark { Ground::Dark } else { Ground::Light };
-        let svg = sheet(results.word("/case"), &maps, columns, ground);
+        let svg = sheet(results.name(), &maps, columns, ground);
         replace(&path, &format.bytes(svg, self.width)?)?;
         context.print(&format!("{}\n", path.display()))
     }

@@ -16,7 +16,7 @@ use run::record::Compression;
 use run::results::place::RESULTS;
 use run::results::{Existing, ResultFolder, show};
 use run::stopped::StoppedRun;
-use run::warnings::{self, Warning};
+use run::warnings::Warning;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Instant;
@@ -187,19 +187,18 @@ fn run_case(
     asked: &RunCommand,
     context: &Context<'_>,
 ) -> Result<(), RunError> {
-    conclude(begun, perform(begun, fleet, asked, context), asked, context)
+    conclude(begun, compute(begun, fleet, asked, context), asked, context)
 }
 
 /// Runs a case and states its error. A target selects models and resolution, and selects them again
 /// if the error turns out too large. An answer is replaced only by a complete better one.
 fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
     let mut bench = Bench::new(Fleet::for_study());
-    let case = asked.case.as_ref().expect("required unless a run is resumed");
-    let base = &asked.changes;
+    let case = asked.case();
     let (relative, quantity) = (asked.accuracy, asked.quantity.clone());
     let mut search = match asked.extrapolate {
-        true => Search::extrapolate(case, base, quantity, &mut bench)?,
-        false => Search::begin(case, base, Target { relative, quantity }, &mut bench)?,
+        true => Search::extrapolate(&case, quantity, &mut bench)?,
+        false => Search::begin(&case, Target { relative, quantity }, &mut bench)?,
     };
     let mut answer: Option<ResultFolder> = None;
     loop {
@@ -209,12 +208,12 @@ fn run_to(asked: &RunCommand, context: &Context<'_>) -> Result<(), RunError> {
             None => begin(&chosen, &mut bench.fleet, context.log)?,
             Some(answer) => refine(&chosen, answer, &mut bench.fleet, context.log)?,
         };
-        let mut outcome = perform(&begun, &mut bench.fleet, &chosen, context);
+        let mut outcome = compute(&begun, &mut bench.fleet, &chosen, context);
         if outcome.error.is_some() {
             return conclude(&begun, outcome, &chosen, context);
         }
         let decision = search.judge(&mut outcome.summary, begin_at.elapsed().as_secs_f64())?;
-        begun.folder.write_summary(&perform::json(&outcome.summary))?;
+        begun.folder.write_summary(&outcome.summary)?;
         begun.folder = match answer.take() {
             None => begun.folder,
             Some(answer) => answer.take_over(begun.folder)?,
@@ -249,7 +248,7 @@ fn refine(
     Ok(Begun { planned, folder, plan_seconds, from: None })
 }
 
-fn perform(begun: &Begun, fleet: &mut Fleet, asked: &RunCommand, context: &Context<'_>) -> Outcome {
+fn compute(begun: &Begun, fleet: &mut Fleet, asked: &RunCommand, context: &Context<'_>) -> Outcome {
     let Begun { planned, folder, plan_seconds, from } = begun;
     let plan = &planned.plan;
     let progress = Progress::new(context.quiet, plan.windows.count(), expected_seconds(plan));
@@ -304,7 +303,7 @@ fn conclude(
                 true => print_json(),
                 false => context.print_lines(&text()),
             });
-            let warnings = texts(&warnings::of_summary(&outcome.summary));
+            let warnings = texts(&outcome.summary.warnings);
             match printed {
                 Ok(()) if asked.strict && !warnings.is_empty() => {
                     Err(RunError::Warned { warnings })

@@ -12,21 +12,22 @@ use super::source::Results;
 
 /// The page with its head, without sections.
 pub(super) fn opening(results: &Results) -> Page {
-    let said = |pointer: &str| results.word(pointer).to_owned();
-    let (status, reason, mood) = match results.summary.is_null() {
-        true => (
+    let (status, reason, mood) = match &results.summary {
+        None => (
             "no end".to_owned(),
             "there is no summary: the run was killed or is still running; this page shows what has \
              been written so far"
                 .to_owned(),
             RunStatus::Open,
         ),
-        false if results.failed() => (said("/status"), said("/reason"), RunStatus::Bad),
-        false => (said("/status"), said("/reason"), RunStatus::Good),
+        Some(summary) => {
+            let mood = if results.failed() { RunStatus::Bad } else { RunStatus::Good };
+            (summary.status.word().to_owned(), summary.reason.clone(), mood)
+        }
     };
     let case: toml::Table = toml::from_str(&results.case).unwrap_or_default();
     let of = |key: &str| case.get("case").and_then(|c| c.get(key)).and_then(|v| v.as_str());
-    let name = match results.word("/case") {
+    let name = match results.name() {
         "" => of("name").unwrap_or("a run"),
         name => name,
     };

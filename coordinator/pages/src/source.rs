@@ -13,7 +13,8 @@ use run::plan_file::{self, PlanFile};
 use run::results::history;
 use run::results::last::{self, LastFields};
 use run::results::read_file;
-use run::results::summary::Status;
+use run::results::summary::Summary;
+use run::warnings::Warning;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::fs;
@@ -23,8 +24,10 @@ use std::path::{Path, PathBuf};
 /// Contents of a result directory.
 #[derive(Clone, Debug, Default)]
 pub struct Results {
-    /// Contents of `summary.json`; null if missing.
-    pub summary: Value,
+    /// Contents of `summary.json`, if present.
+    pub summary: Option<Summary>,
+    /// Word of the coupling scheme; empty if unknown.
+    pub scheme: String,
     /// Contents of `iterations.csv`; empty if missing.
     pub iterations: Columns,
     /// Contents of `history.csv`; empty if missing.
@@ -83,7 +86,9 @@ impl Results {
             return Err(RunError::Usage(format!("{shown} holds no results of a run")));
         }
         let mut results = Self::default();
-        results.summary = results.json(folder, "summary.json")?.unwrap_or_default();
+        results.summary = results.json::<Summary>(folder, "summary.json")?;
+        results.scheme =
+            results.summary.as_ref().map(|of| of.coupling.scheme.clone()).unwrap_or_default();
         results.iterations = Columns::parse(&results.text(&folder.join("iterations.csv"))?);
         results.history = Columns::parse(&results.text(&folder.join(history::FILE))?);
         results.case = results.text(&folder.join("case.toml"))?;
@@ -94,10 +99,10 @@ impl Results {
         Ok(results)
     }
 
-    /// Number in the summary at a JSON pointer.
+    /// Sections of the participants in the summary; null if it is missing.
     #[must_use]
-    pub fn quantity(&self, pointer: &str) -> Option<f64> {
-        self.summary.pointer(pointer).and_then(Value::as_f64)
+    pub fn sections(&self) -> &Value {
+        self.summary.as_ref().map_or(&Value::Null, |summary| &summary.sections)
     }
 
     /// Figures that the participants describe.
@@ -106,16 +111,22 @@ impl Results {
         self.plan.as_ref().map_or(&[], |plan| &plan.figures)
     }
 
-    /// Text in the summary at a JSON pointer; empty if missing.
+    /// Name of the case in the summary; empty if missing.
     #[must_use]
-    pub fn word(&self, pointer: &str) -> &str {
-        self.summary.pointer(pointer).and_then(Value::as_str).unwrap_or_default()
+    pub fn name(&self) -> &str {
+        self.summary.as_ref().map(|summary| summary.case.as_str()).unwrap_or_default()
+    }
+
+    /// Warnings in the summary.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        self.summary.as_ref().map_or(&[], |summary| &summary.warnings)
     }
 
     /// Returns whether the run failed or was stopped.
     #[must_use]
     pub fn failed(&self) -> bool {
-        Status::ENDED_EARLY.map(Status::word).contains(&self.word("/status"))
+        self.summary.as_ref().is_some_and(|summary| summary.status.ended_early())
     }
 
     /// Reads a text file; empty if missing.

@@ -41,7 +41,7 @@
 //! let folder = ResultFolder::prepare(&place.path().join("out"), file, Existing::Refuse)?;
 //! let outcome = run(&planned, &mut fleet, &folder, RunOptions::default());
 //! assert!(outcome.error.is_none());
-//! let rise = outcome.summary["temperature"]["rail"]["max_rise_k"].as_f64();
+//! let rise = outcome.summary.value("temperature.rail.max_rise_k");
 //! // Half-spaces: some 230 K, on a grid as coarse as this one too.
 //! assert!(rise.is_some_and(|rise| (225.0..235.0).contains(&rise)), "{rise:?}");
 //! # Ok(())

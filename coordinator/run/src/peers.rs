@@ -8,12 +8,14 @@
 //! that names participant, phase, reason and fix.
 
 mod advance;
+mod errors;
 mod layout;
 mod patience;
 mod peer;
 mod phase;
 mod questions;
 mod stopped;
+mod waiting;
 
 pub use layout::{layout_fault, volume_fault};
 pub use peer::Peer;
@@ -21,23 +23,21 @@ pub use phase::Phase;
 pub use stopped::{Delay, Stopped};
 
 use crate::deadlines::Deadlines;
-use crate::error::{Failure, RunError, machine_failure};
+use crate::error::{RunError, machine_failure};
 use crate::program::Program;
-use crate::progress::{Progress, Work, silent};
+use crate::progress::{Progress, silent};
 use crate::record::Recorder;
-use crate::signals;
 use crate::supervise::{Exit, Launch, Supervisor};
 use arrayvec::ArrayVec;
 use contract::configuration::{Configuration, Layout};
-use contract::message::{Command, CommandKind, MOST_PARTICIPANTS, Reply, Status};
+use contract::message::{Command, CommandKind, MOST_PARTICIPANTS, Reply};
 use coupling::ParticipantIndex;
 use patience::Patience;
 use proto::run_dir::{RunDir, RunInfo};
-use proto::transport::{Beat, Doorbell, Endpoint, Message, TransportError};
-use std::cell::RefCell;
+use proto::transport::{Doorbell, Endpoint, Message, TransportError};
 use std::rc::Rc;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use typed_index_collections::{TiSlice, TiVec};
 
 /// Name under which the coordinator itself sends fields; no role may have this name.
@@ -140,8 +140,7 @@ impl Peers {
             let commands = endpoint.command_sender(&seat.role)?;
             let replies = endpoint.reply_receiver(&seat.role)?;
             let ringer = endpoint.ringer(&seat.role)?;
-            let name = (seat.role.as_str(), seat.program.name());
-            Ok(Peer::new(name, seat.attach, commands, replies, ringer))
+            Ok(Peer::new(seat, commands, replies, ringer))
         };
         let all: Result<TiVec<ParticipantIndex, Peer>, TransportError> =
             seats.iter().map(peer).collect();
@@ -235,43 +234,6 @@ impl Peers {
         self.screen = Rc::clone(screen);
     }
 
-    /// Waits until every participant has joined.
-    ///
-    /// # Errors
-    /// A participant has ended or is late, or the user has interrupted the run.
-    pub fn join(&mut self) -> Result<(), RunError> {
-        for one in self.all.keys() {
-            let attached = self.all[one].is_attached();
-            let patience = if attached { self.deadlines.solve } else { self.deadlines.start };
-            self.joined(one, patience).map_err(|stopped| self.error(stopped))?;
-        }
-        Ok(())
-    }
-
-    /// Waits until a participant has joined.
-    ///
-    /// # Errors
-    /// The reason why the wait ended early.
-    pub fn joined(&mut self, one: ParticipantIndex, patience: Duration) -> Result<(), Stopped> {
-        let mut waited = Patience::new();
-        let Self { all, doorbell, supervisor, run, deadlines, phase, .. } = self;
-        let watch = Watch { supervisor, run, phase: *phase, deadlines };
-        let failed = |error| Stopped::Transport(one, error);
-        let poll = || -> Result<_, Stopped> {
-            // A participant that has not joined has no heartbeat yet.
-            all[one].beat_received(Beat::Busy);
-            if all[one].is_up() {
-                // Connects to the replies of the participant. From here on its last reply is
-                // received, even if its process has ended by then.
-                all[one].receive().map_err(failed)?;
-                return Ok(Some(()));
-            }
-            watch.look(all, one, waited.waited(), patience)?;
-            Ok(None)
-        };
-        doorbell.wait(poll, |_, _| ())
-    }
-
     /// Sends a command under the next sequence number.
     ///
     /// # Errors
@@ -302,243 +264,6 @@ impl Peers {
         Ok(())
     }
 
-    /// Waits for the reply to the last command of a participant. `beat` is called at every
-    /// heartbeat. The patience starts anew whenever the participant reports progress.
-    ///
-    /// # Errors
-    /// The reason why the wait ended early.
-    pub fn wait(
-        &mut self,
-        one: ParticipantIndex,
-        patience: Duration,
-        beat: impl FnMut(),
-    ) -> Result<Message<Reply>, Stopped> {
-        self.wait_for(&[one], patience, beat).map(|(_, reply)| reply)
-    }
-
-    /// Waits for the reply of the first of these participants, or for an earlier failed reply of
-    /// any other. Returns the participant with its reply. All other replies stay in their queues.
-    fn wait_for(
-        &mut self,
-        pending: &[ParticipantIndex],
-        patience: Duration,
-        mut beat: impl FnMut(),
-    ) -> Result<(ParticipantIndex, Message<Reply>), Stopped> {
-        let one = pending[0];
-        let Self {
-            all,
-            hearts,
-            doorbell,
-            endpoint,
-            supervisor,
-            run,
-            deadlines,
-            phase,
-            recorder,
-            screen,
-            ..
-        } = self;
-        let watch = Watch { supervisor, run, phase: *phase, deadlines };
-        let all = RefCell::new(all);
-        let mut waited = Patience::new();
-        let poll = || -> Result<_, Stopped> {
-            let mut all = all.borrow_mut();
-            if let Some(found) = replied(&all, pending)? {
-                return Ok(Some(found));
-            }
-            let advanced = all[one].has_advanced(endpoint);
-            if advanced.map_err(|error| Stopped::Transport(one, error))? {
-                waited = Patience::new();
-                show(&all[one], *phase, &**screen);
-            }
-            match watch.look(&mut all, one, waited.waited(), patience) {
-                Ok(()) => Ok(None),
-                // A reply sent just before a participant ended still counts.
-                Err(reason) => replied(&all, pending)?.map(Some).ok_or(reason),
-            }
-        };
-        let heard = |index: usize, what| {
-            if let Some(Some(one)) = hearts.get(index) {
-                all.borrow_mut()[*one].beat_received(what);
-                beat();
-            }
-        };
-        let (who, reply) = doorbell.wait(poll, heard)?;
-        if let Some(recorder) = recorder {
-            recorder.reply(who, reply.header(), reply.body());
-        }
-        Ok((who, reply))
-    }
-
-    /// Lets time pass while watching processes and signals; `beat` is called at every heartbeat.
-    ///
-    /// # Errors
-    /// A process has ended, or the user has interrupted the run.
-    pub fn idle(&mut self, time: Duration, beat: impl FnMut()) -> Result<(), Stopped> {
-        let until = Instant::now() + time;
-        self.attend(|| (Instant::now() >= until).then_some(()), beat)
-    }
-
-    /// Waits for an event that does not come from a participant, while watching processes and
-    /// signals. `found` is polled whenever the doorbell of the coordinator rings, and `beat` is
-    /// called at every heartbeat.
-    ///
-    /// # Errors
-    /// A process has ended, or the user has interrupted the run.
-    pub fn attend<T>(
-        &mut self,
-        mut found: impl FnMut() -> Option<T>,
-        mut beat: impl FnMut(),
-    ) -> Result<T, Stopped> {
-        let Self { doorbell, supervisor, all, .. } = self;
-        let poll = || -> Result<_, Stopped> {
-            interrupted_or_exited(supervisor, all, |_| false)?;
-            Ok(found())
-        };
-        doorbell.wait(poll, |_, _| beat())
-    }
-
-    /// Waits for the reply to the last command of a participant, whatever its status.
-    ///
-    /// # Errors
-    /// The wait ended early; the reason as the error of a run.
-    pub fn reply(
-        &mut self,
-        one: ParticipantIndex,
-        patience: Duration,
-    ) -> Result<Message<Reply>, RunError> {
-        self.wait(one, patience, || ()).map_err(|stopped| self.error(stopped))
-    }
-
-    /// Waits for the next reply of the pending participants, and removes its sender from the list.
-    /// Returns `None` once the list is empty. Replies come in the order of the list, but a failed
-    /// reply comes as soon as it arrives. The inner result is an error if the participant reports a
-    /// failure; the others can still be waited for.
-    ///
-    /// # Errors
-    /// A participant refuses the case, violates the contract, has ended, or is late.
-    pub fn next_reply(
-        &mut self,
-        pending: &mut Participants,
-        patience: impl Fn(ParticipantIndex) -> Duration,
-    ) -> Result<Option<Answer>, RunError> {
-        let Some(&first) = pending.first() else { return Ok(None) };
-        let waited = self.wait_for(pending, patience(first), || ());
-        let (one, message) = waited.map_err(|stopped| self.error(stopped))?;
-        pending.retain(|other| *other != one);
-        Ok(Some((one, self.judge(one, message)?)))
-    }
-
-    /// Waits for the reply to the last command, and returns an error unless the command succeeded.
-    ///
-    /// # Errors
-    /// The participant refuses or fails, violates the contract, has ended, or is late.
-    pub fn done(
-        &mut self,
-        one: ParticipantIndex,
-        patience: Duration,
-    ) -> Result<Message<Reply>, RunError> {
-        let message = self.reply(one, patience)?;
-        self.judge(one, message)?
-    }
-
-    /// Checks a reply. The inner result is an error if the command has failed.
-    fn judge(
-        &self,
-        one: ParticipantIndex,
-        message: Message<Reply>,
-    ) -> Result<Result<Message<Reply>, RunError>, RunError> {
-        let (reply, body) = (message.header(), message.body());
-        match Status::from_number(reply.status) {
-            _ if reply.protocol != contract::PROTOCOL_VERSION => {
-                let theirs = reply.protocol;
-                Err(self.misbehaved(one, format!("it speaks protocol {theirs}")))
-            }
-            _ if reply.sequence != self.all[one].sequence() => {
-                let (found, expected) = (reply.sequence, self.all[one].sequence());
-                Err(self
-                    .misbehaved(one, format!("it answered command {found} instead of {expected}")))
-            }
-            Some(Status::Done) => Ok(Ok(message)),
-            Some(Status::Refused) => Err(self.all[one].refused(body)),
-            Some(Status::Failed) => Ok(Err(self.failed(one, peer::failure_text(body)))),
-            None => {
-                let status = reply.status;
-                Err(self.misbehaved(one, format!("it replied with the unknown status {status}")))
-            }
-        }
-    }
-
-    /// Returns the error of a participant that failed for this reason.
-    #[must_use]
-    pub fn failed(&self, one: ParticipantIndex, what: String) -> RunError {
-        self.failure(one, what, stopped::MESSAGES.to_owned())
-    }
-
-    /// Returns the error of a participant that violated the contract.
-    #[must_use]
-    pub fn misbehaved(&self, one: ParticipantIndex, what: String) -> RunError {
-        let fix = "the program violates the participant contract (docs/ARCHITECTURE.md)";
-        self.failure(one, what, fix.to_owned())
-    }
-
-    /// Returns the error of a participant that failed in the current phase.
-    #[must_use]
-    pub fn failure(&self, one: ParticipantIndex, what: String, fix: String) -> RunError {
-        let (who, when) = (self.all[one].who(), self.phase.to_string());
-        RunError::Failed(Failure { who, when, what, fix })
-    }
-
-    /// Returns the error of a failed exchange with a participant.
-    #[must_use]
-    pub fn transport_failed(&self, one: ParticipantIndex, error: TransportError) -> RunError {
-        self.error(Stopped::Transport(one, error))
-    }
-
-    /// Returns the reason why a wait ended early as the error of a run.
-    #[must_use]
-    pub fn stopped(&self, stopped: Stopped) -> RunError {
-        self.error(stopped)
-    }
-
-    fn error(&self, stopped: Stopped) -> RunError {
-        let stopped = match stopped {
-            Stopped::Transport(one, error) => {
-                self.exit_soon().map_or(Stopped::Transport(one, error), Stopped::Exited)
-            }
-            other => other,
-        };
-        stopped.error(&self.all, self.phase)
-    }
-
-    /// Returns the actual cause of a participant's error: the end of another participant's process,
-    /// if there was one, or else the error itself.
-    #[must_use]
-    pub fn cause(&self, error: RunError) -> RunError {
-        let RunError::Failed(failure) = &error else { return error };
-        let is_other = |exit: &Exit| {
-            let own = |peer: &Peer| peer.role() == exit.role && peer.who() == failure.who;
-            !exit.is_success() && !self.all.iter().any(own)
-        };
-        match self.exit_soon().filter(is_other) {
-            Some(exit) => self.error(Stopped::Exited(exit)),
-            None => error,
-        }
-    }
-
-    /// Returns a process that ends within 100 ms: the cause of an error often is that a participant
-    /// has just died.
-    fn exit_soon(&self) -> Option<Exit> {
-        let until = Instant::now() + Duration::from_millis(100);
-        while Instant::now() < until {
-            if let Some(exit) = self.exits().into_iter().next() {
-                return Some(exit);
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        None
-    }
-
     /// Waits until the participants that have been asked to finish have ended, for [`LEAVE`] at
     /// most.
     pub fn wait_for_exits(&self) {
@@ -559,7 +284,7 @@ impl Peers {
 
     /// Returns the guard that ends the processes before other ports in the run close.
     #[must_use]
-    pub fn end_first(&self) -> ProcessGuard {
+    pub fn process_guard(&self) -> ProcessGuard {
         ProcessGuard(Some(Arc::clone(&self.supervisor)))
     }
 
@@ -606,13 +331,6 @@ impl Peers {
     }
 }
 
-/// Shows the progress of a participant.
-fn show(peer: &Peer, phase: Phase, screen: &dyn Progress) {
-    if let Some((report, left)) = peer.advance() {
-        screen.working(&Work { role: peer.role(), doing: phase.doing(), report, left });
-    }
-}
-
 fn launch(seats: &[ParticipantSlot], info: &RunInfo) -> Result<Supervisor, RunError> {
     let started = seats.iter().filter(|seat| !seat.attach);
     let launch =
@@ -629,88 +347,9 @@ fn launch(seats: &[ParticipantSlot], info: &RunInfo) -> Result<Supervisor, RunEr
     Ok(supervisor)
 }
 
-/// Returns the reply of the first of these participants, or a failed reply of any other.
-fn replied(
-    all: &TiSlice<ParticipantIndex, Peer>,
-    pending: &[ParticipantIndex],
-) -> Result<Option<(ParticipantIndex, Message<Reply>)>, Stopped> {
-    for (place, &one) in pending.iter().enumerate() {
-        let failed = |error| Stopped::Transport(one, error);
-        if (place == 0 || all[one].has_failed().map_err(failed)?)
-            && let Some(message) = all[one].receive().map_err(failed)?
-        {
-            return Ok(Some((one, message)));
-        }
-    }
-    Ok(None)
-}
-
-/// Conditions that are watched while waiting.
-struct Watch<'a> {
-    supervisor: &'a Supervisor,
-    run: &'a RunDir,
-    phase: Phase,
-    deadlines: &'a Deadlines,
-}
-
-impl Watch<'_> {
-    /// Returns an error if there is a reason to stop waiting.
-    fn look(
-        &self,
-        all: &mut TiSlice<ParticipantIndex, Peer>,
-        one: ParticipantIndex,
-        waited: Duration,
-        patience: Duration,
-    ) -> Result<(), Stopped> {
-        // A participant that has been asked to finish may have ended regularly, unless the wait is
-        // for its reply.
-        let in_peace = |role: &str| self.phase == Phase::Finishing && role != all[one].role();
-        let left = |exit: &Exit| in_peace(&exit.role) && exit.is_success();
-        interrupted_or_exited(self.supervisor, all, left)?;
-        // A participant started by hand is not a child process: its lock shows its death.
-        let has_left = |peer: &Peer| {
-            peer.is_attached() && !in_peace(peer.role()) && self.run.has_left(peer.role())
-        };
-        if self.phase != Phase::Starting
-            && let Some(gone) = all.position(has_left)
-        {
-            return Err(Stopped::Gone(gone));
-        }
-        if all[one].has_dealt_with_it() {
-            return Err(Stopped::ReplyLost(one));
-        }
-        let silence = all[one].silence();
-        if silence > self.deadlines.heartbeat {
-            return Err(Stopped::Silent(one, silence));
-        }
-        if waited > patience {
-            return Err(Stopped::Late(one, Delay { waited: patience, silence }));
-        }
-        Ok(())
-    }
-}
-
 /// Returns the exits of these participants so far.
 fn exits(supervisor: &Supervisor, all: &TiSlice<ParticipantIndex, Peer>) -> Vec<Exit> {
     let mut exits = supervisor.exits();
     exits.retain(|exit| all.iter().any(|peer| peer.role() == exit.role));
     exits
-}
-
-/// Returns an error if the user has interrupted the run, or a process has ended unexpectedly.
-fn interrupted_or_exited(
-    supervisor: &Supervisor,
-    all: &TiSlice<ParticipantIndex, Peer>,
-    in_peace: impl Fn(&Exit) -> bool,
-) -> Result<(), Stopped> {
-    if let Some(signal) = signals::received() {
-        return Err(Stopped::Interrupted(signal));
-    }
-    match exits(supervisor, all).into_iter().find(|exit| !in_peace(exit)) {
-        Some(exit) => {
-            let signal = exit.status.and_then(signals::received_like);
-            Err(signal.map_or(Stopped::Exited(exit), Stopped::Interrupted))
-        }
-        None => Ok(()),
-    }
 }

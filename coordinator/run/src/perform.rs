@@ -16,17 +16,19 @@ use crate::plan::{Plan, Planned};
 use crate::plan_file;
 use crate::progress::{Progress, silent};
 use crate::record::{Compression, Recorder};
+use crate::results::cost::Cost;
 use crate::results::derived;
 use crate::results::dir::shown;
 use crate::results::history::{self, Survey};
-use crate::results::summary::{Counts, Sections, Status, SummaryInput, build};
+use crate::results::summary::{Counts, CouplingSummary, Effects, Sections, Status, Summary};
 use crate::results::vtk::FieldWriter;
 use crate::results::{ResultFolder, show};
 use crate::session::{PendingExits, Session};
-use crate::warnings::Warning;
+use crate::warnings::{self, Warning};
 use crate::watching::Watcher;
 use case::Case;
 use contract::message::Finished;
+use coupling::windows::Windows;
 use serde_json::Value;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -37,8 +39,8 @@ use time_loop::TimeLoop;
 /// End of a run: its summary, and the error if there was one.
 #[derive(Debug)]
 pub struct Outcome {
-    /// The content of `summary.json`.
-    pub summary: Value,
+    /// Summary of the run, also in `summary.json`.
+    pub summary: Summary,
     /// Error that ended the run.
     pub error: Option<RunError>,
 }
@@ -51,9 +53,8 @@ impl Outcome {
         if let Some(before) = before {
             return Self { summary, error: Some(before.and(Err(error))) };
         }
-        summary["status"] = Status::Failed.word().into();
-        summary["reason"] = error.to_string().into();
-        let error = error.and(folder.write_summary(&json(&summary)));
+        (summary.status, summary.reason) = (Status::Failed, error.to_string());
+        let error = error.and(folder.write_summary(&summary));
         Self { summary, error: Some(error) }
     }
 }
@@ -106,101 +107,187 @@ pub fn run(
     options: RunOptions<'_>,
 ) -> Outcome {
     let RunOptions { progress, since, plan_seconds, from, record, driver } = options;
-    let Planned { case, plan } = planned;
-    let record = record.or_else(|| from.and_then(|checkpoint| checkpoint.state.recorded));
-    let mut counts = match from {
-        Some(checkpoint) => checkpoint.state.counts.resumed(plan_seconds),
-        None => Counts { plan_seconds, ..Counts::default() },
-    };
-    let mut warnings = match from {
-        Some(_) => {
-            let mut warnings = plan_file::first_warnings(folder);
-            add(&mut warnings, &plan.warnings);
-            warnings
-        }
-        None => plan.warnings.clone(),
-    };
-    add(&mut warnings, folder.warning().map_or(&[], std::slice::from_ref));
-    let (ended, recorder) = match set_out(planned, folder, from, record) {
-        Ok(recorder) => {
-            let found = (&mut counts, &mut warnings);
-            let ended = perform(
-                (planned, fleet),
-                folder,
-                &progress,
-                found,
-                (from, driver),
-                recorder.clone(),
-            );
-            (ended, recorder)
-        }
-        Err(error) => (Err(error), None),
-    };
+    let mut run = Run::new(planned, folder, from, plan_seconds);
+    let ended = run.set_out(record).and_then(|()| run.execute(fleet, &progress, driver));
     progress.finish();
-    let ended = finish_recording(ended, recorder.as_deref());
+    let ended = finish_recording(ended, run.recorder.as_deref());
     // The participants end while the summary is written.
     let (finished, _leaving, error) = match ended {
         Ok((finished, leaving)) => (finished, leaving, None),
-        Err(error) => (Vec::new(), None, Some(place(case, error))),
+        Err(error) => (Vec::new(), None, Some(place(&planned.case, error))),
     };
-    let roles = plan.participants.iter().map(|p| p.role.as_str());
-    let mut sections = Sections::gather(roles.zip(finished.iter().map(|f| &f.summary)));
-    derived::complete(&mut sections.merged, &plan.figures);
-    let not_finite = sections.not_finite.clone();
-    let error = error.or(not_finite.map(|(role, key)| RunError::NotFinite { role, key }));
-    let table = folder.file(history::FILE);
-    let (error, survey) = match error {
-        None => match Survey::read(&table, &plan.figures) {
-            Ok(survey) => (None, Some(survey)),
-            Err(error) => (Some(error), None),
-        },
-        error => (error, None),
-    };
-    let (status, reason) = match &error {
-        None => success(plan, &counts),
-        Some(error) if error.is_interrupt() => (Status::Interrupted, error.to_string()),
-        Some(error) => (Status::Failed, error.to_string()),
-    };
-    let wall_seconds = since.elapsed().as_secs_f64();
-    let (finished, sections, warnings) = (&finished, &sections, &warnings);
-    let extremes = survey.as_ref().map(|survey| &survey.extremes);
-    let summary = build(&SummaryInput {
-        plan,
-        status,
-        reason,
-        counts,
-        finished,
-        sections,
-        warnings,
-        extremes,
-        wall_seconds,
-    });
-    let error = first(error, folder.write_summary(&json(&summary)));
-    let outcome = Outcome { summary, error };
-    // The summary of a complete run exists: its table is not needed to resume it any more.
-    match survey.filter(|_| outcome.error.is_none()).map(|survey| survey.trim(&table)) {
-        Some(Err(error)) => outcome.fail(error, folder),
-        _ => outcome,
-    }
+    run.conclude(&finished, error, since)
 }
 
-/// Writes the files that are known before a run, and starts its recording if requested.
-fn set_out(
-    planned: &Planned,
-    folder: &ResultFolder,
-    from: Option<&Checkpoint>,
-    record: Option<Compression>,
-) -> Result<Option<Arc<Recorder>>, RunError> {
-    match from {
-        Some(_) => folder.reopen()?,
-        None if !folder.is_kept() => {}
-        None => {
-            folder.write("case.toml", planned.case.text().as_bytes())?;
-            plan_file::write(&planned.plan, folder)?;
+/// A run, from its plan to its summary.
+struct Run<'a> {
+    planned: &'a Planned,
+    folder: &'a ResultFolder,
+    /// Checkpoint from which the run continues.
+    from: Option<&'a Checkpoint>,
+    recorder: Option<Arc<Recorder>>,
+    counts: Counts,
+    warnings: Vec<Warning>,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        planned: &'a Planned,
+        folder: &'a ResultFolder,
+        from: Option<&'a Checkpoint>,
+        plan_seconds: f64,
+    ) -> Self {
+        let own = &planned.plan.warnings;
+        let (counts, warnings) = match from {
+            Some(checkpoint) => {
+                let mut warnings = plan_file::first_warnings(folder);
+                add(&mut warnings, own);
+                (checkpoint.state.counts.resumed(plan_seconds), warnings)
+            }
+            None => (Counts { plan_seconds, ..Counts::default() }, own.clone()),
+        };
+        let mut run = Self { planned, folder, from, recorder: None, counts, warnings };
+        add(&mut run.warnings, folder.warning().map_or(&[], std::slice::from_ref));
+        run
+    }
+
+    /// Writes the files that are known before a run, and starts its recording: if requested, or if
+    /// the run before the checkpoint was recorded.
+    fn set_out(&mut self, record: Option<Compression>) -> Result<(), RunError> {
+        let Self { planned, folder, from, .. } = self;
+        match from {
+            Some(_) => folder.reopen()?,
+            None if !folder.is_kept() => {}
+            None => {
+                folder.write("case.toml", planned.case.text().as_bytes())?;
+                plan_file::write(&planned.plan, folder)?;
+            }
+        }
+        let record = record.or_else(|| from.and_then(|checkpoint| checkpoint.state.recorded));
+        let start = |compression| recorder(planned, folder, *from, compression).map(Arc::new);
+        self.recorder = record.map(start).transpose()?;
+        Ok(())
+    }
+
+    /// Starts the participants, computes all windows, and finishes the participants.
+    fn execute(
+        &mut self,
+        fleet: &mut Fleet,
+        progress: &Rc<dyn Progress>,
+        driver: Option<&mut dyn Driver>,
+    ) -> Result<(Vec<Finished>, Option<PendingExits>), RunError> {
+        let plan = &self.planned.plan;
+        let mut tables = Tables::open(plan, self.folder, self.from)?;
+        let starting = Instant::now();
+        let session = || Session::start(plan, fleet, self.recorder.clone(), progress);
+        let started = tracing::info_span!("start").in_scope(session);
+        self.counts.start_seconds = starting.elapsed().as_secs_f64();
+        let mut session = started?;
+        let windows = || self.windows(&mut session, &mut tables, &**progress, driver);
+        let looped = tracing::info_span!("windows").in_scope(windows);
+        let looped = looped.map_err(|error| match &self.recorder {
+            Some(recorder) => recorder.cause(error),
+            None => error,
+        });
+        self.counts.bytes_exchanged = session.bytes_exchanged();
+        add(&mut self.warnings, session.warnings());
+        add(&mut self.warnings, &self.counts.warnings());
+        // The results written so far stay readable after any error.
+        if let Some(error) = first(looped.err(), tables.flush()) {
+            return Err(error);
+        }
+        let finishing = Instant::now();
+        let finished = tracing::info_span!("finish").in_scope(|| session.finish(fleet));
+        self.counts.finish_seconds = finishing.elapsed().as_secs_f64();
+        finished
+    }
+
+    /// Computes the windows of the case, or those that the driver requests.
+    fn windows(
+        &mut self,
+        session: &mut Session,
+        tables: &mut Tables,
+        progress: &dyn Progress,
+        driver: Option<&mut dyn Driver>,
+    ) -> Result<(), RunError> {
+        let Self { planned, folder, from, recorder, counts, .. } = self;
+        let recorder = recorder.as_deref();
+        let writing = |every| {
+            let (into, origin) = (Checkpoints::of(&folder.path()), origin(planned)?);
+            let recorded = recorder.map(Recorder::compression);
+            Ok::<_, RunError>(time_loop::Writing { every, into, origin, recorded })
+        };
+        let checkpoints = planned.plan.checkpoint_every.map(writing).transpose()?;
+        let mut fields = FieldWriter::within(folder.dir().clone(), "fields");
+        let watcher = Watcher::of(&folder.path());
+        let mut windows = TimeLoop::new(
+            &planned.plan,
+            session,
+            tables,
+            &mut fields,
+            counts,
+            checkpoints,
+            watcher,
+        );
+        windows.record(recorder);
+        if let Some(checkpoint) = from {
+            windows.resume(checkpoint)?;
+        }
+        match driver {
+            None => windows.all(progress),
+            Some(driver) => {
+                let mut driven = Driven::new(&mut windows);
+                driver.drive(&mut driven)?;
+                // The final output belongs to the state to which the driver returned last.
+                driven.settle().map_err(DriverError::into_error)
+            }
         }
     }
-    let start = |compression| recorder(planned, folder, from, compression).map(Arc::new);
-    record.map(start).transpose()
+
+    /// Writes the summary of a run that has ended, and removes what was needed to resume it.
+    fn conclude(self, finished: &[Finished], error: Option<RunError>, since: Instant) -> Outcome {
+        let Self { planned: Planned { plan, .. }, folder, counts, warnings, .. } = self;
+        let roles = plan.participants.iter().map(|participant| participant.role.as_str());
+        let mut sections = Sections::gather(roles.zip(finished.iter().map(|one| &one.summary)));
+        derived::complete(&mut sections.merged, &plan.figures);
+        let not_finite = sections.not_finite.map(|(role, key)| RunError::NotFinite { role, key });
+        let table = folder.file(history::FILE);
+        let (error, survey) = match error.or(not_finite) {
+            None => match Survey::read(&table, &plan.figures) {
+                Ok(survey) => (None, Some(survey)),
+                Err(error) => (Some(error), None),
+            },
+            error => (error, None),
+        };
+        let (status, reason) = match &error {
+            None => success(plan, &counts),
+            Some(error) if error.is_interrupt() => (Status::Interrupted, error.to_string()),
+            Some(error) => (Status::Failed, error.to_string()),
+        };
+        let ranges = survey.as_ref().map(|survey| &survey.ranges);
+        let rows = matches!(plan.windows, Windows::Sequence(_));
+        let sent = Value::Object(sections.merged);
+        let figures = warnings::of_figures(&sent, &plan.figures, ranges, rows);
+        let summary = Summary {
+            case: plan.name.clone(),
+            status,
+            reason,
+            sections: sent,
+            warnings: [warnings, sections.warnings, figures].concat(),
+            extremes: ranges.and_then(|ranges| ranges.section(rows)),
+            coupling: CouplingSummary::of(plan, &counts),
+            cost: Cost::of(plan, &counts, finished, since.elapsed().as_secs_f64()),
+            effects: Effects::of(plan),
+            ..Summary::default()
+        };
+        let error = first(error, folder.write_summary(&summary));
+        let outcome = Outcome { summary, error };
+        // The summary of a complete run exists: its table is not needed to resume it any more.
+        match survey.filter(|_| outcome.error.is_none()).map(|survey| survey.trim(&table)) {
+            Some(Err(error)) => outcome.fail(error, folder),
+            _ => outcome,
+        }
+    }
 }
 
 /// Adds the warnings that are new.
@@ -208,12 +295,6 @@ fn add(warnings: &mut Vec<Warning>, more: &[Warning]) {
     let known = |one: &&Warning| warnings.iter().any(|other| other.says_the_same(one));
     let new: Vec<Warning> = more.iter().filter(|one| !known(one)).cloned().collect();
     warnings.extend(new);
-}
-
-/// Formats a summary as the content of its file.
-#[must_use]
-pub fn json(summary: &Value) -> Vec<u8> {
-    serde_json::to_vec_pretty(summary).expect("a summary is plain data")
 }
 
 /// Returns the status of a run without an error, and its reason.
@@ -286,69 +367,4 @@ pub fn place(case: &Case, error: RunError) -> RunError {
         }
         other => other,
     }
-}
-
-fn perform(
-    (planned, fleet): (&Planned, &mut Fleet),
-    folder: &ResultFolder,
-    progress: &Rc<dyn Progress>,
-    (counts, warnings): (&mut Counts, &mut Vec<Warning>),
-    (from, driver): (Option<&Checkpoint>, Option<&mut dyn Driver>),
-    recorder: Option<Arc<Recorder>>,
-) -> Result<(Vec<Finished>, Option<PendingExits>), RunError> {
-    let plan = &planned.plan;
-    let mut tables = Tables::open(plan, folder, from)?;
-    let mut fields = FieldWriter::within(folder.dir().clone(), "fields");
-    let starting = Instant::now();
-    let session = || Session::start(plan, fleet, recorder.clone(), progress);
-    let started = tracing::info_span!("start").in_scope(session);
-    counts.start_seconds = starting.elapsed().as_secs_f64();
-    let mut session = started?;
-    let windows = || {
-        let writing = |every| {
-            let (into, origin) = (Checkpoints::of(&folder.path()), origin(planned)?);
-            let recorded = recorder.as_ref().map(|recorder| recorder.compression());
-            Ok::<_, RunError>(time_loop::Writing { every, into, origin, recorded })
-        };
-        let checkpoints = plan.checkpoint_every.map(writing).transpose()?;
-        let watcher = Watcher::of(&folder.path());
-        let mut windows = TimeLoop::new(
-            plan,
-            &mut session,
-            &mut tables,
-            &mut fields,
-            counts,
-            checkpoints,
-            watcher,
-        );
-        windows.record(recorder.as_deref());
-        if let Some(checkpoint) = from {
-            windows.resume(checkpoint)?;
-        }
-        match driver {
-            None => windows.all(&**progress),
-            Some(driver) => {
-                let mut driven = Driven::new(&mut windows);
-                driver.drive(&mut driven)?;
-                // The final output belongs to the state to which the driver returned last.
-                driven.settle().map_err(DriverError::into_error)
-            }
-        }
-    };
-    let looped = tracing::info_span!("windows").in_scope(windows);
-    let looped = looped.map_err(|error| match &recorder {
-        Some(recorder) => recorder.cause(error),
-        None => error,
-    });
-    counts.bytes_exchanged = session.bytes_exchanged();
-    add(warnings, session.warnings());
-    add(warnings, &counts.warnings());
-    // The results written so far stay readable after any error.
-    if let Some(error) = first(looped.err(), tables.flush()) {
-        return Err(error);
-    }
-    let finishing = Instant::now();
-    let finished = tracing::info_span!("finish").in_scope(|| session.finish(fleet));
-    counts.finish_seconds = finishing.elapsed().as_secs_f64();
-    finished
 }

@@ -4,8 +4,10 @@
 pub mod cells;
 pub mod claim;
 mod clear;
+pub mod cost;
 pub mod derived;
 pub mod dir;
+pub mod extremes;
 pub mod figures;
 mod folder;
 pub mod history;
@@ -16,6 +18,7 @@ pub mod place;
 mod read;
 mod rows;
 pub mod show;
+pub mod stated;
 pub mod summary;
 pub mod vtk;
 pub mod write;

@@ -194,7 +194,7 @@ impl Session {
     /// # Errors
     /// A process has ended, or the user has interrupted the run.
     pub fn idle(&mut self, time: Duration) -> Result<(), RunError> {
-        self.peers.idle(time, || ()).map_err(|stopped| self.peers.stopped(stopped))
+        self.peers.idle(time, || ()).map_err(|stopped| self.peers.error(stopped))
     }
 }
 

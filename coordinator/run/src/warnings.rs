@@ -4,7 +4,7 @@
 //! print it; commands that run a case write it to standard error and the log. A run adds its own
 //! warnings, and the summary holds all of them. With `--strict` each of them is an error.
 
-use crate::results::history::Extremes;
+use crate::results::history::HistoryRanges;
 use case::Problem;
 use contract::figure::{FigureSpec, value};
 use contract::plausible::Plausible;
@@ -134,24 +134,18 @@ pub(crate) fn plain(value: f64) -> String {
     if (1e-3..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
-/// Returns the warnings in a summary.
-#[must_use]
-pub fn of_summary(summary: &Value) -> Vec<Warning> {
-    summary.get("warnings").and_then(|list| Vec::deserialize(list).ok()).unwrap_or_default()
-}
-
-/// Returns the warnings about the figures of a run: of its summary, and of all windows, where one
+/// Returns the warnings about the figures of a run: of its end, and of all windows, where one
 /// of them is farther outside the plausible range than the end. `rows` names windows rows.
 #[must_use]
 pub fn of_figures(
-    summary: &Value,
+    sections: &Value,
     figures: &[FigureSpec],
-    history: Option<&Extremes>,
+    history: Option<&HistoryRanges>,
     rows: bool,
 ) -> Vec<Warning> {
     let of = |figure: &FigureSpec| {
         let expected = figure.plausible.as_ref()?;
-        let last = value(summary, &figure.key);
+        let last = value(sections, &figure.key);
         let excess = last.and_then(|last| expected.excess(last)).unwrap_or(1.0);
         let worst = history.and_then(|history| history.unexpected(&figure.key, rows));
         let worse = worst.filter(|worst| expected.excess(worst.value) > Some(excess));
@@ -186,12 +180,5 @@ mod tests {
             remark.to_string(),
             "mapping.method: the density is not bounded; choose another"
         );
-    }
-
-    #[test]
-    fn a_summary_gives_its_warnings_back() {
-        let warnings = vec![radius(), Warning::remark("a.b", "is not read", "remove it")];
-        let summary = serde_json::json!({"warnings": warnings});
-        assert_eq!(of_summary(&summary), warnings);
     }
 }

@@ -128,7 +128,7 @@ fn figures(a: &Results, b: &Results) -> (Vec<FigureDifference>, usize) {
     }
     let (mut different, mut same) = (Vec::new(), 0);
     for quantity in known.into_iter().map(|key| quantities.of(key)) {
-        let values = [a, b].map(|one| quantity.value(&one.summary));
+        let values = [a, b].map(|one| quantity.value(one.summary.as_ref()?));
         match values {
             [None, None] => {}
             [Some(x), Some(y)] if x == y => same += 1,
@@ -141,7 +141,7 @@ fn figures(a: &Results, b: &Results) -> (Vec<FigureDifference>, usize) {
 
 /// Returns the keys of the figures that are shown on the terminal.
 fn shown(of: &Results) -> Vec<&str> {
-    let lines = groups(&of.summary, of.figures()).into_iter().filter_map(|group| match group {
+    let lines = groups(of.sections(), of.figures()).into_iter().filter_map(|group| match group {
         Group::Line(line) => Some(line.entries),
         Group::List(_) => None,
     });
@@ -149,11 +149,11 @@ fn shown(of: &Results) -> Vec<&str> {
 }
 
 fn times(a: &Results, b: &Results) -> Vec<(String, [f64; 2])> {
-    let costs = a.summary.get("cost").and_then(|cost| cost.as_object()).into_iter().flatten();
-    let both = costs.filter_map(|(key, of_a)| {
-        let name = key.strip_suffix("_s")?;
-        let of_b = b.quantity(&format!("/cost/{key}"))?;
-        Some((name.to_owned(), [of_a.as_f64()?, of_b]))
+    let [of_a, of_b] = [a, b].map(|one| one.summary.as_ref().map(|summary| summary.cost.times()));
+    let of_b = of_b.unwrap_or_default();
+    let both = of_a.unwrap_or_default().into_iter().filter_map(|(name, a)| {
+        let (_, b) = of_b.iter().find(|(other, _)| *other == name)?;
+        Some((name, [a, *b]))
     });
     both.collect()
 }

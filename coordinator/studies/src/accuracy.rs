@@ -24,7 +24,6 @@
 //! expect. In a transient case, the windows are refined together with the grid.
 
 mod choice;
-mod section;
 mod target;
 
 pub use target::Target;
@@ -35,17 +34,16 @@ use crate::study::quantity::{Quantities, Quantity};
 use crate::study::richardson::{Estimate, Limit, Sample, too_narrow};
 
 use choice::Choice;
-use console::case_arguments::Changes;
+use console::case_arguments::{CaseArguments, Changes};
 use contract::accuracy::EDGE_ELEMENTS;
 use contract::figure::Measure;
 use run::error::RunError;
 use run::results::ResultFolder;
+use run::results::stated::{ResultSource, Stated, StatedFigure, StatedRun};
+use run::results::summary::Summary;
 use run::scratch::Scratch;
 use run::warnings::Warning;
-use section::{ResultSource, Stated, StatedFigure, StatedRun};
-use serde::Deserialize;
-use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Limit of the window length in a pilot, as a power of two: the longest windows are four times the
@@ -105,18 +103,13 @@ impl Search {
     /// # Errors
     /// The case cannot run, no models can meet the target, no run has the quantity, or the pilot
     /// fails.
-    pub fn begin(
-        case: &Path,
-        base: &Changes,
-        target: Target,
-        bench: &mut Bench,
-    ) -> Result<Self, RunError> {
-        let standing = bench.planned(case, base)?;
-        let Choice { level, step } = choice::choose(case, base, &standing, &target, bench)?;
-        choice::refuse_resolution(&level, base)?;
+    pub fn begin(of: &CaseArguments, target: Target, bench: &mut Bench) -> Result<Self, RunError> {
+        let standing = bench.planned(&of.case, &of.changes)?;
+        let Choice { level, step } = choice::choose(of, &standing, &target, bench)?;
+        choice::refuse_resolution(&level, &of.changes)?;
         let window = choice::window(&standing.plan).map(|times| (times, step));
         let mut search = Self {
-            case: case.to_owned(),
+            case: of.case.clone(),
             known: Quantities::of_figures(&standing.plan.figures),
             quantities: Vec::new(),
             watched: 0,
@@ -138,16 +131,15 @@ impl Search {
     /// # Errors
     /// The case cannot run, its models have no resolution, or a run fails.
     pub fn extrapolate(
-        case: &Path,
-        base: &Changes,
+        of: &CaseArguments,
         quantity: Option<String>,
         bench: &mut Bench,
     ) -> Result<Self, RunError> {
-        let planned = bench.planned(case, base)?;
-        let level = standing(&planned, base, &COARSER)?;
+        let planned = bench.planned(&of.case, &of.changes)?;
+        let level = standing(&planned, &of.changes, &COARSER)?;
         let step = COARSER.len();
         let mut search = Self {
-            case: case.to_owned(),
+            case: of.case.clone(),
             known: Quantities::of_figures(&planned.plan.figures),
             quantities: Vec::new(),
             watched: 0,
@@ -188,7 +180,7 @@ impl Search {
         self.note(step, &summary, begun.elapsed().as_secs_f64())
     }
 
-    fn note(&mut self, step: usize, summary: &Value, wall_s: f64) -> Result<(), RunError> {
+    fn note(&mut self, step: usize, summary: &Summary, wall_s: f64) -> Result<(), RunError> {
         if self.quantities.is_empty() {
             self.quantities = self.target.quantities(summary, &self.known)?;
             self.watched = self.quantities.len();
@@ -260,11 +252,12 @@ impl Search {
     ///
     /// # Errors
     /// The summary lacks the quantity.
-    pub fn judge(&mut self, summary: &mut Value, wall_s: f64) -> Result<Decision, RunError> {
+    pub fn judge(&mut self, summary: &mut Summary, wall_s: f64) -> Result<Decision, RunError> {
         self.note(self.step, summary, wall_s)?;
         let stated = self.stated();
-        summary["accuracy"] = serde_json::to_value(&stated).expect("plain data");
-        if stated.met {
+        let met = stated.met;
+        summary.accuracy = Some(stated);
+        if met {
             return Ok(Decision::Met);
         }
         match self.step + 1 < self.level.steps() {
@@ -346,13 +339,12 @@ impl Search {
 
 /// Width of the slip zone \[element\]: of the last row or window, or of the narrowest one that gave
 /// a warning.
-fn slip_zone(summary: &Value) -> Option<f64> {
-    let warnings = Vec::<Warning>::deserialize(&summary["warnings"]).unwrap_or_default();
-    let warned = warnings.iter().filter_map(|warning| match warning {
+fn slip_zone(summary: &Summary) -> Option<f64> {
+    let warned = summary.warnings.iter().filter_map(|warning| match warning {
         Warning::Value(one) if one.key == EDGE_ELEMENTS => Some(one.value),
         _ => None,
     });
-    contract::figure::value(summary, EDGE_ELEMENTS).into_iter().chain(warned).reduce(f64::min)
+    summary.value(EDGE_ELEMENTS).into_iter().chain(warned).reduce(f64::min)
 }
 
 /// Relative error; zero if the error is zero, also for a value of zero.
@@ -399,8 +391,15 @@ mod tests {
         }
     }
 
-    fn summary(rise: f64, power: f64) -> Value {
-        json!({"temperature": {"rail": {"max_rise_k": rise}}, "contact": {"friction_power_w": power}})
+    fn summary(rise: f64, power: f64) -> Summary {
+        Summary::of_sections(json!({
+            "temperature": {"rail": {"max_rise_k": rise}},
+            "contact": {"friction_power_w": power},
+        }))
+    }
+
+    fn stated(summary: Summary) -> Stated {
+        summary.accuracy.expect("judged")
     }
 
     #[test]
@@ -409,9 +408,9 @@ mod tests {
         let mut summary = summary(100.0, 100.0);
         assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Met);
         // The limit is 98. The stated error is two times 2 %, plus the error of the models.
-        let stated = summary["accuracy"]["estimated_error"].as_f64().unwrap();
-        assert!((stated - 0.041).abs() < 1e-12, "{stated}");
-        assert!((summary["accuracy"]["extrapolated"].as_f64().unwrap() - 98.0).abs() < 1e-9);
+        let stated = stated(summary);
+        assert!((stated.estimated_error - 0.041).abs() < 1e-12, "{stated:?}");
+        assert!((stated.extrapolated.unwrap() - 98.0).abs() < 1e-9);
     }
 
     /// Two grids agree on a peak by chance, but not on the power.
@@ -420,7 +419,7 @@ mod tests {
         let mut search = search(0.05, 1.0, 100.0, 110.0);
         let mut summary = summary(100.0, 100.0);
         assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Refine);
-        assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.2).abs() < 1e-12);
+        assert!((stated(summary).grid_error - 0.2).abs() < 1e-12);
     }
 
     /// If grids agree, the stated error is still at least the one that the model expects.
@@ -429,7 +428,7 @@ mod tests {
         let mut search = search(0.05, 1.0, 100.0, 100.0);
         let mut summary = summary(100.0, 100.0);
         assert_eq!(search.judge(&mut summary, 0.2).unwrap(), Decision::Met);
-        assert!((summary["accuracy"]["grid_error"].as_f64().unwrap() - 0.01).abs() < 1e-12);
+        assert!((stated(summary).grid_error - 0.01).abs() < 1e-12);
     }
 
     #[test]
@@ -460,25 +459,20 @@ mod tests {
         search.refine();
         let mut last = summary(105.0, 210.0);
         assert_eq!(search.judge(&mut last, 0.4).unwrap(), Decision::Met);
-        let said = &last["accuracy"];
-        assert_eq!(
-            (said["taken"].as_str(), said["value"].as_f64()),
-            (Some("extrapolated"), Some(100.0))
-        );
-        assert!((said["estimated_error"].as_f64().unwrap() - 0.011).abs() < 1e-12, "{said}");
-        assert_eq!(
-            (&said["figures"][1]["key"], &said["figures"][1]["value"]),
-            (&json!(POWER), &json!(200.0))
-        );
+        let stated = stated(last);
+        assert_eq!((stated.taken, stated.value), (ResultSource::Extrapolated, 100.0));
+        assert!((stated.estimated_error - 0.011).abs() < 1e-12, "{stated:?}");
+        let power = &stated.figures[1];
+        assert_eq!((power.key.as_str(), power.value), (POWER, 200.0));
     }
 
     /// The same grids with a slip zone of a few elements: agreement of limits is chance. The error
     /// covers the difference of neighbouring grids.
     #[test]
     fn a_narrow_slip_zone_is_not_extrapolated() {
-        let narrow = |mut summary: Value, width: f64| {
+        let narrow = |mut summary: Summary, width: f64| {
             let (section, name) = EDGE_ELEMENTS.split_once('.').unwrap();
-            summary[section][name] = json!(width);
+            summary.sections[section][name] = json!(width);
             summary
         };
         let mut search = search(0.02, 1.0, 120.0, 240.0);
@@ -488,11 +482,10 @@ mod tests {
         search.refine();
         let mut last = narrow(summary(105.0, 210.0), 6.0);
         assert_eq!(search.judge(&mut last, 0.4).unwrap(), Decision::Missed);
-        let stated = &last["accuracy"];
-        assert_eq!((&stated["taken"], &stated["value"]), (&json!("run"), &json!(105.0)));
-        assert_eq!(stated["narrow_slip_zone"], json!(1.5));
-        assert!(stated.get("extrapolated").is_none(), "{stated}");
-        assert!(stated["grid_error"].as_f64().unwrap() >= 10.0 / 105.0, "{stated}");
+        let stated = stated(last);
+        assert_eq!((stated.taken, stated.value), (ResultSource::Run, 105.0));
+        assert_eq!((stated.narrow_slip_zone, stated.extrapolated), (Some(1.5), None));
+        assert!(stated.grid_error >= 10.0 / 105.0, "{stated:?}");
     }
 
     #[test]

@@ -96,7 +96,7 @@ pub(crate) fn reproduce(request: &Request, speaker: &mut Speaker) -> Result<(), 
     let mut bench = request.folder.bench();
     let runs = perform::rehearse(&study, file, &mut bench)?;
     let folder = request.folder.choose(Record::COMMAND, &study.name, &Record::is_unfinished)?;
-    let record = perform::perform((&study, file), &runs, &folder, &mut bench, speaker)?;
+    let record = perform::run_all(&study, file, &runs, &folder, &mut bench, speaker)?;
     let out = folder.open()?;
     let rendered = Rendered::of(&record, &out)?;
     rendered.write(&out.join(render::TEXT), "img")?;

@@ -123,7 +123,7 @@ impl StatesCommand {
             let value = |one: &Quantity| {
                 let value = one.value(&summary)?;
                 let figure = plan.figures.iter().find(|figure| figure.key == one.key);
-                let nothing = figure.is_some_and(|it| is_rounding(it, value, &summary));
+                let nothing = figure.is_some_and(|it| is_rounding(it, value, &summary.sections));
                 Some((one.key.clone(), if nothing { 0.0 } else { value }))
             };
             let values: BTreeMap<String, f64> = all.clone().filter_map(value).collect();
@@ -132,7 +132,7 @@ impl StatesCommand {
                     known.push(one.clone());
                 }
             }
-            let loop_gain = summary["coupling"]["loop_gain"].as_f64();
+            let loop_gain = summary.coupling.loop_gain;
             match states.iter_mut().find(|state| same(&state.values, &values)) {
                 Some(state) => {
                     state.starts.push(starts[n]);

@@ -85,15 +85,15 @@ impl Command for SweepCommand {
     ];
 
     fn run(&self, context: &Context<'_>) -> Result<(), RunError> {
-        let (case, base) = (self.of.case.clone(), self.of.changes.clone());
+        let CaseArguments { case, changes: base } = &self.of;
         let design = self.points.design()?;
         let first = |all: Changes, one: &Axis| all.with(&one.key, &one.values[0]);
         let first = design.vary.iter().fold(base.clone(), first);
         let mut bench = self.folder.bench();
-        let standing = bench.planned(&case, &first)?;
-        refuse_unread_keys((&case, &base), &design.vary, &standing, &mut bench)?;
+        let standing = bench.planned(case, &first)?;
+        refuse_unread_keys(&self.of, &design.vary, &standing, &mut bench)?;
         console::logging::log_warnings(&standing.plan.warnings);
-        let mut study = Study::new(&standing, case.display().to_string(), &base, design)?;
+        let mut study = Study::new(&standing, case.display().to_string(), base, design)?;
         study.part = self.part;
         let folder = folder(self, &study)?;
         let mut sweep = begin(self, study, &folder)?;
@@ -104,7 +104,7 @@ impl Command for SweepCommand {
         }
         let quantities = Quantities::of_figures(&standing.plan.figures);
         match self.engine.engine {
-            Name::Local => here(&mut sweep, self, (bench, &quantities), printing.is_silent())?,
+            Name::Local => run_here(&mut sweep, self, bench, &quantities, printing.is_silent())?,
             Name::List if !sweep.study.missing().is_empty() => {
                 return engine::list(&sweep, &tasks(self, &sweep.study, &standing, &folder)?);
             }
@@ -152,7 +152,7 @@ fn without_answers(study: &Study) -> Result<(), RunError> {
 /// Refuses keys that no point of the sweep reads. Other varied keys, such as the choice of a model,
 /// may decide whether a key is read, so their values are tried one by one.
 fn refuse_unread_keys(
-    (case, base): (&Path, &Changes),
+    of: &CaseArguments,
     vary: &[Axis],
     standing: &Planned,
     bench: &mut Bench,
@@ -163,11 +163,13 @@ fn refuse_unread_keys(
         let words = vary.iter().filter(|other| other.key != *key && other.numbers().is_none());
         let mut others = words.flat_map(|other| {
             let values = other.values.iter().skip(1);
-            values.map(move |value| vary.iter().fold(base.clone(), first).with(&other.key, value))
+            values.map(move |value| {
+                vary.iter().fold(of.changes.clone(), first).with(&other.key, value)
+            })
         });
         let reads = |variant: Changes| {
             bench
-                .planned(case, &variant)
+                .planned(&of.case, &variant)
                 .is_ok_and(|other| refuse_unread(&other, key, "--vary").is_ok())
         };
         if !others.any(reads) {
@@ -221,10 +223,11 @@ fn begin(
 }
 
 /// Runs the missing points on this machine and writes each row as soon as its run ends.
-fn here(
+fn run_here(
     sweep: &mut SweepInProgress,
     asked: &SweepCommand,
-    (bench, quantities): (Bench, &Quantities),
+    bench: Bench,
+    quantities: &Quantities,
     quiet: bool,
 ) -> Result<(), RunError> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);

@@ -269,12 +269,12 @@ impl Watched {
 
 /// Returns the page about a recording without a result folder.
 fn of_recording(index: &Index) -> Page {
-    let mut results = Results {
+    let results = Results {
+        scheme: index.scheme().to_owned(),
         iterations: Columns::parse(&index.table(0..index.steps().len())),
         case: index.text("case.toml"),
         ..Results::default()
     };
-    results.summary = serde_json::json!({ "coupling": { "scheme": index.scheme() } });
     let mut page = pages::page(&results);
     page.name = index.case().to_owned();
     (page.status, page.mood, page.reason) = match index.end() {

@@ -114,14 +114,14 @@ pub(super) fn run(
     let ServerConfig { program, role, components, .. } = config;
     let seat = ParticipantSlot { role: role.clone(), program: program.clone(), attach: false };
     let mut peers = Peers::start(&[seat], DEADLINES, None)?;
-    processes.end_with(link, peers.end_first());
+    processes.end_with(link, peers.process_guard());
     peers.show_on(&(Rc::new(ToClient(link.sending.clone())) as Rc<dyn Progress>));
     let bell = peers.endpoint().ringer(COORDINATOR)?;
     link.ring(Some(Box::new(move || {
         let _ = bell.ring();
     })));
     let place = Place::new(&peers.info().folder)?;
-    let ends_first = peers.end_first();
+    let ends_first = peers.process_guard();
     let mut run = Run {
         _ends_first: ends_first,
         config,

@@ -114,7 +114,7 @@ impl TestProcess {
             other => CheckFailure::Broken(other.to_string()),
         })?;
         Ok(Self {
-            guard: peers.end_first(),
+            guard: peers.process_guard(),
             subject: subject.clone(),
             ports: Ports::default(),
             beats: Vec::new(),
@@ -275,8 +275,8 @@ impl TestProcess {
                 let topic = topic(name, role, grid);
                 let known = self.ports.volumes.iter().any(|volume| volume.grid().name == grid.name);
                 if let Some(service) = topic.geometry.clone().filter(|_| !known) {
-                    let owner = (ParticipantIndex::FIRST, role.as_str());
-                    let volume = MovingGrid::open(self.peers.endpoint(), owner, grid, None)?;
+                    let (endpoint, one) = (self.peers.endpoint(), ParticipantIndex::FIRST);
+                    let volume = MovingGrid::open(endpoint, one, role, grid, None)?;
                     self.ports.volumes.push(volume);
                     let grid = grid.name.clone();
                     topics.geometry.push(GeometryTopic { grid, service, subscribers: 1 });

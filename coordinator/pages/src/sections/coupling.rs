@@ -98,7 +98,8 @@ impl Audit {
         let (sent, received) = (column("heat_sent_w")?, column("heat_received_w")?);
         // The last iteration of a window is the accepted one. In a failed run, the last window was
         // not accepted.
-        let accepted = results.quantity("/coupling/windows").map_or(usize::MAX, |n| n as usize);
+        let coupling = results.summary.as_ref().map(|summary| &summary.coupling);
+        let accepted = coupling.map_or(usize::MAX, |coupling| coupling.windows as usize);
         let last = windows(table).into_iter().take(accepted).filter_map(|rows| rows.last());
         let window = |row: usize| Window {
             end: end[row],
@@ -129,7 +130,8 @@ impl Audit {
             false => format!("{}\u{a0}{si}", number(received - sent, 2)),
         };
         table.row(["difference".to_owned(), difference]);
-        if let Some(worst) = results.quantity("/coupling/energy_imbalance") {
+        let coupling = results.summary.as_ref().map(|summary| &summary.coupling);
+        if let Some(worst) = coupling.and_then(|coupling| coupling.energy_imbalance) {
             table.row(["largest relative difference of a window".to_owned(), number(worst, 2)]);
         }
         table
@@ -155,7 +157,7 @@ const PIECES: usize = 400;
 /// Lanes of the processes, and the composition of the wall-clock time.
 pub(super) fn work(results: &Results) -> Option<Section> {
     let mut blocks = Vec::new();
-    blocks.extend(lanes(&results.iterations, results.word("/coupling/scheme")).map(Block::Lanes));
+    blocks.extend(lanes(&results.iterations, &results.scheme).map(Block::Lanes));
     blocks.extend(costs(results).map(|table| Block::Card("cost".to_owned(), table)));
     Section::of("Time line and cost", blocks)
 }
@@ -228,22 +230,19 @@ fn note(serial: bool, group: usize) -> String {
 
 /// Composition of the wall-clock time, resident memory and exchanged bytes.
 fn costs(results: &Results) -> Option<Table> {
-    let section = results.summary.get("cost")?.as_object()?;
-    let wall = results.quantity("/cost/wall_s")?;
+    let cost = &results.summary.as_ref()?.cost;
     let mut table = Table::new(["part", "time", "share of wall time"], 1);
-    for (key, value) in section {
-        let (Some(name), Some(seconds)) = (key.strip_suffix("_s"), value.as_f64()) else {
-            continue;
-        };
-        let part = format!("{:.1}\u{a0}%", 100.0 * seconds / wall);
-        table.row([words(name), Scale::of("s", seconds).show(seconds, 4), part]);
+    for (name, seconds) in cost.times() {
+        let part = format!("{:.1}\u{a0}%", 100.0 * seconds / cost.wall_s);
+        table.row([words(&name), Scale::of("s", seconds).show(seconds, 4), part]);
     }
-    for (key, value) in section {
-        let name = key.strip_suffix("_peak_rss_bytes").map(|role| format!("{role}: peak memory"));
-        let name = name.or_else(|| (key == "bytes_exchanged").then(|| "exchanged".to_owned()));
-        if let (Some(name), Some(bytes)) = (name, value.as_f64()) {
-            table.row([words(&name), Scale::of("byte", bytes).show(bytes, 4), String::new()]);
-        }
+    let memory = cost
+        .participants
+        .iter()
+        .filter_map(|one| Some((format!("{}: peak memory", one.role), one.peak_rss_bytes?)));
+    for (name, bytes) in memory.chain([("exchanged".to_owned(), cost.bytes_exchanged)]) {
+        let bytes = bytes as f64;
+        table.row([words(&name), Scale::of("byte", bytes).show(bytes, 4), String::new()]);
     }
     Some(table)
 }

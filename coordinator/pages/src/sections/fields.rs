@@ -18,7 +18,7 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
     let mut blocks: Vec<Block> = maps::all(results).into_iter().map(FieldDrawing::block).collect();
     if !blocks.is_empty() {
         let when = when(results);
-        let axes = match results.summary.get("contact") {
+        let axes = match results.sections().get("contact") {
             Some(_) => {
                 " x points forward, in the direction of rolling, and y to the left. Slip and \
                  friction power are assigned to the path of a particle from one element to the \
@@ -50,7 +50,7 @@ pub(super) fn maps(results: &Results) -> Option<Section> {
 
 /// Tells which of several named patches lies where across the maps.
 fn named(results: &Results) -> String {
-    let groups = groups(&results.summary, results.figures());
+    let groups = groups(results.sections(), results.figures());
     let patches = groups.iter().filter_map(|group| match group {
         Group::List(list) if list.rows.len() > 1 => Some(list),
         _ => None,

@@ -10,6 +10,7 @@ use contract::diagram::Diagram;
 use contract::figure::{self, ENTRY, FigureSpec, Style};
 use run::format::{Scale, counted, number, sentence, stem_and_unit, words};
 use run::results::figures::{Entry, Extreme, Group, Line, List, groups};
+use run::results::summary::Summary;
 use serde_json::Value;
 
 /// Maximum number of significant digits of figures.
@@ -18,7 +19,7 @@ const DIGITS: usize = 4;
 /// Headline figures of the participants and of the coordinator; lists as tables.
 pub(super) fn headlines(results: &Results) -> Option<Section> {
     let figures = results.figures();
-    let groups = groups(&results.summary, figures);
+    let groups = groups(results.sections(), figures);
     let mut all = Vec::new();
     let mut lists = Vec::new();
     for group in &groups {
@@ -45,7 +46,8 @@ pub(super) fn headlines(results: &Results) -> Option<Section> {
 
 /// Extremes over the windows of a transient run, and the word for a window.
 fn over_all(results: &Results) -> Option<(&'static str, Block)> {
-    let all = Extreme::all(&results.summary, results.figures());
+    let extremes = results.summary.as_ref()?.extremes.as_ref();
+    let all = Extreme::all(extremes, results.figures());
     let word = all.first()?.word;
     let mut table = Table::new(["figure", "smallest", "largest"], 1);
     for extreme in &all {
@@ -100,37 +102,25 @@ fn headline(name: &str, value: String, more: String) -> Headline {
     Headline { name: name.to_owned(), value, more }
 }
 
-/// Formats a number of the summary with its unit.
-fn shown(results: &Results, pointer: &str, si: &str, digits: usize) -> Option<String> {
-    results.quantity(pointer).map(|value| Scale::of(si, value).show(value, digits))
-}
-
 fn of_coupling(results: &Results) -> Vec<Headline> {
-    let balance = results.quantity("/coupling/energy_imbalance").map(|value| {
+    let Some(Summary { coupling, cost, .. }) = &results.summary else { return Vec::new() };
+    let balance = coupling.energy_imbalance.map(|value| {
         let text = if value == 0.0 { "exact".to_owned() } else { number(value, 2) };
         headline("Heat imbalance", text, "received minus sent, worst window".to_owned())
     });
-    let iterations = results.quantity("/coupling/iterations").map(|value| {
-        let windows = results.quantity("/coupling/windows").unwrap_or(0.0);
-        let windows = counted(windows as u64, "window");
-        let more = format!("in {windows}, {}", results.word("/coupling/scheme"));
-        headline("Iterations", format!("{value}"), more)
-    });
-    let wall = shown(results, "/cost/wall_s", "s", 3).map(|value| {
-        let bytes = shown(results, "/cost/bytes_exchanged", "byte", 3);
-        let more = bytes.map(|b| format!("{b} exchanged")).unwrap_or_default();
-        headline("Wall time", value, more)
-    });
-    [balance, iterations, wall].into_iter().flatten().collect()
+    let more = format!("in {}, {}", counted(coupling.windows, "window"), coupling.scheme);
+    let iterations = headline("Iterations", coupling.iterations.to_string(), more);
+    let shown = |value: f64, si: &str| Scale::of(si, value).show(value, 3);
+    let bytes = format!("{} exchanged", shown(cost.bytes_exchanged as f64, "byte"));
+    let wall = headline("Wall time", shown(cost.wall_s, "s"), bytes);
+    balance.into_iter().chain([iterations, wall]).collect()
 }
 
 /// All quantities of the summary, as stored and with their units.
 pub(super) fn everything(results: &Results) -> Option<Section> {
+    let summary = results.summary.as_ref()?.to_value();
     let mut table = Table::new(["quantity", "value", "in summary.json"], 1);
-    list(&results.summary, "", &mut table);
-    if table.rows.is_empty() {
-        return None;
-    }
+    list(&summary, "", &mut table);
     let title = format!("All {} quantities of summary.json", table.rows.len());
     Section::of("Every quantity", vec![Block::Folded(title, table)])
 }
@@ -218,7 +208,7 @@ fn varies(points: &[[f64; 2]]) -> bool {
 fn diagram(results: &Results, diagram: &Diagram) -> Option<Figure> {
     let curves = diagram.curves.iter();
     let curves: Vec<(&str, Vec<[f64; 2]>)> = curves
-        .filter_map(|one| Some((one.name.as_str(), curve(&results.summary, &one.key)?)))
+        .filter_map(|one| Some((one.name.as_str(), curve(results.sections(), &one.key)?)))
         .collect();
     if curves.is_empty() != diagram.curves.is_empty() {
         return None;
@@ -229,11 +219,11 @@ fn diagram(results: &Results, diagram: &Diagram) -> Option<Figure> {
     if diagram.constant.iter().any(|key| is_varying(column(key).into_iter())) {
         points.clear();
     }
-    let at_end = [&diagram.x, &diagram.y].map(|key| figure::value(&results.summary, key));
+    let at_end = [&diagram.x, &diagram.y].map(|key| figure::value(results.sections(), key));
     if let [Some(x), Some(y)] = at_end {
         points.push([x, y]);
     }
-    points.extend(entries(&results.summary, diagram).into_iter().flatten());
+    points.extend(entries(results.sections(), diagram).into_iter().flatten());
     points.retain(|point| point.iter().all(|value| value.is_finite()));
     // Each of two wheels has its own diagram, so only points within the curves' range belong to it.
     if let Some([from, to]) = extent(curves.iter().flat_map(|(_, line)| line).map(|p| p[0])) {

@@ -5,12 +5,12 @@ use crate::source::Results;
 use crate::table::Table;
 use run::format::{Scale, counted};
 use run::plan_file::{EffectPlan, PlanFile};
-use run::warnings::{Warning, of_summary};
+use run::warnings::Warning;
 
 /// Warnings about implausible values and figures.
 pub(super) fn warnings(results: &Results) -> Option<Section> {
-    let warnings = of_summary(&results.summary);
-    let blocks = warnings.iter().map(|warning| Block::Text(warning.to_string())).collect();
+    let blocks =
+        results.warnings().iter().map(|warning| Block::Text(warning.to_string())).collect();
     Section::of("Warnings", blocks)
 }
 
@@ -71,7 +71,7 @@ pub(super) fn log(results: &Results) -> Option<Section> {
         )));
     }
     let mut table = Table::new(["level", "source", "message"], 9);
-    let told: Vec<String> = of_summary(&results.summary).iter().map(Warning::to_string).collect();
+    let told: Vec<String> = results.warnings().iter().map(Warning::to_string).collect();
     for event in results.log.iter().filter(|[.., message]| !told.contains(message)) {
         table.row(event.clone());
     }

@@ -1,5 +1,6 @@
 //! A participant as seen by the coordinator: commands go out, replies and heartbeats come in.
 
+use super::ParticipantSlot;
 use super::advance::Advance;
 use super::patience::Patience;
 use crate::error::RunError;
@@ -42,16 +43,15 @@ pub struct Peer {
 
 impl Peer {
     pub(super) fn new(
-        (role, program): (&str, String),
-        attached: bool,
+        slot: &ParticipantSlot,
         commands: Sender<Command>,
         replies: Receiver<Reply>,
         ringer: Ringer,
     ) -> Self {
         Self {
-            role: role.to_owned(),
-            program,
-            attached,
+            role: slot.role.clone(),
+            program: slot.program.name(),
+            attached: slot.attach,
             commands,
             replies,
             reports: None,

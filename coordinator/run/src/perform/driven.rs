@@ -331,7 +331,7 @@ impl TimeLoop<'_> {
 
     /// Returns the run to a saved state.
     fn back_to(&mut self, kept: &SavedState) -> Result<(), RunError> {
-        self.go_to(&kept.step, &kept.folder, (&kept.iterate, &kept.coupling, &kept.time))?;
+        self.go_to(&kept.step, &kept.folder, &kept.iterate, &kept.coupling, &kept.time)?;
         for (key, value) in &kept.given {
             self.session.give(key, *value).map_err(RunError::Usage)?;
         }

@@ -116,7 +116,7 @@ impl<'a> TimeLoop<'a> {
             &checkpoint.state;
         let (window, iteration, start, end) = *step;
         let step = Step { window, iteration, start, end };
-        self.go_to(&step, &checkpoint.folder, (iterate, coupling, time))?;
+        self.go_to(&step, &checkpoint.folder, iterate, coupling, time)?;
         self.session.continue_counting(counts.bytes_exchanged);
         self.fields.resume(series.clone());
         tracing::info!(window = window + 1, time = end, "resumed");
@@ -128,7 +128,9 @@ impl<'a> TimeLoop<'a> {
         &mut self,
         step: &Step,
         folder: &Path,
-        (iterate, coupling, time): (&[f64], &[u8], &WindowState),
+        iterate: &[f64],
+        coupling: &[u8],
+        time: &WindowState,
     ) -> Result<(), RunError> {
         self.session.restore(step, folder, iterate)?;
         self.coupling.restore(&mut StateReader(coupling)).map_err(|error| {

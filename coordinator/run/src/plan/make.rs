@@ -243,7 +243,7 @@ fn route_case(
         (role.clone(), format!("no active effect needs it (it serves {})", offers.join(", ")))
     });
     let offers: Vec<_> = described.iter().map(|(role, d)| (role.as_str(), &**d)).collect();
-    let mut participants = participants(case, &running, (&fields, &live), scheme.scheme, fleet)?;
+    let mut participants = participants(case, &running, &fields, &live, scheme.scheme, fleet)?;
     let figures = figures::gather(participants.iter_mut(), case.bodies.as_ref());
     let diagrams = participants.iter().flat_map(|p| p.description.diagrams.clone()).collect();
     let sampled = sampling::warnings(case, participants.iter(), &windows);
@@ -371,7 +371,8 @@ fn unused_tolerances(case: &Case, fields: &[Field], scheme: Scheme) -> Vec<Probl
 fn participants(
     case: &Case,
     running: &TiSlice<ParticipantIndex, Candidate>,
-    (fields, live): (&[Field], &[LiveValue]),
+    fields: &[Field],
+    live: &[LiveValue],
     scheme: Scheme,
     fleet: &Fleet,
 ) -> Result<TiVec<ParticipantIndex, Participant>, RunError> {

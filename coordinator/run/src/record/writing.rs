@@ -92,7 +92,7 @@ pub(super) fn write_all(
             let ends = matches!(job, Job::IterationEnds);
             let closes = matches!(job, Job::CloseAll);
             let last = matches!(job, Job::Finish);
-            let outcome = writing.perform(job);
+            let outcome = writing.carry_out(job);
             let mut progress = lock(progress);
             progress.done += u64::from(ends);
             progress.closed |= closes;
@@ -135,7 +135,7 @@ struct Writing {
 }
 
 impl Writing {
-    fn perform(&mut self, job: Job) -> Result<(), RecordingError> {
+    fn carry_out(&mut self, job: Job) -> Result<(), RecordingError> {
         let Self { writer: Some(writer), topics } = self else { return Ok(()) };
         match job {
             Job::Listen(listener) => topics.push(listener),

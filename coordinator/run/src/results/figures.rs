@@ -1,5 +1,6 @@
 //! Figures of a summary, line by line, according to their descriptions.
 
+use super::extremes::{Extremes, FigureRange};
 use crate::format::{Scale, counted, number};
 use contract::figure::{ENTRY, FigureSpec, Hidden, Style, value};
 use serde_json::Value;
@@ -52,9 +53,10 @@ pub enum Group<'a> {
     List(List<'a>),
 }
 
-/// Returns the figures of a summary, in their order.
+/// Returns the figures of a summary, in their order. `sections` are those of the participants
+/// ([`Summary::sections`](super::summary::Summary::sections)).
 #[must_use]
-pub fn groups<'a>(summary: &Value, figures: &'a [FigureSpec]) -> Vec<Group<'a>> {
+pub fn groups<'a>(sections: &Value, figures: &'a [FigureSpec]) -> Vec<Group<'a>> {
     let mut names: Vec<&str> = Vec::new();
     for name in figures.iter().filter_map(|figure| figure.line.as_deref()) {
         if !names.contains(&name) {
@@ -65,21 +67,22 @@ pub fn groups<'a>(summary: &Value, figures: &'a [FigureSpec]) -> Vec<Group<'a>> 
         let own: Vec<_> =
             figures.iter().filter(|figure| figure.line.as_deref() == Some(name)).collect();
         match own[0].is_of_a_list() {
-            true => list(summary, name, own, figures).map(Group::List),
-            false => line(summary, name, &own).map(Group::Line),
+            true => list(sections, name, own, figures).map(Group::List),
+            false => line(sections, name, &own).map(Group::Line),
         }
     };
     names.into_iter().filter_map(group).collect()
 }
 
-fn line<'a>(summary: &Value, name: &'a str, figures: &[&'a FigureSpec]) -> Option<Line<'a>> {
-    let there = |&figure: &&'a FigureSpec| Entry::of(figure, value(summary, &figure.key)?, summary);
+fn line<'a>(sections: &Value, name: &'a str, figures: &[&'a FigureSpec]) -> Option<Line<'a>> {
+    let there =
+        |&figure: &&'a FigureSpec| Entry::of(figure, value(sections, &figure.key)?, sections);
     let entries: Vec<_> = figures.iter().filter_map(there).collect();
     (!entries.is_empty()).then_some(Line { name, entries })
 }
 
 fn list<'a>(
-    summary: &Value,
+    sections: &Value,
     name: &'a str,
     figures: Vec<&'a FigureSpec>,
     all: &'a [FigureSpec],
@@ -91,16 +94,16 @@ fn list<'a>(
         figure.line.is_none() && parts(figure).is_some_and(|(other, _)| other == path)
     });
     let figures: Vec<&FigureSpec> = figures.into_iter().chain(beside).collect();
-    let rows = summary.pointer(&format!("/{}", path.replace('.', "/")))?.as_array()?;
+    let rows = sections.pointer(&format!("/{}", path.replace('.', "/")))?.as_array()?;
     let row = |row: &Value| {
         let entry = |&figure: &&'a FigureSpec| {
             let value = row.get(parts(figure)?.1)?.as_f64()?;
-            Entry::of(figure, value, summary)
+            Entry::of(figure, value, sections)
         };
         figures.iter().filter_map(entry).collect()
     };
     let counts = |figure: &&FigureSpec| figure.style == Style::Count && figure.short == name;
-    let count = all.iter().find(counts).and_then(|figure| value(summary, &figure.key));
+    let count = all.iter().find(counts).and_then(|figure| value(sections, &figure.key));
     let called = |row: &Value| row.get(NAME).and_then(Value::as_str).unwrap_or_default().to_owned();
     let names = rows.iter().map(called).collect();
     let rows: Vec<Vec<Entry>> = rows.iter().map(row).collect();
@@ -112,20 +115,20 @@ fn list<'a>(
 
 /// Returns whether a value is a rounding error of the figures that bound it, and stands for 0.
 #[must_use]
-pub fn is_rounding(figure: &FigureSpec, number: f64, summary: &Value) -> bool {
+pub fn is_rounding(figure: &FigureSpec, number: f64, sections: &Value) -> bool {
     let Hidden::Below(keys) = &figure.hidden else { return false };
-    let bound: f64 = keys.iter().map(|key| value(summary, key).unwrap_or(0.0)).product();
+    let bound: f64 = keys.iter().map(|key| value(sections, key).unwrap_or(0.0)).product();
     number.abs() <= NOTHING * bound.abs()
 }
 
 impl<'a> Entry<'a> {
     /// Returns a figure with its value, unless it is hidden.
-    fn of(figure: &'a FigureSpec, number: f64, summary: &Value) -> Option<Self> {
-        let other = |key: &String| value(summary, key);
+    fn of(figure: &'a FigureSpec, number: f64, sections: &Value) -> Option<Self> {
+        let other = |key: &String| value(sections, key);
         let hidden = match &figure.hidden {
             Hidden::Never => figure.style == Style::Count && number <= 1.0,
             Hidden::Zero => number == 0.0,
-            Hidden::Below(_) => is_rounding(figure, number, summary),
+            Hidden::Below(_) => is_rounding(figure, number, sections),
             Hidden::Several(key) => other(key).is_some_and(|count| count > 1.0),
         };
         (!hidden).then_some(Self { figure, value: number })
@@ -175,23 +178,19 @@ pub struct Extreme<'a> {
 }
 
 impl<'a> Extreme<'a> {
-    /// Returns all extremes of a summary, in the order of the figures.
+    /// Returns all extremes of a run, in the order of the figures.
     #[must_use]
-    pub fn all(summary: &Value, figures: &'a [FigureSpec]) -> Vec<Self> {
-        let section = summary.get("extremes").unwrap_or(&Value::Null);
-        let word = if section.get("rows").is_some() { "row" } else { "window" };
-        let places = section.get("places").and_then(Value::as_array);
-        let places: Vec<&Value> = places.into_iter().flatten().collect();
+    pub fn all(extremes: Option<&Extremes>, figures: &'a [FigureSpec]) -> Vec<Self> {
+        let Some(extremes) = extremes else { return Vec::new() };
         let extreme = |figure: &'a FigureSpec| {
-            let place = places.iter().find(|place| place["key"] == figure.key.as_str())?;
-            let of = |end: &str| {
-                let bound = value(section.get(end)?, &figure.key)?;
-                let window = place.get(format!("{end}_{word}"))?.as_u64()?;
-                Some((bound, window, place.get(format!("{end}_s"))?.as_f64()?))
-            };
-            let (least, most) = (of("smallest")?, of("largest")?);
-            let (values, windows) = ([least.0, most.0], [least.1, most.1]);
-            Some(Self { figure, values, windows, times: [least.2, most.2], word })
+            let FigureRange { least, most, .. } = extremes.of(&figure.key)?;
+            Some(Self {
+                figure,
+                values: [least.value, most.value],
+                windows: [least.window, most.window],
+                times: [least.end, most.end],
+                word: extremes.word(),
+            })
         };
         figures.iter().filter_map(extreme).collect()
     }
@@ -232,6 +231,7 @@ impl List<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::extremes::WindowValue;
     use serde_json::json;
 
     fn texts(entries: &[Entry]) -> Vec<String> {
@@ -269,16 +269,12 @@ mod tests {
     fn extremes_of_rows_name_the_rows() {
         let figures = [FigureSpec::new("contact.a_m", "m", "semi-axis").headline()];
         let told = |word: &str, times: [f64; 2]| {
-            let place = json!({
-                "key": "contact.a_m",
-                format!("smallest_{word}"): 1, "smallest_s": times[0],
-                format!("largest_{word}"): 2, "largest_s": times[1],
-            });
-            let summary = json!({"extremes": {
-                format!("{word}s"): 3, "places": [place],
-                "smallest": {"contact": {"a_m": 6e-3}}, "largest": {"contact": {"a_m": 8e-3}},
-            }});
-            Extreme::all(&summary, &figures)[0].said(3).map(|text| text.replace('\u{a0}', " "))
+            let [least, most] = [(6e-3, 1, times[0]), (8e-3, 2, times[1])]
+                .map(|(value, window, end)| WindowValue { value, window, end });
+            let range = FigureRange { key: "contact.a_m".to_owned(), least, most };
+            let extremes = Extremes { rows: word == "row", windows: 3, figures: vec![range] };
+            let all = Extreme::all(Some(&extremes), &figures);
+            all[0].said(3).map(|text| text.replace('\u{a0}', " "))
         };
         assert_eq!(told("row", [0.0; 2]), ["6.00 mm in row 1", "8.00 mm in row 2"]);
         assert_eq!(

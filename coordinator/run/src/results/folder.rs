@@ -9,7 +9,7 @@ use super::place::{link_latest, numbered};
 use super::read::read_file;
 use super::write::{Reserve, fresh, remove, replace};
 use crate::error::{RunError, file_failure, input_failure};
-use crate::results::summary::Status;
+use crate::results::summary::Summary;
 use crate::warnings::Warning;
 use case::RawCase;
 use rustix::fs::OFlags;
@@ -135,10 +135,8 @@ impl ResultFolder {
     #[must_use]
     pub fn has_ended(&self) -> bool {
         let text = read_file(&self.file(SUMMARY)).ok();
-        let summary: Option<serde_json::Value> =
-            text.and_then(|text| serde_json::from_slice(&text).ok());
-        let status = summary.as_ref().and_then(|summary| summary["status"].as_str());
-        status.is_some_and(|status| !Status::ENDED_EARLY.map(Status::word).contains(&status))
+        let summary = text.and_then(|text| serde_json::from_slice::<Summary>(&text).ok());
+        summary.is_some_and(|summary| !summary.status.ended_early())
     }
 
     /// Removes the summary of an earlier end of a run that is resumed.
@@ -205,10 +203,11 @@ impl ResultFolder {
 
     /// Writes the summary. The first summary goes into reserved space, so that a full disk does not
     /// leave a run without one.
-    pub fn write_summary(&self, content: &[u8]) -> Result<(), RunError> {
+    pub fn write_summary(&self, summary: &Summary) -> Result<(), RunError> {
         if !self.is_kept() {
             return Ok(());
         }
+        let content = &summary.to_json();
         let reserve = self.reserve.lock().unwrap_or_else(PoisonError::into_inner).take();
         match reserve {
             Some(reserve) => reserve.write(&self.file(SUMMARY), content),

@@ -19,6 +19,7 @@
 //! values are sought in all windows as well.
 
 use super::derived::ratio;
+use super::extremes::{Extremes, FigureRange, WindowValue};
 use super::rows::{Rows, cell, push};
 use super::write::create;
 use crate::error::{RunError, file_failure};
@@ -26,7 +27,6 @@ use crate::format::Scale;
 use contract::figure::{Derived, FigureSpec};
 use contract::plausible::Plausible;
 use contract::step::Step;
-use serde_json::{Map, Value, json};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
@@ -170,7 +170,7 @@ const OWN: [&str; 5] = ["window", "start_s", "end_s", "status", "iterations"];
 #[derive(Debug)]
 pub struct Survey {
     /// Extremes of the headline figures, and implausible values.
-    pub extremes: Extremes,
+    pub ranges: HistoryRanges,
     /// Columns that hold a value in at least one row.
     filled: Vec<bool>,
 }
@@ -188,7 +188,7 @@ impl Survey {
                 None => Vec::new(),
             };
             let mut filled: Vec<bool> = (0..head.len()).map(|column| column < OWN.len()).collect();
-            let mut extremes = Extremes::of(&head, figures);
+            let mut ranges = HistoryRanges::of(&head, figures);
             for line in lines {
                 let line = line?;
                 let cells: Vec<&str> = line.split(',').collect();
@@ -196,9 +196,9 @@ impl Survey {
                     .iter_mut()
                     .zip(&cells)
                     .for_each(|(filled, cell)| *filled |= !cell.is_empty());
-                extremes.add(&cells);
+                ranges.add(&cells);
             }
-            Ok(Self { extremes, filled })
+            Ok(Self { ranges, filled })
         };
         survey().map_err(|error| file_failure(path, &error))
     }
@@ -294,7 +294,7 @@ fn write_row(out: &mut Vec<u8>, record: &HistoryRecord<'_>, columns: &[(String, 
 
 /// Smallest and largest values of some columns of the history.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Extremes {
+pub struct HistoryRanges {
     columns: Vec<Range>,
     /// Columns whose values have a plausible range.
     judged: Vec<Judged>,
@@ -340,7 +340,7 @@ pub struct Unexpected {
     pub place: String,
 }
 
-impl Extremes {
+impl HistoryRanges {
     /// Extremes of the headline figures, in a table with this header.
     fn of(head: &[String], figures: &[FigureSpec]) -> Self {
         let large = figures.iter().filter(|figure| figure.headline && !figure.is_of_a_list());
@@ -402,49 +402,21 @@ impl Extremes {
     }
 
     /// Returns the section of the summary; `None` if there is only one window, or if no value has
-    /// changed. Rows count from one, as in the table of a sequence.
+    /// changed.
     #[must_use]
-    pub(super) fn section(&self, rows: bool) -> Option<Value> {
+    pub fn section(&self, rows: bool) -> Option<Extremes> {
+        let at = |bound: Bound| WindowValue {
+            value: bound.value,
+            window: bound.window as u64 + u64::from(rows),
+            end: bound.end,
+        };
         let changed = self.columns.iter().filter_map(|column| {
-            let [least, most] = column.bounds?;
-            (least.value < most.value).then_some((&column.key, least, most))
+            let [least, most] = column.bounds.filter(|[least, most]| least.value < most.value)?;
+            Some(FigureRange { key: column.key.clone(), least: at(least), most: at(most) })
         });
-        let changed: Vec<_> = changed.collect();
-        if self.windows < 2 || changed.is_empty() {
-            return None;
-        }
-        let word = if rows { "row" } else { "window" };
-        let (mut smallest, mut largest, mut places) = (Map::new(), Map::new(), Vec::new());
-        for (key, least, most) in changed {
-            put(&mut smallest, key, least.value);
-            put(&mut largest, key, most.value);
-            let mut place = json!({"key": key});
-            for (name, bound) in [("smallest", least), ("largest", most)] {
-                place[format!("{name}_{word}")] = (bound.window as u64 + u64::from(rows)).into();
-                place[format!("{name}_s")] = bound.end.into();
-            }
-            places.push(place);
-        }
-        let count = if rows { "rows" } else { "windows" };
-        Some(json!({
-            count: self.windows,
-            "smallest": smallest,
-            "largest": largest,
-            "places": places,
-        }))
-    }
-}
-
-/// Inserts a number under a dotted key.
-fn put(into: &mut Map<String, Value>, key: &str, value: f64) {
-    match key.split_once('.') {
-        Some((section, rest)) => {
-            let inner = into.entry(section).or_insert_with(|| Value::Object(Map::new()));
-            if let Value::Object(inner) = inner {
-                put(inner, rest, value);
-            }
-        }
-        None => drop(into.insert(key.to_owned(), value.into())),
+        let figures: Vec<FigureRange> = changed.collect();
+        let windows = self.windows;
+        (windows > 1 && !figures.is_empty()).then_some(Extremes { rows, windows, figures })
     }
 }
 
@@ -488,11 +460,11 @@ mod tests {
             FigureSpec::new("heat.rise_k", "K", "rise").expected_below(700.0, "hot"),
         ];
         let head = ["window", "start_s", "end_s", "contact.elements_across", "heat.rise_k"];
-        let mut extremes = Extremes::of(&head.map(str::to_owned), &figures);
+        let mut ranges = HistoryRanges::of(&head.map(str::to_owned), &figures);
         for row in ["0,0,0,2,900", "1,0,1,20,7000", "2,0,2,20,30"] {
-            extremes.add(&row.split(',').collect::<Vec<_>>());
+            ranges.add(&row.split(',').collect::<Vec<_>>());
         }
-        let told = |key, rows| extremes.unexpected(key, rows).map(|one| (one.value, one.place));
+        let told = |key, rows| ranges.unexpected(key, rows).map(|one| (one.value, one.place));
         let elements = "contact.elements_across";
         assert_eq!(told(elements, true), Some((2.0, "row 1".to_owned())));
         assert_eq!(told(elements, false), None);
@@ -537,17 +509,15 @@ mod tests {
         let survey = Survey::read(&path, &figures).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), before, "reading changes nothing");
         survey.trim(&path).unwrap();
-        let (extremes, text) = (survey.extremes, std::fs::read_to_string(&path).unwrap());
+        let (ranges, text) = (survey.ranges, std::fs::read_to_string(&path).unwrap());
         assert_eq!(
             text,
             "window,start_s,end_s,status,iterations,motion.speed [m/s],heat.rise_k\n\
              0,0,0,completed,1,2e1,3e1\n1,0.5,0.5,completed,1,2e1,7.38e1\n\
              2,1,1,completed,1,2e1,3.67e1\n"
         );
-        let told = extremes.section(true).unwrap();
-        assert_eq!(told["largest"]["heat"]["rise_k"], 73.8);
-        assert_eq!(told["smallest"]["heat"]["rise_k"], 30.0);
-        let place = &told["places"][0];
-        assert_eq!((&place["largest_row"], &place["largest_s"]), (&2.into(), &0.5.into()));
+        let rise = ranges.section(true).unwrap().of("heat.rise_k").cloned().unwrap();
+        assert_eq!(rise.least, WindowValue { value: 30.0, window: 1, end: 0.0 });
+        assert_eq!(rise.most, WindowValue { value: 73.8, window: 2, end: 0.5 });
     }
 }

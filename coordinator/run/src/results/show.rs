@@ -1,11 +1,12 @@
 //! Text of the summary for the terminal.
 
+use super::cost::Cost;
 use super::figures::{Entry, Extreme, Group, List, groups};
+use super::stated::{ResultSource, Stated};
+use super::summary::{CouplingSummary, Summary};
 use crate::format::{bytes, counted, number, seconds};
-use crate::warnings;
 use crate::wrap;
 use contract::figure::FigureSpec;
-use serde_json::Value;
 use std::fmt::Write as _;
 
 /// Largest number of entries of a list that have a line each.
@@ -14,47 +15,46 @@ const MOST_LISTED: usize = 8;
 /// Returns the lines printed at the end of a run, with the described figures. Figures that the
 /// summary does not hold are omitted.
 #[must_use]
-pub fn text(summary: &Value, title: Option<&str>, figures: &[FigureSpec]) -> String {
-    let of = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64);
-    let word = |pointer: &str| summary.pointer(pointer).and_then(Value::as_str).unwrap_or("");
-    let mut out = word("/case").to_owned();
+pub fn text(summary: &Summary, title: Option<&str>, figures: &[FigureSpec]) -> String {
+    let mut out = summary.case.clone();
     if let Some(title) = title {
         let _ = write!(out, " · {title}");
     }
-    let status = format!("  {}: {}", word("/status"), word("/reason"));
+    let status = format!("  {}: {}", summary.status.word(), summary.reason);
     let _ = writeln!(out, "\n{}", wrap::columns(&status));
-    for warning in warnings::of_summary(summary) {
+    for warning in &summary.warnings {
         let _ = writeln!(out, "{}", wrap::columns(&format!("  warning   {warning}")));
     }
     extremes(&mut out, summary, figures);
-    for group in groups(summary, figures) {
+    for group in groups(&summary.sections, figures) {
         match group {
             Group::Line(one) => line(&mut out, one.name, &texts(&one.entries)),
             Group::List(list) => entries(&mut out, &list),
         }
     }
-    line(
-        &mut out,
-        "coupling",
-        &[
-            Some(word("/coupling/scheme").to_owned()).filter(|scheme| !scheme.is_empty()),
-            Some(word("/coupling/acceleration").to_owned())
-                .filter(|word| !word.is_empty() && word != "none"),
-            of("/coupling/windows").map(|v| counted(v as u64, "window")),
-            of("/coupling/iterations").map(|v| counted(v as u64, "iteration")),
-            of("/coupling/final_residual").map(|v| format!("residual {v}", v = number(v, 2))),
-            of("/coupling/energy_imbalance").map(imbalance),
-        ],
-    );
-    line(&mut out, "accuracy", &accuracy(summary, figures));
-    line(&mut out, "cost", &cost(summary));
+    line(&mut out, "coupling", &coupling(&summary.coupling));
+    let accuracy = summary.accuracy.as_ref().map(|stated| accuracy(stated, figures));
+    line(&mut out, "accuracy", &accuracy.unwrap_or_default());
+    line(&mut out, "cost", &cost(&summary.cost));
     out
+}
+
+fn coupling(of: &CouplingSummary) -> Vec<Option<String>> {
+    let word = |word: &String| Some(word.clone()).filter(|word| !word.is_empty() && word != "none");
+    vec![
+        word(&of.scheme),
+        word(&of.acceleration),
+        Some(counted(of.windows, "window")),
+        Some(counted(of.iterations, "iteration")),
+        of.final_residual.map(|v| format!("residual {v}", v = number(v, 2))),
+        of.energy_imbalance.map(imbalance),
+    ]
 }
 
 /// Writes the smallest and largest values over several windows, with their windows. All lines below
 /// describe the last window.
-fn extremes(out: &mut String, summary: &Value, figures: &[FigureSpec]) {
-    let all = Extreme::all(summary, figures);
+fn extremes(out: &mut String, summary: &Summary, figures: &[FigureSpec]) {
+    let all = Extreme::all(summary.extremes.as_ref(), figures);
     if all.is_empty() {
         return;
     }
@@ -105,50 +105,39 @@ fn imbalance(value: f64) -> String {
 }
 
 /// Returns the error of a run with a target accuracy, and the value to quote.
-fn accuracy(summary: &Value, figures: &[FigureSpec]) -> Vec<Option<String>> {
-    let Some(section) = summary.get("accuracy") else { return Vec::new() };
-    let of = |key: &str| section.get(key).and_then(Value::as_f64);
-    let percent = |key: &str| of(key).map(|error| format!("{} %", number(100.0 * error, 2)));
-    let word = |key: &str| section.get(key).and_then(Value::as_str).map(str::to_owned);
-    let quoted = || {
-        let (key, value) = (word("quantity")?, of("value")?);
-        let figure = figures.iter().find(|figure| figure.key == key);
-        Some(match figure {
-            Some(figure) => {
-                let text = Entry { figure, value }.number(usize::MAX);
-                format!("{} {}", figure.words, text.replace('\u{a0}', " ").replace('−', "-"))
-            }
-            None => format!("{key} {}", number(value, 5)),
-        })
+fn accuracy(of: &Stated, figures: &[FigureSpec]) -> Vec<Option<String>> {
+    let percent = |error: f64| format!("{} %", number(100.0 * error, 2));
+    let quoted = match figures.iter().find(|figure| figure.key == of.quantity) {
+        Some(figure) => {
+            let text = Entry { figure, value: of.value }.number(usize::MAX);
+            format!("{} {}", figure.words, text.replace('\u{a0}', " ").replace('−', "-"))
+        }
+        None => format!("{} {}", of.quantity, number(of.value, 5)),
     };
-    let taken = section.get("taken").and_then(Value::as_str) == Some("extrapolated");
-    let limit = of("extrapolated").filter(|_| !taken);
+    let taken = of.taken == ResultSource::Extrapolated;
     vec![
-        quoted(),
-        percent("estimated_error").map(|error| format!("± {error}")),
-        percent("target").map(|error| format!("of {error} asked for")),
-        percent("grid_error").map(|error| format!("grid {error}")),
-        percent("model_error").map(|error| format!("models {error}")),
-        limit.map(|value| format!("extrapolated {}", number(value, 5))),
-        of("narrow_slip_zone").map(|width| {
+        Some(quoted),
+        Some(format!("± {}", percent(of.estimated_error))),
+        of.target.map(|error| format!("of {} asked for", percent(error))),
+        Some(format!("grid {}", percent(of.grid_error))),
+        Some(format!("models {}", percent(of.model_error))),
+        of.extrapolated
+            .filter(|_| !taken)
+            .map(|value| format!("extrapolated {}", number(value, 5))),
+        of.narrow_slip_zone.map(|width| {
             let width = number(width, 2);
             format!("not extrapolated: slip zone {width} elements wide on the coarsest grid")
         }),
         taken.then(|| "extrapolated from three grids: quote this".to_owned()),
         taken.then(|| "the lines above describe the finest grid".to_owned()),
-        word("models"),
+        Some(of.models.clone()),
     ]
 }
 
-fn cost(summary: &Value) -> Vec<Option<String>> {
-    let section = summary.get("cost").and_then(Value::as_object);
-    let entries = section.into_iter().flatten().filter_map(|(key, value)| {
-        let value = value.as_f64()?;
-        let name = key.strip_suffix("_s")?;
-        Some(Some(format!("{name} {}", seconds(value))))
-    });
-    let exchanged = summary.pointer("/cost/bytes_exchanged").and_then(Value::as_u64);
-    entries.chain([exchanged.map(|v| format!("{} exchanged", bytes(v)))]).collect()
+fn cost(of: &Cost) -> Vec<Option<String>> {
+    let times = of.times().into_iter();
+    let times = times.map(|(name, time)| Some(format!("{name} {}", seconds(time))));
+    times.chain([Some(format!("{} exchanged", bytes(of.bytes_exchanged)))]).collect()
 }
 
 fn line(out: &mut String, head: &str, entries: &[Option<String>]) {
@@ -161,15 +150,20 @@ fn line(out: &mut String, head: &str, entries: &[Option<String>]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::summary::Status;
     use contract::figure::Style;
+    use serde_json::{Value, json};
 
     #[test]
     fn what_is_absent_leaves_no_trace() {
-        let summary = serde_json::json!({
-            "case": "c", "status": "completed", "reason": "done",
-            "heat": {"disc": {"rise_k": 298.2, "x_over_a": -0.829}},
-            "cost": {"wall_s": 0.12, "bytes_exchanged": 64},
-        });
+        let sections = json!({"heat": {"disc": {"rise_k": 298.2, "x_over_a": -0.829}}});
+        let summary = Summary {
+            case: "c".to_owned(),
+            status: Status::Completed,
+            reason: "done".to_owned(),
+            cost: Cost { wall_s: 0.12, bytes_exchanged: 64, ..Cost::default() },
+            ..Summary::of_sections(sections)
+        };
         let figure = |key: &str, short: &str| FigureSpec::new(key, "K", "rise").on("disc", short);
         let figures = [
             figure("heat.disc.rise_k", "").style(Style::Signed),
@@ -178,16 +172,18 @@ mod tests {
             figure("heat.pin.rise_k", "").on("pin", ""),
         ];
         let text = text(&summary, None, &figures);
-        let expected = "c\n  completed: done\n  disc      +298.20 K   at x/a -0.8290\n  \
-                        cost      wall 120 ms   64 B exchanged\n";
-        assert_eq!(text, expected);
+        let expected = "c\n  completed: done\n  disc      +298.20 K   at x/a -0.8290\n";
+        let (physics, run) = text.split_once("  coupling  ").unwrap();
+        assert_eq!(physics, expected);
+        assert!(run.starts_with("0 windows   0 iterations\n  cost      wall 120 ms"), "{run}");
+        assert!(run.ends_with("64 B exchanged\n"), "{run}");
     }
 
     #[test]
     fn of_many_entries_those_that_matter_most_have_a_line() {
         let each: Vec<Value> =
-            (0..9).map(|place| serde_json::json!({"load_n": 25.0 - f64::from(place)})).collect();
-        let summary = serde_json::json!({"contact": {"patches": 12, "each": each}});
+            (0..9).map(|place| json!({"load_n": 25.0 - f64::from(place)})).collect();
+        let summary = Summary::of_sections(json!({"contact": {"patches": 12, "each": each}}));
         let figures = [
             FigureSpec::new("contact.patches", "1", "number")
                 .on("contact", "patch")

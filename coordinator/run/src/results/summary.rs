@@ -1,19 +1,23 @@
 //! `summary.json`, schema 1. An unknown quantity is absent, never 0.
 //!
-//! The sections of the participants are merged first ([`Sections::gather`]). Participants cannot
-//! write the coordinator's own keys, nor change a value that another participant has given.
+//! The coordinator's own entries are typed. The sections of the participants are merged
+//! ([`Sections::gather`]) and hold the figures that their descriptions name; a figure is read by its
+//! dotted key ([`Summary::value`]). Participants cannot write the coordinator's own keys, nor change
+//! a value that another participant has given.
 
-use super::history::Extremes;
+use super::cost::Cost;
+use super::extremes::Extremes;
+use super::stated::Stated;
 use crate::format::counted;
 use crate::plan::Plan;
-use crate::warnings::{self, Warning};
-use contract::message::Finished;
-use coupling::windows::Windows;
+use crate::warnings::Warning;
+use contract::figure;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 /// Status of a run at its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Every window of an implicit scheme has converged.
     Converged,
@@ -21,14 +25,18 @@ pub enum Status {
     /// windows of an implicit scheme have not converged in a case that is not strict.
     Completed,
     /// An error has ended the run.
+    #[default]
     Failed,
     /// The user has stopped the run.
     Interrupted,
 }
 
 impl Status {
-    /// Statuses of a run that ended before its last window.
-    pub const ENDED_EARLY: [Self; 2] = [Self::Failed, Self::Interrupted];
+    /// Returns whether the run ended before its last window.
+    #[must_use]
+    pub fn ended_early(self) -> bool {
+        matches!(self, Self::Failed | Self::Interrupted)
+    }
 
     /// Returns the word in `summary.json`.
     #[must_use]
@@ -120,32 +128,181 @@ impl Counts {
     }
 }
 
-/// Content of the summary.
-#[derive(Debug)]
-pub struct SummaryInput<'a> {
-    /// Plan of the run.
-    pub plan: &'a Plan,
+/// Contents of `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Version of the layout.
+    pub schema: u32,
+    /// Name of the case.
+    pub case: String,
     /// Status at the end.
     pub status: Status,
     /// Reason for the status.
     pub reason: String,
-    /// Counts of the coupling.
-    pub counts: Counts,
-    /// Summaries of the participants, in the order of the plan; empty if the run failed earlier.
-    pub finished: &'a [Finished],
-    /// Merged sections of these summaries.
-    pub sections: &'a Sections,
+    /// Sections of the participants, as one object.
+    #[serde(flatten)]
+    pub sections: Value,
     /// Warnings of the case, of the plan and of the run.
-    pub warnings: &'a [Warning],
-    /// Smallest and largest values over the windows of a complete run.
-    pub extremes: Option<&'a Extremes>,
-    /// Time since the start of the program [s].
-    pub wall_seconds: f64,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<Warning>,
+    /// Smallest and largest values over several windows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extremes: Option<Extremes>,
+    /// Counts of the coupling.
+    #[serde(default)]
+    pub coupling: CouplingSummary,
+    /// Times, memory and exchanged bytes.
+    #[serde(default)]
+    pub cost: Cost,
+    /// Effects of the case.
+    #[serde(default)]
+    pub effects: Effects,
+    /// Stated error of the result, if it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<Stated>,
+}
+
+/// Section `coupling`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CouplingSummary {
+    /// Word of the scheme.
+    pub scheme: String,
+    /// Word of the acceleration.
+    pub acceleration: String,
+    /// Number of accepted windows.
+    pub windows: u64,
+    /// Number of iterations in all windows.
+    pub iterations: u64,
+    /// Largest number of iterations in a window.
+    pub max_iterations_in_window: u32,
+    /// Largest relative residual of the last iteration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub final_residual: Option<f64>,
+    /// Gain of the loop in a steady case.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loop_gain: Option<f64>,
+    /// Largest relative imbalance of the conservative fields in a window.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_imbalance: Option<f64>,
+    /// Participants that consume a conservative field and do not report the heat they receive.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub heat_not_reported_by: Vec<String>,
+    /// Number of skipped rows; `None` where rows are not skipped.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rows_without_answer: Option<u64>,
+    /// Number of windows that were solved again with another length; `None` with fixed windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeated_windows: Option<u64>,
+    /// Shortest window \[s\]; `None` with fixed windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shortest_window_s: Option<f64>,
+    /// Longest window \[s\]; `None` with fixed windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub longest_window_s: Option<f64>,
+}
+
+/// Section `effects`: names of the effects that a case names, and of all others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Effects {
+    /// Effects of the case.
+    pub active: Vec<String>,
+    /// Other effects.
+    pub inactive: Vec<String>,
+}
+
+impl Default for Summary {
+    fn default() -> Self {
+        Self {
+            schema: Self::SCHEMA,
+            case: String::new(),
+            status: Status::default(),
+            reason: String::new(),
+            sections: Value::Object(Map::new()),
+            warnings: Vec::new(),
+            extremes: None,
+            coupling: CouplingSummary::default(),
+            cost: Cost::default(),
+            effects: Effects::default(),
+            accuracy: None,
+        }
+    }
+}
+
+impl Summary {
+    /// Version of the layout.
+    pub const SCHEMA: u32 = 1;
+
+    /// Returns the summary of a run that has sent nothing but these sections.
+    #[must_use]
+    pub fn of_sections(sections: Value) -> Self {
+        Self { sections, ..Self::default() }
+    }
+
+    /// Returns the number under a dotted key: a figure of a participant, or any other number.
+    #[must_use]
+    pub fn value(&self, key: &str) -> Option<f64> {
+        figure::value(&self.sections, key).or_else(|| {
+            let own = key.split('.').next().is_some_and(|section| OWN.contains(&section));
+            own.then(|| figure::value(&self.to_value(), key)).flatten()
+        })
+    }
+
+    /// Returns the content of the file as JSON.
+    #[must_use]
+    pub fn to_value(&self) -> Value {
+        serde_json::to_value(self).expect("a summary is plain data")
+    }
+
+    /// Returns the text of the file.
+    #[must_use]
+    pub fn to_json(&self) -> Vec<u8> {
+        serde_json::to_vec_pretty(self).expect("a summary is plain data")
+    }
+}
+
+impl CouplingSummary {
+    /// Returns the section of a run with this plan and these counts.
+    #[must_use]
+    pub fn of(plan: &Plan, counts: &Counts) -> Self {
+        let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
+        let silent = plan.participants.iter().enumerate();
+        let silent = silent.filter(|(one, _)| counts.unreported >> one & 1 == 1);
+        Self {
+            scheme: plan.scheme.scheme.word().to_owned(),
+            acceleration: plan.acceleration().word().to_owned(),
+            windows: counts.windows,
+            iterations: counts.iterations,
+            max_iterations_in_window: counts.max_iterations_in_window,
+            final_residual: finite(counts.final_residual),
+            loop_gain: finite(counts.loop_gain),
+            energy_imbalance: finite(counts.energy_imbalance),
+            heat_not_reported_by: silent.map(|(_, participant)| participant.role.clone()).collect(),
+            rows_without_answer: plan.skips.then_some(counts.skipped),
+            repeated_windows: counts.repeated_windows,
+            shortest_window_s: counts.window_lengths.map(|(shortest, _)| shortest),
+            longest_window_s: counts.window_lengths.map(|(_, longest)| longest),
+        }
+    }
+}
+
+impl Effects {
+    /// Returns the effects of a plan.
+    #[must_use]
+    pub fn of(plan: &Plan) -> Self {
+        let named = |active| {
+            let effects = plan.effects.iter().filter(|effect| effect.active == active);
+            effects.map(|effect| effect.name.clone()).collect()
+        };
+        Self { active: named(true), inactive: named(false) }
+    }
 }
 
 /// Keys that only the coordinator writes.
-const OWN: [&str; 9] =
-    ["schema", "case", "status", "reason", "warnings", "extremes", "coupling", "cost", "effects"];
+const OWN: [&str; 10] = [
+    "schema", "case", "status", "reason", "warnings", "extremes", "coupling", "cost", "effects",
+    "accuracy",
+];
 
 /// Sections of all participants, in one object.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -207,109 +364,6 @@ impl Sections {
     }
 }
 
-/// Builds the summary.
-#[must_use]
-pub fn build(of: &SummaryInput) -> Value {
-    let mut summary = json!({
-        "schema": 1,
-        "case": of.plan.name,
-        "status": of.status.word(),
-        "reason": of.reason,
-    });
-    for (key, value) in &of.sections.merged {
-        summary[key] = value.clone();
-    }
-    let rows = matches!(of.plan.windows, Windows::Sequence(_));
-    let figures = warnings::of_figures(&summary, &of.plan.figures, of.extremes, rows);
-    let found = of.warnings.iter().chain(&of.sections.warnings).cloned();
-    let warnings: Vec<Warning> = found.chain(figures).collect();
-    if !warnings.is_empty() {
-        summary["warnings"] = json!(warnings);
-    }
-    if let Some(extremes) = of.extremes.and_then(|extremes| extremes.section(rows)) {
-        summary["extremes"] = extremes;
-    }
-    summary["coupling"] = coupling(of);
-    summary["cost"] = cost(of);
-    summary["effects"] = json!({
-        "active": effects(of.plan, true),
-        "inactive": effects(of.plan, false),
-    });
-    summary
-}
-
-fn coupling(of: &SummaryInput) -> Value {
-    let counts = &of.counts;
-    let mut section = json!({
-        "scheme": of.plan.scheme.scheme.word(),
-        "acceleration": of.plan.acceleration().word(),
-        "windows": counts.windows,
-        "iterations": counts.iterations,
-        "max_iterations_in_window": counts.max_iterations_in_window,
-    });
-    let optional = [
-        ("final_residual", counts.final_residual),
-        ("loop_gain", counts.loop_gain),
-        ("energy_imbalance", counts.energy_imbalance),
-    ];
-    for (key, value) in optional {
-        if let Some(value) = value.filter(|value| value.is_finite()) {
-            section[key] = value.into();
-        }
-    }
-    let roles = of.plan.participants.iter().enumerate();
-    let silent = roles.filter(|(one, _)| counts.unreported >> one & 1 == 1);
-    let silent: Vec<&str> = silent.map(|(_, participant)| participant.role.as_str()).collect();
-    if !silent.is_empty() {
-        section["heat_not_reported_by"] = silent.into();
-    }
-    if of.plan.skips {
-        section["rows_without_answer"] = counts.skipped.into();
-    }
-    if let Some(repeated) = counts.repeated_windows {
-        section["repeated_windows"] = repeated.into();
-    }
-    if let Some((shortest, longest)) = counts.window_lengths {
-        section["shortest_window_s"] = shortest.into();
-        section["longest_window_s"] = longest.into();
-    }
-    section
-}
-
-fn cost(of: &SummaryInput) -> Value {
-    let counts = &of.counts;
-    let mut section = Map::new();
-    if let Some(window) = counts.resumed_at {
-        section.insert("resumed_at_window".to_owned(), window.into());
-    }
-    section.insert("wall_s".to_owned(), of.wall_seconds.into());
-    section.insert("plan_s".to_owned(), counts.plan_seconds.into());
-    section.insert("start_s".to_owned(), counts.start_seconds.into());
-    let finished = || of.plan.participants.iter().zip(of.finished);
-    for (participant, finished) in finished() {
-        let key = format!("{}_s", participant.role);
-        // A role cannot replace a measurement of the coordinator.
-        section.entry(key).or_insert_with(|| finished.model_seconds.into());
-    }
-    section.insert("coupling_s".to_owned(), counts.coupling_seconds.into());
-    section.insert("output_s".to_owned(), counts.output_seconds.into());
-    section.insert("finish_s".to_owned(), counts.finish_seconds.into());
-    for (participant, finished) in finished().filter(|(_, f)| f.peak_rss_bytes > 0) {
-        let key = format!("{}_peak_rss_bytes", participant.role);
-        section.insert(key, finished.peak_rss_bytes.into());
-    }
-    for (participant, finished) in finished().filter(|(_, f)| f.cpu_seconds > 0.0) {
-        let key = format!("{}_cpu_s", participant.role);
-        section.entry(key).or_insert_with(|| finished.cpu_seconds.into());
-    }
-    section.insert("bytes_exchanged".to_owned(), counts.bytes_exchanged.into());
-    Value::Object(section)
-}
-
-fn effects(plan: &Plan, active: bool) -> Vec<&str> {
-    plan.effects.iter().filter(|e| e.active == active).map(|e| e.name.as_str()).collect()
-}
-
 /// Returns the value without quantities that are not finite, which JSON writes as `null`. A list
 /// with such a quantity is omitted as a whole. Notes the dotted keys of the omitted quantities.
 fn finite(value: &Value, key: &str, not_finite: &mut Vec<String>) -> Option<Value> {
@@ -358,6 +412,7 @@ fn merge(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn windows_without_an_answer_are_told() {

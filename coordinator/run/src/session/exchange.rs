@@ -301,7 +301,7 @@ impl Session {
             };
             let header = sample.header();
             mapping.seen = header.sequence;
-            let sent = mapping.send((field.kind(), field.grid()), sample.values(), &header.step());
+            let sent = mapping.send(field.kind(), field.grid(), sample.values(), &header.step());
             self.bytes_exchanged += sent.map_err(|error| self.not_mapped(index, &error))?;
             self.tell_coverage(index);
         }
@@ -323,7 +323,7 @@ impl Session {
             let mapping = &mut mapped[index];
             let field = &fields[mapping.field];
             let source = field.moving.map_or(&field.grid, |at| &moving[at].grid);
-            let sent = mapping.send((field.kind(), source), values, step);
+            let sent = mapping.send(field.kind(), source, values, step);
             self.bytes_exchanged += sent.map_err(|error| self.not_mapped(index, &error))?;
             self.tell_coverage(index);
         }

@@ -195,7 +195,8 @@ impl FieldPublisher {
     pub(super) fn open(
         endpoint: &Endpoint,
         service: &str,
-        (kind, grid): (&FieldKind, &Grid),
+        kind: &FieldKind,
+        grid: &Grid,
         subscribers: usize,
         recorder: Option<&Arc<Recorder>>,
     ) -> Result<Self, TransportError> {

@@ -39,7 +39,8 @@ impl MovingGrid {
     /// The topic cannot be opened.
     pub fn open(
         endpoint: &Endpoint,
-        (participant, role): (ParticipantIndex, &str),
+        participant: ParticipantIndex,
+        role: &str,
         grid: &Grid,
         recorder: Option<&Arc<Recorder>>,
     ) -> Result<Self, TransportError> {

@@ -83,7 +83,8 @@ impl LiveValues {
             let publisher = FieldPublisher::open(
                 peers.endpoint(),
                 &of,
-                (kind, &grid),
+                kind,
+                &grid,
                 readers.len(),
                 peers.recorder(),
             )?;

@@ -11,7 +11,7 @@ use crate::peers::COORDINATOR;
 use contract::field::FieldKind;
 use contract::grid::Grid;
 use contract::step::Step;
-use coupling::map::{Coverage, CurrentMapping, MapError, Method};
+use coupling::map::{Coverage, CurrentMapping, MapError};
 use proto::transport::TransportError;
 
 /// A field that is mapped for one consumer.
@@ -32,7 +32,7 @@ pub(super) struct FieldMapping {
     pub(super) reported: (u64, Coverage),
     /// Sequence number of the producer's sample that was mapped last.
     pub(super) seen: u64,
-    publisher: FieldPublisher,
+    pub(super) publisher: FieldPublisher,
 }
 
 /// Surface integral of a conservative field that has been mapped.
@@ -55,29 +55,6 @@ pub(super) enum MappingError {
 }
 
 impl FieldMapping {
-    pub(super) fn new(
-        (field, part): (FieldIndex, Option<PartIndex>),
-        (kind, grid, moving): (&FieldKind, &Grid, Option<MovingIndex>),
-        method: Option<Method>,
-        reader: Consumer,
-        publisher: FieldPublisher,
-    ) -> Self {
-        let mapping = CurrentMapping::new(method, kind.mapping);
-        let (grid, reported) = (grid.clone(), (0, Coverage::default()));
-        Self {
-            field,
-            part,
-            reader,
-            integral: None,
-            moving,
-            grid,
-            mapping,
-            reported,
-            seen: 0,
-            publisher,
-        }
-    }
-
     /// Maps the next samples to this grid, the consumer's current one.
     pub(super) fn move_to(&mut self, grid: &Grid) {
         self.grid.clone_from(grid);
@@ -96,7 +73,8 @@ impl FieldMapping {
     /// Maps values of the field on this grid, sends them, and returns their size [byte].
     pub(super) fn send(
         &mut self,
-        (kind, source): (&FieldKind, &Grid),
+        kind: &FieldKind,
+        source: &Grid,
         values: &[f64],
         step: &Step,
     ) -> Result<u64, MappingError> {

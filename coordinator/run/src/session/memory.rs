@@ -12,6 +12,7 @@ use contract::grid::Grid;
 use coupling::ParticipantIndex;
 use proto::run_dir::free_shared_memory;
 use std::sync::{Mutex, PoisonError};
+use typed_index_collections::TiSlice;
 
 /// Shared memory of a run besides its fields [byte].
 const OVERHEAD: u64 = 1 << 20;
@@ -50,7 +51,7 @@ impl Drop for Grant {
 }
 
 /// Shared memory that a run has taken, and its limit.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct SharedMemory {
     limit: u64,
     /// Shared memory counted so far [byte].
@@ -60,18 +61,18 @@ pub(super) struct SharedMemory {
 }
 
 impl SharedMemory {
-    /// Counts the need of the fields of a plan, where layouts are known. Participants that have
-    /// stayed already hold `held` bytes of it.
+    /// Counts the need of the fields of a plan. Participants that have stayed already hold `held`
+    /// bytes of it.
     ///
     /// # Errors
     /// The need exceeds the free shared memory or the limit of the case.
-    pub(super) fn check<'a>(
-        plan: &'a Plan,
+    pub(super) fn check(
+        plan: &Plan,
         held: u64,
-        layout: impl Fn(ParticipantIndex) -> Option<&'a Layout>,
+        layouts: &TiSlice<ParticipantIndex, Layout>,
     ) -> Result<Self, RunError> {
         let limit = plan.shared_memory_limit.unwrap_or(u64::MAX);
-        let taken = OVERHEAD + live(plan) + fields(plan, &layout) + geometry(plan, &layout);
+        let taken = OVERHEAD + live(plan) + fields(plan, layouts) + geometry(plan, layouts);
         let grant = grant(taken, held, limit, "before the fields were created")?;
         Ok(Self { limit, taken, grant: Some(grant) })
     }
@@ -120,12 +121,13 @@ fn live(plan: &Plan) -> u64 {
     sent.count() as u64 * topic_bytes(sample_bytes(1, 1))
 }
 
-fn fields<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a Layout>) -> u64 {
+fn fields(plan: &Plan, layouts: &TiSlice<ParticipantIndex, Layout>) -> u64 {
+    let layout = |participant| layouts.get(participant);
     let of = |field: &crate::plan::Field| {
         let grid = layout(field.producer)?.grid_of(&field.kind.name)?;
         let bytes = |on: &Grid| topic_bytes(sample_bytes(on.points(), field.kind.components));
         let wanted =
-            |&one: &ParticipantIndex| non_matching(field, one, layout).map(|[_, wanted]| wanted);
+            |&one: &ParticipantIndex| non_matching(field, one, &layout).map(|[_, wanted]| wanted);
         let mapped = field.consumers.iter().filter_map(wanted).map(bytes).sum::<u64>();
         let iterates = field.fed_back.iter().any(|one| wanted(one).is_none());
         Some((1 + u64::from(iterates)) * bytes(grid) + mapped)
@@ -133,9 +135,9 @@ fn fields<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a L
     plan.fields.iter().filter_map(of).sum()
 }
 
-fn geometry<'a>(plan: &'a Plan, layout: &impl Fn(ParticipantIndex) -> Option<&'a Layout>) -> u64 {
-    let layouts = plan.participants.keys().filter_map(|one| Some((one, layout(one)?)));
-    let travelling = layouts.flat_map(|(one, layout)| plan.travelling(one, layout));
+fn geometry(plan: &Plan, layouts: &TiSlice<ParticipantIndex, Layout>) -> u64 {
+    let travelling =
+        layouts.iter_enumerated().flat_map(|(one, layout)| plan.travelling(one, layout));
     travelling.map(|grid| topic_bytes(geometry_bytes(grid))).sum()
 }
 

@@ -19,6 +19,7 @@ use contract::grid::Grid;
 use contract::message::{Command, CommandKind, GeometryTopic, Topic, Topics};
 use contract::step::Step;
 use coupling::ParticipantIndex;
+use coupling::map::{Coverage, CurrentMapping};
 use proto::transport::TransportError;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -47,16 +48,11 @@ impl Session {
         recorder: Option<Arc<Recorder>>,
         screen: &Rc<dyn Progress>,
     ) -> Result<Self, RunError> {
-        // Memory is checked twice: before anything starts, with the estimates, and below, with the
-        // actual layouts.
         let participants = plan.participants.len();
         if fleet.open_files.provide(participants, topics_of(plan), recorder.is_some())? {
             fleet.dismiss();
         }
         let held = fleet.held_memory();
-        let estimate =
-            |participant: ParticipantIndex| plan.participants[participant].estimate.as_ref();
-        let memory = SharedMemory::check(plan, held, estimate)?;
         let seat = |p: &Participant| ParticipantSlot {
             role: p.role.clone(),
             program: p.program.clone(),
@@ -69,7 +65,7 @@ impl Session {
             Some(peers) => peers.for_run(plan.deadlines, recorder),
             None => Peers::start(&seats, plan.deadlines, recorder)?,
         };
-        let mut session = Self::new(plan, peers, memory);
+        let mut session = Self::new(plan, peers);
         session.peers.show_on(screen);
         if is_new {
             session.peers.join()?;
@@ -83,8 +79,7 @@ impl Session {
         }
         let layouts = session.configure(plan)?;
         let held = if is_new { 0 } else { held };
-        session.memory.settle();
-        session.memory = SharedMemory::check(plan, held, |index| layouts.get(index))?;
+        session.memory = SharedMemory::check(plan, held, &layouts)?;
         session.peers.phase = Phase::Connecting;
         session.connect(plan, &layouts)?;
         session.peers.phase = Phase::Initialising;
@@ -94,11 +89,11 @@ impl Session {
     }
 
     /// Returns a session before configuration.
-    fn new(plan: &Plan, peers: Peers, memory: SharedMemory) -> Self {
+    fn new(plan: &Plan, peers: Peers) -> Self {
         let reusable = |p: &Participant| p.description.reusable && !p.attach;
         Self {
             _recording: Recording(peers.recorder().cloned()),
-            guard: peers.end_first(),
+            guard: peers.process_guard(),
             reusable: plan.participants.iter().all(reusable),
             fields: TiVec::new(),
             coupled: TiVec::new(),
@@ -106,7 +101,7 @@ impl Session {
             mapped: TiVec::new(),
             moving: TiVec::new(),
             live: LiveValues::default(),
-            memory,
+            memory: SharedMemory::default(),
             parts: TiVec::new(),
             solved: peers.all().iter().map(|_| SolveRecord::default()).collect(),
             figures: Figures::of(plan),
@@ -284,7 +279,8 @@ impl Session {
                 FieldPublisher::open(
                     self.peers.endpoint(),
                     &service,
-                    (kind, source),
+                    kind,
+                    source,
                     subscribers,
                     recorder,
                 )
@@ -299,12 +295,21 @@ impl Session {
             };
             let service = FieldMapping::service(&kind.name, &plan.participants[participant].role);
             let publisher =
-                FieldPublisher::open(self.peers.endpoint(), &service, (kind, grid), 1, recorder)?;
+                FieldPublisher::open(self.peers.endpoint(), &service, kind, grid, 1, recorder)?;
             let part = self.coupled.last_key().filter(|_| field.fed_back.contains(&participant));
             let moving = self.moving_grid(participant, &grid.name);
-            let (of, reader) =
-                ((kind, grid, moving), Consumer::new(plan, &field.kind.name, participant));
-            self.mapped.push(FieldMapping::new((index, part), of, field.method, reader, publisher));
+            self.mapped.push(FieldMapping {
+                field: index,
+                part,
+                reader: Consumer::new(plan, &kind.name, participant),
+                integral: None,
+                moving,
+                grid: grid.clone(),
+                mapping: CurrentMapping::new(field.method, kind.mapping),
+                reported: (0, Coverage::default()),
+                seen: 0,
+                publisher,
+            });
         }
         Ok(())
     }
@@ -317,9 +322,10 @@ impl Session {
     ) -> Result<(), TransportError> {
         for (participant, layout) in layouts.iter_enumerated() {
             for grid in plan.travelling(participant, layout) {
-                let owner = (participant, self.peers.all()[participant].role());
-                let recorder = self.peers.recorder();
-                self.moving.push(MovingGrid::open(self.peers.endpoint(), owner, grid, recorder)?);
+                let (role, recorder) =
+                    (self.peers.all()[participant].role(), self.peers.recorder());
+                let endpoint = self.peers.endpoint();
+                self.moving.push(MovingGrid::open(endpoint, participant, role, grid, recorder)?);
             }
         }
         Ok(())

@@ -4,13 +4,12 @@ use super::Target;
 use crate::study::bench::Bench;
 use crate::study::levels::{Level, all, reason};
 use crate::study::{ends_study, expected_seconds};
-use console::case_arguments::Changes;
+use console::case_arguments::{CaseArguments, Changes};
 use contract::accuracy::Simplification;
 use coupling::windows::Windows;
 use run::error::RunError;
 use run::format::{number, percent};
 use run::plan::{Plan, Planned};
-use std::path::Path;
 
 /// Chosen models, and the coarsest resolution at which they are expected to meet the target.
 pub(super) struct Choice {
@@ -20,16 +19,15 @@ pub(super) struct Choice {
 
 /// Chooses among all models that can run the case.
 pub(super) fn choose(
-    case: &Path,
-    base: &Changes,
+    of: &CaseArguments,
     standing: &Planned,
     target: &Target,
     bench: &mut Bench,
 ) -> Result<Choice, RunError> {
     let mut best: Option<(f64, Choice)> = None;
-    for level in chosen(standing, base).into_iter().filter(|level| level.silent.is_empty()) {
+    for level in chosen(standing, &of.changes).into_iter().filter(|level| level.silent.is_empty()) {
         let Some(step) = coarsest(&level, target) else { continue };
-        match bench.planned(case, &level.at(step)) {
+        match bench.planned(&of.case, &level.at(step)) {
             Ok(planned) => {
                 let level = level.in_case(&planned);
                 // The simplifications of the models may be too large in this particular case.
@@ -43,7 +41,7 @@ pub(super) fn choose(
             Err(_) => {}
         }
     }
-    best.map(|(_, choice)| choice).ok_or_else(|| none((case, base), standing, target, bench))
+    best.map(|(_, choice)| choice).ok_or_else(|| none(of, standing, target, bench))
 }
 
 /// Lists all levels, restricted to models that the user has set.
@@ -99,17 +97,12 @@ fn coarsest(level: &Level, target: &Target) -> Option<usize> {
 }
 
 /// Error for a target that no models meet. Names the models that can run the case and come closest.
-fn none(
-    (case, base): (&Path, &Changes),
-    standing: &Planned,
-    target: &Target,
-    bench: &mut Bench,
-) -> RunError {
+fn none(of: &CaseArguments, standing: &Planned, target: &Target, bench: &mut Bench) -> RunError {
     let mut best: Option<(f64, Level)> = None;
     let mut refused = Vec::new();
-    for level in chosen(standing, base) {
+    for level in chosen(standing, &of.changes) {
         let name = level.name();
-        match bench.planned(case, &level.variant) {
+        match bench.planned(&of.case, &level.variant) {
             Ok(_) if !level.silent.is_empty() => {
                 let silent = level.silent.join(", ");
                 refused.push(format!("{name}: {silent} does not state its accuracy"));

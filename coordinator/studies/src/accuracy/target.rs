@@ -3,7 +3,7 @@
 use crate::study::quantity::{Quantities, Quantity};
 use contract::figure::Measure;
 use run::error::RunError;
-use serde_json::Value;
+use run::results::summary::Summary;
 
 /// A target of accuracy.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +43,7 @@ impl Target {
     /// The summary lacks the quantity, or the quantity has no relative error.
     pub(super) fn quantities(
         &self,
-        summary: &Value,
+        summary: &Summary,
         quantities: &Quantities,
     ) -> Result<Vec<Quantity>, RunError> {
         let there = |quantity: &Quantity| quantity.value(summary).is_some();
@@ -99,10 +99,10 @@ mod tests {
             FigureSpec::new("contact.friction_power_w", "W", "power").rank(2),
         ];
         let known = Quantities::of_figures(&figures);
-        let summary = json!({
+        let summary = Summary::of_sections(json!({
             "temperature": {"rail": {"max_rise_k": 1.0}},
             "contact": {"friction_power_w": 2.0, "max_pressure_pa": 3.0},
-        });
+        }));
         let keys = |quantity: Option<&str>| -> Result<Vec<String>, RunError> {
             let target = Target { relative: Some(0.01), quantity: quantity.map(str::to_owned) };
             Ok(target.quantities(&summary, &known)?.into_iter().map(|one| one.key).collect())

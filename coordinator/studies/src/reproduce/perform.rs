@@ -9,9 +9,9 @@ use console::case_arguments::Changes;
 use console::output::Speaker;
 use console::steps::Steps;
 use run::error::{RunError, file_failure};
+use run::results::summary::Summary;
 use run::results::{Existing, ResultFolder};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -37,8 +37,9 @@ pub(super) fn rehearse(
 ///
 /// # Errors
 /// A run fails, or the folder cannot be written.
-pub(super) fn perform(
-    (study, file): (&Study, &Path),
+pub(super) fn run_all(
+    study: &Study,
+    file: &Path,
     runs: &[(Run, f64)],
     folder: &StudyFolder,
     bench: &mut Bench,
@@ -124,14 +125,14 @@ pub(super) struct Done {
     pub(super) unset: Vec<String>,
     /// Result folder, relative to the record.
     pub(super) folder: PathBuf,
-    pub(super) summary: Value,
+    pub(super) summary: Summary,
 }
 
 /// Results of a run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
     /// Contents of `summary.json`.
-    pub(super) summary: Value,
+    pub(super) summary: Summary,
     /// The case as run.
     pub(super) case: toml::Table,
 }

@@ -3,7 +3,6 @@
 use super::perform::Outcome;
 use super::study::{Limit, Study};
 use crate::study::richardson::{Estimate, Sample};
-use contract::figure::value;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// All results of a study.
@@ -38,7 +37,7 @@ impl Values {
         }
         let Some(outcomes) = &self.outcomes else { return Some(stand_in(name, key)) };
         match outcomes.get(name) {
-            Some(outcome) => value(&outcome.summary, key),
+            Some(outcome) => outcome.summary.value(key),
             None => self.extrapolated(name, key),
         }
     }

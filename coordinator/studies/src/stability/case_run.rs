@@ -9,6 +9,7 @@ use run::error::RunError;
 use run::perform::{self, RunOptions};
 use run::plan::{Plan, Planned};
 use run::record::Compression;
+use run::results::summary::CouplingSummary;
 use run::results::{Existing, ResultFolder};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -25,6 +26,8 @@ pub(super) struct CaseRun {
     /// Summary, with the ranges of the fields under `field`, the values of the case under `case`,
     /// and the final coupling time under `time`.
     pub(super) quantities: Value,
+    /// Counts of the coupling.
+    pub(super) coupling: CouplingSummary,
     /// Contents of the recording; `None` if the run was refused before it began.
     pub(super) recorded: Option<RecordingSummary>,
     /// Time from reading the case to the end of the last process \[s\].
@@ -50,19 +53,20 @@ impl CaseRun {
             Err(error) => return Ok(Self::refused(&error, since)),
         };
         let folder = ResultFolder::prepare(folder, case, Existing::Replace)?;
-        Self::perform(&planned, &folder, since, bench)
+        Self::run_recorded(&planned, &folder, since, bench)
     }
 
     fn refused(error: &RunError, since: Instant) -> Self {
         Self {
             error: Some((error.exit_code(), message(error))),
+            coupling: CouplingSummary::default(),
             quantities: Value::Null,
             recorded: None,
             seconds: since.elapsed().as_secs_f64(),
         }
     }
 
-    fn perform(
+    fn run_recorded(
         planned: &Planned,
         folder: &ResultFolder,
         since: Instant,
@@ -78,11 +82,17 @@ impl CaseRun {
         };
         let mut recording = recording_file::open(&folder.file("recording.mcap"))?;
         let survey = inspect::survey(&mut recording, &ListFilter::default());
-        let mut quantities = outcome.summary;
+        let mut quantities = outcome.summary.to_value();
         quantities["field"] = ranges(&survey);
         quantities["time"] = json!({ "end_s": survey.end_s });
         quantities["case"] = values(&planned.plan);
-        Ok(Self { error, quantities, recorded: Some(survey), seconds })
+        Ok(Self {
+            error,
+            coupling: outcome.summary.coupling,
+            quantities,
+            recorded: Some(survey),
+            seconds,
+        })
     }
 
     /// Fields sent by participants, without iterates.

@@ -3,7 +3,6 @@
 use super::case_run::CaseRun;
 use super::report::{Finding, RunResult};
 use super::suite::{Bound, Check, Expected, Limits};
-use serde_json::Value;
 
 /// Checks the quantities of a run against their bounds, and its outcome against the expected one.
 pub(super) fn judge(
@@ -14,26 +13,20 @@ pub(super) fn judge(
 ) -> RunResult {
     let answered = run.error.is_none();
     let findings = if answered { findings(run, limits, checks) } else { Vec::new() };
-    let energy = energy(run);
-    let iterations = run.quantities.pointer("/coupling/iterations").and_then(Value::as_u64);
     let mut row = RunResult {
         as_expected: true,
         otherwise: Vec::new(),
         error: run.error.clone(),
         bounded: answered.then(|| run.fields().all(|field| field.non_finite_at.is_none())),
-        energy_imbalance: energy,
+        energy_imbalance: run.coupling.energy_imbalance,
         findings,
-        iterations: iterations.unwrap_or(0),
+        iterations: run.coupling.iterations,
         seconds: run.seconds,
     };
     row.otherwise = otherwise(&row, expected);
     row.otherwise.extend(unreadable(run));
     row.as_expected = row.otherwise.is_empty();
     row
-}
-
-fn energy(run: &CaseRun) -> Option<f64> {
-    run.quantities.pointer("/coupling/energy_imbalance").and_then(Value::as_f64)
 }
 
 /// Findings: undershoot and heat imbalance where they are known, and the checks of the case.
@@ -49,7 +42,7 @@ fn findings(run: &CaseRun, limits: &Limits, checks: &[Check]) -> Vec<Finding> {
     findings.extend(worst.map(|(name, undershoot)| {
         finding(format!("undershoot of {name}"), undershoot, Bound::AtMost(limits.undershoot))
     }));
-    findings.extend(energy(run).map(|imbalance| {
+    findings.extend(run.coupling.energy_imbalance.map(|imbalance| {
         finding("heat imbalance".to_owned(), imbalance, Bound::AtMost(limits.energy))
     }));
     findings.extend(checks.iter().map(|check| match check.of.value(&run.quantities) {

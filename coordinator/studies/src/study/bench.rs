@@ -7,8 +7,8 @@ use run::fleet::Fleet;
 use run::perform::{self, RunOptions};
 use run::plan::{Planned, plan};
 use run::results::ResultFolder;
+use run::results::summary::Summary;
 use run::signals;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -75,10 +75,10 @@ impl Bench {
         case: &Path,
         variant: &Changes,
         folder: &ResultFolder,
-    ) -> Result<Value, RunError> {
+    ) -> Result<Summary, RunError> {
         let since = Instant::now();
         let planned = self.planned(case, variant)?;
-        self.perform(&planned, since, folder)
+        self.run_planned(&planned, since, folder)
     }
 
     /// Runs a planned case into a folder and returns the summary. `since` is the time at which
@@ -86,12 +86,12 @@ impl Bench {
     ///
     /// # Errors
     /// The run fails, or the folder cannot be written.
-    pub fn perform(
+    pub fn run_planned(
         &mut self,
         planned: &Planned,
         since: Instant,
         folder: &ResultFolder,
-    ) -> Result<Value, RunError> {
+    ) -> Result<Summary, RunError> {
         let options = RunOptions::planned_since(since);
         let outcome = perform::run(planned, &mut self.fleet, folder, options);
         outcome.error.map_or(Ok(outcome.summary), Err)

@@ -10,6 +10,7 @@ use run::error::{RunError, file_failure};
 use run::identity::{Identity, unseen};
 use run::plan::Planned;
 use run::results::read_file;
+use run::results::summary::Summary;
 use run::sealed::sum;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -36,7 +37,7 @@ struct Request {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Run {
     /// Contents of `summary.json`.
-    pub(crate) summary: Value,
+    pub(crate) summary: Summary,
     /// Time and memory used by the run.
     pub(crate) spent: RunCost,
     /// Quantities for which participants have a closed form.
@@ -190,7 +191,7 @@ mod tests {
 
     fn run(seconds: f64) -> Run {
         let spent = RunCost { solve_s: seconds, wall_s: 2.0 * seconds, ..RunCost::default() };
-        let summary = serde_json::json!({"contact": {"a_m": seconds}});
+        let summary = Summary::of_sections(serde_json::json!({"contact": {"a_m": seconds}}));
         Run { summary, spent, closed_forms: BTreeMap::new() }
     }
 

@@ -1,8 +1,9 @@
 //! Quantities that studies compare: the ones that participants describe, and any other number in a
 //! summary.
 
-use contract::figure::{FigureSpec, Measure, Style, value};
+use contract::figure::{FigureSpec, Measure, Style};
 use run::format::{Scale, number, of_key, words};
+use run::results::summary::Summary;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -54,9 +55,6 @@ pub struct Quantities {
 /// Quantity of the coordinator: the imbalance of the heat that participants exchange.
 const IMBALANCE: (&str, &str) = ("coupling.energy_imbalance", "heat imbalance");
 
-/// Sections of a summary that describe the run rather than the contact.
-const NOT_PHYSICAL: [&str; 4] = ["schema", "coupling", "cost", "accuracy"];
-
 /// Collects the dotted keys of all numbers in a section.
 fn numeric_keys(value: &Value, path: &str, keys: &mut Vec<String>) {
     match value {
@@ -103,14 +101,15 @@ impl Quantities {
     }
 
     /// Returns the quantities of interest, followed by every other number in the participants'
-    /// sections of a summary.
+    /// sections of a summary, and by the extremes over windows.
     #[must_use]
-    pub fn all(&self, summary: &Value) -> Vec<Quantity> {
+    pub fn all(&self, summary: &Summary) -> Vec<Quantity> {
         let mut keys = Vec::new();
-        for section in summary.as_object().into_iter().flatten() {
-            if !NOT_PHYSICAL.contains(&section.0.as_str()) {
-                numeric_keys(section.1, section.0, &mut keys);
-            }
+        for (name, section) in summary.sections.as_object().into_iter().flatten() {
+            numeric_keys(section, name, &mut keys);
+        }
+        if let Some(extremes) = &summary.extremes {
+            numeric_keys(&extremes.clone().into(), "extremes", &mut keys);
         }
         let mut all = self.of_interest.clone();
         keys.retain(|key| all.iter().all(|known| known.key != *key));
@@ -152,8 +151,8 @@ impl Quantity {
 
     /// Value of the quantity in a summary.
     #[must_use]
-    pub fn value(&self, summary: &Value) -> Option<f64> {
-        value(summary, &self.key)
+    pub fn value(&self, summary: &Summary) -> Option<f64> {
+        summary.value(&self.key)
     }
 
     /// Change from the first value to the second, either relative to the first or absolute, as the
@@ -197,7 +196,8 @@ mod tests {
 
     #[test]
     fn figures_are_found_and_compared() {
-        let summary = json!({"heat": {"max_rise_k": 220.0, "x_over_a": -0.8}});
+        let sections = json!({"heat": {"max_rise_k": 220.0, "x_over_a": -0.8}});
+        let summary = Summary::of_sections(sections);
         let figures = [
             FigureSpec::new("heat.x_over_a", "1", "place").rank(2).absolute(),
             FigureSpec::new("heat.max_rise_k", "K", "rise").rank(1).driven_by("contact.power_w"),

@@ -195,18 +195,17 @@ impl<'a> Runner<'a> {
         }
         // Every job has participants of its own.
         self.bench.fleet.dismiss();
-        let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let queue = Queue::new(&open);
         let scratch = self.scratch.path().to_owned();
         let (maker, cases) = (self.maker(), self.bench.cases().clone());
         let outcome = thread::scope(|scope| {
             let (send, receive) = mpsc::channel();
             for job in 0..jobs {
-                let (send, maker, open, next, stopped) =
-                    (send.clone(), &maker, &open, &next, &stopped);
+                let (send, maker, queue) = (send.clone(), &maker, &queue);
                 let (folder, cases) = (scratch.join(job.to_string()), cases.clone());
                 scope.spawn(move || {
-                    let bench = Bench::with(cases, maker.arguments.fleet());
-                    maker.work_off(open, (bench, &folder), (next, stopped), &send);
+                    let mut bench = Bench::with(cases, maker.arguments.fleet());
+                    maker.work_off(queue, &mut bench, &folder, &send);
                 });
             }
             drop(send);
@@ -218,7 +217,7 @@ impl<'a> Runner<'a> {
                     .keep(&points[n], &attempt)
                     .and_then(|()| take_unless_ended(n, attempt, &mut take));
                 if let Err(error) = taken {
-                    stopped.store(true, Ordering::Relaxed);
+                    queue.stop();
                     outcome = outcome.and(Err(error));
                 }
             }
@@ -287,19 +286,40 @@ fn take_unless_ended(
     }
 }
 
+/// Points that wait for a thread.
+struct Queue<'a> {
+    open: &'a [(usize, &'a Point)],
+    next: AtomicUsize,
+    stopped: AtomicBool,
+}
+
+impl<'a> Queue<'a> {
+    fn new(open: &'a [(usize, &'a Point)]) -> Self {
+        Self { open, next: AtomicUsize::new(0), stopped: AtomicBool::new(false) }
+    }
+
+    /// Takes the next point with its number. `None` if none is left or the study has stopped.
+    fn next(&self) -> Option<(usize, &'a Point)> {
+        let place = || self.next.fetch_add(1, Ordering::Relaxed);
+        (!self.stopped.load(Ordering::Relaxed)).then(place).and_then(|n| self.open.get(n).copied())
+    }
+
+    fn stop(&self) {
+        self.stopped.store(true, Ordering::Relaxed);
+    }
+}
+
 impl Maker<'_> {
     /// Performs runs until none is left or the study has stopped.
     fn work_off(
         &self,
-        open: &[(usize, &Point)],
-        (mut bench, folder): (Bench, &Path),
-        (next, stopped): (&AtomicUsize, &AtomicBool),
+        queue: &Queue<'_>,
+        bench: &mut Bench,
+        folder: &Path,
         send: &Sender<(usize, Attempt)>,
     ) {
-        while !stopped.load(Ordering::Relaxed) {
-            let next = next.fetch_add(1, Ordering::Relaxed);
-            let Some((n, point)) = open.get(next) else { return };
-            if send.send((*n, self.make(&point.changes, folder, &mut bench))).is_err() {
+        while let Some((n, point)) = queue.next() {
+            if send.send((n, self.make(&point.changes, folder, bench))).is_err() {
                 return;
             }
         }
@@ -332,7 +352,7 @@ impl Maker<'_> {
             return Outcome::LeftOut(why);
         }
         let folder = ResultFolder::transient(scratch);
-        match folder.and_then(|folder| bench.perform(&planned, stopwatch.since, &folder)) {
+        match folder.and_then(|folder| bench.run_planned(&planned, stopwatch.since, &folder)) {
             Ok(summary) => {
                 let spent = RunCost::of(&summary, &stopwatch);
                 Outcome::Finished(Run { summary, spent, closed_forms: closed_forms(&planned) })

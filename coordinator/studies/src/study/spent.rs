@@ -1,8 +1,8 @@
 //! Cost of a run: time, memory and iterations.
 
 use proto::run_dir::processor_seconds;
+use run::results::summary::Summary;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -41,28 +41,18 @@ pub struct RunCost {
 impl RunCost {
     /// Cost of the run with this summary, from the start of the stopwatch until now.
     #[must_use]
-    pub fn of(summary: &Value, stopwatch: &Stopwatch) -> Self {
-        let section = summary["cost"].as_object();
-        let of_role = |ending: &'static str| {
-            let entries = section.into_iter().flatten();
-            entries.filter_map(move |(key, value)| {
-                Some((key.strip_suffix(ending)?.to_owned(), value.as_f64()?))
-            })
-        };
-        // Every entry with resident memory is a participant; other times belong to the coordinator.
-        let memory = of_role("_peak_rss_bytes").map(|(role, bytes)| (role, bytes as u64));
-        let peak_rss_bytes: BTreeMap<String, u64> = memory.collect();
-        let in_models =
-            of_role("_s").filter(|(role, _)| peak_rss_bytes.contains_key(role)).map(|(_, s)| s);
-        let coupling = summary["cost"]["coupling_s"].as_f64().unwrap_or(0.0);
-        let mut cpu_s: BTreeMap<String, f64> = of_role("_cpu_s").collect();
-        cpu_s.insert("coordinator".to_owned(), processor_seconds() - stopwatch.processor);
+    pub fn of(summary: &Summary, stopwatch: &Stopwatch) -> Self {
+        let Summary { cost, coupling, .. } = summary;
+        let of_roles = || cost.participants.iter();
+        let cpu_s = of_roles().filter_map(|one| Some((one.role.clone(), one.cpu_s?)));
+        let own = ("coordinator".to_owned(), processor_seconds() - stopwatch.processor);
+        let memory = of_roles().filter_map(|one| Some((one.role.clone(), one.peak_rss_bytes?)));
         Self {
             wall_s: stopwatch.since.elapsed().as_secs_f64(),
-            solve_s: in_models.sum::<f64>() + coupling,
-            cpu_s,
-            peak_rss_bytes,
-            iterations: summary["coupling"]["iterations"].as_u64().unwrap_or(0),
+            solve_s: of_roles().map(|one| one.model_s).sum::<f64>() + cost.coupling_s,
+            cpu_s: cpu_s.chain([own]).collect(),
+            peak_rss_bytes: memory.collect(),
+            iterations: coupling.iterations,
         }
     }
 }
@@ -70,18 +60,22 @@ impl RunCost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use run::results::cost::{Cost, ParticipantCost};
 
     #[test]
     fn times_go_to_who_spent_them() {
-        let summary = json!({
-            "coupling": {"iterations": 3},
-            "cost": {
-                "wall_s": 9.0, "plan_s": 1.0, "mech_s": 2.0, "thermal_s": 0.5, "coupling_s": 0.25,
-                "mech_cpu_s": 2.5, "mech_peak_rss_bytes": 1000, "thermal_peak_rss_bytes": 500,
-                "bytes_exchanged": 64,
-            },
-        });
+        let participant = |role: &str, model_s, cpu_s, bytes| ParticipantCost {
+            role: role.to_owned(),
+            model_s,
+            cpu_s,
+            peak_rss_bytes: Some(bytes),
+        };
+        let participants =
+            vec![participant("mech", 2.0, Some(2.5), 1000), participant("thermal", 0.5, None, 500)];
+        let cost =
+            Cost { wall_s: 9.0, plan_s: 1.0, coupling_s: 0.25, participants, ..Cost::default() };
+        let mut summary = Summary { cost, ..Summary::default() };
+        summary.coupling.iterations = 3;
         let spent = RunCost::of(&summary, &Stopwatch::start());
         assert_eq!((spent.solve_s, spent.iterations), (2.75, 3));
         assert_eq!(spent.cpu_s["mech"], 2.5);

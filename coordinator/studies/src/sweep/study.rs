@@ -11,13 +11,12 @@ use console::case_arguments::Changes;
 use console::keys;
 use contract::description::Description;
 use contract::diagram::Diagram;
-use contract::figure::value;
 use run::error::RunError;
 use run::identity::Identity;
 use run::plan::Planned;
+use run::results::summary::Summary;
 use run::warnings::Warning;
 use serde::{Deserialize, Deserializer, Serialize};
-use serde_json::Value;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -114,9 +113,9 @@ fn identity(standing: &Planned, vary: &[Axis]) -> Result<Identity, RunError> {
 }
 
 /// Warnings of a summary about its figures; those about the case are shown before the runs.
-fn about_results(summary: &Value) -> Vec<Warning> {
-    let all = Vec::<Warning>::deserialize(&summary["warnings"]).unwrap_or_default();
-    all.into_iter().filter(|one| value(summary, one.key()).is_some()).collect()
+fn about_results(summary: &Summary) -> Vec<Warning> {
+    let figures = |warning: &&Warning| summary.value(warning.key()).is_some();
+    summary.warnings.iter().filter(figures).cloned().collect()
 }
 
 fn descriptions(plan: &run::plan::Plan) -> Vec<Description> {

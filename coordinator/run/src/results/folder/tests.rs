@@ -141,7 +141,7 @@ fn no_link_is_followed() {
         let _ = fs::remove_file(out.join(name));
         symlink(&target, out.join(name)).unwrap();
         let folder = replace(&out, &case).unwrap();
-        folder.write_summary(b"{}").unwrap();
+        folder.write_summary(&Summary::default()).unwrap();
         folder.log().unwrap().set_len(0).unwrap();
         assert_eq!(text(target), "mine", "{name}");
     }
@@ -180,7 +180,7 @@ fn a_file_is_no_folder() {
 fn one_run_at_a_time() {
     let (_place, out, case) = place();
     let first = ResultFolder::prepare(&out, &case, Existing::Refuse).unwrap();
-    first.write_summary(b"{\"schema\":1}").unwrap();
+    first.write_summary(&Summary::default()).unwrap();
     for existing in [Existing::Refuse, Existing::Replace] {
         let refused = refusal(ResultFolder::prepare(&out, &case, existing));
         assert!(refused.contains("is used by another run"), "{refused}");
@@ -192,11 +192,19 @@ fn one_run_at_a_time() {
 }
 
 /// Files are replaced, except one that somebody else has put under the name of a result.
+fn named(case: &str) -> Summary {
+    Summary { case: case.to_owned(), ..Summary::default() }
+}
+
+fn text_of(case: &str) -> String {
+    String::from_utf8(named(case).to_json()).unwrap()
+}
+
 #[test]
 fn a_better_answer_takes_the_place_of_the_one_before() {
     let (_place, out, case) = place();
     let answer = ResultFolder::prepare(&out, &case, Existing::Refuse).unwrap();
-    answer.write_summary(b"coarse").unwrap();
+    answer.write_summary(&named("coarse")).unwrap();
     fs::create_dir(out.join("fields")).unwrap();
     for (name, content) in [("a_000000.vti", "coarse"), ("b_000000.vti", "coarse"), ("x", "mine")] {
         fs::write(out.join("fields").join(name), content).unwrap();
@@ -206,13 +214,13 @@ fn a_better_answer_takes_the_place_of_the_one_before() {
     for (name, content) in [("a_000000.vti", "fine"), ("x", "fine")] {
         fs::write(refined.file("fields").join(name), content).unwrap();
     }
-    assert_eq!(text(out.join("summary.json")), "coarse");
-    refined.write_summary(b"fine").unwrap();
+    assert_eq!(text(out.join("summary.json")), text_of("coarse"));
+    refined.write_summary(&named("fine")).unwrap();
     let answer = answer.take_over(refined).unwrap();
-    assert_eq!(text(out.join("summary.json")), "fine");
+    assert_eq!(text(out.join("summary.json")), text_of("fine"));
     assert_eq!(text(out.join("fields/a_000000.vti")), "fine");
     assert_eq!(text(out.join("fields/x")), "mine");
     assert!(!out.join("fields/b_000000.vti").exists() && !out.join(".summary").exists());
-    answer.write_summary(b"again").unwrap();
-    assert_eq!(text(out.join("summary.json")), "again");
+    answer.write_summary(&named("again")).unwrap();
+    assert_eq!(text(out.join("summary.json")), text_of("again"));
 }

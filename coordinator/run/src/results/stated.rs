@@ -1,10 +1,10 @@
 //! The section `accuracy` of the summary, which states the error of a result.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Error of a result.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Stated {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stated {
     /// Key of the quantity.
     pub quantity: String,
     /// Requested relative error, if any.
@@ -38,9 +38,9 @@ pub(crate) struct Stated {
 }
 
 /// Source of the result.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub(crate) enum ResultSource {
+pub enum ResultSource {
     /// The finest run.
     Run,
     /// The limit extrapolated from the three finest grids.
@@ -48,8 +48,8 @@ pub(crate) enum ResultSource {
 }
 
 /// A figure extrapolated to an infinitely fine grid.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct StatedFigure {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StatedFigure {
     /// Key of the figure.
     pub key: String,
     /// Value of the figure.
@@ -59,8 +59,8 @@ pub(crate) struct StatedFigure {
 }
 
 /// One run of the search.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct StatedRun {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StatedRun {
     /// Keys that set the resolution, with their values.
     pub settings: Vec<(String, u32)>,
     /// Value of the quantity.
