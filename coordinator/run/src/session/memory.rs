@@ -127,7 +127,7 @@ fn fields(plan: &Plan, layouts: &TiSlice<ParticipantIndex, Layout>) -> u64 {
         let grid = layout(field.producer)?.grid_of(&field.kind.name)?;
         let bytes = |on: &Grid| topic_bytes(sample_bytes(on.points(), field.kind.components));
         let wanted =
-            |&one: &ParticipantIndex| non_matching(field, one, &layout).map(|[_, wanted]| wanted);
+            |&one: &ParticipantIndex| non_matching(field, one, layout).map(|[_, wanted]| wanted);
         let mapped = field.consumers.iter().filter_map(wanted).map(bytes).sum::<u64>();
         let iterates = field.fed_back.iter().any(|one| wanted(one).is_none());
         Some((1 + u64::from(iterates)) * bytes(grid) + mapped)

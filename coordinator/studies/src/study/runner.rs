@@ -35,7 +35,7 @@ pub(crate) struct Point {
 /// Outcome of a run.
 pub(crate) enum Outcome {
     /// The run finished.
-    Finished(Run),
+    Finished(Box<Run>),
     /// The run was skipped for this reason.
     LeftOut(String),
     /// The run failed.
@@ -261,7 +261,7 @@ impl<'a> Runner<'a> {
     fn finished(&self, point: &Point) -> Option<Attempt> {
         let (finished, _) = self.finished.as_ref()?;
         let run = finished.run(&point.changes.options())?.clone();
-        Some(Attempt { wall_s: run.spent.wall_s, outcome: Outcome::Finished(run) })
+        Some(Attempt { wall_s: run.spent.wall_s, outcome: Outcome::Finished(Box::new(run)) })
     }
 
     fn keep(&mut self, point: &Point, attempt: &Attempt) -> Result<(), RunError> {
@@ -337,7 +337,7 @@ impl Maker<'_> {
             }
         }
         let run = made.expect("a run is made once at least");
-        Attempt { wall_s: run.spent.wall_s, outcome: Outcome::Finished(run) }
+        Attempt { wall_s: run.spent.wall_s, outcome: Outcome::Finished(Box::new(run)) }
     }
 
     fn once(&self, changes: &Changes, scratch: &Path, bench: &mut Bench) -> Outcome {
@@ -355,7 +355,8 @@ impl Maker<'_> {
         match folder.and_then(|folder| bench.run_planned(&planned, stopwatch.since, &folder)) {
             Ok(summary) => {
                 let spent = RunCost::of(&summary, &stopwatch);
-                Outcome::Finished(Run { summary, spent, closed_forms: closed_forms(&planned) })
+                let closed_forms = closed_forms(&planned);
+                Outcome::Finished(Box::new(Run { summary, spent, closed_forms }))
             }
             Err(error) => Outcome::Failed(error),
         }

@@ -2,7 +2,6 @@
 
 use super::design::{Design, Part};
 use crate::study::axis::Axis;
-use crate::study::finished::Run;
 use crate::study::levels::reason;
 use crate::study::output::StudyFile;
 use crate::study::quantity::{Quantities, Quantity};
@@ -351,15 +350,16 @@ impl Study {
         let (values, warnings) = (Vec::new(), Vec::new());
         let mut row = Row { at: at.to_vec(), values, failed: None, warnings, wall_s };
         match outcome {
-            Outcome::Finished(Run { summary, .. }) => {
-                let all = quantities.all(&summary);
+            Outcome::Finished(run) => {
+                let summary = &run.summary;
+                let all = quantities.all(summary);
                 for one in all.iter().filter(|one| !one.key.starts_with("coupling.")) {
-                    let Some(value) = one.value(&summary) else { continue };
+                    let Some(value) = one.value(summary) else { continue };
                     let column = self.learn(one);
                     row.values.resize(row.values.len().max(column + 1), f64::NAN);
                     row.values[column] = value;
                 }
-                row.warnings = about_results(&summary);
+                row.warnings = about_results(summary);
             }
             Outcome::Failed(error) => row.failed = Some(reason(&error)),
             Outcome::LeftOut(why) => row.failed = Some(why),
