@@ -73,11 +73,21 @@ fn take_part(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     loop {
         let (command, body) = next(&doorbell, &commands)?;
         let kind = CommandKind::from_number(command.kind).ok_or("unknown command")?;
-        let answer = rogue.handle(&endpoint, kind, &command, &body)?;
-        if rogue.is_at(&command, "lost-reply") {
-            return be_idle(&coordinator, command.sequence);
+        let mut answer = rogue.handle(&endpoint, kind, &command, &body)?;
+        let mut reply = rogue.reply(&command);
+        let fault = TransitionFault::at(kind);
+        if rogue.is_at(&command, "lost-reply") || matches!(fault, Some(TransitionFault::LostReply))
+        {
+            return beat(&coordinator, Some(Beat::idle_after(command.sequence)));
         }
-        replies.send(&rogue.reply(&command), &answer)?;
+        match fault {
+            Some(TransitionFault::Exit) => std::process::exit(3),
+            Some(TransitionFault::Busy) => return beat(&coordinator, Some(Beat::Busy)),
+            Some(TransitionFault::Silent) => return beat(&coordinator, None),
+            Some(TransitionFault::Reply(change)) => change(&mut reply, &mut answer),
+            Some(TransitionFault::LostReply) | None => {}
+        }
+        replies.send(&reply, &answer)?;
         coordinator.ring()?;
         if kind == CommandKind::Finish {
             return Ok(());
@@ -85,14 +95,59 @@ fn take_part(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     }
 }
 
-/// Sends heartbeats as if the reply to a command had been sent, until the run ends, for at most 60
-/// s.
-fn be_idle(coordinator: &Ringer, command: u64) -> Result<(), Box<dyn std::error::Error>> {
+/// Sends this heartbeat, or none, until the run ends, for at most 60 s.
+fn beat(coordinator: &Ringer, beat: Option<Beat>) -> Result<(), Box<dyn std::error::Error>> {
     for _ in 0..1200 {
-        coordinator.beat(0, Beat::idle_after(command))?;
+        beat.map_or(Ok(()), |beat| coordinator.beat(0, beat))?;
         std::thread::sleep(Duration::from_millis(50));
     }
     Ok(())
+}
+
+/// Fault at a command of any kind, from the argument `at=KIND:FAULT`.
+#[derive(Clone, Copy)]
+enum TransitionFault {
+    /// The process ends.
+    Exit,
+    /// The command is worked on for ever.
+    Busy,
+    /// Neither a heartbeat nor a reply.
+    Silent,
+    /// The heartbeat says that the command has been dealt with, and there is no reply.
+    LostReply,
+    /// A wrong reply.
+    Reply(fn(&mut Reply, &mut Vec<u8>)),
+}
+
+impl TransitionFault {
+    /// Returns the fault at this command.
+    fn at(kind: CommandKind) -> Option<Self> {
+        let named = |argument: String| {
+            let (at, fault) = argument.strip_prefix("at=")?.split_once(':')?;
+            (at == format!("{kind:?}")).then(|| fault.to_owned())
+        };
+        let fault = std::env::args().find_map(named)?;
+        let change: fn(&mut Reply, &mut Vec<u8>) = match fault.as_str() {
+            "exit" => return Some(Self::Exit),
+            "busy" => return Some(Self::Busy),
+            "silent" => return Some(Self::Silent),
+            "lost-reply" => return Some(Self::LostReply),
+            "failed" => |reply, body| {
+                reply.status = Status::Failed as u32;
+                *body = br#"{"error": "on purpose"}"#.to_vec();
+            },
+            "refused" => |reply, body| {
+                reply.status = Status::Refused as u32;
+                *body = br#"{"key": "left.delay", "reason": "on purpose", "fix": "none"}"#.to_vec();
+            },
+            "status" => |reply, _| reply.status = 9,
+            "protocol" => |reply, _| reply.protocol = 0,
+            "sequence" => |reply, _| reply.sequence -= 1,
+            "body" => |_, body| *body = b"{".to_vec(),
+            other => panic!("there is no fault {other}"),
+        };
+        Some(Self::Reply(change))
+    }
 }
 
 fn next(

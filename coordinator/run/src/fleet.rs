@@ -78,7 +78,7 @@ impl Fleet {
 
     /// Asks the programs of a case for their descriptions, all at the same time. `own` wait for a
     /// run together. `others` may fail, and leave after the answer. `joining` is the longest time
-    /// to join.
+    /// to join, and to answer a question of the plan.
     ///
     /// # Errors
     /// One of `own` does not start, join or describe itself.
@@ -123,14 +123,14 @@ impl Fleet {
     fn joined(&mut self, mut peers: Peers) -> Result<Peers, RunError> {
         peers.join()?;
         peers.phase = Phase::Configuring;
-        for one in peers.all().keys() {
-            let program = peers.seats()[usize::from(one)].program.clone();
+        for participant in peers.all().keys() {
+            let program = peers.seats()[usize::from(participant)].program.clone();
             if self.description(&program).is_some() {
                 continue;
             }
-            let description = peers.describe(one, ANSWER)?;
+            let description = peers.describe(participant, peers.deadlines().start)?;
             if description.protocol == contract::PROTOCOL_VERSION {
-                description.check().map_err(|fault| peers.misbehaved(one, fault))?;
+                description.check().map_err(|fault| peers.misbehaved(participant, fault))?;
             }
             self.descriptions.push((program, Arc::new(description)));
         }
@@ -146,8 +146,8 @@ impl Fleet {
         program: &Program,
         configuration: &Configuration,
     ) -> Result<Layout, RunError> {
-        self.ask(&configuration.role, program, |peers, one| {
-            peers.configure(one, configuration, ANSWER)
+        self.ask(&configuration.role, program, |peers, participant| {
+            peers.configure(participant, configuration, peers.deadlines().start)
         })
     }
 
@@ -161,7 +161,9 @@ impl Fleet {
         program: &Program,
         scene: &Scene,
     ) -> Result<Opinion, RunError> {
-        self.ask(role, program, |peers, one| peers.advise(one, scene, ANSWER))
+        self.ask(role, program, |peers, participant| {
+            peers.advise(participant, scene, peers.deadlines().start)
+        })
     }
 
     /// Asks the participant that waits in this role, or starts it. A failure ends all that wait; a

@@ -196,8 +196,10 @@ impl Peers {
         let Some(places) = places.filter(|_| self.exits().is_empty()) else {
             return Err(Box::new(self));
         };
-        for one in self.all.keys().filter(|one| !places.contains(&usize::from(*one))) {
-            if self.post(one, Command::new(CommandKind::Finish), &[]).is_err() {
+        for participant in
+            self.all.keys().filter(|participant| !places.contains(&usize::from(*participant)))
+        {
+            if self.post(participant, Command::new(CommandKind::Finish), &[]).is_err() {
                 return Err(Box::new(self));
             }
         }
@@ -220,8 +222,8 @@ impl Peers {
     /// Asks waiting participants to leave, and waits for their exits.
     pub(crate) fn dismiss(mut self) {
         self.phase = Phase::Finishing;
-        for one in self.all.keys() {
-            if let Err(error) = self.post(one, Command::new(CommandKind::Finish), &[]) {
+        for participant in self.all.keys() {
+            if let Err(error) = self.post(participant, Command::new(CommandKind::Finish), &[]) {
                 tracing::debug!("a waiting participant has ended: {error}");
                 return;
             }
@@ -240,11 +242,12 @@ impl Peers {
     /// The participant has ended, or cannot be reached.
     pub fn post(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         command: Command,
         body: &[u8],
     ) -> Result<(), RunError> {
-        self.send(one, command, body).map_err(|error| self.transport_failed(one, error))
+        self.send(participant, command, body)
+            .map_err(|error| self.transport_failed(participant, error))
     }
 
     /// Sends a command like [`Peers::post`], and returns the plain error of the transport.
@@ -253,13 +256,13 @@ impl Peers {
     /// The participant cannot be reached.
     pub fn send(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         command: Command,
         body: &[u8],
     ) -> Result<(), TransportError> {
-        let command = self.all[one].post(command, body)?;
+        let command = self.all[participant].post(command, body)?;
         if let Some(recorder) = &self.recorder {
-            recorder.command(one, &command, body);
+            recorder.command(participant, &command, body);
         }
         Ok(())
     }

@@ -60,6 +60,7 @@ mod surrogate;
 mod sweep;
 mod terminal;
 mod threads;
+mod transitions;
 mod volume;
 mod warnings;
 mod watch;

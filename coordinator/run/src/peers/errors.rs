@@ -12,36 +12,40 @@ use std::time::{Duration, Instant};
 impl Peers {
     /// Returns the error of a participant that failed for this reason.
     #[must_use]
-    pub fn failed(&self, one: ParticipantIndex, what: String) -> RunError {
-        self.failure(one, what, stopped::MESSAGES.to_owned())
+    pub fn failed(&self, participant: ParticipantIndex, what: String) -> RunError {
+        self.failure(participant, what, stopped::MESSAGES.to_owned())
     }
 
     /// Returns the error of a participant that violated the contract.
     #[must_use]
-    pub fn misbehaved(&self, one: ParticipantIndex, what: String) -> RunError {
+    pub fn misbehaved(&self, participant: ParticipantIndex, what: String) -> RunError {
         let fix = "the program violates the participant contract (docs/ARCHITECTURE.md)";
-        self.failure(one, what, fix.to_owned())
+        self.failure(participant, what, fix.to_owned())
     }
 
     /// Returns the error of a participant that failed in the current phase.
     #[must_use]
-    pub fn failure(&self, one: ParticipantIndex, what: String, fix: String) -> RunError {
-        let (who, when) = (self.all[one].who(), self.phase.to_string());
+    pub fn failure(&self, participant: ParticipantIndex, what: String, fix: String) -> RunError {
+        let (who, when) = (self.all[participant].who(), self.phase.to_string());
         RunError::Failed(Failure { who, when, what, fix })
     }
 
     /// Returns the error of a failed exchange with a participant.
     #[must_use]
-    pub fn transport_failed(&self, one: ParticipantIndex, error: TransportError) -> RunError {
-        self.error(Stopped::Transport(one, error))
+    pub fn transport_failed(
+        &self,
+        participant: ParticipantIndex,
+        error: TransportError,
+    ) -> RunError {
+        self.error(Stopped::Transport(participant, error))
     }
 
     /// Returns the reason why a wait ended early as the error of a run.
     #[must_use]
     pub fn error(&self, stopped: Stopped) -> RunError {
         let stopped = match stopped {
-            Stopped::Transport(one, error) => {
-                self.exit_soon().map_or(Stopped::Transport(one, error), Stopped::Exited)
+            Stopped::Transport(participant, error) => {
+                self.exit_soon().map_or(Stopped::Transport(participant, error), Stopped::Exited)
             }
             other => other,
         };

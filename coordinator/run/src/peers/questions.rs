@@ -20,11 +20,11 @@ impl Peers {
     /// The participant fails, is late, or answers with something else.
     pub fn describe(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         patience: Duration,
     ) -> Result<Description, RunError> {
-        self.post(one, Command::new(CommandKind::Describe), &[])?;
-        self.answer(one, patience, "description")
+        self.post(participant, Command::new(CommandKind::Describe), &[])?;
+        self.answer(participant, patience, "description")
     }
 
     /// Asks a participant for its opinion on effects in a scene.
@@ -33,13 +33,13 @@ impl Peers {
     /// The participant fails, is late, or answers with something else.
     pub fn advise(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         scene: &Scene,
         patience: Duration,
     ) -> Result<Opinion, RunError> {
-        self.post(one, Command::new(CommandKind::Advise), &json(scene))?;
-        let opinion: Opinion = self.answer(one, patience, "advice")?;
-        opinion.check().map_err(|fault| self.misbehaved(one, fault))?;
+        self.post(participant, Command::new(CommandKind::Advise), &json(scene))?;
+        let opinion: Opinion = self.answer(participant, patience, "advice")?;
+        opinion.check().map_err(|fault| self.misbehaved(participant, fault))?;
         Ok(opinion)
     }
 
@@ -50,33 +50,34 @@ impl Peers {
     /// The participant refuses, fails or is late, or its layout does not fit the configuration.
     pub fn configure(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         configuration: &Configuration,
         patience: Duration,
     ) -> Result<Layout, RunError> {
-        let known = self.configured[one].take().filter(|(known, _)| known == configuration);
+        let known = self.configured[participant].take().filter(|(known, _)| known == configuration);
         if let Some((_, layout)) = known.filter(|_| self.recorder.is_none()) {
             return Ok(layout);
         }
-        self.post(one, Command::new(CommandKind::Configure), &json(configuration))?;
-        let layout: Layout = self.answer(one, patience, "layout")?;
+        self.post(participant, Command::new(CommandKind::Configure), &json(configuration))?;
+        let layout: Layout = self.answer(participant, patience, "layout")?;
         if let Some(fault) = layout_fault(configuration, &layout) {
-            return Err(self.misbehaved(one, fault));
+            return Err(self.misbehaved(participant, fault));
         }
-        self.configured[one] = Some((configuration.clone(), layout.clone()));
+        self.configured[participant] = Some((configuration.clone(), layout.clone()));
         Ok(layout)
     }
 
     /// Waits for the reply to a question, and reads its body.
     fn answer<T: DeserializeOwned>(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         patience: Duration,
         what: &str,
     ) -> Result<T, RunError> {
-        let message = self.done(one, patience)?;
-        serde_json::from_slice(message.body())
-            .map_err(|error| self.misbehaved(one, format!("its {what} is not valid: {error}")))
+        let message = self.done(participant, patience)?;
+        serde_json::from_slice(message.body()).map_err(|error| {
+            self.misbehaved(participant, format!("its {what} is not valid: {error}"))
+        })
     }
 }
 

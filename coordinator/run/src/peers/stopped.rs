@@ -67,35 +67,35 @@ impl Stopped {
     /// Returns the reason as the error of a run.
     pub(super) fn error(self, peers: &TiSlice<ParticipantIndex, Peer>, phase: Phase) -> RunError {
         let (when, failed) =
-            (phase.to_string(), |one: ParticipantIndex, what: String, fix: &str| {
-                let (who, when) = (peers[one].who(), phase.to_string());
+            (phase.to_string(), |participant: ParticipantIndex, what: String, fix: &str| {
+                let (who, when) = (peers[participant].who(), phase.to_string());
                 RunError::Failed(Failure { who, when, what, fix: fix.to_owned() })
             });
         match self {
             Self::Interrupted(signal) => RunError::Interrupted { signal, when },
             Self::Exited(exit) => ended(peers, &exit, when),
-            Self::Gone(one) => failed(
-                one,
+            Self::Gone(participant) => failed(
+                participant,
                 "its process is gone".to_owned(),
                 "see its messages in the terminal that started it",
             ),
-            Self::ReplyLost(one) => failed(
-                one,
+            Self::ReplyLost(participant) => failed(
+                participant,
                 "it has processed the last command, but its reply did not arrive".to_owned(),
                 "a message was lost in shared memory: see log.jsonl, `ulimit -n` and /dev/shm",
             ),
-            Self::Silent(one, silence) => failed(
-                one,
+            Self::Silent(participant, silence) => failed(
+                participant,
                 format!("no heartbeat for {:.1} s", silence.as_secs_f64()),
                 "it is stopped or its machine is overloaded; raise coupling.heartbeat_deadline \
                  if it may pause for so long",
             ),
-            Self::Late(one, delay) => {
+            Self::Late(participant, delay) => {
                 let (what, fix) =
-                    late(phase, delay, peers[one].advance().map(|(report, _)| report));
-                failed(one, what, &fix)
+                    late(phase, delay, peers[participant].advance().map(|(report, _)| report));
+                failed(participant, what, &fix)
             }
-            Self::Transport(one, error) => failed(one, error.to_string(), MESSAGES),
+            Self::Transport(participant, error) => failed(participant, error.to_string(), MESSAGES),
             Self::Doorbell(error) => machine_failure(
                 "the coordinator's doorbell",
                 &when,
@@ -115,6 +115,9 @@ fn late(phase: Phase, delay: Delay, reached: Option<ProgressReport>) -> (String,
             return (what, "raise coupling.start_deadline if it needs longer".to_owned());
         }
         Phase::Initialising => ("it is still building its model", "coupling.build_deadline"),
+        Phase::Configuring => {
+            ("no answer", "coupling.start_deadline (in a run, coupling.solve_deadline)")
+        }
         _ => ("no answer", "coupling.solve_deadline"),
     };
     let what = match reached {

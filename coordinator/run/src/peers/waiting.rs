@@ -21,10 +21,10 @@ impl Peers {
     /// # Errors
     /// A participant has ended or is late, or the user has interrupted the run.
     pub fn join(&mut self) -> Result<(), RunError> {
-        for one in self.all.keys() {
-            let attached = self.all[one].is_attached();
+        for participant in self.all.keys() {
+            let attached = self.all[participant].is_attached();
             let patience = if attached { self.deadlines.solve } else { self.deadlines.start };
-            self.joined(one, patience).map_err(|stopped| self.error(stopped))?;
+            self.joined(participant, patience).map_err(|stopped| self.error(stopped))?;
         }
         Ok(())
     }
@@ -33,21 +33,25 @@ impl Peers {
     ///
     /// # Errors
     /// The reason why the wait ended early.
-    pub fn joined(&mut self, one: ParticipantIndex, patience: Duration) -> Result<(), Stopped> {
+    pub fn joined(
+        &mut self,
+        participant: ParticipantIndex,
+        patience: Duration,
+    ) -> Result<(), Stopped> {
         let mut waited = Patience::new();
         let Self { all, doorbell, supervisor, run, deadlines, phase, .. } = self;
         let watch = Watch { supervisor, run, phase: *phase, deadlines };
-        let failed = |error| Stopped::Transport(one, error);
+        let failed = |error| Stopped::Transport(participant, error);
         let poll = || -> Result<_, Stopped> {
             // A participant that has not joined has no heartbeat yet.
-            all[one].beat_received(Beat::Busy);
-            if all[one].is_up() {
+            all[participant].beat_received(Beat::Busy);
+            if all[participant].is_up() {
                 // Connects to the replies of the participant. From here on its last reply is
                 // received, even if its process has ended by then.
-                all[one].receive().map_err(failed)?;
+                all[participant].receive().map_err(failed)?;
                 return Ok(Some(()));
             }
-            watch.look(all, one, waited.waited(), patience)?;
+            watch.look(all, participant, waited.waited(), patience)?;
             Ok(None)
         };
         doorbell.wait(poll, |_, _| ())
@@ -60,11 +64,11 @@ impl Peers {
     /// The reason why the wait ended early.
     pub fn wait(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         patience: Duration,
         beat: impl FnMut(),
     ) -> Result<Message<Reply>, Stopped> {
-        self.wait_for(&[one], patience, beat).map(|(_, reply)| reply)
+        self.wait_for(&[participant], patience, beat).map(|(_, reply)| reply)
     }
 
     /// Waits for the reply of the first of these participants, or for an earlier failed reply of
@@ -75,7 +79,7 @@ impl Peers {
         patience: Duration,
         mut beat: impl FnMut(),
     ) -> Result<(ParticipantIndex, Message<Reply>), Stopped> {
-        let one = pending[0];
+        let participant = pending[0];
         let Self {
             all,
             hearts,
@@ -97,20 +101,20 @@ impl Peers {
             if let Some(found) = replied(&all, pending)? {
                 return Ok(Some(found));
             }
-            let advanced = all[one].has_advanced(endpoint);
-            if advanced.map_err(|error| Stopped::Transport(one, error))? {
+            let advanced = all[participant].has_advanced(endpoint);
+            if advanced.map_err(|error| Stopped::Transport(participant, error))? {
                 waited = Patience::new();
-                show(&all[one], *phase, &**screen);
+                show(&all[participant], *phase, &**screen);
             }
-            match watch.look(&mut all, one, waited.waited(), patience) {
+            match watch.look(&mut all, participant, waited.waited(), patience) {
                 Ok(()) => Ok(None),
                 // A reply sent just before a participant ended still counts.
                 Err(reason) => replied(&all, pending)?.map(Some).ok_or(reason),
             }
         };
         let heard = |index: usize, what| {
-            if let Some(Some(one)) = hearts.get(index) {
-                all.borrow_mut()[*one].beat_received(what);
+            if let Some(Some(participant)) = hearts.get(index) {
+                all.borrow_mut()[*participant].beat_received(what);
                 beat();
             }
         };
@@ -155,10 +159,10 @@ impl Peers {
     /// The wait ended early; the reason as the error of a run.
     pub fn reply(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         patience: Duration,
     ) -> Result<Message<Reply>, RunError> {
-        self.wait(one, patience, || ()).map_err(|stopped| self.error(stopped))
+        self.wait(participant, patience, || ()).map_err(|stopped| self.error(stopped))
     }
 
     /// Waits for the next reply of the pending participants, and removes its sender from the list.
@@ -175,9 +179,9 @@ impl Peers {
     ) -> Result<Option<Answer>, RunError> {
         let Some(&first) = pending.first() else { return Ok(None) };
         let waited = self.wait_for(pending, patience(first), || ());
-        let (one, message) = waited.map_err(|stopped| self.error(stopped))?;
-        pending.retain(|other| *other != one);
-        Ok(Some((one, self.judge(one, message)?)))
+        let (participant, message) = waited.map_err(|stopped| self.error(stopped))?;
+        pending.retain(|other| *other != participant);
+        Ok(Some((participant, self.judge(participant, message)?)))
     }
 
     /// Waits for the reply to the last command, and returns an error unless the command succeeded.
@@ -186,36 +190,41 @@ impl Peers {
     /// The participant refuses or fails, violates the contract, has ended, or is late.
     pub fn done(
         &mut self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         patience: Duration,
     ) -> Result<Message<Reply>, RunError> {
-        let message = self.reply(one, patience)?;
-        self.judge(one, message)?
+        let message = self.reply(participant, patience)?;
+        self.judge(participant, message)?
     }
 
     /// Checks a reply. The inner result is an error if the command has failed.
     fn judge(
         &self,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         message: Message<Reply>,
     ) -> Result<Result<Message<Reply>, RunError>, RunError> {
         let (reply, body) = (message.header(), message.body());
         match Status::from_number(reply.status) {
             _ if reply.protocol != contract::PROTOCOL_VERSION => {
                 let theirs = reply.protocol;
-                Err(self.misbehaved(one, format!("it speaks protocol {theirs}")))
+                Err(self.misbehaved(participant, format!("it speaks protocol {theirs}")))
             }
-            _ if reply.sequence != self.all[one].sequence() => {
-                let (found, expected) = (reply.sequence, self.all[one].sequence());
-                Err(self
-                    .misbehaved(one, format!("it answered command {found} instead of {expected}")))
+            _ if reply.sequence != self.all[participant].sequence() => {
+                let (found, expected) = (reply.sequence, self.all[participant].sequence());
+                Err(self.misbehaved(
+                    participant,
+                    format!("it answered command {found} instead of {expected}"),
+                ))
             }
             Some(Status::Done) => Ok(Ok(message)),
-            Some(Status::Refused) => Err(self.all[one].refused(body)),
-            Some(Status::Failed) => Ok(Err(self.failed(one, peer::failure_text(body)))),
+            Some(Status::Refused) => Err(self.all[participant].refused(body)),
+            Some(Status::Failed) => Ok(Err(self.failed(participant, peer::failure_text(body)))),
             None => {
                 let status = reply.status;
-                Err(self.misbehaved(one, format!("it replied with the unknown status {status}")))
+                Err(self.misbehaved(
+                    participant,
+                    format!("it replied with the unknown status {status}"),
+                ))
             }
         }
     }
@@ -233,12 +242,12 @@ fn replied(
     all: &TiSlice<ParticipantIndex, Peer>,
     pending: &[ParticipantIndex],
 ) -> Result<Option<(ParticipantIndex, Message<Reply>)>, Stopped> {
-    for (place, &one) in pending.iter().enumerate() {
-        let failed = |error| Stopped::Transport(one, error);
-        if (place == 0 || all[one].has_failed().map_err(failed)?)
-            && let Some(message) = all[one].receive().map_err(failed)?
+    for (place, &participant) in pending.iter().enumerate() {
+        let failed = |error| Stopped::Transport(participant, error);
+        if (place == 0 || all[participant].has_failed().map_err(failed)?)
+            && let Some(message) = all[participant].receive().map_err(failed)?
         {
-            return Ok(Some((one, message)));
+            return Ok(Some((participant, message)));
         }
     }
     Ok(None)
@@ -257,13 +266,14 @@ impl Watch<'_> {
     fn look(
         &self,
         all: &mut TiSlice<ParticipantIndex, Peer>,
-        one: ParticipantIndex,
+        participant: ParticipantIndex,
         waited: Duration,
         patience: Duration,
     ) -> Result<(), Stopped> {
         // A participant that has been asked to finish may have ended regularly, unless the wait is
         // for its reply.
-        let in_peace = |role: &str| self.phase == Phase::Finishing && role != all[one].role();
+        let in_peace =
+            |role: &str| self.phase == Phase::Finishing && role != all[participant].role();
         let left = |exit: &Exit| in_peace(&exit.role) && exit.is_success();
         interrupted_or_exited(self.supervisor, all, left)?;
         // A participant started by hand is not a child process: its lock shows its death.
@@ -275,15 +285,15 @@ impl Watch<'_> {
         {
             return Err(Stopped::Gone(gone));
         }
-        if all[one].has_dealt_with_it() {
-            return Err(Stopped::ReplyLost(one));
+        if all[participant].has_dealt_with_it() {
+            return Err(Stopped::ReplyLost(participant));
         }
-        let silence = all[one].silence();
+        let silence = all[participant].silence();
         if silence > self.deadlines.heartbeat {
-            return Err(Stopped::Silent(one, silence));
+            return Err(Stopped::Silent(participant, silence));
         }
         if waited > patience {
-            return Err(Stopped::Late(one, Delay { waited: patience, silence }));
+            return Err(Stopped::Late(participant, Delay { waited: patience, silence }));
         }
         Ok(())
     }
