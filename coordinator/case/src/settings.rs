@@ -243,7 +243,7 @@ pub struct Coupling {
     pub interpolation: Interpolation,
     /// Longest wait for one solve \[s\].
     pub solve_deadline: f64,
-    /// Longest wait for a participant to start \[s\].
+    /// Longest wait for a participant to start, and to answer a question before a run \[s\].
     pub start_deadline: f64,
     /// Longest wait for a model to be built \[s\].
     pub build_deadline: f64,
