@@ -184,7 +184,11 @@ fn coupling() -> Vec<OwnKey> {
         one(KeySpec::flag(&key("strict"), "a window that does not converge ends the run")
             .default_value(given.strict)),
         deadline("solve_deadline", "deadline of one solve", coupling.solve_deadline),
-        deadline("start_deadline", "deadline for a participant to start and to answer before a run", coupling.start_deadline),
+        deadline(
+            "start_deadline",
+            "deadline for a participant to start and to answer before a run",
+            coupling.start_deadline,
+        ),
         deadline("build_deadline", "deadline for a model to be built", coupling.build_deadline),
         deadline(
             "heartbeat_deadline",
