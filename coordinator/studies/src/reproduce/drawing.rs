@@ -113,7 +113,7 @@ impl Sources<'_> {
         };
         let spreads = comparison.scatter.iter().flatten().map(|spread| spread / spec.y.per.abs());
         let mut figure = figure.with("computed, without a fit", points(&comparison.stated));
-        if let (Some(fit), Some(fitted)) = (&spec.fit, comparison.fitted()) {
+        if let (Some(fit), Some(fitted)) = (spec.fits.first(), comparison.fitted()) {
             let name = format!("computed, {} fitted", fit.label);
             figure = figure.with(name, points(&fitted.values));
         }

@@ -6,12 +6,14 @@
 //! | run | |
 //! |---|---|
 //! | `NAME/stated` | the case as it is, without a fit |
-//! | `NAME/fit-VALUE` | one value of the fitted key |
+//! | `NAME/fit-N-VALUE` | one value of the key of fit N, counted from 1 |
+//! | `NAME/fit-N-VALUE-OTHER` | the same with one value of the second key of the fit |
 //! | `NAME/input-N` | one input at an end of its range, counted from 1 |
 //!
 //! Between two values of the fitted key, computed values are interpolated linearly, so that the
-//! least squares have a closed form in each interval. The residuals are weighted with the standard
-//! deviations of the measured values, where the table has them.
+//! least squares have a closed form in each interval. A second key is not interpolated: the best of
+//! its values is taken. The residuals are weighted with the standard deviations of the measured
+//! values, where the table has them.
 
 use contract::table::{Reading, Table};
 use pages::source::Columns;
@@ -53,8 +55,9 @@ pub(crate) struct Measurement {
     /// Axes of the plot.
     pub x: PlotAxis,
     pub y: PlotAxis,
-    /// The fitted key of the case.
-    pub fit: Option<Fit>,
+    /// Fits, each on its own. The plot shows the first.
+    #[serde(default, rename = "fit")]
+    pub fits: Vec<Fit>,
     /// Changes that put one uncertain input to an end of its range.
     #[serde(default)]
     pub inputs: Vec<String>,
@@ -77,7 +80,7 @@ pub(crate) struct PlotAxis {
     pub per: f64,
 }
 
-/// The fitted key of a case.
+/// A fit of one key of the case, or of two.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Fit {
@@ -87,11 +90,28 @@ pub(crate) struct Fit {
     pub label: String,
     /// Values that are run, increasing. The fitted value lies between the first and the last.
     pub values: Vec<String>,
+    /// A second key, of which the best value is taken.
+    pub second: Option<SecondKey>,
+}
+
+/// The second key of a fit.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SecondKey {
+    /// Key of the case.
+    pub key: String,
+    /// Name in texts, with the unit of the values.
+    pub label: String,
+    /// Values that are run.
+    pub values: Vec<String>,
 }
 
 const fn one() -> f64 {
     1.0
 }
+
+/// A run of a fit: its name, and its changes of the case.
+type FitRun = (String, Vec<String>);
 
 impl Fit {
     /// Values of the key as numbers.
@@ -99,15 +119,38 @@ impl Fit {
     /// # Errors
     /// A value is not a number, or the values do not increase.
     fn numbers(&self) -> Result<Vec<f64>, String> {
-        let number = |value: &String| {
-            value.parse::<f64>().map_err(|_| format!("`{value}` of the fit is not a number"))
-        };
-        let numbers = self.values.iter().map(number).collect::<Result<Vec<f64>, String>>()?;
+        let numbers = numbers(&self.values)?;
         if numbers.len() < 2 || numbers.windows(2).any(|pair| pair[0] >= pair[1]) {
             return Err("a fit needs two or more values in increasing order".to_owned());
         }
         Ok(numbers)
     }
+
+    /// Runs of the fit: one list over the values of the key for each value of the second key.
+    fn runs(&self, prefix: &str) -> Vec<Vec<FitRun>> {
+        let first = |value: &String| {
+            (format!("{prefix}-{value}"), vec![format!("{}={value}", self.key)])
+        };
+        let Some(second) = &self.second else {
+            return vec![self.values.iter().map(first).collect()];
+        };
+        let with = |other: &String| {
+            let both = |value: &String| {
+                let (name, mut changes) = first(value);
+                changes.push(format!("{}={other}", second.key));
+                (format!("{name}-{other}"), changes)
+            };
+            self.values.iter().map(both).collect()
+        };
+        second.values.iter().map(with).collect()
+    }
+}
+
+fn numbers(values: &[String]) -> Result<Vec<f64>, String> {
+    let number = |value: &String| {
+        value.parse::<f64>().map_err(|_| format!("`{value}` of the fit is not a number"))
+    };
+    values.iter().map(number).collect()
 }
 
 impl Measurement {
@@ -117,25 +160,22 @@ impl Measurement {
         format!("{}/stated", self.name)
     }
 
-    fn fits(&self) -> impl Iterator<Item = String> {
-        let values = self.fit.iter().flat_map(|fit| &fit.values);
-        values.map(|value| format!("{}/fit-{value}", self.name))
+    /// Runs of each fit.
+    fn fit_runs(&self) -> Vec<Vec<Vec<FitRun>>> {
+        let prefix = |n: usize| format!("{}/fit-{}", self.name, n + 1);
+        self.fits.iter().enumerate().map(|(n, fit)| fit.runs(&prefix(n))).collect()
     }
 
     fn input(&self, n: usize) -> String {
         format!("{}/input-{}", self.name, n + 1)
     }
 
-    /// Names of the runs, and the change of the case in each.
-    pub(crate) fn runs(&self) -> Vec<(String, Option<String>)> {
-        let mut runs = vec![(self.stated(), None)];
-        if let Some(fit) = &self.fit {
-            let changes = fit.values.iter().map(|value| Some(format!("{}={value}", fit.key)));
-            runs.extend(self.fits().zip(changes));
-        }
+    /// Names of the runs, and the changes of the case in each.
+    pub(crate) fn runs(&self) -> Vec<(String, Vec<String>)> {
         let inputs = self.inputs.iter().enumerate();
-        runs.extend(inputs.map(|(n, change)| (self.input(n), Some(change.clone()))));
-        runs
+        let inputs = inputs.map(|(n, change)| (self.input(n), vec![change.clone()]));
+        let fits = self.fit_runs().into_iter().flatten().flatten();
+        std::iter::once((self.stated(), Vec::new())).chain(fits).chain(inputs).collect()
     }
 
     /// Name of the copy of the table in the folder of a reproduction.
@@ -164,7 +204,7 @@ impl Measurement {
             x: column(&self.x.column, &self.x.unit)?,
             measured: column(&self.value, &self.unit)?,
             scatter,
-            parameters: self.fit.as_ref().map(Fit::numbers).transpose()?.unwrap_or_default(),
+            fits: self.fits.iter().map(FitValues::of).collect::<Result<_, _>>()?,
             ..Comparison::default()
         })
     }
@@ -195,7 +235,12 @@ impl Measurement {
             }
         };
         comparison.stated = computed(self.stated())?;
-        comparison.fits = self.fits().map(computed).collect::<Result<_, _>>()?;
+        for (fit, runs) in comparison.fits.iter_mut().zip(self.fit_runs()) {
+            let values = |list: Vec<FitRun>| {
+                list.into_iter().map(|(name, _)| computed(name)).collect::<Result<Vec<_>, _>>()
+            };
+            fit.values = runs.into_iter().map(values).collect::<Result<_, _>>()?;
+        }
         let inputs = (0..self.inputs.len()).map(|n| computed(self.input(n)));
         comparison.inputs = inputs.collect::<Result<_, _>>()?;
         Ok(comparison)
@@ -212,17 +257,35 @@ pub(super) struct Comparison {
     pub(super) scatter: Option<Vec<f64>>,
     /// Computed values without a fit.
     pub(super) stated: Vec<f64>,
-    /// Values of the fitted key, and the values computed with each.
-    parameters: Vec<f64>,
-    fits: Vec<Vec<f64>>,
+    fits: Vec<FitValues>,
     /// Values computed with each change of an input.
     inputs: Vec<Vec<f64>>,
 }
 
-/// A fitted parameter, and the values computed with it.
+/// Values computed for a fit.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct FitValues {
+    /// Values of the key.
+    parameters: Vec<f64>,
+    /// Values of the second key; empty without one.
+    second: Vec<f64>,
+    /// Computed values, for each value of the second key and each value of the key.
+    values: Vec<Vec<Vec<f64>>>,
+}
+
+impl FitValues {
+    fn of(fit: &Fit) -> Result<Self, String> {
+        let second = fit.second.as_ref().map(|second| numbers(&second.values)).transpose()?;
+        let (parameters, second) = (fit.numbers()?, second.unwrap_or_default());
+        Ok(Self { parameters, second, values: Vec::new() })
+    }
+}
+
+/// Fitted parameters, and the values computed with them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Fitted {
-    pub(super) parameter: f64,
+    parameter: f64,
+    second: Option<f64>,
     pub(super) values: Vec<f64>,
 }
 
@@ -247,23 +310,28 @@ impl Part {
 }
 
 impl Comparison {
-    /// Fits the parameter to all rows; `None` without a fit.
+    /// Fits the first fit to all rows; `None` without a fit.
     #[must_use]
     pub(super) fn fitted(&self) -> Option<Fitted> {
-        self.fit(Part::All)
+        self.fit(self.fits.first()?, Part::All)
     }
 
-    /// Least squares in every interval between two parameters; the smallest sum wins.
-    fn fit(&self, part: Part) -> Option<Fitted> {
+    /// Least squares in every interval between two values of the key, for every value of the
+    /// second key; the smallest sum wins.
+    fn fit(&self, fit: &FitValues, part: Part) -> Option<Fitted> {
         let mut best: Option<(f64, Fitted)> = None;
-        for (ends, runs) in self.parameters.windows(2).zip(self.fits.windows(2)) {
-            let share = self.share(runs, part);
-            let between = |low: f64, high: f64| low + share * (high - low);
-            let values: Vec<f64> =
-                runs[0].iter().zip(&runs[1]).map(|(low, high)| between(*low, *high)).collect();
-            let sum = self.weighted(part, |row| (values[row] - self.measured[row]).powi(2));
-            if best.as_ref().is_none_or(|(least, _)| sum < *least) {
-                best = Some((sum, Fitted { parameter: between(ends[0], ends[1]), values }));
+        for (n, lists) in fit.values.iter().enumerate() {
+            for (ends, runs) in fit.parameters.windows(2).zip(lists.windows(2)) {
+                let share = self.share(runs, part);
+                let between = |low: f64, high: f64| low + share * (high - low);
+                let values: Vec<f64> =
+                    runs[0].iter().zip(&runs[1]).map(|(low, high)| between(*low, *high)).collect();
+                let sum = self.weighted(part, |row| (values[row] - self.measured[row]).powi(2));
+                if best.as_ref().is_none_or(|(least, _)| sum < *least) {
+                    let parameter = between(ends[0], ends[1]);
+                    let second = fit.second.get(n).copied();
+                    best = Some((sum, Fitted { parameter, second, values }));
+                }
             }
         }
         best.map(|(_, fitted)| fitted)
@@ -319,7 +387,6 @@ impl Comparison {
     pub(super) fn quantity(&self, key: &str) -> Option<f64> {
         let none = vec![0.0; self.measured.len()];
         let largest = self.measured.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        let held_out = |of: &dyn Fn(&[f64]) -> Option<f64>| of(&self.fit(Part::Odd)?.values);
         if let Some(key) = key.strip_prefix("relative.") {
             return Some(self.quantity(key)? / largest);
         }
@@ -329,26 +396,43 @@ impl Comparison {
             "scatter" => self.scatter.as_ref().map(|s| root_mean_square(s, &none, Part::All)),
             "deviation" => Some(self.deviation(&self.stated, Part::All)),
             "covered" => self.covered(&self.stated, Part::All),
-            "fitted.parameter" => Some(self.fitted()?.parameter),
-            "fitted.deviation" => Some(self.deviation(&self.fitted()?.values, Part::All)),
-            "fitted.covered" => self.covered(&self.fitted()?.values, Part::All),
-            "held_out.parameter" => Some(self.fit(Part::Odd)?.parameter),
-            "held_out.deviation" => held_out(&|values| Some(self.deviation(values, Part::Even))),
-            "held_out.covered" => held_out(&|values| self.covered(values, Part::Even)),
-            _ => self.input_quantity(key),
+            _ => self.fit_quantity(key).or_else(|| self.input_quantity(key)),
+        }
+    }
+
+    /// Looks up `fit.N.parameter`, `second`, `deviation` or `covered`, or the same after
+    /// `fit.N.held_out`, with N counted from 1.
+    fn fit_quantity(&self, key: &str) -> Option<f64> {
+        let (fit, what) = numbered(&self.fits, key.strip_prefix("fit.")?)?;
+        let held_out = what.strip_prefix("held_out.");
+        let seen = if held_out.is_some() { Part::Odd } else { Part::All };
+        let judged = if held_out.is_some() { Part::Even } else { Part::All };
+        let fitted = self.fit(fit, seen)?;
+        match held_out.unwrap_or(what) {
+            "parameter" => Some(fitted.parameter),
+            "second" => fitted.second,
+            "deviation" => Some(self.deviation(&fitted.values, judged)),
+            "covered" => self.covered(&fitted.values, judged),
+            _ => None,
         }
     }
 
     /// Looks up `input.N.deviation` or `input.N.change`, with N counted from 1.
     fn input_quantity(&self, key: &str) -> Option<f64> {
-        let (number, what) = key.strip_prefix("input.")?.split_once('.')?;
-        let run = self.inputs.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
+        let (run, what) = numbered(&self.inputs, key.strip_prefix("input.")?)?;
         match what {
             "deviation" => Some(self.deviation(run, Part::All)),
             "change" => Some(root_mean_square(run, &self.stated, Part::All)),
             _ => None,
         }
     }
+}
+
+/// Finds the entry of `N.REST`, with N counted from 1, and returns it with REST.
+fn numbered<'a, 'k, T>(entries: &'a [T], key: &'k str) -> Option<(&'a T, &'k str)> {
+    let (number, rest) = key.split_once('.')?;
+    let entry = entries.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
+    Some((entry, rest))
 }
 
 /// Root mean square of the differences of two lists over a part of their rows.
@@ -370,8 +454,11 @@ mod tests {
             measured: vec![2.1, 3.9, 6.1, 7.9],
             scatter: Some(vec![0.1; 4]),
             stated: runs(3.0),
-            parameters: vec![1.0, 3.0, 5.0],
-            fits: vec![runs(1.0), runs(3.0), runs(5.0)],
+            fits: vec![FitValues {
+                parameters: vec![1.0, 3.0, 5.0],
+                second: Vec::new(),
+                values: vec![vec![runs(1.0), runs(3.0), runs(5.0)]],
+            }],
             inputs: vec![runs(2.5), runs(3.5)],
             x: x.clone(),
         }
@@ -404,12 +491,28 @@ mod tests {
     #[test]
     fn held_out_rows_take_no_part_in_the_fit() {
         let mut other = comparison();
-        let parameter = comparison().quantity("held_out.parameter").unwrap();
+        let parameter = comparison().quantity("fit.1.held_out.parameter").unwrap();
         assert!((parameter - (2.1 + 3.0 * 6.1) / 10.0).abs() < 1e-14);
         other.measured[1] = 100.0;
-        assert_eq!(other.quantity("held_out.parameter"), Some(parameter));
-        let deviation = other.quantity("held_out.deviation").unwrap();
+        assert_eq!(other.quantity("fit.1.held_out.parameter"), Some(parameter));
+        let deviation = other.quantity("fit.1.held_out.deviation").unwrap();
         assert!((deviation - ((96.0_f64 - 0.08).powi(2) / 2.0).sqrt()).abs() < 0.1, "{deviation}");
+    }
+
+    /// Of two lists of runs the one is taken whose straight line passes closer.
+    #[test]
+    fn the_best_value_of_a_second_key_is_taken() {
+        let mut two = comparison();
+        let fit = &mut two.fits[0];
+        fit.second = vec![7.0, 8.0];
+        let shifted = |run: &Vec<f64>| run.iter().map(|value| value + 3.0).collect();
+        fit.values.insert(0, fit.values[0].iter().map(shifted).collect());
+        let of = |key: &str| (two.quantity(key), comparison().quantity(key));
+        assert_eq!(two.quantity("fit.1.second"), Some(8.0));
+        assert_eq!(comparison().quantity("fit.1.second"), None);
+        for key in ["fit.1.parameter", "fit.1.deviation", "fit.1.held_out.covered"] {
+            assert_eq!(of(key).0, of(key).1, "{key}");
+        }
     }
 
     #[test]
@@ -420,7 +523,7 @@ mod tests {
         let deviation = ((0.81_f64 + 4.41 + 8.41 + 16.81) / 4.0).sqrt();
         assert!((of("deviation").unwrap() - deviation).abs() < 1e-14);
         assert!((of("relative.deviation").unwrap() - deviation / 7.9).abs() < 1e-14);
-        assert_eq!((of("covered"), of("fitted.covered")), (Some(0.0), Some(1.0)));
+        assert_eq!((of("covered"), of("fit.1.covered")), (Some(0.0), Some(1.0)));
         assert!((of("input.2.change").unwrap() - (0.25_f64 * 30.0 / 4.0).sqrt()).abs() < 1e-14);
         assert_eq!((of("input.3.change"), of("input.0.change"), of("colour")), (None, None, None));
         let [low, high] = comparison.band().unwrap();

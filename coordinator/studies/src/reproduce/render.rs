@@ -1,7 +1,7 @@
 //! Renders the text, tables and figures of a study.
 
 use super::drawing::{Drawing, Sources, file_name};
-use super::measurement::Measurement;
+use super::measurement::{Fit, Measurement};
 use super::perform::{Record, STUDY, TEMPLATE};
 use super::study::{Column, FigureSpec, RowSpec, Study, TableSpec};
 use super::values::Values;
@@ -268,6 +268,12 @@ pub(super) struct Parts {
     pub(super) figures: BTreeMap<String, String>,
 }
 
+/// A fit as a value of a template.
+fn fit_entry(fit: &Fit) -> Value {
+    let second = fit.second.as_ref().map(|second| second.label.clone());
+    Value::from_pairs([("label", Value::from(&*fit.label)), ("second", Value::from(second))])
+}
+
 /// Measurements as values of a template, those with the largest relative deviation first.
 fn measured(study: &Study, values: &Values) -> Vec<Value> {
     let deviation = |of: &Measurement| values.find(&of.name, "relative.deviation").unwrap_or(0.0);
@@ -284,7 +290,7 @@ fn measured(study: &Study, values: &Values) -> Vec<Value> {
             ("table", Value::from(of.table.display().to_string())),
             ("figure", Value::from(of.figure.clone())),
             ("unit", Value::from(of.unit.clone())),
-            ("fitted", of.fit.as_ref().map_or(Value::from(()), |fit| Value::from(&*fit.label))),
+            ("fits", Value::from_iter(of.fits.iter().map(fit_entry))),
             ("inputs", Value::from(of.inputs.clone())),
         ])
     };

@@ -411,10 +411,10 @@ impl Study {
             family.members(&self.axes).into_iter().map(run).collect::<Vec<Run>>()
         };
         let measured = |measurement: &Measurement| {
-            let run = |(name, change): (String, Option<String>)| Run {
+            let run = |(name, set): (String, Vec<String>)| Run {
                 name,
                 case: folder.join(&measurement.case),
-                variant: Changes { set: change.into_iter().collect(), unset: Vec::new() },
+                variant: Changes { set, unset: Vec::new() },
             };
             measurement.runs().into_iter().map(run).collect::<Vec<Run>>()
         };
