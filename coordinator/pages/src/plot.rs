@@ -85,7 +85,13 @@ impl Figure {
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         let dots = points.len() <= 40;
-        self.lines.push(Line { name: name.into(), points, dots, marks: false, spreads: Vec::new() });
+        self.lines.push(Line {
+            name: name.into(),
+            points,
+            dots,
+            marks: false,
+            spreads: Vec::new(),
+        });
         self
     }
 
@@ -234,8 +240,10 @@ impl Line {
             if let (Some(x), Some(low), Some(high)) =
                 (x.place(low[0]), y.place(low[1]), y.place(high[1]))
             {
-                let _ =
-                    writeln!(svg, "<path class=\"frame\" d=\"M{x:.2} {low:.2}L{x:.2} {high:.2}\"/>");
+                let _ = writeln!(
+                    svg,
+                    "<path class=\"frame\" d=\"M{x:.2} {low:.2}L{x:.2} {high:.2}\"/>"
+                );
             }
         }
         let place = |p: &[f64; 2]| Some([x.place(p[0])?, y.place(p[1])?]);

@@ -128,9 +128,8 @@ impl Fit {
 
     /// Runs of the fit: one list over the values of the key for each value of the second key.
     fn runs(&self, prefix: &str) -> Vec<Vec<FitRun>> {
-        let first = |value: &String| {
-            (format!("{prefix}-{value}"), vec![format!("{}={value}", self.key)])
-        };
+        let first =
+            |value: &String| (format!("{prefix}-{value}"), vec![format!("{}={value}", self.key)]);
         let Some(second) = &self.second else {
             return vec![self.values.iter().map(first).collect()];
         };
@@ -193,9 +192,8 @@ impl Measurement {
         let refused = |error: &dyn std::fmt::Display| format!("{}: {error}", table.display());
         let read = Table::read(table, MOST_BYTES, Reading::NUMBERS);
         let read = read.map_err(|error| refused(&error))?;
-        let column = |name: &str, unit: &str| {
-            read.column(name, None, unit).map_err(|error| refused(&error))
-        };
+        let column =
+            |name: &str, unit: &str| read.column(name, None, unit).map_err(|error| refused(&error));
         let scatter = self.scatter.as_ref().map(|name| column(name, &self.unit)).transpose()?;
         if scatter.iter().flatten().any(|deviation| *deviation <= 0.0) {
             return Err(refused(&"a standard deviation is not positive"));
@@ -361,9 +359,8 @@ impl Comparison {
     fn covered(&self, values: &[f64], part: Part) -> Option<f64> {
         let scatter = self.scatter.as_ref()?;
         let rows: Vec<usize> = (0..values.len()).filter(|row| part.has(*row)).collect();
-        let inside = |row: &&usize| {
-            (values[**row] - self.measured[**row]).abs() <= COVERED * scatter[**row]
-        };
+        let inside =
+            |row: &&usize| (values[**row] - self.measured[**row]).abs() <= COVERED * scatter[**row];
         Some(rows.iter().filter(inside).count() as f64 / rows.len() as f64)
     }
 

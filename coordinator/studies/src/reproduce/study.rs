@@ -291,7 +291,7 @@ impl From<&Measurement> for FigureSpec {
         };
         Self {
             id: measurement.name.clone(),
-            title: measurement.title.clone(),
+            title: "Measured and computed values".to_owned(),
             plots: vec![plot],
             maps: Vec::new(),
         }
