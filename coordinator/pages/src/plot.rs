@@ -27,6 +27,8 @@ pub struct Line {
     pub dots: bool,
     /// Whether to draw marks without a line, for printed or measured values of others.
     pub marks: bool,
+    /// Half lengths of the bars through the marks, such as standard deviations; may be empty.
+    pub spreads: Vec<f64>,
 }
 
 /// A plot of lines with two axes and a legend.
@@ -83,14 +85,31 @@ impl Figure {
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
         let dots = points.len() <= 40;
-        self.lines.push(Line { name: name.into(), points, dots, marks: false });
+        self.lines.push(Line {
+            name: name.into(),
+            points,
+            dots,
+            marks: false,
+            spreads: Vec::new(),
+        });
         self
     }
 
     /// Adds marks without a connecting line.
     #[must_use]
-    pub fn with_marks(mut self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
-        self.lines.push(Line { name: name.into(), points, dots: false, marks: true });
+    pub fn with_marks(self, name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        self.with_spread(name, points, Vec::new())
+    }
+
+    /// Adds marks, each with a bar of the given half length; no bars if `spreads` is empty.
+    #[must_use]
+    pub fn with_spread(
+        mut self,
+        name: impl Into<String>,
+        points: Vec<[f64; 2]>,
+        spreads: Vec<f64>,
+    ) -> Self {
+        self.lines.push(Line { name: name.into(), points, dots: false, marks: true, spreads });
         self
     }
 
@@ -153,9 +172,10 @@ impl Figure {
             false => Axis::linear(all().map(|p| p[0]), false, [LEFT, RIGHT]),
         };
         let zero = self.from_zero.then_some(0.0).into_iter();
+        let bars = self.lines.iter().flat_map(Line::bars).flatten().map(|end| end[1]);
         let y = match self.decades {
             true => Axis::decades(all().map(|p| p[1]), [BOTTOM, TOP]),
-            false => Axis::linear(all().map(|p| p[1]).chain(zero), true, [BOTTOM, TOP]),
+            false => Axis::linear(all().map(|p| p[1]).chain(bars).chain(zero), true, [BOTTOM, TOP]),
         };
         let (mut x, mut y) = (Axis { whole: self.whole, ..x }, y);
         if self.true_shape && !self.decades && !self.decades_x {
@@ -209,7 +229,23 @@ impl Line {
         }
     }
 
+    /// Lower and upper ends of the bars.
+    fn bars(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+        let ends = |([x, y], spread): (&[f64; 2], &f64)| [[*x, y - spread], [*x, y + spread]];
+        self.points.iter().zip(&self.spreads).map(ends)
+    }
+
     fn draw(&self, svg: &mut String, class: &str, x: &Axis, y: &Axis) {
+        for [low, high] in self.bars() {
+            if let (Some(x), Some(low), Some(high)) =
+                (x.place(low[0]), y.place(low[1]), y.place(high[1]))
+            {
+                let _ = writeln!(
+                    svg,
+                    "<path class=\"frame\" d=\"M{x:.2} {low:.2}L{x:.2} {high:.2}\"/>"
+                );
+            }
+        }
         let place = |p: &[f64; 2]| Some([x.place(p[0])?, y.place(p[1])?]);
         let places: Vec<Option<[f64; 2]>> = thinned(&self.points).iter().map(place).collect();
         if self.marks {
@@ -277,7 +313,7 @@ mod tests {
     /// Two of the eight curves of a cost study once looked the same, because there are six colours.
     #[test]
     fn every_line_looks_different() {
-        let line = Line { name: String::new(), points: Vec::new(), dots: false, marks: false };
+        let line = Figure::new("", "", "").with("", Vec::new()).lines.remove(0);
         let classes: std::collections::BTreeSet<String> =
             (0..COLOURS * (DASHES + 1)).map(|n| line.class(n)).collect();
         assert_eq!(classes.len(), COLOURS * (DASHES + 1), "{classes:?}");
@@ -296,6 +332,16 @@ mod tests {
         assert!(kept.len() <= POINTS, "{}", kept.len());
         assert!(kept.contains(&[54_321.0, 7.0]) && kept.contains(&[54_322.0, -7.0]));
         assert!(kept.windows(2).all(|pair| pair[0][0] < pair[1][0]));
+    }
+
+    /// A bar extends beyond its mark, and the axis has room for it.
+    #[test]
+    fn marks_have_bars() {
+        let plot = |spreads| Figure::new("t", "x", "y").with_spread("m", vec![[1.0, 2.0]], spreads);
+        let bars = |figure: &Figure| figure.html().matches("class=\"frame\" d=\"M").count();
+        assert_eq!(bars(&plot(vec![5.0])), bars(&plot(Vec::new())) + 1);
+        let [_, y] = plot(vec![5.0]).axes();
+        assert!(y.range[0] <= -3.0 && y.range[1] >= 7.0, "{:?}", y.range);
     }
 
     #[test]

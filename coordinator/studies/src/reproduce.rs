@@ -1,8 +1,8 @@
 //! `coordinator reproduce`: repeats a published study and compares the results with the printed
 //! values.
 //!
-//! A [`study::Study`] is data: cases with their changes, printed values, and the tables and figures
-//! to make from both. The text is a template ([`text`]). Every run is an ordinary run, in the same
+//! A [`study::Study`] is data: cases with their changes, printed or measured values, and the tables
+//! and figures to make from both. The text is a template ([`text`]). Every run is an ordinary run, in the same
 //! processes and with the same shared memory. The code does not depend on the subject of a study: a
 //! further level of fidelity is one more `[[run]]` in its file.
 //!
@@ -16,6 +16,7 @@
 
 mod check;
 mod drawing;
+mod measurement;
 mod perform;
 mod render;
 pub(crate) mod study;

@@ -17,11 +17,12 @@ const COLUMNS: usize = 100;
 /// Most words of a sentence in a page.
 const WORDS: usize = 40;
 /// Pages that a command writes.
-const GENERATED: [&str; 8] = [
+const GENERATED: [&str; 9] = [
     "docs/case.md",
     "docs/fields.md",
     "docs/figures.md",
     "docs/limits.md",
+    "docs/measured.md",
     "docs/mistakes.md",
     "docs/models.md",
     "docs/paper-elements.md",

@@ -7,11 +7,14 @@ use std::fs;
 /// A shipped case is an example: its plan gives no warning.
 #[test]
 fn the_plan_of_a_shipped_case_has_no_warning() {
-    let entries = fs::read_dir(root().join("cases")).unwrap().flatten();
-    let mut names: Vec<String> =
-        entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
-    names.retain(|name| name.ends_with(".toml"));
-    assert!(names.len() > 50, "{names:?}");
+    let names = |folder: &str| -> Vec<String> {
+        let entries = fs::read_dir(root().join("cases").join(folder)).unwrap().flatten();
+        let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+        let cases = names.filter(|name| name.ends_with(".toml") && name != "study.toml");
+        cases.map(|name| format!("{folder}{name}")).collect()
+    };
+    let names = [names(""), names("measured/")].concat();
+    assert!(names.len() > 60, "{names:?}");
     for name in &names {
         let planned = planned(&case(name), &[], &mut fleet());
         let warnings = planned.unwrap_or_else(|error| panic!("{name}: {error}")).plan.warnings;

@@ -18,6 +18,7 @@ mod explicit;
 mod failures;
 mod grids;
 mod licences;
+mod measured;
 mod paper;
 #[cfg(feature = "complete")]
 mod picture;

@@ -209,7 +209,7 @@ fn build_up(series: &GridSeries) -> Option<Figure> {
         let points = places.iter().zip(&values).map(|(x, v)| [*x, *v]).collect();
         let time = series.instants[instant].0;
         let name = Scale::of("s", time).show(time, 4);
-        Some(Line { name, points, dots: false, marks: false })
+        Some(Line { name, points, dots: false, marks: false, spreads: Vec::new() })
     };
     figure.lines = evenly(INSTANTS, count).map(line).collect::<Option<_>>()?;
     if count > INSTANTS {

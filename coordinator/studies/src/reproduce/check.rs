@@ -18,7 +18,10 @@ pub(super) fn check(study: &Study, file: &Path) -> Result<(), RunError> {
     wrong.extend(repeated("run", study.titles(None).map(|(name, _)| name)));
     wrong.extend(repeated("table", study.tables.iter().map(|table| &*table.id)));
     wrong.extend(repeated("figure", study.figures.iter().map(|figure| &*figure.id)));
+    let measured = study.measurements.iter();
+    wrong.extend(repeated("measurement", measured.map(|measurement| &*measurement.name)));
     wrong.extend(families(study, folder));
+    wrong.extend(measurements(study, folder));
     wrong.extend(limits(study));
     study.tables.iter().for_each(|table| wrong.extend(rows(study, table)));
     study.figures.iter().for_each(|figure| wrong.extend(lines(study, figure)));
@@ -50,6 +53,21 @@ fn families(study: &Study, folder: &Path) -> Vec<String> {
                 wrong.push(format!("run `{name}`: `at` needs an axis; name the axis with `over`"));
             }
             (None, None) => {}
+        }
+    }
+    wrong
+}
+
+fn measurements(study: &Study, folder: &Path) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for measurement in &study.measurements {
+        let place = format!("measurement `{}`", measurement.name);
+        let case = folder.join(&measurement.case);
+        if !case.is_file() {
+            wrong.push(format!("{place}: there is no case file {}", case.display()));
+        }
+        if let Err(reason) = measurement.read(&folder.join(&measurement.table)) {
+            wrong.push(format!("{place}: {reason}"));
         }
     }
     wrong

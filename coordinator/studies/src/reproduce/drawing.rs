@@ -86,6 +86,9 @@ impl Sources<'_> {
     fn plot(&self, spec: &PlotSpec) -> Result<Figure, String> {
         let mut figure = Figure::new(&spec.title, &spec.x_label, &spec.y_label);
         for line in &spec.lines {
+            if let LineSpec::Measured { measurement } = line {
+                figure = self.measured(figure, measurement)?;
+            }
             for (name, points, style) in self.lines(line)? {
                 figure = match style {
                     Style::Marks => figure.with_marks(name, points),
@@ -97,6 +100,31 @@ impl Sources<'_> {
             }
         }
         Ok(figure)
+    }
+
+    /// Adds a measurement: values with their scatter, computed values, and the band of the inputs.
+    fn measured(&self, figure: Figure, name: &str) -> Result<Figure, String> {
+        let found = self.study.measurements.iter().find(|measurement| measurement.name == name);
+        let spec = found.ok_or_else(|| format!("there is no measurement `{name}`"))?;
+        let comparison = self.values.comparison(name)?;
+        let points = |values: &[f64]| -> Points {
+            let pairs = comparison.x.iter().zip(values);
+            pairs.map(|(x, y)| [x / spec.x.per, y / spec.y.per]).collect()
+        };
+        let spreads = comparison.scatter.iter().flatten().map(|spread| spread / spec.y.per.abs());
+        let mut figure = figure.with("computed, without a fit", points(&comparison.stated));
+        if let (Some(fit), Some(fitted)) = (spec.fits.first(), comparison.fitted()) {
+            let name = format!("computed, {} fitted", fit.label);
+            figure = figure.with(name, points(&fitted.values));
+        }
+        if let Some([low, high]) = comparison.band() {
+            figure = figure.with("lowest, within the inputs", points(&low));
+            figure = figure.with("highest, within the inputs", points(&high));
+        }
+        for line in &mut figure.lines {
+            line.dots = false;
+        }
+        Ok(figure.with_spread("measured", points(&comparison.measured), spreads.collect()))
     }
 
     fn lines(&self, spec: &LineSpec) -> Result<Vec<(String, Points, Style)>, String> {
@@ -116,6 +144,7 @@ impl Sources<'_> {
                 let points = self.divided(points, x_per, y_per, run)?;
                 Ok(vec![(name.clone(), points, Style::Dots)])
             }
+            LineSpec::Measured { .. } => Ok(Vec::new()),
             LineSpec::Printed { name, points, joined } => {
                 let style = if *joined { Style::Line } else { Style::Marks };
                 Ok(vec![(name.clone(), points.clone(), style)])
@@ -146,7 +175,9 @@ impl Sources<'_> {
                 let points = image.along_surface(&field);
                 (points.ok_or_else(|| format!("{grid} is not a section"))?, x_per, y_per)
             }
-            LineSpec::Curve { .. } | LineSpec::Printed { .. } => return Ok(Vec::new()),
+            LineSpec::Curve { .. } | LineSpec::Measured { .. } | LineSpec::Printed { .. } => {
+                return Ok(Vec::new());
+            }
         };
         self.divided(points, x_per, y_per, &member.run)
     }

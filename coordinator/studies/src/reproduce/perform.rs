@@ -8,9 +8,10 @@ use crate::study::output::StudyFile;
 use console::case_arguments::Changes;
 use console::output::Speaker;
 use console::steps::Steps;
+use pages::source::Columns;
 use run::error::{RunError, file_failure};
 use run::results::summary::Summary;
-use run::results::{Existing, ResultFolder};
+use run::results::{Existing, ResultFolder, history};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -92,12 +93,15 @@ fn of_run(run: &Run, file: &Path, error: RunError) -> RunError {
     }
 }
 
-/// Copies the study and its template into the folder.
+/// Copies the study, its template and its tables of measured values into the folder.
 fn keep_study(study: &Study, file: &Path, folder: &StudyFolder) -> Result<(), RunError> {
-    let template = file.with_file_name(&study.text);
-    for (from, name) in [(file, STUDY), (&template, TEMPLATE)] {
-        let content = fs::read(from).map_err(|error| file_failure(from, &error))?;
-        folder.write(name, &content)?;
+    let own = [(file.to_owned(), STUDY.to_owned())];
+    let template = [(file.with_file_name(&study.text), TEMPLATE.to_owned())];
+    let tables = study.measurements.iter();
+    let tables = tables.map(|of| (file.with_file_name(&of.table), of.kept_table()));
+    for (from, name) in own.into_iter().chain(template).chain(tables) {
+        let content = fs::read(&from).map_err(|error| file_failure(&from, &error))?;
+        folder.write(&name, &content)?;
     }
     Ok(())
 }
@@ -135,6 +139,8 @@ pub(super) struct Outcome {
     pub(super) summary: Summary,
     /// The case as run.
     pub(super) case: toml::Table,
+    /// Contents of `history.csv`; empty if missing.
+    pub(super) history: Columns,
 }
 
 impl StudyFile for Record {
@@ -158,9 +164,12 @@ impl Record {
     /// Results of each run below `out`, by name.
     pub(super) fn outcomes(&self, out: &Path) -> BTreeMap<String, Outcome> {
         let outcome = |done: &Done| {
-            let case = fs::read_to_string(out.join(&done.folder).join("case.toml"));
-            let case = toml::from_str(&case.unwrap_or_default()).unwrap_or_default();
-            (done.name.clone(), Outcome { summary: done.summary.clone(), case })
+            let text = |name: &str| {
+                fs::read_to_string(out.join(&done.folder).join(name)).unwrap_or_default()
+            };
+            let case = toml::from_str(&text("case.toml")).unwrap_or_default();
+            let history = Columns::parse(&text(history::FILE));
+            (done.name.clone(), Outcome { summary: done.summary.clone(), case, history })
         };
         self.runs.iter().map(outcome).collect()
     }

@@ -1,6 +1,7 @@
 //! Renders the text, tables and figures of a study.
 
 use super::drawing::{Drawing, Sources, file_name};
+use super::measurement::{Fit, Measurement};
 use super::perform::{Record, STUDY, TEMPLATE};
 use super::study::{Column, FigureSpec, RowSpec, Study, TableSpec};
 use super::values::Values;
@@ -44,7 +45,8 @@ pub(super) fn rehearse(study: &Study, file: &Path) -> Result<(), RunError> {
         parts.tables.insert(spec.id.clone(), String::new());
     }
     parts.figures.extend(study.figures.iter().map(|figure| (figure.id.clone(), String::new())));
-    page(&path.display().to_string(), &template, &values, parts).map(drop)
+    let measured = measured(study, &values);
+    page(&path.display().to_string(), &template, &values, parts, measured).map(drop)
 }
 
 impl Rendered {
@@ -55,7 +57,9 @@ impl Rendered {
     pub(super) fn of(record: &Record, folder: &Path) -> Result<Self, RunError> {
         let study = Study::read(&folder.join(STUDY))?;
         let template = read(&folder.join(TEMPLATE))?;
-        let values = Arc::new(Values::new(&study, Some(record.outcomes(folder))));
+        let values = Values::new(&study, Some(record.outcomes(folder)));
+        let values = values.with_measurements(&study, folder).map_err(RunError::Usage)?;
+        let values = Arc::new(values);
         let folders = record.folders(folder);
         let of_run = |run: &str| folders.get(run).cloned().unwrap_or_default();
         let sources = Sources { study: &study, values: &values, folder: &of_run };
@@ -85,7 +89,8 @@ impl Rendered {
         let figures = figures.map(|(spec, all)| (spec.id.clone(), markdown(spec, all, images)));
         let parts = Parts { tables: tables.collect(), figures: figures.collect() };
         let name = self.study.text.display().to_string();
-        let text = page(&name, &self.template, &self.values, parts)?;
+        let measured = measured(&self.study, &self.values);
+        let text = page(&name, &self.template, &self.values, parts, measured)?;
         Ok(text.trim_end().to_owned() + "\n")
     }
 
@@ -263,6 +268,35 @@ pub(super) struct Parts {
     pub(super) figures: BTreeMap<String, String>,
 }
 
+/// A fit as a value of a template.
+fn fit_entry(fit: &Fit) -> Value {
+    let second = fit.second.as_ref().map(|second| second.label.clone());
+    Value::from_pairs([("label", Value::from(&*fit.label)), ("second", Value::from(second))])
+}
+
+/// Measurements as values of a template, those with the largest relative deviation first.
+fn measured(study: &Study, values: &Values) -> Vec<Value> {
+    let deviation = |of: &Measurement| values.find(&of.name, "relative.deviation").unwrap_or(0.0);
+    let mut all: Vec<&Measurement> = study.measurements.iter().collect();
+    all.sort_by(|one, other| deviation(other).total_cmp(&deviation(one)));
+    let entry = |of: &Measurement| {
+        Value::from_pairs([
+            ("name", Value::from(of.name.clone())),
+            ("title", Value::from(of.title.clone())),
+            ("kind", Value::from(of.kind.clone())),
+            ("source", Value::from(of.source.trim())),
+            ("note", Value::from(of.note.trim())),
+            ("case", Value::from(of.case.display().to_string())),
+            ("table", Value::from(of.table.display().to_string())),
+            ("figure", Value::from(of.figure.clone())),
+            ("unit", Value::from(of.unit.clone())),
+            ("fits", Value::from_iter(of.fits.iter().map(fit_entry))),
+            ("inputs", Value::from(of.inputs.clone())),
+        ])
+    };
+    all.into_iter().map(entry).collect()
+}
+
 /// Fills the template `text`; messages call it `name`.
 ///
 /// # Errors
@@ -272,8 +306,11 @@ pub(super) fn page(
     text: &str,
     values: &Arc<Values>,
     parts: Parts,
+    measured: Vec<Value>,
 ) -> Result<String, RunError> {
     let mut templates = templates();
+    let present = Arc::clone(values);
+    templates.add_function("find", move |run: String, key: String| present.find(&run, &key));
     let figures = Arc::clone(values);
     templates.add_function("value", move |run: String, key: String| {
         figures.get(&run, &key).map_err(wrong)
@@ -285,7 +322,8 @@ pub(super) fn page(
     let Parts { tables, figures } = parts;
     templates.add_function("table", move |id: String| part("table", &tables, &id));
     templates.add_function("figure", move |id: String| part("figure", &figures, &id));
-    templates.render_named_str(name, text, Value::UNDEFINED).map_err(|error| refusal(&error))
+    let context = Value::from_pairs([("measurements", Value::from(measured))]);
+    templates.render_named_str(name, text, context).map_err(|error| refusal(&error))
 }
 
 /// Fills the cell of a table.

@@ -2,8 +2,10 @@
 //!
 //! A study is data: `study.toml` names cases and their changes, and a template beside it holds the
 //! text. A *family* is one `[[run]]` entry. With `over` a family has one run for each value of an
-//! axis, named `FAMILY/VALUE`, and `{AXIS}` stands for the value in its changes.
+//! axis, named `FAMILY/VALUE`, and `{AXIS}` stands for the value in its changes. A `[[measurement]]`
+//! has runs of its own, and a plot under its name.
 
+use super::measurement::Measurement;
 use console::case_arguments::Changes;
 use contract::input_file::{self, InputFileError};
 use run::error::{RunError, input_failure};
@@ -28,8 +30,11 @@ pub(crate) struct Study {
     #[serde(default)]
     pub axes: BTreeMap<String, Vec<String>>,
     /// Runs and families of runs.
-    #[serde(rename = "run")]
+    #[serde(default, rename = "run")]
     pub families: Vec<Family>,
+    /// Measured values, each with the runs that are compared with them.
+    #[serde(default, rename = "measurement")]
+    pub measurements: Vec<Measurement>,
     /// Quantities extrapolated from runs.
     #[serde(default, rename = "limit")]
     pub limits: Vec<Limit>,
@@ -245,6 +250,12 @@ pub(crate) enum LineSpec {
         #[serde(default)]
         y_per: Divisor,
     },
+    /// Measured values with their scatter, and the values computed without and with a fit and
+    /// within the ranges of the inputs.
+    Measured {
+        /// Name of the measurement.
+        measurement: String,
+    },
     /// Printed values of a publication.
     Printed {
         /// Name in the legend.
@@ -265,7 +276,24 @@ impl LineSpec {
             | Self::Depth { run, .. }
             | Self::Surface { run, .. }
             | Self::Curve { run, .. } => Some(run),
-            Self::Printed { .. } => None,
+            Self::Measured { .. } | Self::Printed { .. } => None,
+        }
+    }
+}
+
+impl From<&Measurement> for FigureSpec {
+    fn from(measurement: &Measurement) -> Self {
+        let plot = PlotSpec {
+            title: measurement.title.clone(),
+            x_label: measurement.x.label.clone(),
+            y_label: measurement.y.label.clone(),
+            lines: vec![LineSpec::Measured { measurement: measurement.name.clone() }],
+        };
+        Self {
+            id: measurement.name.clone(),
+            title: "Measured and computed values".to_owned(),
+            plots: vec![plot],
+            maps: Vec::new(),
         }
     }
 }
@@ -359,7 +387,10 @@ impl Study {
             }
             error => input_failure(path, &error),
         })?;
-        toml::from_str(&text).map_err(|error| RunError::Usage(format!("{shown}: {error}")))
+        let study: Result<Self, _> = toml::from_str(&text);
+        let mut study = study.map_err(|error| RunError::Usage(format!("{shown}: {error}")))?;
+        study.figures.extend(study.measurements.iter().map(FigureSpec::from));
+        Ok(study)
     }
 
     /// Lists all runs. Case files are relative to `folder`.
@@ -379,7 +410,16 @@ impl Study {
             };
             family.members(&self.axes).into_iter().map(run).collect::<Vec<Run>>()
         };
-        self.families.iter().flat_map(of).collect()
+        let measured = |measurement: &Measurement| {
+            let run = |(name, set): (String, Vec<String>)| Run {
+                name,
+                case: folder.join(&measurement.case),
+                variant: Changes { set, unset: Vec::new() },
+            };
+            measurement.runs().into_iter().map(run).collect::<Vec<Run>>()
+        };
+        let families = self.families.iter().flat_map(of);
+        families.chain(self.measurements.iter().flat_map(measured)).collect()
     }
 
     /// Runs that a name refers to: all of a family, or a single one; `None` for an unknown name.
@@ -406,7 +446,7 @@ impl Study {
         families.chain(limits).filter(wanted).map(|(name, title, _)| (&**name, &**title))
     }
 
-    /// Names of everything that has results: runs, and limits at each value.
+    /// Names of everything that has results: runs, limits at each value, and measurements.
     #[must_use]
     pub(crate) fn names(&self) -> BTreeSet<String> {
         let runs = self.families.iter().flat_map(|family| family.members(&self.axes));
@@ -420,6 +460,10 @@ impl Study {
             };
             members.map(name).collect::<Vec<String>>()
         };
-        runs.chain(self.limits.iter().flat_map(values)).collect()
+        let measured = self.measurements.iter().flat_map(|measurement| {
+            let runs = measurement.runs().into_iter().map(|(name, _)| name);
+            runs.chain([measurement.name.clone()]).collect::<Vec<String>>()
+        });
+        runs.chain(self.limits.iter().flat_map(values)).chain(measured).collect()
     }
 }

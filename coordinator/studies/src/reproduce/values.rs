@@ -1,9 +1,11 @@
 //! Results of runs and limits, by name and key.
 
+use super::measurement::Comparison;
 use super::perform::Outcome;
 use super::study::{Limit, Study};
 use crate::study::richardson::{Estimate, Sample};
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 /// All results of a study.
 #[derive(Clone, Debug)]
@@ -14,6 +16,8 @@ pub(super) struct Values {
     fineness: BTreeMap<String, f64>,
     /// Results by the name of the run; `None` in a rehearsal.
     outcomes: Option<BTreeMap<String, Outcome>>,
+    /// Measured and computed values by the name of the measurement.
+    comparisons: BTreeMap<String, Comparison>,
 }
 
 impl Values {
@@ -26,19 +30,52 @@ impl Values {
             limits: study.limits.clone(),
             fineness: fine.collect(),
             outcomes,
+            comparisons: BTreeMap::new(),
         }
     }
 
-    /// Looks up a quantity of a run or limit; `None` if the run or the quantity does not exist.
+    /// Compares the measurements of the study, with their tables in `folder`, with their runs.
+    ///
+    /// # Errors
+    /// A table cannot be read, or a run does not fit its table.
+    pub(super) fn with_measurements(
+        mut self,
+        study: &Study,
+        folder: &Path,
+    ) -> Result<Self, String> {
+        let outcomes = self.outcomes.iter().flatten().collect::<BTreeMap<_, _>>();
+        let history = |name: &str| outcomes.get(&name.to_owned()).map(|of| &of.history);
+        for measurement in &study.measurements {
+            let comparison = measurement.compare(folder, history);
+            let comparison =
+                comparison.map_err(|why| format!("measurement `{}`: {why}", measurement.name))?;
+            self.comparisons.insert(measurement.name.clone(), comparison);
+        }
+        Ok(self)
+    }
+
+    /// Looks up the values of a measurement.
+    ///
+    /// # Errors
+    /// There is no measurement of this name.
+    pub(super) fn comparison(&self, name: &str) -> Result<&Comparison, String> {
+        self.comparisons.get(name).ok_or_else(|| {
+            let known: Vec<&str> = self.comparisons.keys().map(String::as_str).collect();
+            format!("there is no measurement `{name}`; known: {}", known.join(", "))
+        })
+    }
+
+    /// Looks up a quantity of a run, limit or measurement; `None` if it does not exist.
     #[must_use]
     pub(super) fn find(&self, name: &str, key: &str) -> Option<f64> {
         if !self.names.contains(name) {
             return None;
         }
         let Some(outcomes) = &self.outcomes else { return Some(stand_in(name, key)) };
-        match outcomes.get(name) {
-            Some(outcome) => outcome.summary.value(key),
-            None => self.extrapolated(name, key),
+        match (outcomes.get(name), self.comparisons.get(name)) {
+            (Some(outcome), _) => outcome.summary.value(key),
+            (None, Some(comparison)) => comparison.quantity(key),
+            (None, None) => self.extrapolated(name, key),
         }
     }
 
