@@ -144,6 +144,7 @@ impl TransitionFault {
             "protocol" => |reply, _| reply.protocol = 0,
             "sequence" => |reply, _| reply.sequence -= 1,
             "body" => |_, body| *body = b"{".to_vec(),
+            "none" => |_, _| (),
             other => panic!("there is no fault {other}"),
         };
         Some(Self::Reply(change))

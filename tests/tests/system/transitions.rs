@@ -34,6 +34,13 @@ fn fault_named_at(kind: &str, phase: &str) {
     }
 }
 
+/// The rogue writes no state.
+#[test]
+fn a_state_that_is_not_written_is_named() {
+    let phase = "while saving its state after window 0";
+    assert_named("Save", phase, "none", "it replied to Save without a file of its state");
+}
+
 /// Bodies of replies are data of another program.
 #[test]
 fn a_body_that_cannot_be_read_is_named() {
@@ -46,7 +53,8 @@ fn a_body_that_cannot_be_read_is_named() {
 fn assert_named(kind: &str, phase: &str, fault: &str, words: &str) {
     let place = Place::new();
     let command = format!("left.command=[\"toy\", \"rogue\", \"at={kind}:{fault}\"]");
-    let mut settings = vec!["time.end=3", "left.points=10", "output.checkpoint_every=1", &command];
+    let mut settings = vec!["time.end=3", "left.points=10", &command];
+    settings.extend((kind == "Save").then_some("output.checkpoint_every=1"));
     settings.extend(match (fault, kind) {
         ("silent", _) => Some("coupling.heartbeat_deadline=1.5"),
         ("busy", "Describe" | "Configure" | "Connect") => Some("coupling.start_deadline=3"),

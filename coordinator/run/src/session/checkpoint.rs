@@ -50,6 +50,10 @@ impl Session {
         let mut pending = self.peers.all().keys().collect();
         while let Some((participant, answer)) = self.peers.next_reply(&mut pending, |_| deadline)? {
             answer?;
+            if !folder.join(state_file(self.peers.all()[participant].role())).is_file() {
+                let what = "it replied to Save without a file of its state".to_owned();
+                return Err(self.peers.misbehaved(participant, what));
+            }
             self.record_state(participant, folder)?;
         }
         Ok(names)
