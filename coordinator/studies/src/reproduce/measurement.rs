@@ -498,7 +498,7 @@ mod tests {
         assert!((deviation - ((96.0_f64 - 0.08).powi(2) / 2.0).sqrt()).abs() < 0.1, "{deviation}");
     }
 
-    /// Of two lists of runs the one is taken whose straight line passes closer.
+    /// The list of runs whose straight line passes closer wins.
     #[test]
     fn the_best_value_of_a_second_key_is_taken() {
         let mut two = comparison();
