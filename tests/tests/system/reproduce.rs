@@ -189,7 +189,7 @@ inputs = ["load.normal_force=1.9 kN"]
 "#;
 
 /// Full slip: 800 N, and noise.
-const RIG_VALUES: &str = "test;creepage;force;noise;operator\n-;%;kN;N;-\n\
+const RIG_VALUES: &str = "test;creepage;force;noise;operator\ns;%;kN;N;-\n\
                           1;-3;0,807;10;A\n2;-4;0,795;10;B\n3;-5;0,797;10;A\n4;-6;0,803;10;B\n";
 
 const RIG_CASE: &str = r#"

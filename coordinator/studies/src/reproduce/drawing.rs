@@ -113,9 +113,10 @@ impl Sources<'_> {
         };
         let spreads = comparison.scatter.iter().flatten().map(|spread| spread / spec.y.per.abs());
         let mut figure = figure.with("computed, without a fit", points(&comparison.stated));
-        if let (Some(fit), Some(fitted)) = (spec.fits.first(), comparison.fitted()) {
-            let name = format!("computed, {} fitted", fit.label);
-            figure = figure.with(name, points(&fitted.values));
+        for (fit, fitted) in spec.fits.iter().zip(comparison.fitted()) {
+            let second = fit.second.as_ref().map(|second| format!(" and {}", second.label));
+            let name = format!("computed, {}{} fitted", fit.label, second.unwrap_or_default());
+            figure = figure.with(name, points(&fitted));
         }
         if let Some([low, high]) = comparison.band() {
             figure = figure.with("lowest, within the inputs", points(&low));

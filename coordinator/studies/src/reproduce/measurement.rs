@@ -55,7 +55,7 @@ pub(crate) struct Measurement {
     /// Axes of the plot.
     pub x: PlotAxis,
     pub y: PlotAxis,
-    /// Fits, each on its own. The plot shows the first.
+    /// Fits, each on its own.
     #[serde(default, rename = "fit")]
     pub fits: Vec<Fit>,
     /// Changes that put one uncertain input to an end of its range.
@@ -100,8 +100,10 @@ pub(crate) struct Fit {
 pub(crate) struct SecondKey {
     /// Key of the case.
     pub key: String,
-    /// Name in texts, with the unit of the values.
+    /// Name in texts and legends.
     pub label: String,
+    /// Unit of the values.
+    pub unit: String,
     /// Values that are run.
     pub values: Vec<String>,
 }
@@ -281,10 +283,10 @@ impl FitValues {
 
 /// Fitted parameters, and the values computed with them.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Fitted {
+struct Fitted {
     parameter: f64,
     second: Option<f64>,
-    pub(super) values: Vec<f64>,
+    values: Vec<f64>,
 }
 
 /// Rows of a table that take part in a comparison.
@@ -308,10 +310,9 @@ impl Part {
 }
 
 impl Comparison {
-    /// Fits the first fit to all rows; `None` without a fit.
-    #[must_use]
-    pub(super) fn fitted(&self) -> Option<Fitted> {
-        self.fit(self.fits.first()?, Part::All)
+    /// Values computed with the parameters of each fit, fitted to all rows.
+    pub(super) fn fitted(&self) -> impl Iterator<Item = Vec<f64>> {
+        self.fits.iter().filter_map(|fit| Some(self.fit(fit, Part::All)?.values))
     }
 
     /// Least squares in every interval between two values of the key, for every value of the
@@ -464,24 +465,25 @@ mod tests {
     /// The exact least squares of a straight line through zero: Σxm / Σx².
     #[test]
     fn the_fit_is_that_of_least_squares() {
-        let fitted = comparison().fitted().unwrap();
+        let parameter = comparison().quantity("fit.1.parameter").unwrap();
         let exact = (2.1 + 2.0 * 3.9 + 3.0 * 6.1 + 4.0 * 7.9) / 30.0;
-        assert!((fitted.parameter - exact).abs() < 1e-14, "{fitted:?} {exact}");
-        assert!((fitted.values[3] - 4.0 * exact).abs() < 1e-13);
+        assert!((parameter - exact).abs() < 1e-14, "{parameter} {exact}");
+        let values = comparison().fitted().next().unwrap();
+        assert!((values[3] - 4.0 * exact).abs() < 1e-13, "{values:?}");
     }
 
     #[test]
     fn weights_favour_values_with_less_scatter() {
         let mut weighted = comparison();
         weighted.scatter = Some(vec![1e-6, 1.0, 1.0, 1.0]);
-        assert!((weighted.fitted().unwrap().parameter - 2.1).abs() < 1e-9);
+        assert!((weighted.quantity("fit.1.parameter").unwrap() - 2.1).abs() < 1e-9);
     }
 
     #[test]
     fn the_fit_stays_between_the_first_and_the_last_value() {
         let mut outside = comparison();
         outside.measured = vec![9.0, 18.0, 27.0, 36.0];
-        assert_eq!(outside.fitted().unwrap().parameter, 5.0);
+        assert_eq!(outside.quantity("fit.1.parameter"), Some(5.0));
     }
 
     /// The fit sees rows 1 and 3, the deviation rows 2 and 4.
@@ -496,7 +498,7 @@ mod tests {
         assert!((deviation - ((96.0_f64 - 0.08).powi(2) / 2.0).sqrt()).abs() < 0.1, "{deviation}");
     }
 
-    /// Of two lists of runs the one is taken whose straight line passes closer.
+    /// The list of runs whose straight line passes closer wins.
     #[test]
     fn the_best_value_of_a_second_key_is_taken() {
         let mut two = comparison();

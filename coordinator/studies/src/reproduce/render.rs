@@ -270,8 +270,12 @@ pub(super) struct Parts {
 
 /// A fit as a value of a template.
 fn fit_entry(fit: &Fit) -> Value {
-    let second = fit.second.as_ref().map(|second| second.label.clone());
-    Value::from_pairs([("label", Value::from(&*fit.label)), ("second", Value::from(second))])
+    let second = fit.second.as_ref();
+    Value::from_pairs([
+        ("label", Value::from(&*fit.label)),
+        ("second", Value::from(second.map(|second| second.label.clone()))),
+        ("second_unit", Value::from(second.map(|second| second.unit.clone()))),
+    ])
 }
 
 /// Measurements as values of a template, those with the largest relative deviation first.

@@ -2,8 +2,8 @@
 //!
 //! A study is data: `study.toml` names cases and their changes, and a template beside it holds the
 //! text. A *family* is one `[[run]]` entry. With `over` a family has one run for each value of an
-//! axis, named `FAMILY/VALUE`, and `{AXIS}` stands for the value in its changes. A `[[measurement]]`
-//! has runs of its own, and a plot under its name.
+//! axis, named `FAMILY/VALUE`, and `{AXIS}` stands for the value in its changes. A
+//! `[[measurement]]` has runs of its own, and a plot under its name.
 
 use super::measurement::Measurement;
 use console::case_arguments::Changes;
