@@ -172,11 +172,12 @@ fn what_the_layer_takes_is_friction_power() {
 }
 
 /// After enough rolling, with particles that carry their plastic shift from step to step, a contact
-/// reaches its steady state, where shifts accumulate along the rows. Tolerance: that of tractions.
+/// reaches its steady state, where shifts accumulate along the rows. The slip zone is so long that
+/// both grids are the same. Tolerance: that of tractions.
 #[test]
 fn rolling_with_memory_comes_to_the_steady_state() {
     for hardening in [5e12, 1e14, -2e12] {
-        let creepage = json!({"xi": -3e-3, "eta": 1e-3, "phi": 0.2});
+        let creepage = json!({"xi": -5e-3, "eta": 1e-3, "phi": 0.2});
         let steady = run(&rolling(creepage.clone(), hardening));
         let mut case = rolling(creepage, hardening);
         case["mech"]["rolling"] = json!("transient");

@@ -102,7 +102,7 @@ impl Case {
         let patch =
             Patch { semi_axes, line, normal_force, max_pressure, friction_coefficient, bodies };
         let zone = patch.slip_zone(&self.driven).filter(|_| speeds.rolling > 0.0);
-        zone.map(|zone| zone * semi_axes[0])
+        zone.map(|zone| zone.length * semi_axes[0])
     }
 
     /// Undeformed distance at the element centres [m]; `None` if the pressure is given.

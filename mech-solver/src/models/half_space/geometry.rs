@@ -6,7 +6,7 @@
 
 use super::drive::Driven;
 use super::gap::Gap;
-use super::spacing::{Patch as SlippingPatch, share};
+use super::spacing::{Patch as SlippingPatch, Zone};
 use crate::case::difference;
 use crate::case::ellipse::{Ellipse, Extent};
 use crate::case::keys::CheckedParams;
@@ -249,16 +249,15 @@ pub(in crate::models) fn footprint(
     Ok(Footprint { gap, ellipse: None, semi_axes, smallest, slips, grid, peak_y, remarks })
 }
 
-/// Mean length of the slip zone over the semi-axis a, where it is known before the solve: the whole
-/// contact, or the zone of a steady contact.
+/// Slip zone, where it is known before the solve: the whole contact, or that of a steady contact.
 fn slip_zone(
     configuration: &Configuration,
     shapes: &Shapes<'_>,
     patch: &SlippingPatch<'_>,
-) -> Result<Option<f64>, Refusal> {
+) -> Result<Option<Zone>, Refusal> {
     let Shapes { scene, given, terms, follows_slip, .. } = shapes;
     if !terms.adhesion || scene.slides() {
-        return Ok(Some(SlippingPatch::WHOLE));
+        return Ok(Some(Zone::WHOLE));
     }
     if !follows_slip {
         return Ok(None);
@@ -270,9 +269,9 @@ fn slip_zone(
 /// Length of the elements along x [m]: that of elements of a grid as fine as the case asks for, or
 /// a whole part of the semi-axis `a` where the slip zone is short. A grid over this area [m²] does
 /// not become too large.
-fn along(shapes: &Shapes<'_>, zone: Option<f64>, [a, side, dy]: [f64; 3], area: f64) -> f64 {
+fn along(shapes: &Shapes<'_>, zone: Option<Zone>, [a, side, dy]: [f64; 3], area: f64) -> f64 {
     let Some(zone) = zone.filter(|_| shapes.follows_slip) else { return side };
-    let wanted = side.min((area / (dy * MOST_RESOLVED)).max(side * share(zone)));
+    let wanted = side.min((area / (dy * MOST_RESOLVED)).max(side * zone.share()));
     if wanted < side { a / (a / wanted - WHOLE).ceil() } else { side }
 }
 
