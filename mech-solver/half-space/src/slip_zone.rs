@@ -143,14 +143,17 @@ impl SlippingRows<'_> {
     }
 
     /// Takes the power of the slip zone at the trailing edge from the elements of a row [W/m²]:
-    /// all but that of slip elsewhere. `None` for rows without adhesion or with unknown edges.
+    /// all but that of slip elsewhere. `None` for rows without adhesion or with unknown edges, and
+    /// where slip elsewhere has more power. Under spin, elements at the edge may stick behind a
+    /// slip zone, and the numerical dissipation of the row would heat them.
     fn take(&self, row: usize, power: &mut [f64]) -> Option<f64> {
         let (_, stick) = self.chords.get(row).copied().flatten().zip(self.first_stick(row))?;
         let elements = self.elements(row);
         let slips = |i: usize| i > stick && elements[i] == ElementState::Slip;
         let own = || (0..power.len()).filter(|i| !slips(*i));
         let sum: f64 = own().map(|i| power[i]).sum();
-        if sum <= 0.0 {
+        let upstream: f64 = (0..power.len()).filter(|i| slips(*i)).map(|i| power[i]).sum();
+        if sum <= 0.0 || upstream > power[..stick].iter().sum() {
             return None;
         }
         let own: Vec<usize> = own().collect();

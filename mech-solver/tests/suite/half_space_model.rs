@@ -325,6 +325,21 @@ fn a_shift_happens_once() {
     assert_close(given.number("traction_coefficient"), 0.875 * 0.3, 1e-3);
 }
 
+/// Under spin, elements at the trailing edge of a narrow contact stick behind the slip zone. They
+/// take no friction power from it.
+#[test]
+fn sticking_elements_at_the_trailing_edge_take_no_power() {
+    let mut case = rolling(half_space(20), [0.0, 0.0, 1.0212]);
+    case["bodies"]["rail"]["radius_y"] = json!(0.0395);
+    case["mech"]["lateral_resolution"] = json!(5);
+    let run = run(&case);
+    let grid = run.grid().as_structured().expect("a plane contact");
+    let power = run.fields["friction_power"].iter().enumerate();
+    let (hottest, _) = power.max_by(|one, other| one.1.total_cmp(other.1)).expect("a field");
+    let x = grid.x(hottest % grid.ni) / run.number("semi_axis_a_m");
+    assert!(x > -0.95, "the largest friction power is at x/a = {x}");
+}
+
 /// From rest to steady rolling: after a few contact lengths the tractions equal the steady
 /// solution, which then satisfies the same equations. The slip zone is so long that both grids are
 /// the same. Tolerance: that of both Newton iterations.

@@ -57,9 +57,9 @@ fn a_narrow_slip_zone_is_resolved_by_the_advised_resolution() {
     }
 }
 
-/// Half-spaces have n elements per semi-axis, and n/2 or more across the slip zone of a longitudinal
-/// creepage, n or more across that of lateral creepage and spin. The bounds are the errors of the
-/// estimate by strips, and half an element at either edge.
+/// Half-spaces have n elements per semi-axis, n/2 or more across the slip zone of a longitudinal
+/// creepage, and n or more across that of lateral creepage and spin. The bounds are the errors of
+/// the estimate by strips, and half an element at either edge.
 #[test]
 fn elements_follow_the_slip_zone() {
     let creepage = |xi: f64, eta: f64, phi: f64| json!({"xi": xi, "eta": eta, "phi": phi});
