@@ -2,9 +2,9 @@
 //! values.
 //!
 //! A [`study::Study`] is data: cases with their changes, printed or measured values, and the tables
-//! and figures to make from both. The text is a template ([`text`]). Every run is an ordinary run, in
-//! the same processes and with the same shared memory. The code does not depend on the subject of a
-//! study: a further level of fidelity is one more `[[run]]` in its file.
+//! and figures to make from both. The text is a template ([`text`]). Every run is an ordinary run,
+//! in the same processes and with the same shared memory. The code does not depend on the subject
+//! of a study: a further level of fidelity is one more `[[run]]` in its file.
 //!
 //! ```text
 //! study.toml + text ─ check, rehearse ─▶ runs/*, reproduce.json ─ render ─▶ paper.md, img/*.svg, report.html
