@@ -14,9 +14,9 @@ pub(crate) const RADIUS: f64 = 0.46;
 pub(crate) const FRICTION: f64 = 0.6;
 pub(crate) const SPEED: f64 = 38.889;
 /// Density of a heavy steel [kg/m³]. The steps of explicit elements are proportional to its root.
-/// At [`SPEED`], the inertia of the material remains a quarter of a per cent of its stiffness: the
-/// square of the speed over that of surface waves.
-pub(crate) const HEAVY: f64 = 1e5;
+/// At [`SPEED`], the inertia of the material remains a per cent of its stiffness: the square of the
+/// speed over that of surface waves.
+pub(crate) const HEAVY: f64 = 4e5;
 /// Compliance sum of steel on steel [1/Pa].
 pub(crate) const STEEL: f64 = 2.0 * 0.91 / 210e9;
 

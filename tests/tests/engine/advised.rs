@@ -43,7 +43,7 @@ table_of_tests! { advice_is_true:
 /// the models of the scene do not support are left out, as those are whose run does not converge
 /// (`beyond`); at least `least` are compared.
 fn advice_is_true(name: &str, settings: &[&str], least: usize, beyond: &[&str]) {
-    let coarse = ["mech.model=half-space", "mech.resolution=8"];
+    let coarse = ["mech.model=half-space", "mech.resolution=6"];
     let (file, changes) = (case(name), sets(&[&coarse, settings].concat()));
     let mut fleet = fleet();
     let standing = planned(&file, &changes, &mut fleet).unwrap_or_else(|error| panic!("{error}"));

@@ -174,7 +174,7 @@ fn a_failure_beside_one_still_at_work_keeps_its_words() {
 /// The nightly tests repeat this many more times, on busy processors.
 #[test]
 fn a_failing_participant_keeps_its_words() {
-    failures_keep_their_words(32, 2);
+    failures_keep_their_words(24, 0);
 }
 
 #[test]

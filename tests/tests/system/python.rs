@@ -304,7 +304,7 @@ fn a_wished_grid_gets_all_the_heat() {
 fn a_killed_run_is_resumed() {
     let python = strip_columns();
     let settings =
-        [python.as_str(), "mech.resolution=8", "time.end=1.2 ms", "output.checkpoint_every=7"];
+        [python.as_str(), "mech.resolution=4", "time.end=1.2 ms", "output.checkpoint_every=7"];
     let more = sets(&settings);
     let (undisturbed, expected) = run("cold-start.toml", &settings);
     let place = Place::new();
@@ -327,7 +327,7 @@ fn a_killed_run_is_resumed() {
 /// the fault in the build at hand.
 #[test]
 fn a_wrong_index_is_found_from_two_recordings() {
-    let time = ["time.mode=transient", "time.window=5 us", "time.end=200 us", "mech.resolution=10"];
+    let time = ["time.mode=transient", "time.window=5 us", "time.end=200 us", "mech.resolution=5"];
     let record = |fault: &str| {
         let place = Place::new();
         let solver = faulty(fault);

@@ -82,14 +82,14 @@ fn the_layer_of_a_passage_is_as_long_as_what_has_been_hot() {
     assert!(crossing(FLUX) < 0.6 * passing, "the rise is reached before the material has passed");
     for elements in [0.37, 6.3] {
         let window = elements * ELEMENT / SPEED;
-        let on = (3.0 * passing / window).round();
+        let on = (1.5 * passing / window).round();
         let mut run = Run::new("columns", Mode::Transient, plane(), case(json!({})));
         let flux = along(|column| if heated.contains(&column) { FLUX } else { 0.0 });
         for _ in 0..on as usize {
             run.advance(&flux, window);
         }
         let hot = figures(&run, "rail")("hot_length_m").unwrap();
-        for _ in 0..(5.0 * passing / window) as usize {
+        for _ in 0..(3.0 * passing / window) as usize {
             run.advance(&along(|_| 0.0), window);
         }
         let rail = figures(&run, "rail");
