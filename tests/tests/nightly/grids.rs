@@ -11,14 +11,17 @@ struct Shape {
     ratio: f64,
     /// Factors of the creepages and of the spin, in proportion to f p₀/G and f p₀/(G √(ab)).
     sizes: [f64; 2],
-    /// Limit of the largest error of the forces at a/20 [% of f N], as on the page.
+    /// Limit of the largest error of the forces at a/20 [% of f N], as on the page. That of the
+    /// narrow ellipse is the error of its five rows per semi-axis.
     forces: f64,
+    /// Limit of the largest error of the rise at a/20 [%], as on the page.
+    rise: f64,
 }
 
 const SHAPES: [Shape; 3] = [
-    Shape { crown: 0.0395, ratio: 0.2, sizes: [2.264, 3.404], forces: 0.5 },
-    Shape { crown: 0.3, ratio: 0.75, sizes: [1.0, 1.0], forces: 0.07 },
-    Shape { crown: 2.35, ratio: 3.0, sizes: [0.536, 0.393], forces: 0.04 },
+    Shape { crown: 0.0395, ratio: 0.2, sizes: [2.264, 3.404], forces: 0.6, rise: 5.6 },
+    Shape { crown: 0.3, ratio: 0.75, sizes: [1.0, 1.0], forces: 0.07, rise: 0.65 },
+    Shape { crown: 2.35, ratio: 3.0, sizes: [0.536, 0.393], forces: 0.04, rise: 1.7 },
 ];
 /// Creepages ξ, η [-] and φ [1/m] at b/a = 0.75.
 const CREEPAGES: [[f64; 3]; 6] = [
@@ -96,7 +99,7 @@ fn motions([size, spin]: [f64; 2]) -> Vec<(String, Vec<String>)> {
 /// --nocapture`. Limits are those of the page.
 #[test]
 fn errors_fall_with_the_grid_wherever_it_lies() {
-    for Shape { crown, ratio, sizes, forces } in SHAPES {
+    for Shape { crown, ratio, sizes, forces, rise } in SHAPES {
         for (name, motion) in motions(sizes) {
             let truth = Run::new(crown, &motion, REFERENCE, None);
             for resolution in RESOLUTIONS {
@@ -111,7 +114,7 @@ fn errors_fall_with_the_grid_wherever_it_lies() {
                         .for_each(|(most, error)| *most = most.max(error));
                 }
                 println!("b/a = {ratio}, {name}, a/{resolution}: {largest:.2?}");
-                let met = resolution != 20 || largest[0] < forces;
+                let met = resolution != 20 || (largest[0] < forces && largest[3] < rise);
                 assert!(met, "b/a = {ratio}, {name}: {largest:.2?}");
             }
         }
