@@ -243,7 +243,8 @@ fn a_measurement_of_ones_own_gives_a_page() {
         assert!(page.contains(told), "`{told}` is missing: {page}");
     }
     let plot = fs::read_to_string(kept.with_file_name("img/kept/fig-rig-1.svg")).unwrap();
-    assert_eq!(plot.matches("class=\"mark\" d").count(), 4, "{plot}");
+    // Four values, and the mark of the legend.
+    assert_eq!(plot.matches("class=\"mark\" d").count(), 5, "{plot}");
     for name in ["without a fit", "friction fitted", "lowest", "highest", "measured"] {
         assert!(plot.contains(name), "{name} is missing: {plot}");
     }
