@@ -149,7 +149,7 @@ fn legend(keys: &[Key<'_>], wide: f64, svg: &mut String, mut y: f64) -> f64 {
 fn sample(class: &str, [left, right]: [f64; 2], y: f64) -> String {
     let line = format!("M{left:.2} {y:.2}H{right:.2}");
     match class {
-        "mark" => mark([left + 12.0, y]),
+        "mark" => mark([0.5 * (left + right), y]),
         class if class.starts_with("edge") => format!(
             "<path class=\"casing\" d=\"{line}\"/>\n<path class=\"edge {class}\" d=\"{line}\"/>\n"
         ),
@@ -192,6 +192,11 @@ mod tests {
         // Two in the plot, one in the legend.
         assert_eq!(svg.matches("class=\"mark\"").count(), 3);
         assert!(!svg.contains("href") && svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
+    }
+
+    #[test]
+    fn a_mark_of_the_legend_is_in_the_middle_of_its_sample() {
+        assert_eq!(sample("mark", [10.0, 40.0], 7.0), mark([25.0, 7.0]));
     }
 
     #[test]

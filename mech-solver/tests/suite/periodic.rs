@@ -138,6 +138,10 @@ fn roughness_repeats() {
     let mut odd = wavy(1e6, 64);
     odd["effects"]["roughness"]["wavelength_x"] = json!(0.7e-3);
     assert_eq!(refusal(&configuration(&odd)).key, "effects.roughness.wavelength_x");
+    // Each direction has its own period: the wave is as long as the cell, which is half as wide.
+    let mut narrow = wavy(1e6, 64);
+    narrow["mech"]["period_y"] = json!(0.5e-3);
+    assert!(super::common::run(&narrow).number("area_ratio") < 1.0);
 }
 
 #[test]

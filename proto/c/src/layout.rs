@@ -276,4 +276,24 @@ mod tests {
         assert_eq!(all.unwrap_err().to_string(), "cosim_layout_grid: `layout` is NULL");
         assert_eq!(layout.layout, Layout::default());
     }
+
+    /// Durations and errors that are negative, unbounded or no numbers.
+    #[test]
+    fn numbers_out_of_range_are_reported() {
+        for number in [-1.0, f64::INFINITY, f64::NAN] {
+            let mut layout = CosimLayout::default();
+            let to = &raw mut layout;
+            let all = call("configure", || unsafe {
+                let statuses = [
+                    cosim_layout_cost(to, number, 0),
+                    cosim_layout_build_seconds(to, number),
+                    cosim_layout_left_out(to, c"the wake".as_ptr(), number, c"a study".as_ptr()),
+                ];
+                assert_eq!(statuses, [COSIM_FAILED; 3], "{number}");
+                COSIM_OK
+            });
+            assert!(all.is_err(), "{number}");
+            assert_eq!(layout.layout, Layout::default());
+        }
+    }
 }

@@ -395,12 +395,16 @@ fn names_are_short_and_visible() {
 /// The XML parser compares each attribute with all others of its element.
 #[test]
 fn attributes_of_an_element_are_limited() {
-    let many: String = (0..40_000).map(|n| format!(" a{n}=\"1\"")).collect();
-    let text =
-        with(SMALL, "<data:scalar name=\"Way\"", &format!("<data:scalar name=\"Way\"{many}"));
+    let with_more = |count: usize| {
+        let more: String = (0..count).map(|n| format!(" a{n}=\"1\"")).collect();
+        with(SMALL, "<data:scalar name=\"Way\"", &format!("<data:scalar name=\"Way\"{more}"))
+    };
     let begun = std::time::Instant::now();
-    assert_eq!(fault(&text), ConfigError::Attributes { line: 3, most: 64 });
+    assert_eq!(fault(&with_more(40_000)), ConfigError::Attributes { line: 3, most: 64 });
     assert!(begun.elapsed().as_secs() < 5);
+    // The name is one of the 64.
+    parse(&with_more(63));
+    assert_eq!(fault(&with_more(64)), ConfigError::Attributes { line: 3, most: 64 });
 }
 
 #[test]

@@ -335,7 +335,7 @@ fn a_flat_function_is_refused_or_accurate() {
         Basis::Multiquadrics,
         Basis::InverseMultiquadrics,
     ];
-    for (basis, n) in smooth.into_iter().flat_map(|basis| [20, 40, 60].map(|n| (basis, n))) {
+    for (basis, n) in smooth.into_iter().flat_map(|basis| [20, 28, 60].map(|n| (basis, n))) {
         for radius in [0.3, 1.0, 3.0, 10.0, 100.0, 1000.0] {
             let (source, target) = (square(n), rectangle([0.05; 2], [0.95; 2], 37, 37));
             let method = method(basis, radius);
