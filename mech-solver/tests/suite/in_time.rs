@@ -100,7 +100,8 @@ fn spring(approach: f64, still: f64) -> f64 {
 /// where it changes most; of a quarter 0.031.
 #[test]
 fn an_axle_over_a_dip_moves_on_hertz_spring() {
-    let (depth, length, at, stiffness, damping) = (0.04e-3, 0.2, 0.11, 1150e3, 2500.0);
+    // Stiff enough to be felt beside Hertz' spring.
+    let (depth, length, at, stiffness, damping) = (0.04e-3, 0.2, 0.11, 4e8, 2500.0);
     let suspension = json!({"mass": MASS, "stiffness": stiffness, "damping": damping,
         "irregularity": "dip", "depth": depth, "length": length, "at": at});
     let mut rolled = Rolled::of(&case(suspension), 2);
@@ -134,8 +135,8 @@ fn an_axle_over_a_dip_moves_on_hertz_spring() {
         "forces from {:.3e} to {:.3e} N, {worst:.4} of the load off",
         extremes[0], extremes[1]
     );
-    assert!(extremes[0] < 0.5 * LOAD && extremes[1] > 1.4 * LOAD, "{extremes:?}");
-    assert!(worst < 0.12, "{worst}");
+    assert!(extremes[0] < 0.6 * LOAD && extremes[1] > 1.25 * LOAD, "{extremes:?}");
+    assert!(worst < 0.06, "{worst}");
 }
 
 /// Results do not depend on the windows: twenty passages of an element in twenty windows or in one
