@@ -97,7 +97,7 @@ fn spring(approach: f64, still: f64) -> f64 {
 
 /// A wheel over a long dip against M z̈ = N − N_0 − K z − C ż on Hertz's spring. Tolerance relative
 /// to the load: elements of half a semi-axis are stiffer than Hertz's contact, by 0.09 of the load
-/// where it changes most; of a quarter 0.031.
+/// where it changes most under a soft suspension, and by 0.031 under this one.
 #[test]
 fn an_axle_over_a_dip_moves_on_hertz_spring() {
     // Stiff enough to be felt beside Hertz' spring.
