@@ -14,17 +14,18 @@ mod patience;
 mod peer;
 mod phase;
 mod questions;
+mod slot;
 mod stopped;
 mod waiting;
 
 pub use layout::{layout_fault, volume_fault};
 pub use peer::Peer;
 pub use phase::Phase;
+pub use slot::ParticipantSlot;
 pub use stopped::{Delay, Stopped};
 
 use crate::deadlines::Deadlines;
 use crate::error::{RunError, machine_failure};
-use crate::program::Program;
 use crate::progress::{Progress, silent};
 use crate::record::Recorder;
 use crate::supervise::{Exit, Launch, Supervisor};
@@ -45,17 +46,6 @@ pub const COORDINATOR: &str = "coordinator";
 
 /// Longest time that a participant may take to end after its last reply.
 pub const LEAVE: Duration = Duration::from_secs(2);
-
-/// A role of a run, and the program that plays it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ParticipantSlot {
-    /// Role to play.
-    pub role: String,
-    /// The program that plays it.
-    pub program: Program,
-    /// The participant is started by hand; the run waits for it.
-    pub attach: bool,
-}
 
 /// Ends the processes when it is dropped.
 ///

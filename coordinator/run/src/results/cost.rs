@@ -125,7 +125,7 @@ impl From<Cost> for Map<String, Value> {
 
 impl From<Map<String, Value>> for Cost {
     fn from(mut section: Map<String, Value>) -> Self {
-        let mut take = |key: &str| section.remove(key);
+        let mut take = |key: &str| section.shift_remove(key);
         let window = take("resumed_at_window").and_then(|window| window.as_u64());
         let bytes = take("bytes_exchanged").and_then(|bytes| bytes.as_u64());
         let mut seconds = |key: &str| take(key).and_then(|time| time.as_f64()).unwrap_or(0.0);

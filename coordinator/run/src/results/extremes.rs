@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 /// Smallest and largest values over several windows, or over the rows of a sequence.
 ///
-/// In the file the values stand under `smallest` and `largest`, below the keys of their figures, and
+/// In the file the values stand under `smallest` and `largest`, below the keys of their figures.
 /// `places` holds the windows in which they occur.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "Value", from = "Value")]
