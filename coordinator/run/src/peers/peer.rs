@@ -1,8 +1,8 @@
 //! A participant as seen by the coordinator: commands go out, replies and heartbeats come in.
 
-use super::ParticipantSlot;
 use super::advance::Advance;
 use super::patience::Patience;
+use super::slot::ParticipantSlot;
 use crate::error::RunError;
 use contract::configuration::Refusal;
 use contract::message::{Command, Failure, ProgressReport, Reply, Status};

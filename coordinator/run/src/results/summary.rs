@@ -1,8 +1,8 @@
 //! `summary.json`, schema 1. An unknown quantity is absent, never 0.
 //!
 //! The coordinator's own entries are typed. The sections of the participants are merged
-//! ([`Sections::gather`]) and hold the figures that their descriptions name. A figure is read by its
-//! dotted key ([`Summary::value`]). Participants cannot write the coordinator's own keys, nor
+//! ([`Sections::gather`]) and hold the figures that their descriptions name. A figure is read by
+//! its dotted key ([`Summary::value`]). Participants cannot write the coordinator's own keys, nor
 //! change a value that another participant has given.
 
 use super::cost::Cost;
