@@ -15,7 +15,7 @@
 //! [`Checkpoints::newest`] reports the damage and takes the checkpoint before.
 
 use crate::error::{RunError, file_failure};
-use crate::results::summary::Counts;
+use crate::results::counts::Counts;
 use crate::results::vtk::FileSeries;
 use crate::sealed::{self, Magic, SealedFileError, sum_of_stream};
 use coupling::windows;

@@ -5,6 +5,7 @@ pub mod cells;
 pub mod claim;
 mod clear;
 pub mod cost;
+pub mod counts;
 pub mod derived;
 pub mod dir;
 pub mod extremes;

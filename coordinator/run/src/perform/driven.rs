@@ -5,7 +5,7 @@ use super::time_loop::{AcceptedWindow, RejectedWindow, TimeLoop};
 use crate::error::{RunError, file_failure};
 use crate::format::exact;
 use crate::plan::{Participant, Plan};
-use crate::results::summary::Counts;
+use crate::results::counts::Counts;
 use crate::results::vtk::FileSeries;
 use contract::step::Step;
 use coupling::windows::{WindowState, Windows};

@@ -1,6 +1,6 @@
 //! The section `cost` of the summary: times, memory and exchanged bytes of a run.
 
-use super::summary::Counts;
+use super::counts::Counts;
 use crate::plan::Plan;
 use contract::message::Finished;
 use serde::{Deserialize, Serialize};
