@@ -79,7 +79,16 @@ impl Session {
         }
         let layouts = session.configure(plan)?;
         let held = if is_new { 0 } else { held };
-        session.memory = SharedMemory::check(plan, held, &layouts)?;
+        session.memory = match SharedMemory::check(plan, held, &layouts) {
+            Ok(memory) => memory,
+            Err(error) => {
+                // Participants without ports may wait for another run.
+                if session.reusable && fleet.stays() {
+                    session.stay(fleet, held);
+                }
+                return Err(error);
+            }
+        };
         session.peers.phase = Phase::Connecting;
         session.connect(plan, &layouts)?;
         session.peers.phase = Phase::Initialising;

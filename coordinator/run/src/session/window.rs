@@ -119,14 +119,20 @@ impl Session {
             finished.push(said);
         }
         if stay {
-            let Self { guard, peers, fields, coupled, mapped, moving, live, memory, .. } = self;
-            guard.spare();
-            // The next run needs the same ports.
-            drop((fields, coupled, mapped, moving, live));
-            fleet.stay(peers.after_run(memory.taken()));
+            let taken = self.memory.taken();
+            self.stay(fleet, taken);
             return Ok((finished, None));
         }
         Ok((finished, Some(PendingExits(self))))
+    }
+
+    /// Leaves the participants in the fleet. They hold this much shared memory [byte].
+    pub(super) fn stay(self, fleet: &mut Fleet, held: u64) {
+        let Self { guard, peers, fields, coupled, mapped, moving, live, .. } = self;
+        guard.spare();
+        // The next run needs the same ports.
+        drop((fields, coupled, mapped, moving, live));
+        fleet.stay(peers.after_run(held));
     }
 }
 
