@@ -77,13 +77,19 @@ impl RuntimeFolder {
     /// Creates the folder if missing; fails if it is not ours alone.
     fn make(&self) -> io::Result<()> {
         let path = &self.0;
-        match fs::DirBuilder::new().mode(0o700).create(path) {
-            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
-                return Err(at(path, error));
+        let found = loop {
+            match fs::DirBuilder::new().mode(0o700).create(path) {
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+                    return Err(at(path, error));
+                }
+                _ => {}
             }
-            _ => {}
-        }
-        let found = folder(path)?;
+            match folder(path) {
+                // The last run to end removes the folder, possibly at this moment.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                found => break found?,
+            }
+        };
         if found.uid() != user() {
             return Err(refused(path, "belongs to another user", "remove it"));
         }
@@ -282,6 +288,8 @@ mod tests {
     use super::*;
     use std::fs::File;
     use std::os::unix::fs::{PermissionsExt, symlink};
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::thread;
     use tempfile::TempDir;
 
     fn place() -> TempDir {
@@ -413,6 +421,24 @@ mod tests {
         remove_run(&folder, &prefix_of(&id(30)));
         assert!(!folder.exists() && file.exists());
         fs::remove_file(file).unwrap();
+    }
+
+    /// The last run to end removes the folder, at whatever moment another begins.
+    #[test]
+    fn a_run_begins_while_the_last_one_ends() {
+        let root = place();
+        let path = RuntimeFolder::within(root.path()).unwrap().path().to_owned();
+        let done = AtomicBool::new(false);
+        thread::scope(|scope| {
+            scope.spawn(|| {
+                while !done.load(Ordering::Relaxed) {
+                    let _ = fs::remove_dir(&path);
+                }
+            });
+            let begun: Vec<_> = (0..2000).map(|_| RuntimeFolder::within(root.path())).collect();
+            done.store(true, Ordering::Relaxed);
+            assert!(begun.iter().all(Result::is_ok), "{:?}", begun.iter().find(|one| one.is_err()));
+        });
     }
 
     #[test]
