@@ -213,7 +213,8 @@ impl Measurement {
     /// histories of the runs.
     ///
     /// # Errors
-    /// Those of [`Measurement::read`]; a run has no such figure or another number of rows.
+    /// The table is refused ([`Measurement::read`]), a run lacks the figure, or its number of rows
+    /// differs from that of the table.
     pub(super) fn compare<'a>(
         &self,
         folder: &Path,
