@@ -17,7 +17,7 @@ use super::dissipation::Dissipation;
 use super::influence::Influence;
 use super::slip_operator::{Accuracy, Displacement, RowInfluence, SlipOperator};
 use super::tangential::{
-    ElementState, Layer, NotConverged, PrescribedForces, PrescribedMotion, Problem,
+    BoundLaw, ElementState, Layer, NotConverged, PrescribedForces, PrescribedMotion, Problem,
     TangentialSolver, TangentialState,
 };
 use super::viscoelastic::Bodies;
@@ -118,6 +118,8 @@ pub struct Levels {
 struct Level {
     nx: usize,
     ny: usize,
+    /// True for steady rolling, false for a step in time.
+    steady: bool,
     /// Distance Δq, and the point of the step at which the rigid slip is taken, as in [`Problem`].
     distance: f64,
     ahead: f64,
@@ -155,6 +157,7 @@ impl Level {
         Self {
             nx,
             ny,
+            steady: motion == Motion::SteadyRolling,
             distance,
             ahead,
             area: dx * dy,
@@ -175,7 +178,8 @@ impl Level {
         state: &mut TangentialState,
     ) -> Result<usize, TangentialError> {
         let most_force = self.most_force();
-        let Self { nx, distance, ahead, area, x, offset, y, bound, yields, solver, .. } = self;
+        let Self { nx, steady, distance, ahead, area, x, offset, y, bound, yields, solver, .. } =
+            self;
         let Target { prescribed, history, .. } = *target;
         let before = history.and_then(|history| history.plastic);
         let mut problem = Problem {
@@ -187,6 +191,7 @@ impl Level {
             offset,
             y,
             bound,
+            law: target.law,
             slip_history: history.map(|history| history.slip),
             layer: yields.map(|law| Layer { law, before }),
             wanted: None,
@@ -204,18 +209,29 @@ impl Level {
         // downstream, and Newton's method overshoots.
         let softens =
             problem.layer.filter(|layer| layer.before.is_none() && layer.law.hardening < 0.0);
-        let solved = match softens {
-            Some(layer) => solver.solve_by_passes(&problem, layer, state, target.accuracy),
-            None => solver.solve(&problem, state, target.accuracy),
+        let slip_law = target.law.filter(|law| law.arguments().slip);
+        let solved = match (softens, slip_law) {
+            (Some(layer), _) => solver.solve_by_passes(&problem, layer, state, target.accuracy),
+            // A step in time may have several solutions.
+            (None, Some(law)) if !*steady => {
+                return Ok(solver
+                    .solve_by_slip_passes(&problem, law, state, target.accuracy)?
+                    .newton_steps);
+            }
+            _ => solver.solve(&problem, state, target.accuracy),
         };
         let mut forces = (0..3).filter(|k| prescribed.force[*k].is_some());
         let effort = match (solved, forces.next(), forces.next()) {
             // An element may alternate for ever. From another start it rarely does.
             (Err(_), None, _) if softens.is_none() => {
                 *state = TangentialState::at_rest(bound, before);
-                solver.solve(&problem, state, target.accuracy)
+                match slip_law {
+                    Some(law) => solver.solve_by_slip_passes(&problem, law, state, target.accuracy),
+                    None => solver.solve(&problem, state, target.accuracy),
+                }
             }
-            (Err(_), Some(k), None) => {
+            // Where friction depends on the creepage, the force may also fall with it.
+            (Err(_), Some(k), None) if !target.depends_on_creepage() => {
                 *state = TangentialState::at_rest(bound, before);
                 solver.solve_by_bracket(&problem, k, state, target.accuracy)
             }
@@ -278,9 +294,26 @@ impl<'a> History<'a> {
     }
 }
 
+/// Friction of the elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Friction<'a> {
+    /// Traction bound g [Pa], at the start if it depends on the solution.
+    pub bound: &'a [f64],
+    /// Law of the bound, if it depends on creepages or slips.
+    pub law: Option<&'a dyn BoundLaw>,
+}
+
+impl<'a, B: AsRef<[f64]> + ?Sized> From<&'a B> for Friction<'a> {
+    /// Friction with bounds [Pa] that do not depend on the solution.
+    fn from(bound: &'a B) -> Self {
+        Self { bound: bound.as_ref(), law: None }
+    }
+}
+
 /// Task for one grid.
 struct Target<'a> {
     prescribed: &'a PrescribedMotion,
+    law: Option<&'a dyn BoundLaw>,
     history: Option<History<'a>>,
     /// Tolerance of the tractions.
     accuracy: f64,
@@ -293,6 +326,10 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
+    fn depends_on_creepage(&self) -> bool {
+        self.law.is_some_and(|law| law.arguments().creepage)
+    }
+
     /// Prescribed forces on a grid whose friction limit is `most_force`.
     fn wanted(&self, most_force: f64) -> PrescribedForces {
         let PrescribedMotion { force, creepage } = *self.prescribed;
@@ -405,16 +442,19 @@ impl Levels {
         Self { contact: *contact, levels, dissipation }
     }
 
-    /// Solves for this traction bound g [Pa] on the finest grid, starting on the coarsest grid.
+    /// Solves for this friction on the finest grid, starting on the coarsest grid. Bounds that
+    /// depend on the solution keep their values at the start on the coarser grids, and until a first
+    /// solution is found if they depend on slips.
     ///
     /// # Errors
     /// The forces exceed the friction limit, or an iteration does not converge.
-    pub fn solve(
+    pub fn solve<'a>(
         &mut self,
-        bound: &[f64],
+        friction: impl Into<Friction<'a>>,
         prescribed: &PrescribedMotion,
     ) -> Result<Solution, TangentialError> {
-        self.restrict(bound);
+        let friction = friction.into();
+        self.restrict(friction.bound);
         self.levels[0].refuse_beyond_friction(prescribed)?;
         let most_force = self.levels[0].most_force();
         let applied = self.levels[0].solver.work().0;
@@ -428,7 +468,9 @@ impl Levels {
                 force: prescribed.force.map(|one| one.map(|force| share * force)),
                 ..*prescribed
             };
-            let target = self.target(&prescribed, None, index == 0);
+            let mut target = self.target(&prescribed, None, index == 0);
+            let law = friction.law.filter(|_| index == 0);
+            target.law = law.filter(|law| !law.arguments().slip);
             let (fine, coarse) = self.levels.split_at_mut(index + 1);
             let level = &mut fine[index];
             state = match coarse.first() {
@@ -436,6 +478,10 @@ impl Levels {
                 Some(coarse) => prolong(coarse, &state, level),
             };
             newton_steps += level.find(&target, &mut state)?;
+            if law.is_some_and(|law| law.arguments().slip) {
+                target.law = law;
+                newton_steps += level.find(&target, &mut state)?;
+            }
         }
         let operator_applications = self.levels[0].solver.work().0 - applied;
         Ok(Solution { state, operator_applications, newton_steps })
@@ -447,15 +493,17 @@ impl Levels {
     ///
     /// # Errors
     /// The conditions of [`Levels::solve`].
-    pub fn improve(
+    pub fn improve<'a>(
         &mut self,
-        bound: &[f64],
+        friction: impl Into<Friction<'a>>,
         prescribed: &PrescribedMotion,
         history: Option<History<'_>>,
         solution: &mut Solution,
     ) -> Result<(), TangentialError> {
-        let target = self.target(prescribed, history, true);
+        let friction = friction.into();
+        let target = Target { law: friction.law, ..self.target(prescribed, history, true) };
         let level = &mut self.levels[0];
+        let bound = friction.bound;
         level.bound.copy_from_slice(bound);
         level.refuse_beyond_friction(prescribed)?;
         let applied = level.solver.work().0;
@@ -510,7 +558,8 @@ impl Levels {
         };
         let accuracy = if finest { self.contact.tolerance } else { COARSE_TOLERANCE };
         let tolerance = if finest { FORCE_SHARE * accuracy } else { COARSE_FORCE };
-        Target { prescribed, history, accuracy, tolerance, slope, length: (a * b).sqrt() }
+        let length = (a * b).sqrt();
+        Target { prescribed, law: None, history, accuracy, tolerance, slope, length }
     }
 
     fn restrict(&mut self, bound: &[f64]) {

@@ -19,7 +19,7 @@
 //! | [`slip_operator`] | from tractions to slip in steady rolling, and its approximate inverse |
 //! | [`tangential`] | the tangential problem on one grid: steady rolling, a rolling step, a shift |
 //! | [`slip_zone`] | slip zones at the trailing edges of rows, resolved below the size of elements |
-//! | [`slip_iteration`] | friction that depends on the slip of each element |
+//! | [`slip_velocity`] | slip velocities of the elements, on which friction may depend |
 //! | [`grid_continuation`] | the tangential problem by continuation in resolution |
 //! | [`viscoelastic`] | influence numbers of viscoelastic bodies in steady rolling |
 //! | [`retarded`] | viscoelastic bodies that are pressed and shifted in place |
@@ -49,8 +49,8 @@ pub mod normal;
 pub mod patches;
 mod prescribed;
 pub mod retarded;
-pub mod slip_iteration;
 pub mod slip_operator;
+pub mod slip_velocity;
 pub mod slip_zone;
 pub mod subsurface;
 pub mod tangential;

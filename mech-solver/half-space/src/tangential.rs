@@ -24,15 +24,18 @@
 //!
 //! Source: Kalker, *Three-Dimensional Elastic Bodies in Rolling Contact* (1990) ch. 4.
 
+mod bound_law;
+mod bounds;
 mod force_bracketing;
-mod layer;
 mod linear;
 mod newton;
 mod passes;
 mod problem;
+mod slip_passes;
 mod state;
 
-pub use layer::Layer;
+pub use bound_law::{Arguments, BoundLaw};
+pub use bounds::Layer;
 pub use newton::{Effort, NotConverged, TangentialSolver};
 pub use problem::{PrescribedForces, PrescribedMotion, Problem};
 pub use state::{Creepage, ElementState, TangentialState};

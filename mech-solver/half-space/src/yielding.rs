@@ -44,6 +44,28 @@ pub struct SliderState {
     pub passes: f64,
     /// Derivative of κ with respect to the slip [-].
     pub grows: f64,
+    /// Change of the bound of friction with the slip, if friction is the bound [Pa/m].
+    pub friction_slope: f64,
+}
+
+impl SliderState {
+    /// State of an element without a layer, for the bound of friction f p_n [Pa].
+    #[must_use]
+    pub fn of_friction(friction: f64) -> Self {
+        Self { bound: friction, passes: 1.0, ..Self::default() }
+    }
+
+    /// Change of the bound with the slip of the element [Pa/m].
+    #[must_use]
+    pub fn own_slope(&self) -> f64 {
+        self.slope + self.friction_slope
+    }
+
+    /// Returns true if friction is the bound, and not the layer.
+    #[must_use]
+    pub fn governed_by_friction(&self) -> bool {
+        self.slope == 0.0 && self.grows == 0.0
+    }
 }
 
 impl Yield {
@@ -91,11 +113,19 @@ impl Yield {
     pub fn carried(&self, friction: f64, before: f64, slip: f64) -> SliderState {
         let (first, _) = self.after(before);
         if first >= friction {
-            return SliderState { bound: friction, passes: 1.0, ..SliderState::default() };
+            return SliderState::of_friction(friction);
         }
         let (bound, slope) = self.after(before + slip);
         if bound < friction {
-            return SliderState { bound, slope, shift: slip, passes: 1.0, grows: 1.0 };
+            let shift = slip;
+            return SliderState {
+                bound,
+                slope,
+                shift,
+                passes: 1.0,
+                grows: 1.0,
+                friction_slope: 0.0,
+            };
         }
         let shift = (friction - first) / self.hardening;
         SliderState { bound: friction, shift, ..SliderState::default() }

@@ -37,7 +37,7 @@ use crate::case::keys::CheckedParams;
 use crate::registry::entry::Effect;
 use crate::terms::friction::{FrictionFactor, FrictionLaw, FrictionState};
 use crate::terms::{Kind, Need, Terms};
-use half_space::slip_iteration::SlipStart;
+use half_space::slip_velocity::SlipStart;
 use proto::advice::Advice;
 use proto::configuration::{Configuration, Refusal};
 use proto::description::KeySpec;

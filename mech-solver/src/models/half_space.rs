@@ -19,6 +19,7 @@ mod contact;
 mod creeping;
 mod drive;
 mod expansion;
+mod friction;
 pub(super) mod gap;
 pub(super) mod geometry;
 mod power;
@@ -259,13 +260,6 @@ fn configure(configuration: &Configuration, mut terms: Terms) -> Result<Setup, R
     if let Some(effect) = case.terms.effect_of(Kind::Expansion) {
         expansion::refuse(&case, effect)?;
         case.expand_observed()?;
-    }
-    if case.memory && case.driven.has_force() && case.terms.friction.follows_slip() {
-        return Err(Refusal::new(
-            ROLLING,
-            "with memory the creepage of a force changes in every step, and friction that depends on it cannot follow",
-            "prescribe motion.creepage, or write mech.rolling = \"steady\"",
-        ));
     }
     if let Some(effect) = case
         .terms

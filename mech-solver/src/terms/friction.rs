@@ -17,7 +17,7 @@ use crate::terms::bands::{At, Over};
 use elastic::slip::RigidSlip;
 use half_space::aligned::AlignedGrid;
 use half_space::friction::ElementFriction;
-use half_space::slip_iteration::SlipStart;
+use half_space::slip_velocity::SlipStart;
 use proto::grid::Structured;
 use proto::model::{Inputs, StepError};
 use std::fmt::Debug;

@@ -299,3 +299,39 @@ fn local_slip_is_refused_where_it_is_not_solved_for() {
     let remembers = Configuration { mode: Mode::Transient, ..configuration(&remembers) };
     assert_eq!(refusal(&remembers).key, "effects.speed_friction.memory_distance");
 }
+
+/// Friction that falls with the slip of rigid bodies follows the creepage of a force that is
+/// prescribed in transient rolling: a contact that begins steady keeps its creepage over two of its
+/// lengths. Tolerances: differences in time in place of those of steady rolling; the Newton steps of
+/// a window that starts from the last one.
+#[test]
+fn friction_follows_the_creepage_of_a_force_in_time() {
+    let mut case = falling_line("rigid", "before");
+    case["motion"] = json!({"speed": 45.0, "traction_coefficient": 0.2});
+    case["mech"]["resolution"] = json!(20);
+    case["effects"]["speed_friction"]["decrease"] = json!(2.0);
+    let steady = run(&case);
+    case["mech"]["rolling"] = json!("transient");
+    case["mech"]["begin"] = json!("steady");
+    let configuration = Configuration { mode: Mode::Transient, ..configuration(&case) };
+    let setup = MechSolver.configure(&configuration).expect("a checked case");
+    let layout = setup.layout().clone();
+    let mut model = setup.build(&Progress::default()).expect("a checked case builds");
+    model.first_outputs(&mut Store::for_layout(&layout, &configuration.outputs));
+    let grid = layout.grid_of("pressure").and_then(|grid| grid.as_structured()).expect("a plane");
+    let window = 4.0 * grid.dx() / 45.0;
+    for index in 0..24 {
+        let mut store = Store::for_layout(&layout, &configuration.outputs);
+        let start = window * f64::from(index as u32);
+        let step = Step { window: index, iteration: 1, start, end: start + window };
+        let report = model.solve(&step, &NoInputs, &mut store).expect("a solution");
+        assert!(report.inner_iterations < 9, "four elements: {}", report.inner_iterations);
+        model.accept();
+    }
+    let summary = model.summary();
+    let number = |key: &str| summary["contact"][key].as_f64().expect("a number");
+    assert_close(number("traction_coefficient"), 0.2, 1e-4);
+    assert_close(number("creepage_xi"), steady.number("creepage_xi"), 1e-5);
+    let rest = steady.number("creepage_xi").abs() * 45.0 * 2.0;
+    assert!(rest > 0.01, "friction has fallen by {rest}");
+}

@@ -3,7 +3,6 @@
 use super::creepage::NotRolling;
 use half_space::grid_continuation::TangentialError;
 use half_space::normal::NormalError;
-use half_space::slip_iteration::Unsettled;
 use tables::readable::{number, quantity};
 
 /// Reason why a wheel on a rail has no solution.
@@ -97,9 +96,6 @@ pub enum TrackError {
     /// Error of the friction law of a patch.
     #[error("{0}")]
     Friction(String),
-    /// Friction that depends on the slip of every element did not converge.
-    #[error(transparent)]
-    Unsettled(#[from] Unsettled),
     /// The wheelset does not roll forward.
     #[error(transparent)]
     Rolling(#[from] NotRolling),

@@ -4,7 +4,7 @@
 use super::rail::Side;
 use grids::Structured;
 use half_space::friction::ElementFriction;
-use half_space::slip_iteration::SlipStart;
+use half_space::slip_velocity::SlipStart;
 
 /// Elements of a patch, and their motion relative to each other.
 #[derive(Clone, Copy)]

@@ -14,10 +14,9 @@ use super::sliding::everywhere;
 use super::springs;
 use half_space::difference::Difference;
 use half_space::friction::ElementFriction;
-use half_space::grid_continuation::{History, Levels, Solution, TangentialError};
-use half_space::slip_iteration::SlipStart;
-use half_space::slip_iteration::{SlipFrictionIteration, first_velocities, slip_velocities};
-use half_space::tangential::{Creepage, PrescribedMotion, TangentialState};
+use half_space::grid_continuation::{Friction, History, Levels, Solution, TangentialError};
+use half_space::slip_velocity::first_velocities;
+use half_space::tangential::{Arguments, BoundLaw, Creepage, PrescribedMotion, TangentialState};
 
 /// Input for the tractions of a patch.
 pub(super) struct TractionProblem<'a> {
@@ -64,7 +63,7 @@ impl TractionProblem<'_> {
             &pressed.distance,
             &pressed.pressure,
         );
-        let rubs = FrictionIteration { about: self, law };
+        let rubs = PatchFriction { about: self, law };
         work.tangential_contacts += 1;
         if let Some(springs) = settings.springs() {
             let friction = rubs.friction(&fields, None)?;
@@ -84,17 +83,21 @@ impl TractionProblem<'_> {
             besides.as_deref().map(|rows| slip_of_a_step(rows, window, part, settings.difference));
         let all = with_elastic(rigid.as_ref(), elastic.as_ref(), (window, part));
         let [rigid, all] = [&rigid, &all].map(|slip| slip.as_ref().map(|[x, t]| [&x[..], &t[..]]));
-        let mut tractions = |bound: &[f64], near: Option<TangentialState>| {
-            if !settings.adhesion {
-                return Ok(everywhere(bound, part, settings.difference, rolling.creepage, rigid));
-            }
-            let solution = rolls(pool.tangential(part), bound, rolling.creepage, all, near)?;
+        let start = law.follows_elements();
+        let velocity = start.map(|start| {
+            let scale = (part.points(), rubs.duration(), rolling.speed);
+            first_velocities(start, near.as_ref(), scale)
+        });
+        let bound = fields.bound(part, &rubs.friction(&fields, velocity.as_deref())?);
+        let state = if settings.adhesion {
+            let follows = PatchBounds { friction: &rubs, fields: &fields };
+            let law = start.map(|_| &follows as &dyn BoundLaw);
+            let friction = Friction { bound: &bound, law };
+            let solution = rolls(pool.tangential(part), friction, rolling.creepage, all, near)?;
             work.newton_steps += solution.newton_steps;
-            Ok::<_, TangentialError>(solution.state)
-        };
-        let state = match law.follows_elements() {
-            None => tractions(&fields.bound(part, &rubs.friction(&fields, None)?), near)?,
-            Some(start) => rubs.settle(start, near, &fields, tractions)?,
+            solution.state
+        } else {
+            everywhere(&bound, part, settings.difference, rolling.creepage, rigid)
         };
         let [x, y] = &state.traction;
         let dissipation = match settings.adhesion {
@@ -119,41 +122,15 @@ impl TractionProblem<'_> {
 }
 
 /// A patch and its friction law.
-struct FrictionIteration<'a> {
+struct PatchFriction<'a> {
     about: &'a TractionProblem<'a>,
     law: &'a dyn Interface,
 }
 
-impl FrictionIteration<'_> {
-    /// Tractions whose friction agrees with the resulting slip, iterated from a start.
-    fn settle(
-        &self,
-        start: SlipStart,
-        mut near: Option<TangentialState>,
-        fields: &Fields,
-        mut tractions: impl FnMut(
-            &[f64],
-            Option<TangentialState>,
-        ) -> Result<TangentialState, TangentialError>,
-    ) -> Result<TangentialState, TrackError> {
-        let TractionProblem { rolling, part, .. } = self.about;
-        let duration = part.sides[0] / rolling.speed;
-        let scale = (part.points(), duration, rolling.speed);
-        let mut settling =
-            SlipFrictionIteration::from(first_velocities(start, near.as_ref(), scale));
-        let bound_by = |velocity: &[f64]| {
-            Ok::<_, TrackError>(fields.bound(part, &self.friction(fields, Some(velocity))?))
-        };
-        let mut bound = bound_by(settling.velocity())?;
-        loop {
-            let state = tractions(&bound, near.take())?;
-            let share = settling.follow(&slip_velocities(&state, duration));
-            let before = std::mem::replace(&mut bound, bound_by(settling.velocity())?);
-            if settling.has_settled(share, &before, &bound)? {
-                return Ok(state);
-            }
-            near = Some(state);
-        }
+impl PatchFriction<'_> {
+    /// Duration of the step in which a particle passes an element [s].
+    fn duration(&self) -> f64 {
+        self.about.part.sides[0] / self.about.rolling.speed
     }
 
     /// Friction on the window, with slip velocities on the part [m/s] if friction depends on them.
@@ -195,11 +172,33 @@ impl FrictionIteration<'_> {
     }
 }
 
+/// Traction bounds of a patch as a function of the slips.
+struct PatchBounds<'a> {
+    friction: &'a PatchFriction<'a>,
+    fields: &'a Fields,
+}
+
+impl BoundLaw for PatchBounds<'_> {
+    fn arguments(&self) -> Arguments {
+        Arguments { creepage: false, slip: true }
+    }
+
+    fn evaluate(&self, _: Creepage, slip: &[f64], bound: &mut [f64]) {
+        let Self { friction, fields } = self;
+        let duration = friction.duration();
+        let velocity: Vec<f64> = slip.iter().map(|slip| slip / duration).collect();
+        // Inputs that friction cannot use were refused before, with the friction at the start.
+        if let Ok(found) = friction.friction(fields, Some(&velocity)) {
+            bound.copy_from_slice(&fields.bound(&friction.about.part, &found));
+        }
+    }
+}
+
 /// Tractions of rolling contact with an additional slip [m], starting from a nearby solution if
 /// given.
 fn rolls(
     levels: &mut Levels,
-    bound: &[f64],
+    friction: Friction<'_>,
     creepage: Creepage,
     more: Option<[&[f64]; 2]>,
     near: Option<TangentialState>,
@@ -208,7 +207,7 @@ fn rolls(
     let improved = near.and_then(|state| {
         let mut solution = Solution::new(state);
         levels
-            .improve(bound, &given, more.map(History::of_slip), &mut solution)
+            .improve(friction, &given, more.map(History::of_slip), &mut solution)
             .is_ok()
             .then_some(solution)
     });
@@ -216,9 +215,9 @@ fn rolls(
     if let Some(solution) = improved {
         return Ok(solution);
     }
-    let mut solution = levels.solve(bound, &given)?;
+    let mut solution = levels.solve(friction, &given)?;
     if more.is_some() {
-        levels.improve(bound, &given, more.map(History::of_slip), &mut solution)?;
+        levels.improve(friction, &given, more.map(History::of_slip), &mut solution)?;
     }
     Ok(solution)
 }

@@ -26,7 +26,7 @@
 //! Source: Keller, Gould and Wathen, SIAM J. Matrix Anal. Appl. 21 (2000) 1300, for the
 //! preconditioner.
 
-use super::layer::Sliders;
+use super::bounds::Bounds;
 use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
 use crate::slip_operator::SlipOperator;
@@ -74,14 +74,8 @@ impl Unknowns {
         2 * self.sticking.len() + self.slipping.len() + self.yielding.len()
     }
 
-    /// Chooses the unknowns from the states of the elements, under `bound` or under the bound of
-    /// the sliders.
-    pub(super) fn choose(
-        &mut self,
-        state: &TangentialState,
-        bound: &[f64],
-        sliders: Option<&Sliders>,
-    ) {
+    /// Chooses the unknowns from the states of the elements under their bounds.
+    pub(super) fn choose(&mut self, state: &TangentialState, bounds: &Bounds) {
         self.sticking.clear();
         self.slipping.clear();
         self.yielding.clear();
@@ -91,11 +85,10 @@ impl Unknowns {
                 ElementState::Exterior => {}
                 ElementState::Adhesion => self.sticking.push(index),
                 ElementState::Slip => {
-                    let mut g = bound[index];
-                    if let Some(sliders) = sliders {
+                    let mut g = bounds.friction[index];
+                    if let Some(carried) = bounds.sliders.get(index).copied() {
                         g = px[index].hypot(py[index]);
                         let direction = [px[index] / g, py[index] / g];
-                        let carried = sliders.carried[index];
                         let lack = carried.bound - g;
                         self.yielding.push(SlipMagnitudeUnknown {
                             index,
@@ -136,22 +129,22 @@ impl Unknowns {
         for (SlipMagnitudeUnknown { index, carried, .. }, slip) in
             self.yielding.iter().zip(slips).rev()
         {
-            let SliderState { slope, passes, grows, .. } = *carried;
+            let SliderState { slope, passes, grows, friction_slope, .. } = *carried;
             let this = self.gathers.map(|columns| index / columns);
             if this.is_none() || this != row {
                 gathered = 0.0;
                 row = this;
             }
-            let change = slope * (gathered + *slip);
+            let change = slope * (gathered + *slip) + friction_slope * *slip;
             gathered = passes * gathered + grows * *slip;
-            *slip = scale(own, slope) * change;
+            *slip = scale(own, carried.own_slope()) * change;
         }
     }
 
     /// Right side of the rows for the sizes.
     pub(super) fn lacks(&self, own: f64, out: &mut [f64]) {
         for (SlipMagnitudeUnknown { carried, lack, .. }, out) in self.yielding.iter().zip(out) {
-            *out = scale(own, carried.slope) * lack;
+            *out = scale(own, carried.own_slope()) * lack;
         }
     }
 
@@ -219,7 +212,9 @@ pub(super) struct Border {
     rigid_slip: [Vec<f64>; 3],
     force: [Vec<f64>; 3],
     answer: [Vec<f64>; 3],
-    /// (G P W)⁻¹; `None` if tractions do not change the forces, as when everything slips alike.
+    /// Derivative of the bounds with respect to a creepage [Pa per unit].
+    derivative: Vec<f64>,
+    /// (G P W − D)⁻¹; `None` if tractions do not change the forces, as when everything slips alike.
     inverse: Option<Matrix3<f64>>,
 }
 
@@ -238,7 +233,7 @@ impl Border {
         sum
     }
 
-    /// Creepages (G P W)⁻¹ f of forces f [N].
+    /// Creepages (G P W − D)⁻¹ f of forces f [N].
     fn creepages(&self, force: Vector3<f64>, out: &mut [f64]) {
         let found = self.inverse.unwrap_or_else(Matrix3::zeros) * force;
         out.copy_from_slice(&found.as_slice()[..out.len()]);
@@ -263,12 +258,18 @@ pub(super) struct System<'a> {
 
 impl System<'_> {
     /// Builds the border for the unknown creepages of a problem.
-    pub(super) fn make_border(&mut self, problem: &Problem) {
+    pub(super) fn make_border(
+        &mut self,
+        problem: &Problem,
+        state: &TangentialState,
+        bounds: &mut Bounds,
+    ) {
         self.border.components.clear();
         let Some(wanted) = &problem.wanted else { return };
         self.border.components.extend((0..3).filter(|k| wanted.force[*k].is_some()));
         let count = self.border.components.len();
         let mut product = Matrix3::identity();
+        let mut direct = Matrix3::zeros();
         for at in 0..count {
             let component = self.border.components[at];
             let slip = |index| problem.rigid_slip(component, index);
@@ -276,6 +277,11 @@ impl System<'_> {
             let sizes = self.unknowns.len() - self.unknowns.yielding.len();
             let own = self.operator.self_influence();
             self.unknowns.follow_slip(own, &mut self.border.rigid_slip[at][sizes..]);
+            let mut derivative = std::mem::take(&mut self.border.derivative);
+            if bounds.by_creepage(problem, state, component, &mut derivative) {
+                direct.set_column(at, &self.follow_bounds(problem, &derivative, at));
+            }
+            self.border.derivative = derivative;
             let force = |index| problem.force_of(component, index);
             self.unknowns.restrict(force, &mut self.border.force[at]);
             let mut answer = std::mem::take(&mut self.border.answer[at]);
@@ -287,8 +293,45 @@ impl System<'_> {
         for at in 0..count {
             product.set_column(at, &self.border.force_of(&self.border.answer[at]));
         }
+        product -= direct;
         self.border.inverse =
             product.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite()));
+    }
+
+    /// Adds the change of the bounds in the slip area, with this derivative to the creepage in place
+    /// `at`, to the column W. Returns the change of the forces D by it.
+    fn follow_bounds(&mut self, problem: &Problem, derivative: &[f64], at: usize) -> Vector3<f64> {
+        let unknowns = self.unknowns;
+        let own = self.operator.self_influence();
+        let column = &mut self.border.rigid_slip[at];
+        if !unknowns.yielding.is_empty() {
+            let sizes = column.len() - unknowns.yielding.len();
+            for (one, value) in unknowns.yielding.iter().zip(&mut column[sizes..]) {
+                *value -= scale(own, one.carried.own_slope()) * derivative[one.index];
+            }
+            return Vector3::zeros();
+        }
+        let unit = unit_of(derivative);
+        let mut direct = Vector3::zeros();
+        self.field.iter_mut().for_each(|component| component.fill(0.0));
+        for SlipDirectionUnknown { index, across: [tx, ty], .. } in &unknowns.slipping {
+            let change = [ty * derivative[*index], -tx * derivative[*index]];
+            for (component, change) in self.field.iter_mut().zip(change) {
+                component[*index] = (change / unit) as f32;
+            }
+            for (sum, k) in direct.iter_mut().zip(&self.border.components) {
+                let [fx, fy] = problem.force_of(*k, *index);
+                *sum += fx * change[0] + fy * change[1];
+            }
+        }
+        let ([fx, fy], [ix, iy]) = (&*self.field, &mut *self.image);
+        self.operator.apply_single([fx, fy], [ix, iy]);
+        let mut slip = Vec::new();
+        let by_unit = own * unit;
+        let at = |index: usize| [by_unit * f64::from(ix[index]), by_unit * f64::from(iy[index])];
+        unknowns.restrict(at, &mut slip);
+        column.iter_mut().zip(slip).for_each(|(value, more)| *value += more);
+        direct
     }
 
     /// Step that makes up for the missing forces, as far as P determines it.
@@ -316,7 +359,7 @@ impl System<'_> {
         }
         let sizes = count + unknowns.slipping.len();
         for ((one, out), x) in unknowns.yielding.iter().zip(&mut out[sizes..]).zip(&x[sizes..]) {
-            let slope = one.carried.slope;
+            let slope = one.carried.own_slope();
             *out = x / (scale(own, slope) * (1.0 + slope * own).max(LEAST_DIAGONAL));
         }
     }
@@ -352,7 +395,7 @@ impl Preconditioned for System<'_> {
         for ((one, out), x) in
             unknowns.yielding.iter().zip(&mut out[sizes..end]).zip(&step[sizes..])
         {
-            *out += scale(own, one.carried.slope) * x;
+            *out += scale(own, one.carried.own_slope()) * x;
         }
         add(&self.border.rigid_slip, creepage, 1.0, out);
     }

@@ -25,7 +25,7 @@
 //! Wohlmuth, ibid. 194 (2005) 3147, for Newton methods on Coulomb friction. The combination, and
 //! creepages as unknowns, are this project's.
 
-use super::layer::{Layer, Sliders};
+use super::bounds::{self, Bounds};
 use super::linear::{Border, System, Unknowns};
 use super::problem::Problem;
 use super::state::{ElementState, TangentialState};
@@ -100,7 +100,7 @@ pub struct TangentialSolver {
     field: [Vec<f32>; 2],
     image: [Vec<f32>; 2],
     unknowns: Unknowns,
-    sliders: Sliders,
+    bounds: Bounds,
     border: Border,
     right: Vec<f64>,
     start: Vec<f64>,
@@ -112,9 +112,9 @@ impl TangentialSolver {
     #[must_use]
     pub fn new(operator: SlipOperator) -> Self {
         let (field, image) = Default::default();
-        let (unknowns, sliders, border, right, start, step) = Default::default();
+        let (unknowns, bounds, border, right, start, step) = Default::default();
         let gmres = Gmres::default();
-        Self { operator, gmres, field, image, unknowns, sliders, border, right, start, step }
+        Self { operator, gmres, field, image, unknowns, bounds, border, right, start, step }
     }
 
     /// Products with the slip operator, and with its approximate inverse, so far.
@@ -156,8 +156,8 @@ impl TangentialSolver {
             buffer.resize(problem.bound.len(), 0.0);
         }
         self.update_slip(problem, state);
-        if problem.layer.is_some() {
-            self.sliders.begin(state);
+        if problem.layer.is_some() || problem.law.is_some() {
+            self.bounds.begin(state);
             self.update_slip(problem, state);
         }
         let mut residual = self.linearise(problem, state);
@@ -204,8 +204,7 @@ impl TangentialSolver {
 
     /// Chooses the unknowns and the right side of a state; returns the norm of the right side [m].
     fn linearise(&mut self, problem: &Problem, state: &TangentialState) -> f64 {
-        let sliders = problem.layer.is_some().then_some(&self.sliders);
-        self.unknowns.choose(state, problem.bound, sliders);
+        self.unknowns.choose(state, &self.bounds);
         let gathers = problem.layer.is_some_and(|layer| layer.before.is_none());
         self.unknowns.gathers = gathers.then_some(problem.nx);
         let [sx, sy] = &state.slip;
@@ -232,9 +231,7 @@ impl TangentialSolver {
                 *sy += eta + phi * (x + offset + problem.ahead);
             }
         }
-        if let Some(layer) = &problem.layer {
-            self.sliders.follow(layer, problem.nx, problem.bound, state);
-        }
+        self.bounds.follow(problem, state);
     }
 
     /// Solves the linearised problem for a step of the tractions and of the unknown creepages, from
@@ -247,7 +244,7 @@ impl TangentialSolver {
     ) -> Achieved {
         let Self { operator, gmres, field, image, unknowns, border, right, start, step, .. } = self;
         let mut system = System { operator, field, image, unknowns, border };
-        system.make_border(problem);
+        system.make_border(problem, state, &mut self.bounds);
         let count = system.unknowns.len() + system.border.components.len();
         for vector in [&mut *start, &mut *step] {
             vector.clear();
@@ -293,16 +290,19 @@ impl TangentialSolver {
         false
     }
 
-    /// Adds the step and limits the tractions to friction and the layer.
-    fn advance_on_layer(
-        &self,
-        problem: &Problem,
-        layer: &Layer<'_>,
-        state: &mut TangentialState,
-    ) -> Change {
+    /// Adds the step to the creepages, and updates the bounds of friction that follow them.
+    fn advance_creepages(&mut self, problem: &Problem, state: &mut TangentialState) {
         for (k, by) in self.border.components.iter().zip(&self.step[self.unknowns.len()..]) {
             state.creepage[*k] += by;
         }
+        if !self.border.components.is_empty() {
+            self.bounds.follow_friction(problem, state);
+        }
+    }
+
+    /// Adds the step to the tractions and limits them to friction and the layer, where their sizes
+    /// follow the slip.
+    fn advance_sizes(&self, problem: &Problem, state: &mut TangentialState) -> Change {
         let Unknowns { sticking, slipping, yielding, .. } = &self.unknowns;
         let before = state.traction.clone();
         let [px, py] = &mut state.traction;
@@ -322,7 +322,7 @@ impl TangentialSolver {
             py[i] = wanted * (size * ny + turn * ty) / turned;
         }
         let own = self.operator.self_influence();
-        let released = layer.yield_to(problem.nx, problem.bound, own, state);
+        let released = bounds::limit(problem, &self.bounds.friction, own, state);
         let mut change = Change { released, ..Change::default() };
         let ([px, py], [qx, qy]) = (&before, &state.traction);
         for i in sticking.iter().copied().chain(slipping.iter().map(|one| one.index)) {
@@ -332,20 +332,19 @@ impl TangentialSolver {
     }
 
     /// Adds the step and cuts the tractions to the bound.
-    fn advance(&self, problem: &Problem, state: &mut TangentialState) -> Change {
-        if let Some(layer) = &problem.layer {
-            return self.advance_on_layer(problem, layer, state);
+    fn advance(&mut self, problem: &Problem, state: &mut TangentialState) -> Change {
+        self.advance_creepages(problem, state);
+        if problem.sizes_follow_slip() {
+            return self.advance_sizes(problem, state);
         }
         let mut change = Change::default();
-        for (k, by) in self.border.components.iter().zip(&self.step[self.unknowns.len()..]) {
-            state.creepage[*k] += by;
-        }
+        let bound = &self.bounds.friction;
         let count = self.unknowns.sticking.len();
         let [px, py] = &mut state.traction;
         for (k, &i) in self.unknowns.sticking.iter().enumerate() {
             let before = [px[i], py[i]];
             let after = [before[0] + self.step[k], before[1] + self.step[count + k]];
-            let (size, g) = (after[0].hypot(after[1]), problem.bound[i]);
+            let (size, g) = (after[0].hypot(after[1]), bound[i]);
             let cut = if size > g { g / size } else { 1.0 };
             [px[i], py[i]] = after.map(|value| value * cut);
             if size > g {
@@ -358,7 +357,7 @@ impl TangentialSolver {
             let i = one.index;
             let before = [px[i], py[i]];
             let after = [before[0] + one.across[0] * by, before[1] + one.across[1] * by];
-            let cut = problem.bound[i] / after[0].hypot(after[1]);
+            let cut = bound[i] / after[0].hypot(after[1]);
             [px[i], py[i]] = after.map(|value| value * cut);
             change.see(before, [px[i], py[i]]);
         }

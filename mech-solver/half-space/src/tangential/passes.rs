@@ -7,7 +7,7 @@
 //! contact. The method therefore suits layers that soften, whose |k| A is below one unless the
 //! contact itself is unstable.
 
-use super::layer::Layer;
+use super::bounds::Layer;
 use super::newton::{Effort, NotConverged, TangentialSolver};
 use super::problem::Problem;
 use super::state::TangentialState;

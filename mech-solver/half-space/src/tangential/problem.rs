@@ -1,6 +1,7 @@
 //! The tangential problem on one grid, and its prescribed quantities.
 
-use super::layer::Layer;
+use super::bound_law::BoundLaw;
+use super::bounds::Layer;
 use super::state::{Creepage, TangentialState};
 
 /// Prescribed force for some components, prescribed creepage for the others.
@@ -51,8 +52,10 @@ pub struct Problem<'a> {
     pub offset: &'a [f64],
     /// Centres along y [m].
     pub y: &'a [f64],
-    /// Traction bound g = f p_n [Pa]; 0 outside the contact.
+    /// Traction bound g = f p_n at the start [Pa]; 0 outside the contact.
     pub bound: &'a [f64],
+    /// Law of the bounds, if they depend on the solution.
+    pub law: Option<&'a dyn BoundLaw>,
     /// Slip s₀ without tractions, x and y [m].
     pub slip_history: Option<[&'a [f64]; 2]>,
     /// Yielding layer.
@@ -84,6 +87,11 @@ impl PrescribedForces {
 }
 
 impl Problem<'_> {
+    /// Returns true if the sizes of tractions in the slip area depend on the slip.
+    pub(super) fn sizes_follow_slip(&self) -> bool {
+        self.layer.is_some() || self.law.is_some_and(|law| law.arguments().slip)
+    }
+
     /// Force on body 1, x and y [N], and its moment about z [N m].
     #[must_use]
     pub fn forces(&self, state: &TangentialState) -> [f64; 3] {

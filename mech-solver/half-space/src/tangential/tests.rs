@@ -48,6 +48,7 @@ impl Disc {
             bound: &self.bound,
             slip_history: None,
             layer: None,
+            law: None,
             wanted: None,
         }
     }

@@ -7,24 +7,23 @@
 use super::balance::{Hysteresis, PowerError, PressurePower};
 use super::case::Case;
 use super::drive::Driven;
+use super::friction::{ContactBounds, FollowingFriction, FrictionConditions};
 use crate::models::shortfall::Shortfall;
-use crate::terms::friction::{FrictionState, lateral};
-use elastic::slip::RigidSlip;
 use half_space::aligned::{AlignedGrid, Chord};
 use half_space::coupling::Coupling;
 use half_space::difference::Stencil;
 use half_space::extent::elliptic;
 use half_space::friction::ElementFriction;
-use half_space::grid_continuation::{Contact, History, Levels, Motion, Solution, TangentialError};
+use half_space::grid_continuation::{
+    Contact, Friction, History, Levels, Motion, Solution, TangentialError,
+};
 use half_space::influence::Influence;
 use half_space::leading_edge::{AlignedPressure, align};
 use half_space::normal::{NormalError, NormalSolver, Prescribed};
-use half_space::slip_iteration::{
-    SlipFrictionIteration, Unsettled, first_velocities, slip_velocities,
-};
 use half_space::slip_operator::Displacement;
+use half_space::slip_velocity::{first_velocities, slip_velocities};
 use half_space::slip_zone::SlippingRows;
-use half_space::tangential::{self, Creepage, TangentialState};
+use half_space::tangential::{self, Arguments, BoundLaw, Creepage, TangentialState};
 use proto::model::{Inputs, StepError};
 use proto::readable::{number, quantity};
 
@@ -32,6 +31,9 @@ use proto::readable::{number, quantity};
 const REST: f64 = 1e-6;
 /// Relative accuracy of the tractions, below the discretisation error of any grid.
 const TOLERANCE: f64 = 1e-4;
+/// Relative accuracy of the tractions where friction follows the slip: its error is that of the
+/// slip in an element, which may be a small part of the motion.
+const FOLLOWING_TOLERANCE: f64 = 1e-7;
 /// Relative accuracy of the tractions inside an outer iteration, well below its own tolerance.
 const LOOP_TOLERANCE: f64 = 1e-10;
 /// Share of f N assumed if the current friction does not allow the prescribed force: almost all
@@ -54,8 +56,6 @@ pub(super) enum ContactError {
         "normal and tangential contact did not converge in {MOST_ALTERNATIONS} alternations: the \
          pressure still changes by {change} of its maximum", change = number(*.change, 2))]
     Unsettled { change: f64 },
-    #[error(transparent)]
-    Friction(#[from] Unsettled),
     #[error(transparent)]
     Power(#[from] PowerError),
     #[error("the bodies do not touch at an approach of {approach}", approach = quantity(*.approach, "m", 5))]
@@ -141,9 +141,6 @@ impl ContactSolver {
             let prescribed = super::geometry::prescribed(case.scene.load);
             Normal { solver, prescribed, distance: undeformed.clone(), undeformed }
         });
-        let loops = case.terms.follow_inputs()
-            || case.terms.friction.follows_slip()
-            || case.terms.friction.follows_elements().is_some();
         let contact = Contact {
             bodies: case.bodies,
             layer: case.terms.layer(),
@@ -151,7 +148,11 @@ impl ContactSolver {
             semi_axes: case.footprint.semi_axes,
             motion,
             difference: case.difference,
-            tolerance: if loops { LOOP_TOLERANCE } else { TOLERANCE },
+            tolerance: match case.terms.follow_inputs() {
+                true => LOOP_TOLERANCE,
+                false if case.terms.friction.follows_elements().is_some() => FOLLOWING_TOLERANCE,
+                false => TOLERANCE,
+            },
         };
         let zeros = vec![0.0; grid.points()];
         let mut solver = Self {
@@ -273,66 +274,64 @@ impl ContactSolver {
     /// Updates friction that depends on inputs or on the creepages.
     pub(super) fn set_friction(
         &mut self,
-        case: &mut Case,
+        case: &Case,
         inputs: &dyn Inputs,
         creepage: Creepage,
     ) -> Result<(), StepError> {
         if case.terms.friction.is_constant() {
             return Ok(());
         }
-        let slip = RigidSlip { creepage, speed: case.scene.speeds.rolling };
-        let grid = &case.footprint.grid;
-        let origin_y = case.footprint.gap.as_ref().map_or(0.0, |gap| gap.origin);
-        let state = FrictionState {
-            inputs: Some(inputs),
-            speed: slip.speed,
-            rigid_slip: &|index| slip.at_place(self.rows.centre(index)),
-            rows: &self.rows,
-            coordinate: &lateral(grid, origin_y),
-            pressure: self.row_pressure(),
-            velocity: self.velocity.as_deref(),
-        };
-        self.friction = case.terms.friction.evaluate(case.scene.friction_coefficient, &state)?;
+        let conditions = self.friction_conditions(case, inputs);
+        self.friction = conditions.evaluate(creepage, self.velocity.as_deref())?;
         self.set_bound();
         Ok(())
     }
 
-    /// Solves for the tractions like [`ContactSolver::solve`]. Friction that depends on the slip of
-    /// every element is iterated until it agrees with the computed slip.
-    pub(super) fn solve_settled(
+    /// Conditions of friction under the latest pressure.
+    fn friction_conditions<'a>(
+        &self,
+        case: &'a Case,
+        inputs: &'a dyn Inputs,
+    ) -> FrictionConditions<'a> {
+        let (rows, pressure) = (self.rows.clone(), self.row_pressure().to_vec());
+        FrictionConditions { case, inputs, rows, pressure }
+    }
+
+    /// Solves for the tractions, starting from a nearby solution if one is given. `history` holds
+    /// the slip and the plastic shift left by the previous instant. Friction that depends on a
+    /// creepage of a prescribed force, or on the slip of every element, agrees with the solution.
+    pub(super) fn solve(
         &mut self,
-        case: &mut Case,
+        case: &Case,
         inputs: &dyn Inputs,
         driven: &Driven,
-        mut near: Option<Solution>,
+        near: Option<Solution>,
         history: Option<History<'_>>,
     ) -> Result<Solution, StepError> {
-        let no_solution = |error: ContactError| StepError::NoSolution(error.to_string());
-        let Some(start) = case.terms.friction.follows_elements() else {
-            return self.solve(driven, near, history).map_err(no_solution);
+        let arguments = Arguments {
+            creepage: driven.has_force() && case.terms.friction.follows_slip(),
+            slip: case.terms.friction.follows_elements().is_some(),
         };
-        let duration = case.passage().duration;
-        let scale = (self.pressure.len(), duration, case.scene.speeds.rolling);
-        let first = first_velocities(start, near.as_ref().map(|near| &near.state), scale);
-        let mut settling = SlipFrictionIteration::from(first);
-        self.velocity = Some(settling.velocity().to_vec());
-        let before = near.as_ref().filter(|_| driven.has_force()).map(|near| near.state.creepage);
-        let creepage = before.unwrap_or(driven.at(0.0).creepage);
-        self.set_friction(case, inputs, creepage)?;
-        loop {
-            let solution = self.solve(driven, near.take(), history).map_err(no_solution)?;
-            let before = self.bound.clone();
-            let share = settling.follow(&slip_velocities(&solution.state, duration));
-            if let Some(velocity) = &mut self.velocity {
-                velocity.copy_from_slice(settling.velocity());
-            }
-            self.set_friction(case, inputs, solution.state.creepage)?;
-            let settled = settling.has_settled(share, &before, &self.bound);
-            if settled.map_err(|error| no_solution(error.into()))? {
-                return Ok(solution);
-            }
-            near = Some(solution);
+        if arguments == Arguments::default() {
+            let solved = self.solve_under(driven, None, near, history);
+            return solved.map_err(|error| StepError::NoSolution(error.to_string()));
         }
+        let duration = case.passage().duration;
+        if let Some(start) = case.terms.friction.follows_elements() {
+            let scale = (self.pressure.len(), duration, case.scene.speeds.rolling);
+            let near = near.as_ref().map(|near| &near.state);
+            self.velocity = Some(first_velocities(start, near, scale));
+        }
+        let before = near.as_ref().filter(|_| driven.has_force()).map(|near| near.state.creepage);
+        self.set_friction(case, inputs, before.unwrap_or(driven.at(0.0).creepage))?;
+        let follows = FollowingFriction { case, inputs, arguments };
+        let solved = self.solve_under(driven, Some(&follows), near, history);
+        let solution = solved.map_err(|error| follows.refusal(error))?;
+        if let Some(velocity) = &mut self.velocity {
+            *velocity = slip_velocities(&solution.state, duration);
+        }
+        self.set_friction(case, inputs, solution.state.creepage)?;
+        Ok(solution)
     }
 
     /// Traction bound f p of every element [Pa].
@@ -371,29 +370,32 @@ impl ContactSolver {
         Ok(change.fold(0.0, f64::max) / largest)
     }
 
-    /// Solves for the tractions, starting from a nearby solution if one is given. `history` holds
-    /// the slip and the plastic shift left by the previous instant.
-    pub(super) fn solve(
+    /// Solves for the tractions, with friction that follows the solution if given.
+    fn solve_under(
         &mut self,
         driven: &Driven,
+        follows: Option<&FollowingFriction<'_>>,
         near: Option<Solution>,
         history: Option<History<'_>>,
     ) -> Result<Solution, ContactError> {
         let prescribed = self.prescribed(driven);
+        let law = follows.map(|follows| self.bound_law(follows));
+        let law = law.as_ref().map(|law| law as &dyn BoundLaw);
         let levels = self.levels.as_mut().expect("partial slip has its operators");
+        let friction = Friction { bound: &self.bound, law };
         let solved = near.is_none() && history.is_none();
         let mut solution = match (near, history) {
             (Some(near), _) => near,
             (None, Some(_)) => Solution::new(TangentialState::at_rest(&self.bound, [0.0; 3])),
-            (None, None) => levels.solve(&self.bound, &prescribed)?,
+            (None, None) => levels.solve(friction, &prescribed)?,
         };
         if self.coupling.is_none() {
             if !solved {
-                let found = levels.improve(&self.bound, &prescribed, history, &mut solution);
+                let found = levels.improve(friction, &prescribed, history, &mut solution);
                 match found {
                     // The initial guess was too far from the solution.
                     Err(TangentialError::NotConverged(_)) if history.is_none() => {
-                        return Ok(levels.solve(&self.bound, &prescribed)?);
+                        return Ok(levels.solve(friction, &prescribed)?);
                     }
                     found => found?,
                 }
@@ -402,7 +404,7 @@ impl ContactSolver {
         }
         let mut change = f64::INFINITY;
         for alternation in 0..MOST_ALTERNATIONS {
-            self.rolling_step(driven, history, &mut solution)?;
+            self.rolling_step(driven, follows, history, &mut solution)?;
             if change <= REST {
                 return Ok(solution);
             }
@@ -410,6 +412,12 @@ impl ContactSolver {
             change = self.yield_to(&solution.state, share)? / share;
         }
         Err(ContactError::Unsettled { change })
+    }
+
+    /// Law of the bounds under the latest pressure.
+    fn bound_law<'a>(&self, follows: &FollowingFriction<'a>) -> ContactBounds<'a> {
+        let conditions = self.friction_conditions(follows.case, follows.inputs);
+        ContactBounds { conditions, arguments: follows.arguments }
     }
 
     /// Returns the prescribed motion at the latest pressure. Where friction depends on inputs or
@@ -433,11 +441,14 @@ impl ContactSolver {
     fn rolling_step(
         &mut self,
         driven: &Driven,
+        follows: Option<&FollowingFriction<'_>>,
         history: Option<History<'_>>,
         solution: &mut Solution,
     ) -> Result<(), ContactError> {
         self.set_bound();
         let prescribed = self.prescribed(driven);
+        let law = follows.map(|follows| self.bound_law(follows));
+        let law = law.as_ref().map(|law| law as &dyn BoundLaw);
         let [history_x, history_y] = &mut self.slip_history;
         if let Some(coupling) = &mut self.coupling {
             coupling.slip_by_pressure(&self.pressure, [history_x, history_y]);
@@ -453,7 +464,8 @@ impl ContactSolver {
             slip: [history_x, history_y],
             plastic: history.and_then(|history| history.plastic),
         };
-        levels.improve(&self.bound, &prescribed, Some(history), solution)?;
+        let friction = Friction { bound: &self.bound, law };
+        levels.improve(friction, &prescribed, Some(history), solution)?;
         Ok(())
     }
 

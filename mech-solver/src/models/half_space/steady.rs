@@ -11,7 +11,6 @@ use super::case::Case;
 use super::contact::{ContactError, ContactSolver};
 use crate::case::scene::GivenPatch;
 use crate::models::contact_model::{CarriedLoad, Contact};
-use crate::models::creepage_search::CreepageSearch;
 use crate::models::shortfall::Shortfall;
 use crate::models::varying::{Varying, no_answer};
 use crate::terms::Terms;
@@ -126,32 +125,19 @@ impl Steady {
         }
     }
 
-    /// Solves the contact; if friction depends on the creepages of a prescribed force, iterates
-    /// until they agree.
+    /// Solves the contact, starting from a nearby solution if one is given.
     fn settled(
         &mut self,
         contact: &mut ContactSolver,
-        mut near: Option<Solution>,
+        near: Option<Solution>,
         inputs: &dyn Inputs,
     ) -> Result<Solved, StepError> {
-        let Case { driven, terms, footprint, .. } = &self.case;
-        let searched = driven.has_force() && terms.friction.follows_slip();
-        let first = near.as_ref().filter(|_| searched).map(|near| near.state.creepage);
-        let first = first.unwrap_or(driven.at(0.0).creepage);
-        let mut search = CreepageSearch::new(first, footprint.semi_axes[0]);
-        let mut spent = StepReport { substeps: 1, ..StepReport::default() };
-        loop {
-            contact.set_friction(&mut self.case, inputs, search.at())?;
-            let (answer, report, solution) = self.compute(contact, near, inputs)?;
-            spent.inner_iterations += report.inner_iterations;
-            spent.work += report.work;
-            if !searched || search.take(answer.creepage)? {
-                // Counted since the contact was reset.
-                spent.inner_iterations += contact.normal_iterations as u32;
-                return Ok((answer, spent, solution));
-            }
-            near = solution.map(|solution| Solution::new(solution.state));
-        }
+        let creepage = self.case.driven.at(0.0).creepage;
+        contact.set_friction(&self.case, inputs, creepage)?;
+        let (answer, mut report, solution) = self.compute(contact, near, inputs)?;
+        // Counted since the contact was reset.
+        report.inner_iterations += contact.normal_iterations as u32;
+        Ok((answer, report, solution))
     }
 
     fn compute(
@@ -168,7 +154,7 @@ impl Steady {
         let mut answer = match case.terms.adhesion {
             false => ContactFields::sliding(case, contact),
             true => {
-                let solution = contact.solve_settled(case, inputs, &driven, near, None)?;
+                let solution = contact.solve(case, inputs, &driven, near, None)?;
                 report.inner_iterations = solution.newton_steps as u32;
                 report.work = solution.operator_applications as u64;
                 let mut answer = ContactFields::partial(case, contact, &solution, None);

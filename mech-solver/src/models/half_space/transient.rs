@@ -253,7 +253,7 @@ impl Transient {
         let mut steady = ContactSolver::new(case, Motion::SteadyRolling).map_err(no_solution)?;
         let driven = case.driven;
         steady.set_friction(case, inputs, driven.at(0.0).creepage)?;
-        let solution = steady.solve_settled(case, inputs, &driven, None, None)?;
+        let solution = steady.solve(case, inputs, &driven, None, None)?;
         let start = &mut self.start;
         start.answer = ContactFields::partial(case, &steady, &solution, None);
         if let Some(power) = steady.numerical_dissipation(case, &solution.state) {
@@ -384,7 +384,7 @@ impl Transient {
             (Some(further), Some(_)) => further,
             _ => &mut self.contact,
         };
-        trial.solution = contact.solve_settled(case, inputs, &driven, near, Some(history))?;
+        trial.solution = contact.solve(case, inputs, &driven, near, Some(history))?;
         let shortfall = contact.shortfall;
         trial.answer =
             ContactFields::partial(case, contact, &trial.solution, Some(&before.traction));
@@ -507,7 +507,7 @@ impl Contact for Transient {
         self.follow(step, &window.memory)?;
         let creepage = self.case.driven.at(0.0).creepage;
         for contact in self.further.iter_mut().chain([&mut self.contact]) {
-            contact.set_friction(&mut self.case, inputs, creepage)?;
+            contact.set_friction(&self.case, inputs, creepage)?;
         }
         self.advance(&mut window, step.duration(), inputs)?;
         Ok(window)

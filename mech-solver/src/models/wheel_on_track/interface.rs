@@ -9,7 +9,7 @@ use crate::terms::bands::{At, Over};
 use crate::terms::friction::FrictionState;
 use half_space::aligned::AlignedGrid;
 use half_space::friction::ElementFriction;
-use half_space::slip_iteration::SlipStart;
+use half_space::slip_velocity::SlipStart;
 use proto::bodies::LOWER;
 use proto::grid::Structured;
 use proto::model::Inputs;
